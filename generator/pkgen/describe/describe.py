@@ -59,16 +59,7 @@ def described(
         ],
         "coordinates": list(_coordinates(compilation, given)),
         "states": list(_states(compilation, given)),
-        "rotations": [
-            {
-                "name": r.name,
-                "quaternion": list(r.quaternion),
-                "rates": list(r.rates),
-                "rate_unit": r.rate_unit,
-                "description": r.description,
-            }
-            for r in model.rotations
-        ],
+        "rotations": list(_rotations(compilation, given)),
         "outputs": [
             {
                 "name": q.name,
@@ -184,6 +175,21 @@ def _states(compilation: Compilation, given: Given) -> Iterator[dict[str, object
                 "description": quantity.description,
                 "value": _number(given["v"], flat),
             }
+
+
+def _rotations(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
+    indices = {q.name: k for k, *_, q in _flat(named.coordinates(compilation, rates=True))}
+    for r in compilation.declared.rotations:
+        found = [indices.get(name) for name in r.rates]
+        yield {
+            "name": r.name,
+            "quaternion": list(r.quaternion),
+            "rates": list(r.rates),
+            "rate_indices": found,
+            "rate_values": [None if k is None else _number(given["v"], k) for k in found],
+            "rate_unit": r.rate_unit,
+            "description": r.description,
+        }
 
 
 def _constants(compilation: Compilation) -> Iterator[dict[str, object]]:

@@ -12,13 +12,10 @@ const Drag = (() => {
     const list = model.description.coordinates
       .filter((c) => model.byKey.has("q" + c.index))
       .map((c) => ({ kind: "q", index: c.index, angle: c.unit === "rad" || c.periodic }));
-    const hidden = new Set();
-    (model.description.rotations || []).forEach((rotation, k) => {
-      for (const rate of rotation.rates)
-        for (const c of model.description.coordinates) if (c.rate === rate) hidden.add(c.index);
+    (model.description.rotations || []).forEach((_, k) => {
       for (let axis = 0; axis < 3; axis++) list.push({ kind: "r", rotation: k, axis, angle: true });
     });
-    return list.filter((x) => x.kind === "r" || !hidden.has(x.index));
+    return list;
   }
 
   const multiply = ([a, b, c, d], [e, f, g, h]) => [a * e - b * f - c * g - d * h,

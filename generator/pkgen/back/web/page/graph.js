@@ -19,35 +19,39 @@ const GraphView = (() => {
       g.clearRect(0, 0, width, height);
       this.drawn = [];
       if (!runs.length) return;
-      const columns = this.columns();
-      const profile = columns.length > CURVES;
-      const lines = profile ? this.profiles(runs, columns) : this.curves(runs, columns);
+      const entries = this.entries();
+      const profile = entries.length > CURVES;
+      const lines = profile ? this.profiles(runs, entries) : this.curves(runs, entries);
       const all = lines.flatMap((line) => line.points);
       this.frame(g, width, height, lines, all, profile);
     }
 
-    columns() {
+    /* Those of the drawing; without any, what the state has. */
+    entries() {
       const { model } = this.lab;
       const graph = model.shapes.find((shape) => shape.kind === "graph");
-      if (graph && graph.columns && graph.columns.length) return graph.columns;
-      return model.description.coordinates.map((c) => c.index);
+      const named = ((graph && graph.columns) || []).map((c) => model.byKey.get("q" + c)).filter(Boolean);
+      if (named.length) return named;
+      const all = PanelsTime.quantitiesOf(model);
+      const places = all.filter((e) => e.kind === "q");
+      return places.length ? places : all.slice(0, CURVES);
     }
 
-    profiles(runs, columns) {
+    profiles(runs, entries) {
       return runs.map(({ run, style }) => ({ run, style, colour: style.trail, name: "",
-        points: columns.map((c, k) => [k + 1, run.q[c]]) }));
+        points: entries.map((e, k) => [k + 1, run[e.kind][e.index]]) }));
     }
 
-    curves(runs, columns) {
+    curves(runs, entries) {
       const theme = Theme.now();
-      return runs.flatMap(({ run, style }) => columns.map((c, k) => {
+      return runs.flatMap(({ run, style }) => entries.map((e, k) => {
         const from = Math.max(0, run.recent.size - 1500);
+        const column = PanelsTime.columnOf(this.lab, e);
         const points = [];
         for (let i = from; i < run.recent.size; i++)
-          points.push([run.recent.get(i, 0), run.recent.get(i, 1 + c)]);
-        const coordinate = this.lab.model.description.coordinates.find((e) => e.index === c);
-        return { run, style, points, name: coordinate ? coordinate.name : "",
-          colour: runs.length > 1 || columns.length === 1 ? style.trail : theme.shapes[k % 4] };
+          points.push([run.recent.get(i, 0), run.recent.get(i, column)]);
+        return { run, style, points, name: e.name,
+          colour: runs.length > 1 || entries.length === 1 ? style.trail : theme.shapes[k % 4] };
       }));
     }
 

@@ -19,6 +19,14 @@ const Model = (() => {
     for (const s of description.states || [])
       list.push({ name: s.name, key: "v" + s.index, kind: "v", index: s.index, unit: s.unit,
         description: s.description, value: s.value, lo: null, hi: null, state: s });
+    /* The rates of a body are along its own axes: of no coordinate. */
+    for (const r of description.rotations || [])
+      (r.rate_indices || []).forEach((index, k) => {
+        if (index !== null)
+          list.push({ name: r.rates[k], key: "v" + index, kind: "v", index, unit: r.rate_unit,
+            description: `${r.name}: about the body's ${"xyz"[k]}`, value: r.rate_values[k],
+            lo: null, hi: null });
+      });
     return list;
   }
 

@@ -154,7 +154,7 @@ const PlaneView = (() => {
     }
 
     label(shape, at, radius) {
-      if (!shape.label || !this.style.labels) return;
+      if (!shape.label || shape.label.length > 24 || !this.style.labels) return;
       const { g } = this;
       g.fillStyle = Theme.now().soft;
       g.font = `italic 14px ${Theme.now().font}`;

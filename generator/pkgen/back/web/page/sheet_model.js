@@ -20,7 +20,7 @@ const SheetModel = (() => {
       list("Proved constant", d.constants.map((c) => [c.name,
         [c.why || { energy: "the Lagrangian does not name t", claim: "claimed and proved",
           momentum: "its coordinate is cyclic" }[c.kind] || "", Text.unit(c.unit)].filter(Boolean).join(", ")])),
-      list("Events", d.events.map((e) => [e.name, [`zero of it ${e.direction || ""}`.trim(),
+      list("Events", d.events.map((e) => [e.name, [{ 1: "rising through zero", "-1": "falling through zero" }[e.direction] || "through zero",
         e.stop ? "stops the run" : "", e.description].filter(Boolean).join("; ")])),
       list("Constraints", (d.constraints || []).map((c) => [c.name, c.holonomic ? "of places" : "of rates"])),
       list("Inputs", (d.inputs || []).map((u) => [u.name, [u.description, Text.unit(u.unit)].filter(Boolean).join(", ")])),

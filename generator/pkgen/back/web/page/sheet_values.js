@@ -96,8 +96,7 @@ const SheetValues = (() => {
     const turns = (model.description.rotations || []).flatMap((rotation, k) => ["x", "y", "z"]
       .map((axis) => ({ key: `r${k}${axis}`, kind: "r", name: `${rotation.name}.${axis}`, unit: "rad",
         description: `turned about ${axis}`, value: 0, lo: null, hi: null, periodic: true })));
-    const starts = model.list.filter((e) => e.kind !== "p" && !model.isQuaternion(e.name)
-      && !isHidden(model, e));
+    const starts = model.list.filter((e) => e.kind !== "p" && !model.isQuaternion(e.name));
     element.append(...[
       group("Parameters", model.list.filter((e) => e.kind === "p")),
       group("Start", [...starts, ...turns]),
@@ -111,15 +110,9 @@ const SheetValues = (() => {
 
     function refresh() {
       for (const one of rows) one();
-      all.disabled = lab.settings.values.size === 0;
+      all.hidden = lab.settings.values.size === 0;
     }
     return { refresh };
-  }
-
-  /* The coordinate of a body's rate has no meaning of its own. */
-  function isHidden(model, entry) {
-    if (entry.kind !== "q") return false;
-    return (model.description.rotations || []).some((r) => r.rates.includes(entry.coordinate.rate));
   }
 
   const written = (x) => String(Number(x.toPrecision(6)));
