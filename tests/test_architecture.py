@@ -29,7 +29,7 @@ middle/particles
 middle/derive
 middle/reduce middle/loops
 back
-back/c loop_proofs
+back/c back/web loop_proofs
 compiler
 run
 scenes

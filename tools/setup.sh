@@ -79,6 +79,11 @@ then
         say "not to be had here: libclang-rt-dev; make asan and make fuzz will leave out what wants it"
 fi
 
+# A browser for the tests of live pages; without, they are skipped.
+if [ -z "${PKGEN_PREFIX:-}" ] && ! command -v chromium >/dev/null; then
+    (apt_install chromium) 2>>"$log" || say "not to be had here: chromium; pages will not be tested"
+fi
+
 from_registry() {
     # Some Debian machines have python3 without venv and pip; those come from apt.
     command -v python3 >/dev/null || apt_install python3 python3-venv
