@@ -13,13 +13,12 @@ from . import values
 from .indices import Indices
 from .mismatch import Mismatch
 from .names import Facts, Names, Report
-from .scope import Scope
 
 Checked = tuple[Expr, Facts]
 
 
 class Checking:
-    """`Expressions` has the table of what `check` and `factor` do."""
+    """Parts are checked by `check` and `factor` of `Expressions`, which is made of all parts."""
 
     def __init__(
         self,
@@ -36,15 +35,14 @@ class Checking:
         self.indices = Indices(source, report, names, sizes)
         self.mismatch = Mismatch(source, report, names)
 
-    def check(self, expr: Expr, scope: Scope) -> Checked:
-        raise NotImplementedError
-
-    def factor(self, expr: Expr, scope: Scope) -> Checked:
-        raise NotImplementedError
-
-    def constant(self, expr: Expr, compute: Callable[[], Fraction | float]):
+    def constant(
+        self, expr: Expr, facts: list[Facts], compute: Callable, *more: object
+    ) -> Fraction | float | None:
+        """What it computes of the values of parts, if they are all known."""
+        if any(f.value is None for f in facts):
+            return None
         try:
-            return compute()
+            return compute([f.value for f in facts], *more)
         except values.NoValue as error:
             self.report.error(str(error), expr.span)
             return None

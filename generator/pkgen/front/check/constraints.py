@@ -16,17 +16,13 @@ from .. import units
 from ..table import STATEMENTS
 from ..units import Dimension, si_text
 from .names import UNKNOWN, Entry, Facts
-from .shared import Shared, name_span
+from .shared import Checks, name_span
 from .vectors import component, component_name
 
 
-class Constraints:
+class Constraints(Checks):
     """Statements into `m.Constraint`s, one for each component of a vector's, and names: NAME itself
     and lambda_NAME, of which outputs and events may use the second."""
-
-    def __init__(self, shared: Shared) -> None:
-        self.shared, self.expressions = shared, shared.expressions
-        self.report, self.names = shared.report, shared.names
 
     def equation(self, statement: st.Equation) -> None:
         """Reports sides that are not alike, in kind or unit, and what a constraint or a rolling
@@ -43,7 +39,7 @@ class Constraints:
         dimension = self.expressions.mismatch.common(
             sides, [f for _, f in parts], f"'{statement.keyword}'", numbers=True
         )
-        value, facts = self.expressions.operators.summed(difference, parts, dimension)
+        value, facts = self.expressions.summed(difference, parts, dimension)
         if facts.known and len(self.report.errors) == before:
             self._moves(statement, facts, difference.span)
         self.shared.use_inputs(facts)
@@ -56,7 +52,7 @@ class Constraints:
         if len(self.report.errors) > before or not facts.known:
             return
         for name, one in self._rows(left.name, value, bool(facts.vector)):
-            self.shared.parts["constraints"].append(
+            self.parts["constraints"].append(
                 m.Constraint(
                     name,
                     left.index,

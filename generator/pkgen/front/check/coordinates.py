@@ -8,26 +8,22 @@ from ...tree import Expr
 from .. import statements as st
 from .. import units
 from ..units import si_text
-from .expr import Target
 from .names import KIND_TEXT, Entry, Facts
 from .rotation_statements import Rotations
 from .scope import PLACES, Scope
-from .shared import Shared, described
+from .shared import Checks, Shared, as_is
 from .states import States
 
 
-class Coordinates:
+class Coordinates(Checks):
     def __init__(self, shared: Shared, states: States, rotations: Rotations) -> None:
-        self.shared = shared
+        super().__init__(shared)
         self.declared = {
             "coord": self._coordinate,
             "state": states.declare,
             "rotation": rotations.declare,
             "input": self._input,
         }
-        self.report, self.names = shared.report, shared.names
-        self.expressions, self.indices = shared.expressions, shared.indices
-        self.parts = shared.parts
         self.own_ends: dict[tuple[str, int | None], Span] = {}  # those given, with their place
 
     def declare(self, statement: st.Declare) -> None:
@@ -58,8 +54,8 @@ class Coordinates:
             m.Coordinate(
                 item.name,
                 found.family,
-                unit.shown if unit else si_text(found.dimension, found.angle),
-                si_text(units.over(found.dimension, time), found.angle),
+                found.unit,
+                found.rate_unit,
                 si_text(momentum),
                 description,
                 item.span,
@@ -104,9 +100,7 @@ class Coordinates:
             self._end(keyword, left, entry, value, statement)
 
     def _fixed_value(self, value: Expr, entry: Entry) -> Expr:
-        target = Target(
-            entry.facts.dimension, f"{entry.name} is {described(entry.facts)}", bare=True
-        )
+        target = as_is(entry.name, entry.facts.dimension)
         checked, facts = self.expressions.wanted(value, Scope(PLACES["fixed"]), target)
         for kind, names in (("coordinate", facts.coordinates), ("state", facts.states)):
             if not names:

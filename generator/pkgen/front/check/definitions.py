@@ -2,32 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 
 from ... import model as m
-from ...tree import Expr, Name, Negate, Quantity, children
+from ...tree import Expr, Name, Negate, Quantity, names
 from .. import statements as st
 from .. import units
 from ..table import STATEMENTS
 from ..units import NONE
 from ..words import C_HEADERS, reserved, symbols_of
-from .expr import Target
-from .names import UNKNOWN, Entry, Facts, Members, Names, joined
+from .names import UNKNOWN, Entry, Facts, Members, joined
 from .scope import PLACES, Scope
-from .shared import Shared, described, name_span
+from .shared import Checks, as_is, name_span
 from .vectors import by_component
 
 _UNKNOWN = "?"  # a bound that an error elsewhere hides; no name is written so
 
 
-class Definitions:
-    def __init__(self, shared: Shared) -> None:
-        self.shared = shared
-        self.report, self.names = shared.report, shared.names
-        self.expressions, self.indices = shared.expressions, shared.indices
-        self.parts = shared.parts
-
+class Definitions(Checks):
     def model(self, statement: st.Head) -> None:
         if self.parts["name"]:
             self.report.error("a file holds one model; this is the second 'model'", statement.span)
@@ -97,7 +91,7 @@ class Definitions:
             and len(self.report.errors) == before
         ):
             self.shared.sound.add(statement.span)
-        follows = facts.value is None and _mentions_parameter(value, self.names)
+        follows = facts.value is None and _mentions_parameter(value, self.names.table)
         self.parts["parameters"].append(
             m.Parameter(
                 left.name,
@@ -134,7 +128,7 @@ class Definitions:
                 at.span,
             )
             return None
-        target = Target(of.dimension, f"{name} is {described(of)}", bare=True)
+        target = as_is(name, of.dimension)
         value, facts = self.expressions.wanted(end, Scope(PLACES["bound"]), target)
         return value if facts.known else Name(_UNKNOWN, None, end.span)
 
@@ -251,14 +245,5 @@ def _declared(facts: Facts, with_unit: bool) -> Facts:
     )
 
 
-def _mentions_parameter(expr: Expr, names: Names) -> bool:
-
-    waiting = [expr]
-    while waiting:
-        part = waiting.pop()
-        if isinstance(part, Name):
-            entry = names.table.get(part.id)
-            if entry is not None and entry.kind == "parameter":
-                return True
-        waiting.extend(children(part))
-    return False
+def _mentions_parameter(expr: Expr, table: Mapping[str, Entry]) -> bool:
+    return any(name in table and table[name].kind == "parameter" for name in names(expr))

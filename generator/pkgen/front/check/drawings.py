@@ -14,18 +14,16 @@ from .. import statements as st
 from ..units import LENGTH, NONE, Dimension, described, over, si_text
 from .expr import Target
 from .scope import PLACES, Scope
-from .shared import Shared
+from .shared import Checks, Shared
 from .vectors import applied, component
 
 Parts = tuple[tuple[str, tuple[Expr, ...]], ...]
 ORIGIN = "O"
 
 
-class Drawings:
+class Drawings(Checks):
     def __init__(self, shared: Shared) -> None:
-        self.shared = shared
-        self.report, self.names = shared.report, shared.names
-        self.expressions, self.parts = shared.expressions, shared.parts
+        super().__init__(shared)
         self.length: Dimension | None = None  # of the first place
         self.first = 0  # its line
 

@@ -13,17 +13,14 @@ from .expr import Target
 from .names import UNKNOWN, Entry
 from .rotation_statements import Rotations
 from .scope import PLACES, Scope
-from .shared import Shared
+from .shared import Checks, Shared, as_is
 
 _DIRECTIONS = {"rising": 1, "falling": -1, "either": 0}
 
 
-class Dynamics:
+class Dynamics(Checks):
     def __init__(self, shared: Shared) -> None:
-        self.shared = shared
-        self.report, self.names = shared.report, shared.names
-        self.expressions, self.indices = shared.expressions, shared.indices
-        self.parts = shared.parts
+        super().__init__(shared)
         self.rotations = Rotations(shared)
 
     def energy(self, statement: st.Single) -> None:
@@ -70,14 +67,15 @@ class Dynamics:
     def force(self, statement: st.Define) -> None:
         left = statement.left
         kinds = ("coordinate", "rotation") if self.names.rotations else ("coordinate",)
-        entry = self.shared.named(left, "a force", kinds)
+        entry = self.names.table.get(left.name)
         if entry is not None and entry.kind == "rotation":
+            entry.used = True
             self.parts["forces"] += self.rotations.force(statement)
             return
-        scope = self.shared.member_scope(left, entry, Scope(PLACES["force"]))
-        if entry is None or scope is None or entry.facts.dimension is None:
-            self.expressions.check(statement.value, scope or Scope(PLACES["force"]))
+        found = self.shared.wanted_of(left, statement.value, "a force", kinds, "force")
+        if found is None:
             return
+        entry, scope = found
         dimension = units.over(self.expressions.energy_dimension, entry.facts.dimension)
         needs = {
             units.ENERGY: "a torque [N*m]",
@@ -124,9 +122,7 @@ class Dynamics:
         dimension = entry.facts.dimension
         if item.order and dimension is not None:
             dimension = units.over(dimension, self.expressions.time_dimension)
-        shown = left.name + "'" * item.order
-        kind = "" if dimension is None else units.described(dimension)
-        target = Target(dimension, f"{shown} is {kind}", bare=True)
+        target = as_is(left.name + "'" * item.order, dimension)
         value, _ = self.expressions.wanted(item.value, scope, target)
         return (m.Start(left.name, left.index, left.range, item.order, value, item.span),)
 

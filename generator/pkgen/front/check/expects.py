@@ -11,16 +11,16 @@ from ..units import NONE, Dimension
 from .names import Facts
 from .scope import PLACES, Scope
 from .settings import Settings
-from .shared import Shared
+from .shared import Checks, Shared
 from .vectors import component
 
 OF_RUN = frozenset(("drift", "time"))  # numbers that a whole run has
 
 
-class Expects:
+class Expects(Checks):
     def __init__(self, shared: Shared, settings: Settings) -> None:
-        self.shared, self.settings = shared, settings
-        self.report, self.expressions = shared.report, shared.expressions
+        super().__init__(shared)
+        self.settings = settings
 
     def check(self, clause: st.Expect) -> tuple[m.Expect, ...]:
         """One, of vectors one for each component, none after an error."""
@@ -100,7 +100,7 @@ class Expects:
         """The time, or the event."""
         if at is None:
             return None, ""
-        table = self.shared.names.table
+        table = self.names.table
         named = isinstance(at, Name) and at.index is None
         if named and (at.id not in table or table[at.id].kind == "event") and at.id != "pi":
             return None, self.settings.event(at, "expect")

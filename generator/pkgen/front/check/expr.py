@@ -7,32 +7,16 @@ fit anything, so that one mistake is reported once.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 from ...record import record
 from ...source import Span
-from ...tree import (
-    AXES,
-    Add,
-    Call,
-    Component,
-    Expr,
-    Multiply,
-    Name,
-    Negate,
-    Number,
-    Power,
-    Prime,
-    Quantity,
-    Sum,
-    Vector,
-)
+from ...tree import AXES, Add, Expr, Name, Negate, Number, Vector
 from .. import units
 from ..units import NONE, Dimension
 from .calls import Calls
-from .checking import Checked, Checking
-from .names import BUILT_IN, KIND_TEXT, UNKNOWN, Entry, Facts, Members, joined
+from .checking import Checked
+from .names import BUILT_IN, KIND_TEXT, UNKNOWN, Entry, Facts, Members, Wrong, joined
 from .operators import Operators
 from .scope import Place, Scope
 from .vectors import EXAMPLE, output_vector
@@ -48,28 +32,12 @@ class Target:
     bare: bool = False
 
 
-class Expressions(Checking):
-    """The table of what each class of expression means."""
+class Expressions(Operators, Calls):
+    """What each class of expression means, by a method that has its name."""
 
     def __init__(self, *given, lagrangian: bool) -> None:
         super().__init__(*given)
         self.lagrangian = lagrangian
-        self.operators = operators = Operators(self)
-        calls = Calls(self)
-        self._visit: dict[type, Callable[[Expr, Scope], Checked]] = {
-            Number: self._number,
-            Name: self._name,
-            Prime: operators.prime,
-            Component: operators.component,
-            Negate: operators.negate,
-            Add: operators.add,
-            Multiply: operators.multiply,
-            Power: operators.power,
-            Call: calls.call,
-            Sum: calls.sum,
-            Vector: calls.vector,
-            Quantity: calls.quantity,
-        }
 
     # entry points
 
@@ -86,7 +54,12 @@ class Expressions(Checking):
 
     def factor(self, expr: Expr, scope: Scope) -> Checked:
         """What may be a rotation too: of that the expression means nothing, its facts say all."""
-        return self._visit[type(expr)](expr, scope)
+        try:
+            return getattr(self, type(expr).__name__.lower())(expr, scope)
+        except Wrong as wrong:
+            if wrong.message:
+                self.report.error(wrong.message, wrong.span or expr.span, wrong.help)
+            return expr, UNKNOWN
 
     def wanted_vector(self, expr: Expr, scope: Scope, target: Target) -> Checked:
         """Checks a vector whose dimension is given; of one that is written out each item."""
@@ -111,16 +84,16 @@ class Expressions(Checking):
         """Checks an expression whose dimension is given; each term of a sum by itself."""
         if isinstance(expr, Add) and not target.bare:
             parts = [self.wanted(term, scope, target) for term in expr.terms]
-            return self.operators.summed(expr, parts, target.dimension)
+            return self.summed(expr, parts, target.dimension)
         if isinstance(expr, Negate):
             of, facts = self.wanted(expr.of, scope, target)
-            return self.operators.negated(expr, of, facts)
+            return self.negated(expr, of, facts)
         if isinstance(expr, Add):
             parts = [self.check(term, scope) for term in expr.terms]
             if not all(f.bare and f.dimension in (None, NONE) for _, f in parts):
                 for part, (_, facts) in zip(expr.terms, parts, strict=True):
                     self._against(part, facts, replace(target, bare=False), numbers=True)
-            return self.operators.summed(expr, parts, target.dimension)
+            return self.summed(expr, parts, target.dimension)
         new, facts = self.check(expr, scope)
         self._against(expr, facts, target, numbers=target.bare)
         return new, facts
@@ -139,23 +112,22 @@ class Expressions(Checking):
 
     # leaves
 
-    def _number(self, expr: Number, scope: Scope) -> Checked:
+    def number(self, expr: Number, scope: Scope) -> Checked:
         return expr, Facts(None if expr.value == 0 else NONE, False, expr.value, bare=True)
 
-    def _name(self, expr: Name, scope: Scope) -> Checked:
+    def name(self, expr: Name, scope: Scope) -> Checked:
         entry = self._entry(expr, scope)
         if entry is None:
             if expr.index is not None:
                 self.indices.valid(expr.index, scope)
-            return expr, UNKNOWN
+            raise Wrong
         entry.used = True
         if entry.kind == "poisoned":
-            return expr, UNKNOWN
+            raise Wrong
         if entry.kind not in scope.place.kinds:
-            self._forbidden(expr, entry, scope.place)
-            return expr, UNKNOWN
+            raise self._forbidden(expr, entry, scope.place)
         if not self.indices.member(expr, entry, scope):
-            return expr, UNKNOWN
+            raise Wrong
         if entry.kind in ("output", "built-in", "multiplier") and entry.facts.vector:
             return output_vector(expr), entry.facts
         return expr, entry.facts
@@ -219,7 +191,7 @@ class Expressions(Checking):
             self.names.reported.add(name)
             self.report.error(message, span, help)
 
-    def _forbidden(self, expr: Name, entry: Entry, place: Place) -> None:
+    def _forbidden(self, expr: Name, entry: Entry, place: Place) -> Wrong:
         if entry.kind == "output":
             help = f"define {expr.id} with 'let' to use it elsewhere"
         elif entry.kind == "built-in":
@@ -232,6 +204,4 @@ class Expressions(Checking):
             help = f"its multiplier is lambda_{expr.id}, in outputs and events"
         else:
             help = f"{place.what} may use {place.may_use}"
-        self.report.error(
-            f"'{expr.id}' is {KIND_TEXT[entry.kind]}: {place.what} cannot use it", expr.span, help
-        )
+        return Wrong(f"'{expr.id}' is {KIND_TEXT[entry.kind]}: {place.what} cannot use it", help)

@@ -6,27 +6,23 @@ from dataclasses import replace
 
 from ... import limits
 from ... import model as m
-from ...indices import integer
 from ...source import Span
 from ...tree import Expr, Name, Range, names
 from .. import statements as st
-from .. import units
 from .dynamics import Dynamics
-from .expr import Target
 from .names import KIND_TEXT, Entry, Members
 from .scope import DECLARED, PLACES, Scope
-from .shared import Shared, name_span
+from .shared import Checks, Shared, as_is, name_span
 
 Taken = dict[str, Members]  # of each coordinate the members; of a single one, 0
 
 
-class Given:
+class Given(Checks):
     """One for each scene, its clauses in their order, then `finish`."""
 
     def __init__(self, shared: Shared, dynamics: Dynamics, swarm: Range | None) -> None:
-        self.shared, self.dynamics = shared, dynamics
-        self.report, self.names = shared.report, shared.names
-        self.expressions, self.indices = shared.expressions, shared.indices
+        super().__init__(shared)
+        self.dynamics = dynamics
         self.assignments: list[m.Assignment] = []
         self.starts: list[m.Start] = []
         self.holds: list[m.Hold] = []
@@ -90,7 +86,7 @@ class Given:
                 self.wrong_start = True
                 continue
             self.starts += checked
-            taken = self._members(left)
+            taken = self.shared.members_of(left)
             if taken is None:
                 continue
             what = f"omega({left.name})" if item.function else left.name + "'" * item.order
@@ -118,7 +114,7 @@ class Given:
         scope = self.shared.member_scope(left, entry, Scope(PLACES["held"]))
         if scope is None:
             return None
-        taken = self._members(left)
+        taken = self.shared.members_of(left)
         if taken is not None:
             if self._touches(self.held, left.name, taken):
                 self.report.error(f"'{left.name}' is held already", left.span)
@@ -127,9 +123,7 @@ class Given:
             self.held.setdefault(left.name, Members()).add(*taken)
         new = None
         if value is not None:
-            dimension = entry.facts.dimension
-            kind = "" if dimension is None else units.described(dimension)
-            target = Target(dimension, f"{left.name} is {kind}", bare=True)
+            target = as_is(left.name, entry.facts.dimension)
             new, _ = self.expressions.wanted(value, scope, target)
         return m.Hold(left.name, left.index, left.range, new, left.span)
 
@@ -139,16 +133,6 @@ class Given:
             span,
             f"say where it is held: hold {name} = …",
         )
-
-    def _members(self, left: st.Left) -> tuple[int, int] | None:
-        """Which members a left side means; None after an error, 0..0 of what is no family."""
-        if left.range is not None:
-            lo, hi = (integer(end, self.shared.sizes) for end in (left.range.lo, left.range.hi))
-            return (lo, hi) if lo <= hi else None
-        if left.index is None:
-            return 0, 0
-        index = integer(left.index, self.shared.sizes)
-        return index, index
 
     def _once(self, name: str, what: str, members: tuple[int, int], span: Span) -> None:
         """A member's value may override its family's, but no value may be wholly overridden."""
@@ -185,11 +169,9 @@ class Given:
         named = Name(left.name, index, left.span)
         if not self.indices.member(named, entry, replace(scope, name="=")):
             return None
-        dimension = entry.facts.dimension
-        kind = "" if dimension is None else units.described(dimension)
-        target = Target(dimension, f"{left.name} is {kind}", bare=True)
+        target = as_is(left.name, entry.facts.dimension)
         new, facts = self.expressions.wanted(value, scope, target)
-        taken = self._members(left)
+        taken = self.shared.members_of(left)
         if taken is not None:
             self._once(left.name, "set", taken, left.span)
         return m.Assignment(left.name, left.index, left.range, new, facts.time, left.span)
@@ -241,7 +223,7 @@ class Given:
     def _holds_all(self) -> bool:
         if self.names.rotations:  # which nothing holds
             return False
-        for coordinate in (*self.shared.parts["coordinates"], *self.shared.parts["states"]):
+        for coordinate in (*self.parts["coordinates"], *self.parts["states"]):
             whole = (0, 0) if coordinate.range is None else self.shared.range_of(coordinate.name)
             held = self.held.get(coordinate.name)
             if held is None or not held.hold(*whole):

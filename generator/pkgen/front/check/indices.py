@@ -12,7 +12,7 @@ from dataclasses import replace
 from ... import limits
 from ...indices import NotAnInteger, integer
 from ...source import Source, Span
-from ...tree import Expr, Name, Range, children
+from ...tree import Expr, Name, Range, within
 from .loops import Loop, at_text, bound, first_outside, intervals, points
 from .names import Entry, Names, Report
 from .scope import PLACES, Scope
@@ -48,10 +48,8 @@ class Indices:
         return {**self.sizes, **{x.range.variable: x.interval[0] for x in scope.loops}}
 
     def _names_known(self, index: Expr, scope: Scope) -> bool:
-        known, waiting = True, [index]
-        while waiting:
-            expr = waiting.pop()
-            waiting.extend(children(expr))
+        known = True
+        for expr in within(index):
             if not isinstance(expr, Name) or expr.id in scope.variables:
                 continue
             entry = self.names.table.get(expr.id)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from ...source import Source
-from ...tree import Add, Expr, Name, Quantity, children
+from ...tree import Add, Expr, Name, Quantity, within
 from .. import units
 from ..units import NONE, Dimension, described, si_text
 from .names import Entry, Facts, Names, Report
@@ -167,10 +167,6 @@ def _inverse(a: Dimension) -> Dimension:
 
 
 def _names(expr: Expr) -> list[str]:
-    found, waiting = [], [expr]
-    while waiting:
-        part = waiting.pop()
-        if isinstance(part, Name):
-            found.append(part.id)
-        waiting.extend(reversed(children(part)))
-    return found
+    """In the order in which they are written."""
+    places = {part.span.start: part.id for part in within(expr) if isinstance(part, Name)}
+    return [places[start] for start in sorted(places)]

@@ -75,43 +75,24 @@ UNKNOWN = Facts(None, None, known=False)
 
 def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts]) -> Facts:
     """The facts of an expression made of `parts`, its value not yet known."""
-    coordinates, rates, inputs = NOTHING, NOTHING, NO_INPUTS
-    states, state_rates = NOTHING, NOTHING
-    bare, united, known, time, rough, accelerations = True, False, True, False, "", False
+    found = Facts(dimension, vector, bare=True)
     for part in parts:
-        bare &= part.bare
-        united |= part.united
-        known &= part.known
-        time |= part.time
-        rough = rough or part.rough
-        accelerations |= part.accelerations
+        found.bare &= part.bare
+        found.united |= part.united
+        found.known &= part.known
+        found.time |= part.time
+        found.rough = found.rough or part.rough
+        found.accelerations |= part.accelerations
         if part.coordinates:
-            coordinates = coordinates | part.coordinates if coordinates else part.coordinates
-        if part.rates:
-            rates = rates | part.rates if rates else part.rates
+            found.coordinates |= part.coordinates
+            found.rates |= part.rates
         if part.states:
-            states = states | part.states if states else part.states
-            state_rates = state_rates | part.state_rates
+            found.states |= part.states
+            found.state_rates |= part.state_rates
         if part.inputs:
-            inputs = {
-                n: max(inputs.get(n, 0), part.inputs.get(n, 0)) for n in (*inputs, *part.inputs)
-            }
-    return Facts(
-        dimension,
-        vector,
-        None,
-        bare,
-        united,
-        known,
-        time,
-        coordinates,
-        rates,
-        inputs,
-        states,
-        state_rates,
-        rough,
-        accelerations=accelerations,
-    )
+            both = (*found.inputs, *part.inputs)
+            found.inputs = {n: max(found.inputs.get(n, 0), part.inputs.get(n, 0)) for n in both}
+    return found
 
 
 class Members:
@@ -180,6 +161,14 @@ KIND_TEXT = {
     "time": "the time",
     "built-in": "built in",
 }
+
+
+class Wrong(Exception):
+    """What is wrong with the expression at hand, or the part of it at `span`; without a message it
+    has been said already. Nothing is known of it then."""
+
+    def __init__(self, message: str = "", help: str = "", span: Span | None = None) -> None:
+        self.message, self.help, self.span = message, help, span
 
 
 class Report:

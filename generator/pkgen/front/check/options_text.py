@@ -21,10 +21,11 @@ from ..lexer import statements
 from ..parse import measure, parser
 from ..parse_errors import explain
 from ..read import from_text
-from ..units import NONE, described, parse_unit
-from .expr import Expressions, Target
+from ..units import NONE, parse_unit
+from .expr import Expressions
 from .names import Entry, Facts, Names, Report
 from .scope import PLACES, Scope
+from .shared import as_is
 from .values import NoValue, checked, evaluate
 
 _LONGEST = 1_000  # characters of one option
@@ -78,7 +79,7 @@ def quantity(
         facts = Facts(NONE, False, Fraction(value), bare=True)
         names.table[size] = Entry(size, "size", facts, Span(0, 0))
     expressions = Expressions(source, report, names, dict(values), dimensionless, lagrangian=False)
-    target = Target(dimension, f"{name} is {described(dimension)}", bare=True)
+    target = as_is(name, dimension)
     expr, _ = expressions.wanted(setting.value, Scope(PLACES["option"]), target)
     if report.errors:
         raise OptionError(source, report.errors[0])

@@ -18,17 +18,13 @@ from .expr import Target
 from .names import Entry, Facts
 from .rotations import attitude, quaternion_names, quaternion_of, rate_names, turn_names
 from .scope import PLACES, Scope
-from .shared import Shared
+from .shared import Checks
 from .vectors import component
 
 TURNS = 5  # of a start: more are more terms than anyone writes
 
 
-class Rotations:
-    def __init__(self, shared: Shared) -> None:
-        self.shared, self.expressions = shared, shared.expressions
-        self.report, self.names = shared.report, shared.names
-
+class Rotations(Checks):
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
         """`rotation NAME`; a unit or a range is reported, so that `unit` is of no use here."""
         if item.unit is not None:
@@ -47,7 +43,7 @@ class Rotations:
         self.names.declare(Entry(item.name, "rotation", facts, item.name_span))
         time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
         per_time, action = units.over(NONE, time), units.times(energy, time)
-        self.shared.parts["rotations"].append(
+        self.parts["rotations"].append(
             m.Rotation(
                 item.name,
                 quaternion_names(item.name),

@@ -17,10 +17,8 @@ from ...tree import AXES, Add, Call, Component, Expr, Multiply, Name, Negate, Nu
 from .. import units
 from ..units import NONE
 from .checking import Checked, Checking
-from .names import UNKNOWN, Facts, Turn, Turns, joined
+from .names import Facts, Turn, Turns, Wrong, joined
 from .vectors import EXAMPLE, applied, component
-
-_UNIT = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 
 
 def quaternion_names(rotation: str) -> tuple[str, ...]:
@@ -78,128 +76,96 @@ def _product(a: tuple[Expr, ...], b: tuple[Expr, ...], times, span: Span) -> tup
     )
 
 
-class RotationCalls:
-    """`x` checks the arguments."""
-
-    def __init__(self, x: Checking) -> None:
-        self.x, self.report, self.mismatch = x, x.report, x.mismatch
-        self._of = {
-            "rot": self._rot,
-            "inverse": self._inverse,
-            "omega": self._omega,
-            "euler": self._euler,
-            "tait_bryan": self._tait_bryan,
-        }
-
-    def call(self, expr: Call, parts: list[Checked]) -> Checked:
-        """The call with its arguments, which are checked already. What is wrong is reported, and
-        UNKNOWN; of a rotation the `turns` of the facts are what counts, not the expression."""
-        if expr.function != "rot":
-            if len(parts) != 1:
-                message = f"{expr.function} takes one rotation, not {len(parts)} arguments"
-                self.report.error(message, expr.span, f"e.g. {expr.function}(R)")
-                return expr, UNKNOWN
-            ((argument, facts),) = parts
-            if not facts.turns:
-                if facts.known:
-                    self.report.error(
-                        f"{expr.function} takes a rotation, {self.mismatch.text(argument)} is none",
-                        expr.arguments[0].span,
-                        "declare one: rotation R; or make one of an axis and an angle: rot(n, a)",
-                    )
-                return expr, UNKNOWN
-        return self._of[expr.function](expr, parts)
+class RotationCalls(Checking):
+    def rotation_call(self, expr: Call, parts: list[Checked]) -> Checked:
+        """The call with its arguments, which are checked already. Of a rotation the `turns` of the
+        facts are what counts, not the expression."""
+        if expr.function == "rot":
+            return self._rot(expr, parts)
+        if len(parts) != 1:
+            message = f"{expr.function} takes one rotation, not {len(parts)} arguments"
+            raise Wrong(message, f"e.g. {expr.function}(R)")
+        ((argument, facts),) = parts
+        if not facts.known:
+            raise Wrong
+        if not facts.turns:
+            raise Wrong(
+                f"{expr.function} takes a rotation, {self.mismatch.text(argument)} is none",
+                "declare one: rotation R; or make one of an axis and an angle: rot(n, a)",
+                expr.arguments[0].span,
+            )
+        if expr.function == "inverse":
+            return expr, replace(facts, turns=_inverse(facts.turns))
+        if expr.function == "omega":
+            return self._omega(expr, facts)
+        angles = {"euler": _euler, "tait_bryan": _tait_bryan}[expr.function]
+        found = Vector(angles(facts.turns, expr.span), expr.span)
+        return found, replace(joined(NONE, True, [facts]), united=True)
 
     def _rot(self, expr: Call, parts: list[Checked]) -> Checked:
         if len(parts) != 2:
-            self.report.error(
-                f"rot takes an axis and an angle, not {len(parts)} arguments",
-                expr.span,
-                f"e.g. {EXAMPLE}",
-            )
-            return expr, UNKNOWN
+            message = f"rot takes an axis and an angle, not {len(parts)} arguments"
+            raise Wrong(message, f"e.g. {EXAMPLE}")
         (axis, of_axis), (angle, of_angle) = parts
         if of_axis.turns or of_axis.vector is False:
             what = "rotation" if of_axis.turns else "number"
-            self.report.error(
+            raise Wrong(
                 f"the axis of a rotation is a vector, {self.mismatch.text(axis)} is a {what}",
-                expr.arguments[0].span,
                 f"e.g. {EXAMPLE}",
+                expr.arguments[0].span,
             )
-        elif of_angle.turns or of_angle.vector:
+        if of_angle.turns or of_angle.vector:
             what = "rotation" if of_angle.turns else "vector"
-            self.report.error(
-                f"the angle of a rotation is a number, {self.mismatch.text(angle)} is a {what}",
-                expr.arguments[1].span,
-            )
-        else:
-            if of_angle.dimension not in (None, NONE):
-                self.mismatch.argument("rot", expr.arguments[1], of_angle)
-            if not (of_axis.known and of_angle.known):
-                return expr, UNKNOWN
-            turn = Turn(axis, angle)
-            return expr, replace(joined(NONE, True, [of_axis, of_angle]), turns=(turn,))
-        return expr, UNKNOWN
+            text = self.mismatch.text(angle)
+            message = f"the angle of a rotation is a number, {text} is a {what}"
+            raise Wrong(message, span=expr.arguments[1].span)
+        if of_angle.dimension not in (None, NONE):
+            self.mismatch.argument("rot", expr.arguments[1], of_angle)
+        if not (of_axis.known and of_angle.known):
+            raise Wrong
+        turn = Turn(axis, angle)
+        return expr, replace(joined(NONE, True, [of_axis, of_angle]), turns=(turn,))
 
-    def _inverse(self, expr: Call, parts: list[Checked]) -> Checked:
-        facts = parts[0][1]
-        return expr, replace(facts, turns=tuple(map(_backwards, reversed(facts.turns))))
-
-    def _omega(self, expr: Call, parts: list[Checked]) -> Checked:
+    def _omega(self, expr: Call, facts: Facts) -> Checked:
         """The rates of the body frame, of a declared rotation alone."""
-        facts = parts[0][1]
         name = facts.turns[0].name if len(facts.turns) == 1 else ""
         if not name:
-            self.report.error(
-                "omega takes the name of a rotation",
-                expr.arguments[0].span,
-                _of_no_name(facts.turns),
-            )
-            return expr, UNKNOWN
-        names = (Name(rate, None, expr.span) for rate in rate_names(name))
-        rates = Facts(
-            units.over(NONE, self.x.time_dimension),
-            True,
-            united=True,
-            coordinates=facts.coordinates,
-            rates=facts.coordinates,
-        )
-        return Vector(tuple(names), expr.span), rates
+            help, at = _of_no_name(facts.turns), expr.arguments[0].span
+            raise Wrong("omega takes the name of a rotation", help, at)
+        names = tuple(Name(rate, None, expr.span) for rate in rate_names(name))
+        per_time, own = units.over(NONE, self.time_dimension), facts.coordinates
+        facts = Facts(per_time, True, united=True, coordinates=own, rates=own)
+        return Vector(names, expr.span), facts
 
-    def _euler(self, expr: Call, parts: list[Checked]) -> Checked:
-        """[phi, theta, psi] of rot(z, phi)*rot(x, theta)*rot(z, psi); theta from 0 to pi."""
-        z, bottom = self._column(expr, parts, "z"), self._row(expr, parts, "z")
-        phi = _atan2(z[0], Negate(z[1], expr.span))
-        theta = _atan2(_length(z[0], z[1]), z[2])
-        psi = _atan2(bottom[0], bottom[1])
-        return self._angles(expr, parts, phi, theta, psi)
 
-    def _tait_bryan(self, expr: Call, parts: list[Checked]) -> Checked:
-        """[yaw, pitch, roll] of rot(z, yaw)*rot(y, pitch)*rot(x, roll), pitch within a right
-        angle."""
-        x, bottom = self._column(expr, parts, "x"), self._row(expr, parts, "z")
-        yaw = _atan2(x[1], x[0])
-        pitch = _atan2(Negate(x[2], expr.span), _length(x[0], x[1]))
-        roll = _atan2(bottom[1], bottom[2])
-        return self._angles(expr, parts, yaw, pitch, roll)
+def _euler(turns: Turns, span: Span) -> tuple[Expr, ...]:
+    """[phi, theta, psi] of rot(z, phi)*rot(x, theta)*rot(z, psi); theta from 0 to pi."""
+    z, bottom = _column(turns, "z", span), _column(_inverse(turns), "z", span)
+    phi = _atan2(z[0], Negate(z[1], span))
+    theta = _atan2(_length(z[0], z[1]), z[2])
+    psi = _atan2(bottom[0], bottom[1])
+    return phi, theta, psi
 
-    def _angles(self, expr: Call, parts: list[Checked], *angles: Expr) -> Checked:
-        facts = parts[0][1]
-        return Vector(angles, expr.span), replace(joined(NONE, True, [facts]), united=True)
 
-    def _column(self, expr: Call, parts: list[Checked], axis: str) -> list[Expr]:
-        """Of the matrix of the rotation: where it takes a unit vector of the body."""
-        return self._parts(parts[0][1].turns, axis, expr.span)
+def _tait_bryan(turns: Turns, span: Span) -> tuple[Expr, ...]:
+    """[yaw, pitch, roll] of rot(z, yaw)*rot(y, pitch)*rot(x, roll), pitch within a right angle."""
+    x, bottom = _column(turns, "x", span), _column(_inverse(turns), "z", span)
+    yaw = _atan2(x[1], x[0])
+    pitch = _atan2(Negate(x[2], span), _length(x[0], x[1]))
+    roll = _atan2(bottom[1], bottom[2])
+    return yaw, pitch, roll
 
-    def _row(self, expr: Call, parts: list[Checked], axis: str) -> list[Expr]:
-        backwards = tuple(map(_backwards, reversed(parts[0][1].turns)))
-        return self._parts(backwards, axis, expr.span)
 
-    @staticmethod
-    def _parts(turns: Turns, axis: str, span: Span) -> list[Expr]:
-        unit = Vector(tuple(Number(Fraction(n), span) for n in _UNIT[axis]), span)
-        whole = applied(turns, unit, span)
-        return [Component(whole, k, span) for k in range(len(AXES))]
+def _column(turns: Turns, axis: str, span: Span) -> list[Expr]:
+    """Of the matrix of a rotation: where it takes a unit vector of the body. Those of the inverse
+    are the rows."""
+    unit = Vector(tuple(Number(Fraction(int(axis == x)), span) for x in AXES), span)
+    whole = applied(turns, unit, span)
+    return [Component(whole, k, span) for k in range(len(AXES))]
+
+
+def _inverse(turns: Turns) -> Turns:
+    return tuple(map(_backwards, reversed(turns)))
 
 
 def _of_no_name(turns: Turns) -> str:

@@ -22,14 +22,14 @@ from .given import Given
 from .rotations import quaternion_names
 from .scope import PLACES, Scope
 from .settings import Settings
-from .shared import Shared
+from .shared import Checks, Shared
 from .vectors import by_component, component_name
 
 
-class Scenes:
+class Scenes(Checks):
     def __init__(self, shared: Shared, dynamics: Dynamics) -> None:
-        self.shared, self.dynamics = shared, dynamics
-        self.report, self.expressions = shared.report, shared.expressions
+        super().__init__(shared)
+        self.dynamics = dynamics
         self.settings = Settings(shared)
         self.expects = Expects(shared, self.settings)
 
@@ -37,7 +37,7 @@ class Scenes:
         """Its clauses are checked when all names are known."""
 
     def check(self, scene: st.Scene) -> None:
-        if any(s.name == scene.name for s in self.shared.parts["scenes"]):
+        if any(s.name == scene.name for s in self.parts["scenes"]):
             self.report.error(f"there is a scene '{scene.name}' already", scene.name_span)
         if not scene.clauses:
             self.report.error(
@@ -51,7 +51,7 @@ class Scenes:
         one = _Scene(self, Given(self.shared, self.dynamics, swarms[0].range if swarms else None))
         for clause in scene.clauses:
             one.clause(clause)
-        self.shared.parts["scenes"].append(one.made(scene))
+        self.parts["scenes"].append(one.made(scene))
 
     def second(self, keyword: str, span: Span) -> None:
         self.report.error(f"a scene has one '{keyword}'; this is the second", span)

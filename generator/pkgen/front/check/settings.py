@@ -9,26 +9,21 @@ from ...tree import Expr, Name
 from .. import statements as st
 from .. import units
 from ..units import NONE
-from .expr import Checked, Target
+from .expr import Checked
 from .names import KIND_TEXT
 from .scope import PLACES, Scope
-from .shared import Shared
+from .shared import Checks, as_is
 
 # What a result can be exact to in double precision, its own rounding and that of its formula.
 FINEST = 2.0**-51
 
 
-class Settings:
-    def __init__(self, shared: Shared) -> None:
-        self.shared, self.report = shared, shared.report
-        self.names, self.expressions = shared.names, shared.expressions
-
+class Settings(Checks):
     def setting(
         self, name: str, value: Expr, dimension: units.Dimension, place: str = "setting"
     ) -> Checked:
-        scope = Scope(PLACES[place])
-        target = Target(dimension, f"'{name}' is {units.described(dimension)}", bare=True)
-        return self.expressions.wanted(value, scope, target)
+        target = as_is(f"'{name}'", dimension)
+        return self.expressions.wanted(value, Scope(PLACES[place]), target)
 
     def time(self, name: str, value: Expr | None) -> Expr | None:
         """In a model without units a time may have its unit all the same."""
@@ -82,7 +77,7 @@ class Settings:
 
     def event(self, at: Expr, clause: str) -> str:
         """The name of an event, "" after an error."""
-        events = {e.name for e in self.shared.parts["events"]}
+        events = {e.name for e in self.parts["events"]}
         if isinstance(at, Name) and at.index is None and at.id in events:
             return at.id
         if isinstance(at, Name) and self.names.table.get(at.id) is None:

@@ -13,20 +13,30 @@ from .. import statements as st
 from .. import units
 from ..table import STATEMENTS
 from ..units import NONE, Dimension, si_text
-from ..units import described as described_dimension
-from .expr import Expressions
+from .expr import Expressions, Target
 from .names import KIND_TEXT, UNKNOWN, Entry, Facts, Members, Names, Report
 from .scope import PLACES, Scope
 
 
 @record
 class Variable:
-    """What was declared: its family, its unit, and whether the name was free."""
+    """What was declared: its family, its dimension, how that and its rate's is shown, and whether
+    the name was free."""
 
     family: Range | None
     dimension: Dimension
-    angle: int
+    unit: str
+    rate_unit: str
     new: bool
+
+
+class Checks:
+    """A part of the check of statements."""
+
+    def __init__(self, shared: Shared) -> None:
+        self.shared, self.parts = shared, shared.parts
+        self.report, self.names = shared.report, shared.names
+        self.expressions, self.indices = shared.expressions, shared.indices
 
 
 class Shared:
@@ -86,32 +96,46 @@ class Shared:
                 f"e.g. param {name}[i = 1..N] = …",
             )
 
-    def family(
-        self, item: st.Declared
-    ) -> tuple[tuple[int, int] | None, Members | None, Range | None] | None:
-        """The ends, members and range of what is declared, all None of what is no family; None
-        after an error."""
-        if item.lo is None:
-            return None, None, None
-        ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))
-        if ends is None:
-            self.names.declare(Entry(item.name, "poisoned", UNKNOWN, item.name_span))
-            return None
-        return ends, Members(ends), Range("i", item.lo, item.hi, item.span)
-
     def variable(
         self, item: st.Declared, unit: units.Unit | None, kind: str, **own: frozenset[str]
     ) -> Variable | None:
-        """Declare a coordinate or a state; `own` is the member of its facts that has its name."""
-        found = self.family(item)
-        if found is None:
-            return None
-        ends, members, family = found
+        """Declare a coordinate or a state; `own` is the member of its facts that has its name. None
+        after an error."""
+        ends = members = family = None
+        if item.lo is not None:
+            ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))
+            if ends is None:
+                self.names.declare(Entry(item.name, "poisoned", UNKNOWN, item.name_span))
+                return None
+            members, family = Members(ends), Range("i", item.lo, item.hi, item.span)
         dimension = None if unit is None else unit.dimension
         united = dimension is not None and unit is not units.ONE
         facts = Facts(dimension, united=united, known=unit is not None, **own)
         new = self.names.declare(Entry(item.name, kind, facts, item.name_span, members, ends))
-        return Variable(family, dimension or NONE, 0 if unit is None else unit.angle, new)
+        unit = unit or units.ONE
+        per_time = units.over(unit.dimension, self.expressions.time_dimension)
+        rate_unit = si_text(per_time, unit.angle)
+        return Variable(family, unit.dimension, unit.shown, rate_unit, new)
+
+    def members_of(self, left: st.Left) -> tuple[int, int] | None:
+        """Which members a left side means; None of none, 0..0 of what is no family."""
+        if left.range is not None:
+            lo, hi = (integer(end, self.sizes) for end in (left.range.lo, left.range.hi))
+            return (lo, hi) if lo <= hi else None
+        index = 0 if left.index is None else integer(left.index, self.sizes)
+        return index, index
+
+    def wanted_of(
+        self, left: st.Left, value: Expr, what: str, kinds: tuple[str, ...], place: str
+    ) -> tuple[Entry, Scope] | None:
+        """The entry and the scope of `what`, which is for `kinds`; None after an error, the value
+        then being checked by itself."""
+        entry = self.named(left, what, kinds)
+        scope = self.member_scope(left, entry, Scope(PLACES[place]))
+        if entry is not None and scope is not None and entry.facts.dimension is not None:
+            return entry, scope
+        self.expressions.check(value, scope or Scope(PLACES[place]))
+        return None
 
     def named(
         self, left: st.Left, what: str, kinds: tuple[str, ...] = ("coordinate",)
@@ -213,5 +237,7 @@ def _nearest(name: str, known: list[str], noun: str) -> str:
     return f"the {nouns}s are: {', '.join(known[:12])}" if known else ""
 
 
-def described(facts: Facts) -> str:
-    return "" if facts.dimension is None else described_dimension(facts.dimension)
+def as_is(name: str, dimension: Dimension | None) -> Target:
+    """What a value of a name must be; without a unit it is in SI."""
+    is_ = "" if dimension is None else units.described(dimension)
+    return Target(dimension, f"{name} is {is_}", bare=True)

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from ... import model as m
-from ...indices import integer
 from .. import statements as st
 from .. import units
 from ..units import NONE, si_text
 from .expr import Target
 from .names import Members
-from .scope import PLACES, Scope
-from .shared import Shared
+from .shared import Checks, Shared
 
 
-class States:
+class States(Checks):
     def __init__(self, shared: Shared) -> None:
-        self.shared = shared
-        self.report, self.names = shared.report, shared.names
-        self.expressions = shared.expressions
+        super().__init__(shared)
         self.given: dict[str, Members] = {}  # of each state the members that have a rate
         self.wrong: set[str] = set()  # states of which nobody knows what rates they have
 
@@ -27,40 +23,32 @@ class States:
             return
         if not found.new:
             self.wrong.add(item.name)
-        per_time = units.over(found.dimension, self.expressions.time_dimension)
-        own = unit.shown if unit else si_text(found.dimension, found.angle)
-        shown = own, si_text(per_time, found.angle)
-        self.shared.parts["states"].append(
+        shown = found.unit, found.rate_unit
+        self.parts["states"].append(
             m.State(item.name, found.family, *shown, description, item.span)
         )
 
     def rate(self, statement: st.Define) -> None:
-        left, scope = statement.left, Scope(PLACES["rate"])
-        entry = self.shared.named(left, "a rate", ("state",))
-        scope = self.shared.member_scope(left, entry, scope)
-        if entry is None or scope is None or entry.facts.dimension is None:
+        left = statement.left
+        found = self.shared.wanted_of(left, statement.value, "a rate", ("state",), "rate")
+        if found is None:
             self.wrong.add(left.name)
-            self.expressions.check(statement.value, scope or Scope(PLACES["rate"]))
             return
+        entry, scope = found
         self._once(statement)
         dimension = units.over(entry.facts.dimension, self.expressions.time_dimension)
         needs = "a number" if dimension == NONE else f"[{si_text(dimension)}]"
         target = Target(dimension, f"the rate of {left.name} needs {needs}")
         value, facts = self.expressions.wanted(statement.value, scope, target)
         self.shared.use_inputs(facts)
-        self.shared.parts["rates"].append(
-            m.Rate(left.name, left.index, left.range, value, statement.span)
-        )
+        self.parts["rates"].append(m.Rate(left.name, left.index, left.range, value, statement.span))
 
     def _once(self, statement: st.Define) -> None:
-        left, sizes = statement.left, self.shared.sizes
-        lo = hi = 0
-        if left.range is not None:
-            lo, hi = (integer(end, sizes) for end in (left.range.lo, left.range.hi))
-        elif left.index is not None:
-            lo = hi = integer(left.index, sizes)
-        if lo > hi:  # a family of none
+        left = statement.left
+        members = self.shared.members_of(left)
+        if members is None:
             return
+        lo, hi = members
         given = self.given.setdefault(left.name, Members())
         if given.touch(lo, hi):
             what = f"'{left.name}'"
@@ -73,7 +61,7 @@ class States:
 
     def finish(self) -> None:
         """No state is left without a rate."""
-        for state in self.shared.parts["states"]:
+        for state in self.parts["states"]:
             if state.name in self.wrong:
                 continue
             given = self.given.get(state.name, Members())

@@ -13,7 +13,7 @@ from dataclasses import replace
 from ...model import Definition
 from ...source import Span
 from ...tree import AXES, COMPONENTS, Call, Component, Expr, Multiply, Name, Sum, Vector
-from .names import Facts, Report, Turns
+from .names import Facts, Turns, Wrong
 
 EXAMPLE = "rot([0, 0, 1], angle)*r"
 
@@ -45,40 +45,29 @@ def output_vector(expr: Name) -> Vector:
     return Vector(tuple(names), expr.span)
 
 
-def turned(expr: Multiply, factors: list[Expr], facts: list[Facts], report: Report) -> Expr | None:
+def turned(expr: Multiply, factors: list[Expr], facts: list[Facts]) -> Expr | None:
     """A product in which there are rotations, or, where they turn nothing, a rotation: None, its
-    turns being those of `turns_of`. Raises ValueError where it is neither, said already."""
+    turns being those of `turns_of`. Raises Wrong where it is neither."""
     last = max(i for i, f in enumerate(facts) if f.turns)
     vectors = [i for i, f in enumerate(facts) if f.vector and not f.turns]
     numbers = [i for i, f in enumerate(facts) if not f.vector and not f.turns]
     under = next((i for i, f in enumerate(facts) if f.turns and expr.exponents[i] < 0), None)
     if under is not None:
-        report.error(
-            "division by a rotation",
-            expr.factors[under].span,
-            "its inverse is inverse(R)",
-        )
-    elif vectors and vectors[0] < last:
-        report.error(
-            "a rotation stands before the vector that it turns",
-            expr.factors[vectors[0]].span,
-            f"e.g. {EXAMPLE}",
-        )
-    elif numbers and not vectors:
-        report.error(
-            "a rotation is not multiplied by a number",
-            expr.factors[numbers[0]].span,
-            f"it turns a vector: {EXAMPLE}",
-        )
-    elif not vectors:
+        at = expr.factors[under].span
+        raise Wrong("division by a rotation", "its inverse is inverse(R)", at)
+    if vectors and vectors[0] < last:
+        at = expr.factors[vectors[0]].span
+        raise Wrong("a rotation stands before the vector that it turns", f"e.g. {EXAMPLE}", at)
+    if numbers and not vectors:
+        at, help = expr.factors[numbers[0]].span, f"it turns a vector: {EXAMPLE}"
+        raise Wrong("a rotation is not multiplied by a number", help, at)
+    if not vectors:
         return None
-    else:
-        vector = applied(turns_of(facts), factors[vectors[0]], expr.span)
-        left = [i for i in range(len(factors)) if i in numbers or i in vectors]
-        rest = tuple(vector if i in vectors else factors[i] for i in left)
-        exponents = tuple(expr.exponents[i] for i in left)
-        return vector if len(rest) == 1 else Multiply(rest, exponents, expr.span)
-    raise ValueError
+    vector = applied(turns_of(facts), factors[vectors[0]], expr.span)
+    left = sorted(numbers + vectors)
+    rest = tuple(vector if i in vectors else factors[i] for i in left)
+    exponents = tuple(expr.exponents[i] for i in left)
+    return vector if len(rest) == 1 else Multiply(rest, exponents, expr.span)
 
 
 def applied(turns: Turns, vector: Expr, span: Span) -> Expr:
