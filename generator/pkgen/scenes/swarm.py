@@ -5,21 +5,20 @@ Values that use k are arrays, one number a member; the rest is computed as every
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
 from .. import limits
 from ..front.check.scene_numbers import Values
-from ..front.check.values import NoValue, evaluate
+from ..front.check.values import Evaluation, NoValue, evaluate
 from ..functions import FUNCTIONS
 from ..indices import assignments, integer
 from ..middle.quantities import indexed
 from ..model import Model, Scene, Start
-from ..record import record
 from ..run.ensemble import Column, Ensemble
 from ..system.exits import UsageError
-from ..tree import Add, Call, Component, Expr, Multiply, Name, Negate, Power, Sum, Vector, names
+from ..tree import Expr, Name, names
 from .model import of_swarm
 from .scene import place
 
@@ -59,10 +58,10 @@ def members(
             f"{place(model, swarm.span)}: scene '{scene.name}': {len(count):,} members with "
             f"{len(chosen):,} starts each; the limit is {limits.SWARM_VALUES:,} in all"
         )
+    of_all = _Members(model, scene, values.values, count)
     rows = np.empty((len(count), len(chosen)))
-    for k, (item, loop) in enumerate(chosen.values()):
-        x = _Members(model, scene, values.values, loop, swarm.variable, count)
-        rows[:, k] = x.column(item)
+    for k, start in enumerate(chosen.values()):
+        rows[:, k] = of_all.column(*start)
     return Ensemble(
         path=f"{place(model, swarm.span)}: scene '{scene.name}'",
         columns=tuple(known[name] for name in chosen),
@@ -80,21 +79,18 @@ def _unrolled(item: Start, sizes: Mapping[str, int]):
         yield loop, loop[item.range.variable]
 
 
-@record
-class _Members:
+class _Members(Evaluation):
     """Expressions for all members: a number where k does not occur, else an array."""
 
-    model: Model
-    scene: Scene
-    values: Mapping[object, object]
-    loop: Mapping[str, int]
-    variable: str
-    count: np.ndarray
+    def __init__(self, model: Model, scene: Scene, values: Mapping, count: np.ndarray) -> None:
+        super().__init__(values)
+        self.model, self.scene, self.count = model, scene, count
+        self.variable = scene.swarm.variable
 
-    def column(self, item: Start) -> np.ndarray:
+    def column(self, item: Start, loop: Mapping[str, int]) -> np.ndarray:
         try:
             with np.errstate(all="ignore"):
-                found = self.value(item.value, self.loop)
+                found = self.value(item.value, loop)
         except (NoValue, KeyError) as error:
             raise self._wrong(item, str(error)) from None
         found = np.broadcast_to(found, self.count.shape)
@@ -109,75 +105,30 @@ class _Members:
         name = item.name + "'" * item.order
         return UsageError(f"{at}: scene '{self.scene.name}': start {name}: {why}")
 
-    def value(self, expr: Expr, loop: Mapping[str, int]) -> Array:
+    def value(self, expr: Expr, sizes: Mapping[str, int]) -> Array:
         if self.variable not in names(expr):
-            found = evaluate(expr, self.values, loop)
+            found = evaluate(expr, self.values, sizes)
             return tuple(float(x) for x in found) if isinstance(found, tuple) else float(found)
-        match expr:
-            case Name(index=None):
-                return self.count
-            case Name(id=name, index=index):
-                at = ({**loop, self.variable: int(k)} for k in self.count)
-                return np.array([float(self.values[name, integer(index, x)]) for x in at])
-            case Negate(of=of):
-                return _each(lambda x: -x, self.value(of, loop))
-            case Add(terms=terms, signs=signs):
-                total: Array = 0.0
-                for term, sign in zip(terms, signs, strict=True):
-                    total = _each(
-                        lambda a, b, sign=sign: a + sign * b, total, self.value(term, loop)
-                    )
-                return total
-            case Multiply(factors=factors, exponents=exponents):
-                total = 1.0
-                for factor, exponent in zip(factors, exponents, strict=True):
-                    by = np.multiply if exponent > 0 else np.divide
-                    total = _each(by, total, self.value(factor, loop))
-                return total
-            case Power(base=base, exponent=exponent):
-                return np.power(self.value(base, loop), self.value(exponent, loop))
-            case Vector(items=items):
-                return tuple(self.value(x, loop) for x in items)
-            case Component(of=of, axis=axis):
-                return self.value(of, loop)[axis]
-            case Sum(body=body, ranges=ranges):
-                terms = (self.value(body, inner) for inner in assignments(ranges, loop))
-                return sum(terms, np.zeros(len(self.count)))
-            case Call(function=function, arguments=arguments):
-                return _called(function, [self.value(x, loop) for x in arguments])
-        raise NoValue("not a number")
+        if not isinstance(expr, Name):
+            return super().value(expr, sizes)
+        if expr.index is None:
+            return self.count
+        at = ({**sizes, self.variable: int(k)} for k in self.count)
+        return np.array([float(self.values[expr.id, integer(expr.index, x)]) for x in at])
 
+    def added(self, values: Sequence[Array], signs: tuple[int, ...]) -> Array:
+        return sum(x if sign > 0 else -x for x, sign in zip(values, signs, strict=True))
 
-def _rotated(axis: tuple, angle: Array, vector: tuple) -> tuple:
-    """As in middle/expand/terms.py."""
-    length = _FUNCTIONS["norm"](axis)
-    n = tuple(x / length for x in axis)
-    c, s = np.cos(angle), np.sin(angle)
-    along = (1 - c) * _FUNCTIONS["dot"](n, vector)
-    turned = _FUNCTIONS["cross"](n, vector)
-    return tuple(c * x + s * y + along * z for x, y, z in zip(vector, turned, n, strict=True))
+    def multiplied(self, values: Sequence[Array], exponents: tuple[int, ...]) -> Array:
+        total: Array = 1.0
+        for value, exponent in zip(values, exponents, strict=True):
+            total = (np.multiply if exponent > 0 else np.divide)(total, value)
+        return total
 
+    raised = staticmethod(np.power)
 
-_FUNCTIONS: dict[str, Callable] = {
-    "dot": lambda a, b: sum(x * y for x, y in zip(a, b, strict=True)),
-    "norm": lambda a: np.sqrt(sum(x * x for x in a)),
-    "cross": lambda a, b: tuple(a[j] * b[k] - a[k] * b[j] for j, k in ((1, 2), (2, 0), (0, 1))),
-    "rotate": _rotated,
-}
-
-
-def _called(function: str, arguments: list[Array]) -> Array:
-    if function in _FUNCTIONS:
-        return _FUNCTIONS[function](*arguments)
-    array = FUNCTIONS[function].array
-    if callable(array):
-        return array(np, *arguments)
-    return getattr(np, array or function)(*arguments)
-
-
-def _each(operation: Callable, *arguments: Array) -> Array:
-    """Applies an operation to each component where there are vectors."""
-    if not any(isinstance(a, tuple) for a in arguments):
-        return operation(*arguments)
-    rows = ([a[i] if isinstance(a, tuple) else a for a in arguments] for i in range(3))
-    return tuple(operation(*row) for row in rows)
+    def called(self, function: str, arguments: list[Array]) -> Array:
+        array = FUNCTIONS[function].array
+        if callable(array):
+            return array(np, *arguments)
+        return getattr(np, array or function)(*arguments)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Mapping
 from fractions import Fraction
@@ -12,6 +11,7 @@ from ...indices import assignments, integer
 from ...model import Assignment, Model, Parameter
 from ...source import Span
 from ...tree import Expr
+from .params import within
 from .values import NoValue, evaluate
 
 ROUND_OFF = 2.0**-52  # the smallest 'rtol': below it steps would be halved for ever
@@ -45,12 +45,8 @@ def within_bounds(model: Model, item: Parameter, index: int | None, value: float
     """Whether a parameter may have the value, the others having their defaults."""
     values, bounds = Values(model, {(item.name, index): value}), item.bounds
     loop = {**values.sizes, **({} if index is None else {item.range.variable: index})}
-    lo, hi = (
-        end if expr is None else values.number(item.name, expr, loop)
-        for end, expr in ((-math.inf, bounds.lo), (math.inf, bounds.hi))
-    )
-    above = value > lo if bounds.lo_open else value >= lo
-    return above and (value < hi if bounds.hi_open else value <= hi)
+    ends = [e and values.number(item.name, e, loop) for e in (bounds.lo, bounds.hi)]
+    return within(value, bounds, ends)
 
 
 class WrongValue(Exception):

@@ -7,7 +7,8 @@ double can hold is an error.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+import operator
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 from ... import limits
@@ -39,22 +40,19 @@ def _bits(value: Fraction) -> int:
     return max(value.numerator.bit_length(), value.denominator.bit_length())
 
 
-def added(values: list[Fraction | float], signs: tuple[int, ...]) -> Fraction | float:
+def added(values: Sequence[Fraction | float], signs: tuple[int, ...]) -> Fraction | float:
     total: Fraction | float = Fraction(0)
     for value, sign in zip(values, signs, strict=True):
-        total = checked(_mixed(lambda a, b: a + b, total, value if sign > 0 else -value))
+        total = checked(_mixed(operator.add, total, value if sign > 0 else -value))
     return total
 
 
-def multiplied(values: list[Fraction | float], exponents: tuple[int, ...]) -> Fraction | float:
+def multiplied(values: Sequence[Fraction | float], exponents: tuple[int, ...]) -> Fraction | float:
     total: Fraction | float = Fraction(1)
     for value, exponent in zip(values, exponents, strict=True):
         if exponent < 0 and value == 0:
             raise NoValue("division by zero")
-        if exponent > 0:
-            total = checked(_mixed(lambda a, b: a * b, total, value))
-        else:
-            total = checked(_mixed(lambda a, b: a / b, total, value))
+        total = checked(_mixed(operator.mul if exponent > 0 else operator.truediv, total, value))
     return total
 
 
@@ -94,78 +92,83 @@ def called(function: str, arguments: list[Fraction | float]) -> float:
         raise NoValue("this constant is too large for a double") from None
 
 
-def evaluate(expr: Expr, values: Mapping[object, object], sizes: Mapping[str, int]):
-    """The value of a checked expression without derivatives; raises NoValue.
+class Evaluation:
+    """Values of checked expressions without derivatives, of exact numbers; others have operations
+    of their own. `values` gives names, and members of families under (name, index)."""
 
-    `values` gives names, and members of families under (name, index).
-    """
-    match expr:
-        case Number(value=value):
-            return value
-        case Name(id="pi", index=None):
-            return math.pi
-        case Name(id=name, index=None):
-            if name in sizes:
-                return Fraction(sizes[name])
-            return values[name]
-        case Name(id=name, index=index):
-            return values[name, integer(index, sizes)]
-        case Negate(of=of):
-            return _each(lambda x: -x, evaluate(of, values, sizes))
-        case Add(terms=terms, signs=signs):
-            return _each(
-                lambda *xs: added(list(xs), signs), *(evaluate(x, values, sizes) for x in terms)
-            )
-        case Multiply(factors=factors, exponents=exponents):
-            return _each(
-                lambda *xs: multiplied(list(xs), exponents),
-                *(evaluate(x, values, sizes) for x in factors),
-            )
-        case Power(base=base, exponent=exponent):
-            return raised(evaluate(base, values, sizes), evaluate(exponent, values, sizes))
-        case Vector(items=items):
-            return tuple(evaluate(x, values, sizes) for x in items)
-        case Component(of=of, axis=axis):
-            return evaluate(of, values, sizes)[axis]
-        case Call(function=function, arguments=arguments):
-            return _call(function, [evaluate(x, values, sizes) for x in arguments])
-        case Sum(body=body, ranges=ranges):
-            terms = [evaluate(body, values, inner) for inner in assignments(ranges, sizes)]
-            return _each(lambda *xs: added(list(xs), (1,) * len(xs)), *terms) if terms else 0
-    raise NoValue("not a constant")
+    added, multiplied = staticmethod(added), staticmethod(multiplied)
+    raised, called = staticmethod(raised), staticmethod(called)
 
+    def __init__(self, values: Mapping[object, object]) -> None:
+        self.values = values
 
-def _call(function: str, arguments: list):
-    if function == "dot":
-        return added(
-            [multiplied([a, b], (1, 1)) for a, b in zip(*arguments, strict=True)], (1, 1, 1)
-        )
-    if function == "norm":
-        return called("sqrt", [_call("dot", [arguments[0], arguments[0]])])
-    if function == "rotate":
-        return _rotated(*arguments)
-    if function == "cross":
-        a, b = arguments
+    def value(self, expr: Expr, sizes: Mapping[str, int]):
+        """Raises NoValue; KeyError of a name that has none."""
+        match expr:
+            case Number(value=value):
+                return value
+            case Name(id="pi", index=None):
+                return math.pi
+            case Name(id=name, index=None):
+                return Fraction(sizes[name]) if name in sizes else self.values[name]
+            case Name(id=name, index=index):
+                return self.values[name, integer(index, sizes)]
+            case Negate(of=of):
+                return _each(lambda x: -x, [self.value(of, sizes)])
+            case Add(terms=terms, signs=signs):
+                return self._summed([self.value(x, sizes) for x in terms], signs)
+            case Multiply(factors=factors, exponents=exponents):
+                found = [self.value(x, sizes) for x in factors]
+                return _each(lambda *xs: self.multiplied(xs, exponents), found)
+            case Power(base=base, exponent=exponent):
+                return self.raised(self.value(base, sizes), self.value(exponent, sizes))
+            case Vector(items=items):
+                return tuple(self.value(x, sizes) for x in items)
+            case Component(of=of, axis=axis):
+                return self.value(of, sizes)[axis]
+            case Call(function=function, arguments=arguments):
+                found = [self.value(x, sizes) for x in arguments]
+                of_vectors = getattr(self, f"_{function}", None)
+                return of_vectors(*found) if of_vectors else self.called(function, found)
+            case Sum(body=body, ranges=ranges):
+                found = [self.value(body, inner) for inner in assignments(ranges, sizes)]
+                return self._summed(found, (1,) * len(found)) if found else 0
+        raise NoValue("not a constant")
+
+    def _summed(self, terms: list, signs: tuple[int, ...]):
+        return _each(lambda *xs: self.added(xs, signs), terms)
+
+    def _dot(self, a: tuple, b: tuple):
+        products = [self.multiplied(pair, (1, 1)) for pair in zip(a, b, strict=True)]
+        return self.added(products, (1, 1, 1))
+
+    def _norm(self, a: tuple):
+        return self.called("sqrt", [self._dot(a, a)])
+
+    def _cross(self, a: tuple, b: tuple) -> tuple:
+        def minor(j: int, k: int):
+            products = [self.multiplied(pair, (1, 1)) for pair in ((a[j], b[k]), (a[k], b[j]))]
+            return self.added(products, (1, -1))
+
+        return minor(1, 2), minor(2, 0), minor(0, 1)
+
+    def _rotate(self, axis: tuple, angle, vector: tuple) -> tuple:
+        """As in middle/expand/terms.py."""
+        length = self._norm(axis)
+        n = tuple(self.multiplied([x, length], (1, -1)) for x in axis)
+        c, s = self.called("cos", [angle]), self.called("sin", [angle])
+        along = self.multiplied([1 - c, self._dot(n, vector)], (1, 1))
         return tuple(
-            added([multiplied([a[j], b[k]], (1, 1)), multiplied([a[k], b[j]], (1, 1))], (1, -1))
-            for j, k in ((1, 2), (2, 0), (0, 1))
+            self.added([c * x, s * y, self.multiplied([along, z], (1, 1))], (1, 1, 1))
+            for x, y, z in zip(vector, self._cross(n, vector), n, strict=True)
         )
-    return called(function, arguments)
 
 
-def _rotated(axis: tuple, angle, vector: tuple) -> tuple:
-    """As in middle/expand/terms.py."""
-    length = _call("norm", [axis])
-    n = tuple(multiplied([x, length], (1, -1)) for x in axis)
-    c, s = called("cos", [angle]), called("sin", [angle])
-    along = multiplied([1 - c, _call("dot", [n, vector])], (1, 1))
-    return tuple(
-        added([c * x, s * y, multiplied([along, z], (1, 1))], (1, 1, 1))
-        for x, y, z in zip(vector, _call("cross", [n, vector]), n, strict=True)
-    )
+def evaluate(expr: Expr, values: Mapping[object, object], sizes: Mapping[str, int]):
+    return Evaluation(values).value(expr, sizes)
 
 
-def _each(operation: Callable, *arguments):
+def _each(operation: Callable, arguments: list):
     """Applies an operation to numbers, or to each component where there are vectors."""
     if not any(isinstance(a, tuple) for a in arguments):
         return operation(*arguments)
