@@ -4,24 +4,29 @@
 #include "fixture.h"
 #include "core/tableau.h"
 
-static const struct pk_gauss *table_of(const char *name)
-{
-    return (const struct pk_gauss *)pk_method_find(name)->table;
-}
+struct table {
+    int stages;
+    double c[5], b[5];
+};
 
 /* a_ij of q and of p. */
-static void tables_of(const struct pk_gauss *t, double a[5][5], double a_p[5][5])
+static struct table tables_of(const char *name, double a[5][5], double a_p[5][5])
 {
-    const int s = t->stages;
+    const struct pk_gauss *table = (const struct pk_gauss *)pk_method_find(name)->table;
+    const int s = table->stages;
+    struct table t = {.stages = s};
+    double mu[25];
+    pk_collocation(table, t.c, t.b, mu);
     for (int i = 0; i < s; i++)
         for (int j = 0; j < s; j++) {
-            a[i][j] = t->mu[j * s + i] * t->b[j];
-            a_p[i][j] = t->conjugate ? t->b[j] * (1 - t->mu[i * s + j]) : a[i][j];
+            a[i][j] = mu[i * s + j] * t.b[j];
+            a_p[i][j] = table->conjugate ? t.b[j] * (1 - mu[j * s + i]) : a[i][j];
         }
+    return t;
 }
 
 /* The largest defect of sum_j a_ij c_j^(k-1) = c_i^k / k, k = 1 .. order: C(order). */
-static double defect_c(const struct pk_gauss *t, double a[5][5], int order)
+static double defect_c(const struct table *t, double a[5][5], int order)
 {
     double worst = 0;
     for (int k = 1; k <= order; k++)
@@ -35,7 +40,7 @@ static double defect_c(const struct pk_gauss *t, double a[5][5], int order)
 }
 
 /* B(order): sum b_i c_i^(k-1) = 1/k. D(order): sum_i b_i c_i^(k-1) a_ij = b_j (1 - c_j^k) / k. */
-static double defect_b(const struct pk_gauss *t, int order)
+static double defect_b(const struct table *t, int order)
 {
     double worst = 0;
     for (int k = 1; k <= order; k++) {
@@ -47,7 +52,7 @@ static double defect_b(const struct pk_gauss *t, int order)
     return worst;
 }
 
-static double defect_d(const struct pk_gauss *t, double a[5][5], int order)
+static double defect_d(const struct table *t, double a[5][5], int order)
 {
     double worst = 0;
     for (int k = 1; k <= order; k++)
@@ -68,10 +73,10 @@ static void tables(void)
     static const char *const names[] = {"radau5", "radau9", "lobatto2", "lobatto3", "lobatto4"};
     for (int m = 0; m < 5; m++) {
         const struct pk_method *method = pk_method_find(names[m]);
-        const struct pk_gauss *t = table_of(names[m]);
-        const int s = t->stages, radau = m < 2;
+        const int radau = m < 2;
         double a[5][5], a_p[5][5], pair = 0, mirror = 0;
-        tables_of(t, a, a_p);
+        const struct table table = tables_of(names[m], a, a_p), *t = &table;
+        const int s = t->stages;
         CU_ASSERT(method->stages == s && method->order == (radau ? 2 * s - 1 : 2 * s - 2));
         CU_ASSERT(defect_b(t, method->order) < 1e-14 && defect_b(t, method->order + 1) > 1e-6);
         CU_ASSERT(defect_c(t, a, s) < 1e-15 && defect_c(t, a, s + 1) > 1e-4);

@@ -138,9 +138,6 @@ static enum pk_status motion(const struct pk_system *of, const struct pk_method 
     struct pk_integrator it;
     double q0[16], v0[16];
     to->count = 0;
-#ifdef WATCHED
-    system.prepare = NULL; /* a copy of the parameters would be written where work begins */
-#endif
     system.defaults(&params);
     system.start(&params, q0, v0);
     fill((char *)&params + system.params_size, padding * sizeof(double), with);
@@ -156,6 +153,7 @@ static enum pk_status motion(const struct pk_system *of, const struct pk_method 
     note(to, status);
     if (status >= 0) {
         steps(to, &it, 4, 1);
+        it.own->made = 0; /* no tables are there any more */
         char *const from = (char *)(it.own + 1) + quadratures;
         poison(from, size - (size_t)(from - (char *)room), with);
         note(to, pk_integrator_reset(&it, 0.7, q0, v0));

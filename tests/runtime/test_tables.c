@@ -196,17 +196,16 @@ static void gauss_tables(void)
         const struct pk_gauss *table = (const struct pk_gauss *)method->table;
         const int s = table->stages;
         struct dense_table t = {.s = s};
+        double mu[64];
+        pk_collocation(table, t.c, t.b, mu);
         for (int i = 0; i < s; i++) {
-            t.b[i] = table->b[i];
-            t.c[i] = table->c[i];
             for (int j = 0; j < s; j++) {
-                t.a[i][j] = table->mu[j * s + i] * table->b[j];
-                CU_ASSERT(fabs(table->mu[i * s + j] + table->mu[j * s + i] - 1) < 1e-15);
+                t.a[i][j] = mu[i * s + j] * t.b[j];
+                CU_ASSERT(fabs(mu[i * s + j] + mu[j * s + i] - 1) < 1e-15);
                 /* symmetry: a_{s+1-i,s+1-j} + a_ij = b_j */
-                CU_ASSERT(fabs(table->mu[(s - 1 - j) * s + s - 1 - i] + table->mu[j * s + i] - 1) <
-                          1e-15);
+                CU_ASSERT(fabs(mu[(s - 1 - i) * s + s - 1 - j] + mu[i * s + j] - 1) < 1e-15);
                 if (j < i) /* what makes 1 - mu exact */
-                    CU_ASSERT(table->mu[j * s + i] > 0.5 && table->mu[j * s + i] < 2);
+                    CU_ASSERT(mu[i * s + j] > 0.5 && mu[i * s + j] < 2);
             }
         }
         CU_ASSERT(s == method->stages && 2 * s == method->order);
@@ -222,12 +221,14 @@ static void gauss_tables(void)
 static void lane_tables(void)
 {
     const double *c = pk_gauss8_c;
+    struct pk_gauss_matrices M;
+    pk_gauss_make_matrices(&M);
     for (int i = 0; i < 8; i++)
         for (int j = 0; j < 8; j++) {
             double power = 1;
             for (int k = 0; k < j; k++)
                 power *= c[i];
-            CU_ASSERT(fabs(pk_gauss8_powers[j * 8 + i] - power) < 4e-16);
+            CU_ASSERT(fabs(M.powers[j * 8 + i] - power) < 4e-16);
         }
     for (int degree = 0; degree < 8; degree++) {
         double legendre[2] = {0, 0}, taylor[8] = {0}, binomial = 1;
@@ -238,10 +239,10 @@ static void lane_tables(void)
                 const double next = ((2 * k + 1) * y * here - k * below) / (k + 1);
                 below = here, here = next, power *= c[i];
             }
-            legendre[0] += pk_gauss8_legendre6[i] * here;
-            legendre[1] += pk_gauss8_legendre7[i] * here;
+            legendre[0] += M.legendre6[i] * here;
+            legendre[1] += M.legendre7[i] * here;
             for (int k = 0; k < 8; k++) /* of x^degree at x = 1 */
-                taylor[k] += pk_gauss8_taylor[i * 8 + k] * power;
+                taylor[k] += M.taylor[i * 8 + k] * power;
         }
         CU_ASSERT(fabs(legendre[0] - (degree == 6)) < 1e-15);
         CU_ASSERT(fabs(legendre[1] - (degree == 7)) < 1e-15);

@@ -83,7 +83,8 @@ static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
         pk_singularity_search(it, it->t + 2 * h, PK_SINGULARITY_DEEP);
     if (s.found == PK_SINGULARITY_VANISHES)
         return ended(it, s.which, s.when, s.bounded);
-    if (s.found == PK_SINGULARITY_UNDECIDED)
+    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* no step is too long that short */
+    if (s.found == PK_SINGULARITY_UNDECIDED || least)
         return ended(it, k, when, s.bounded);
     it->where = k;
     it->detail = it->own->next_t;

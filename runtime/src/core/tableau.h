@@ -5,16 +5,25 @@
 #include <pk/methods.h>
 #include <pk/step/tableau.h>
 
-/* An implicit Runge-Kutta method: nodes, weights, and mu_ij = a_ij / b_j, for q. For p the same, or
- * the conjugate table mu^_ji = 1 - mu_ij: of each such pair only the larger counts, so that it
- * holds exactly in floating point, and with it symplecticity. Gauss methods are their own
- * conjugates. */
+/* An implicit Runge-Kutta method by collocation: nodes c and weights b, NULL those of Gauss; and
+ * mu_ij = a_ij / b_j follow (collocation_tables.c). These are for q. For p the same, or the
+ * conjugate table mu^_ji = 1 - mu_ij: of each such pair only the larger counts, so that it holds
+ * exactly in floating point, and with it symplecticity. Gauss methods are their own conjugates. */
 struct pk_gauss {
     int stages;
     const pk_real *c, *b;
-    const pk_real *mu;
     int conjugate;
 };
+/* All s nodes and weights, and mu row by row. */
+void pk_collocation(const struct pk_gauss *table, pk_real *c, pk_real *b, pk_real *mu);
+
+/* P_0 to P_count-1 of 2 x - 1, and unless NULL their integrals from 0 to x; rest = 1 - x, as exactly
+ * as it is known. The s nodes and weights of Gauss's quadrature on [0, 1], s up to 16. */
+void pk_legendre(pk_real x, pk_real rest, int count, pk_real *P, pk_real *integral);
+void pk_gauss_nodes(int s, pk_real *c, pk_real *b);
+/* What the lanes of the 8 stages of Gauss take besides (pk/step/gauss_tables.h). */
+struct pk_gauss_matrices;
+void pk_gauss_make_matrices(struct pk_gauss_matrices *M);
 
 #define PK_DECLARE_TABLE(A, name, p, s, p_dense, flags, of, text) \
     extern const struct pk_gauss pk_##of##_table;

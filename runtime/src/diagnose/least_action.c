@@ -8,7 +8,8 @@
 
 #include "../core/internal.h"
 #include "../core/root.h"
-#include "../core/tableau.h"
+
+#include <pk/step/gauss_tables.h>
 
 #define PI PK_C(3.141592653589793238462643383279502884)
 enum { NODES = 8 };
@@ -173,7 +174,6 @@ static enum pk_status conjugate(struct search *s, pk_real before, pk_real det)
 
 static enum pk_status along(struct pk_least_action *found, pk_real *path, pk_real *B, pk_real *C)
 {
-    const struct pk_gauss *rule = (const struct pk_gauss *)pk_method_gauss8.table;
     const size_t n = found->n, m = n * found->modes, wide = n * (1 + n);
     const size_t panels = found->nodes / NODES;
     struct pk_integrator *it = &found->it;
@@ -186,7 +186,7 @@ static enum pk_status along(struct pk_least_action *found, pk_real *path, pk_rea
     for (size_t k = 0; k <= found->nodes; k++) { /* the last one is the end */
         const int end = k == found->nodes;
         const pk_real t = end ? found->t0 + found->time
-                              : found->t0 + width * ((pk_real)(k / NODES) + rule->c[k % NODES]);
+                              : found->t0 + width * ((pk_real)(k / NODES) + pk_gauss8_c[k % NODES]);
         search.from = it->t;
         memcpy(q, it->q, wide * sizeof *q);
         memcpy(v, it->v, wide * sizeof *v);
@@ -201,7 +201,7 @@ static enum pk_status along(struct pk_least_action *found, pk_real *path, pk_rea
             break;
         memcpy(path + k * 2 * n, it->q, n * sizeof *q);
         memcpy(path + k * 2 * n + n, it->v, n * sizeof *v);
-        add(found, &x, width * rule->b[k % NODES], t, it->q, it->v, slope, B, C);
+        add(found, &x, width * pk_gauss8_b[k % NODES], t, it->q, it->v, slope, B, C);
     }
     for (size_t i = 0; i < m; i++)
         if (slope[m + i] > 0)
@@ -254,13 +254,12 @@ enum pk_status pk_least_action_find(struct pk_least_action *found, const struct 
 
 pk_real pk_least_action_at(const struct pk_least_action *found, const pk_real *a)
 {
-    const struct pk_gauss *rule = (const struct pk_gauss *)pk_method_gauss8.table;
     const size_t n = found->n, modes = found->modes;
     const pk_real width = found->time / (pk_real)(found->nodes / NODES);
     struct node x = node_of(found->scratch, n, modes);
     pk_real sum = 0, size;
     for (size_t k = 0; k < found->nodes; k++) {
-        const pk_real t = found->t0 + width * ((pk_real)(k / NODES) + rule->c[k % NODES]);
+        const pk_real t = found->t0 + width * ((pk_real)(k / NODES) + pk_gauss8_c[k % NODES]);
         const pk_real *at = found->path + k * 2 * n;
         modes_at(found, t, &x);
         for (size_t i = 0; i < n; i++) {
@@ -271,7 +270,7 @@ pk_real pk_least_action_at(const struct pk_least_action *found, const pk_real *a
                 x.v[i] += a[i * modes + l] * x.rate[l];
             }
         }
-        sum += width * rule->b[k % NODES] *
+        sum += width * pk_gauss8_b[k % NODES] *
                lagrangian(&found->variation.of, &x, t, x.q, x.v, n, &size);
     }
     return sum;

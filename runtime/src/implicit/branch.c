@@ -119,7 +119,7 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
         memcpy(w->other, w->jacobian + i * 4 * n * n, n * n * sizeof *w->other);
         const size_t failed = pk_ldl_factor(w->other, n);
         if (failed) {
-            const pk_real t = it->t + w->table->c[i] * it->own->h;
+            const pk_real t = it->t + w->c[i] * it->own->h;
             pk_eval_input(it, t);
             return pk_eval_failed(it, t, w->Q + i * n, w->V + i * n, (int)failed);
         }

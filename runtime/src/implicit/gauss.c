@@ -30,14 +30,14 @@
  * value at 1 + c_i h / last_h; where the last stage is at the end, the stages alone. */
 static void set_predictor(struct pk_gauss_work *w, pk_real ratio)
 {
-    const size_t s = w->s, nodes = w->table->c[s - 1] < 1 ? s + 1 : s;
+    const size_t s = w->s, nodes = w->c[s - 1] < 1 ? s + 1 : s;
     for (size_t i = 0; i < s; i++)
         for (size_t j = 0; j <= s; j++) {
-            const pk_real x = PK_C(1.0) + ratio * w->table->c[i];
-            const pk_real xj = j < s ? w->table->c[j] : PK_C(1.0);
+            const pk_real x = PK_C(1.0) + ratio * w->c[i];
+            const pk_real xj = j < s ? w->c[j] : PK_C(1.0);
             pk_real weight = j < nodes;
             for (size_t k = 0; k < nodes && j < nodes; k++) {
-                const pk_real xk = k < s ? w->table->c[k] : PK_C(1.0);
+                const pk_real xk = k < s ? w->c[k] : PK_C(1.0);
                 if (k != j)
                     weight *= (x - xk) / (xj - xk);
             }
@@ -152,7 +152,7 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
     }
     if (!pk_all_finite(it->own->next, PK_LOW_Q * n))
         return PK_NOT_FINITE;
-    if (w->table->c[s - 1] < 1 || w->table->conjugate)
+    if (w->c[s - 1] < 1 || w->table->conjugate)
         status = recover_rates(it, w, it->own->next_t, q, p, v);
     else /* p0 + h sum b_i pdot_i would multiply what V errs by with a stiff h pdot_v */
         memcpy(p, w->P + (s - 1) * n, n * sizeof *p), memset(low_p, 0, n * sizeof *p);

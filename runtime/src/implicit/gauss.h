@@ -48,8 +48,8 @@ struct pk_gauss_work {
     pk_real *last_V;            /* of the last step made, for the predictor */
     pk_real *jacobian;          /* s of: M, p_q, pdot_q, pdot_v, one spare */
     pk_real *lu, *pivot, *mass, *mean_q, *mean_v, *scale;
-    pk_real *mu, *mu_p, *hA, *hA_p, *hb, *predict; /* _p: for p */
-    pk_real *hh, *norms;                           /* h^2 a^_ir a_rj; norms of hA, hA_p, hh */
+    pk_real *c, *b, *mu, *mu_p, *hA, *hA_p, *hb, *predict; /* _p: for p */
+    pk_real *hh, *norms;        /* h^2 a^_ir a_rj; norms of hA, hA_p, hh */
     pk_real *mu_columns, *rest; /* of gauss8: mu for the lanes; work of gauss_nystrom.c. Of radau:
                                    work of radau.c */
     /* branch.c: derivatives at the start and at the point before, V there and before that, another
@@ -64,7 +64,6 @@ enum pk_gauss_mode { PK_SIMPLIFIED, PK_FULL, PK_BY_MASS };
 
 /* gauss_work.c. `kept` is memory of the block too. */
 struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it);
-size_t pk_gauss_nystrom_size(size_t n);
 enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_gauss_work *w);
 
 /* Whether a step of h is made by that, or was. */

@@ -10,15 +10,19 @@
 static size_t size(const struct pk_method *method, size_t n)
 {
     (void)method;
-    return 5 * n * PK_GAUSS_S + 4 * n + 3 + pk_gauss_dense_size(n);
+    return pk_gauss_lanes_size(n) + pk_gauss_dense_size(n);
 }
 
 static enum pk_status init(struct pk_integrator *it)
 {
-    pk_gauss_dense_init(it);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n, it->own->work);
+    if (!it->own->made) {
+        pk_gauss_make_matrices(w.M);
+        pk_gauss_dense_init(it);
+        it->own->made = 1;
+    }
     /* Where nothing depends on rates those of stages are not made, and kernels get them yet. */
-    memset(pk_gauss_lanes(it, it->n, it->own->work).v, 0,
-           it->n * PK_GAUSS_S * sizeof *it->own->work);
+    memset(w.v, 0, it->n * PK_GAUSS_S * sizeof *w.v);
     return PK_DONE;
 }
 
@@ -41,8 +45,8 @@ static int stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_rea
     if (k == 0)
         generic_gauss_stages(it, &w, &y, 1);
     pk_gauss_lane(&w, n, k, it->t + y.hc[k], y.h * pk_gauss8_b[k], stage, room);
-    stage->error[0] = y.h * pk_gauss8_legendre6[k];
-    stage->error[1] = y.h * pk_gauss8_legendre7[k];
+    stage->error[0] = y.h * w.M->legendre6[k];
+    stage->error[1] = y.h * w.M->legendre7[k];
     return 1;
 }
 

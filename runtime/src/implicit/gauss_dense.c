@@ -20,45 +20,18 @@
 
 #include "gauss_dense.h"
 #include "../core/generic.h"
+#include "../core/tableau.h"
 
 #include <pk/step/gauss_stages.h>
 
 enum { NODES = PK_GAUSS_NODES, TERMS = NODES + 2 };
-
-/* The lower half of the nodes, their weights; the rest by symmetry. 60 digits (mpmath). */
-static const pk_real node[] = {
-    PK_C(0.0052995325041750337019229132748336862869),
-    PK_C(0.027712488463383711961005792232695827454),
-    PK_C(0.067184398806084128059766051143803433806),
-    PK_C(0.12229779582249848305244940257627886582),
-    PK_C(0.1910618777986781257766641179756044905),
-    PK_C(0.27099161117138630682879027850821121323),
-    PK_C(0.35919822461037054338476974926975194676),
-    PK_C(0.45249374508118127990734033228752096843),
-};
-static const pk_real weight[] = {
-    PK_C(0.013576229705877047425890286228009051756),
-    PK_C(0.031126761969323946431421918497188847137),
-    PK_C(0.047579255841246392404962553801123113178),
-    PK_C(0.062314485627766936026238141096008210072),
-    PK_C(0.074797994408288366040750865273739274485),
-    PK_C(0.084578259697501269094656039515179981106),
-    PK_C(0.091301707522461794433381833984609969692),
-    PK_C(0.094725305227534248142698361604141552573),
-};
-
-struct pk_node pk_gauss_node(int j)
-{
-    const int mirrored = j >= NODES / 2, i = mirrored ? NODES - 1 - j : j;
-    const struct pk_node found = {mirrored ? 1 - node[i] : node[i], weight[i]};
-    return found;
-}
 
 /* The shortest piece, in steps. */
 #define LEAST PK_C(0x1p-10)
 
 /* The work behind that of the step. */
 struct parts {
+    pk_real *node, *weight;
     pk_real *P, *to_alpha;  /* P_k at the nodes, by k; alpha from a at the nodes, by node */
     pk_real *q, *v, *a, *b; /* 2 halves of n by 8: at the nodes; b: a as it was before */
     pk_real *series;        /* n by 3 TERMS: a, v, q */
@@ -68,7 +41,7 @@ struct parts {
 
 size_t pk_gauss_dense_size(size_t n)
 {
-    return (size_t)(TERMS + NODES) * NODES + n * (4 * NODES + 3 * TERMS + 2) + 2;
+    return (size_t)(TERMS + NODES + 2) * NODES + n * (4 * NODES + 3 * TERMS + 2) + 2;
 }
 
 static struct parts parts_of(struct pk_integrator *it)
@@ -76,6 +49,8 @@ static struct parts parts_of(struct pk_integrator *it)
     const size_t n = it->n;
     struct parts d;
     pk_real *x = pk_gauss_lanes(it, n, it->own->work).dense;
+    d.node = x, x += NODES;
+    d.weight = x, x += NODES;
     d.P = x, x += TERMS * NODES;
     d.to_alpha = x, x += NODES * NODES;
     d.q = x, x += NODES * n;
@@ -88,33 +63,20 @@ static struct parts parts_of(struct pk_integrator *it)
     return d;
 }
 
-/* P_0 to P_count-1 at y. */
-static void legendre(pk_real y, int count, pk_real *P, int stride)
-{
-    pk_real below = 0, here = 1;
-    for (int k = 0; k < count; k++) {
-        P[k * stride] = here;
-        const pk_real next = ((pk_real)(2 * k + 1) * y * here - (pk_real)k * below) /
-                             (pk_real)(k + 1);
-        below = here;
-        here = next;
-    }
-}
-
-static pk_real node_at(int l) { return l < 8 ? node[l] : 1 - node[NODES - 1 - l]; }
-
 /* The node of the piece, in steps. */
-static pk_real place_of(const struct parts *d, int l) { return *d->at + *d->width * node_at(l); }
+static pk_real place_of(const struct parts *d, int l) { return *d->at + *d->width * d->node[l]; }
 
 void pk_gauss_dense_init(struct pk_integrator *it)
 {
     const struct parts at = parts_of(it), *d = &at;
+    pk_real P[TERMS];
+    pk_gauss_nodes(NODES, d->node, d->weight);
     for (int l = 0; l < NODES; l++) {
-        const pk_real y = l < 8 ? 2 * node[l] - 1 : 1 - 2 * node[NODES - 1 - l];
-        legendre(y, TERMS, d->P + l, NODES);
+        pk_legendre(d->node[l], d->node[NODES - 1 - l], TERMS, P, NULL);
+        for (int k = 0; k < TERMS; k++)
+            d->P[k * NODES + l] = P[k];
         for (int k = 0; k < NODES; k++)
-            d->to_alpha[k * NODES + l] = (pk_real)(2 * k + 1) * weight[l < 8 ? l : NODES - 1 - l] *
-                                         d->P[k * NODES + l];
+            d->to_alpha[k * NODES + l] = (pk_real)(2 * k + 1) * d->weight[l] * P[k];
     }
 }
 
@@ -223,11 +185,11 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
     return PK_NO_CONVERGENCE;
 }
 
-/* The series of the piece at x, counted from its ends -1 and 1. */
+/* The series of the piece at x, 0 to 1. */
 static void values(const struct parts *d, size_t n, pk_real x, pk_real *q, pk_real *v)
 {
     pk_real P[TERMS];
-    legendre(x, TERMS, P, 1);
+    pk_legendre(x, 1 - x, TERMS, P, NULL);
     for (size_t i = 0; i < n; i++) {
         const pk_real *of_v = d->series + i * 3 * TERMS + TERMS, *of_q = of_v + TERMS;
         q[i] = v[i] = 0;
@@ -289,6 +251,6 @@ enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, p
     const enum pk_status status = reach(it, &w, &d, x);
     if (status < 0)
         return status;
-    values(&d, n, 2 * (x - *d.at) / *d.width - 1, q, v);
+    values(&d, n, (x - *d.at) / *d.width, q, v);
     return pk_all_finite(q, n) && pk_all_finite(v, n) ? PK_DONE : PK_NOT_FINITE;
 }

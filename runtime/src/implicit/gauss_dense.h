@@ -4,12 +4,6 @@
 
 #include "../core/internal.h"
 
-/* Of Gauss's formula with 16 nodes on [0, 1], j = 0 to 15. */
-struct pk_node {
-    pk_real x, weight;
-};
-struct pk_node pk_gauss_node(int j);
-
 size_t pk_gauss_dense_size(size_t n);
 /* Its tables, which no step changes. */
 void pk_gauss_dense_init(struct pk_integrator *it);

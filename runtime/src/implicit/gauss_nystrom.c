@@ -18,8 +18,6 @@
 
 #include <pk/step/gauss_stages.h>
 
-size_t pk_gauss_nystrom_size(size_t n) { return 5 * n * PK_GAUSS_S + 4 * n + 3; }
-
 static void stages(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                    const struct pk_gauss_work *of, pk_real *L, pk_real *P)
 {
@@ -110,7 +108,7 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
         P[i] = pk_part(it->own->state, n, PK_LOW_Q)[i];
         v[i] = pk_sum(it->v[i], dv, &L[i]);
         q[i] = pk_sum(it->q[i], dq, &P[i]);
-        pk_gauss_rows(pk_gauss8_taylor, w.a + i * PK_GAUSS_S, w.poly + i * PK_GAUSS_S);
+        pk_gauss_rows(w.M->taylor, w.a + i * PK_GAUSS_S, w.poly + i * PK_GAUSS_S);
     }
     *w.h = y.h;
     *w.rate = 0;

@@ -12,7 +12,7 @@ int pk_gauss_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_r
     const size_t n = it->n, i = (size_t)k;
     if (i >= w.s)
         return 0;
-    const pk_real h = w.kept->h, t = it->t + w.table->c[i] * h;
+    const pk_real h = w.kept->h, t = it->t + w.c[i] * h;
     if (pk_gauss_by_lanes(it, &w, h)) {
         const struct pk_gauss_lanes lanes = pk_gauss_lanes(it, n, w.rest);
         pk_gauss_lane(&lanes, n, k, t, w.hb[i], stage, room);

@@ -3,6 +3,9 @@
 #include <string.h>
 
 #include "gauss.h"
+#include "../core/generic.h"
+
+#include <pk/step/gauss_stages.h>
 
 static size_t lay_out(struct pk_gauss_work *w, size_t n, pk_real *base)
 {
@@ -18,8 +21,9 @@ static size_t lay_out(struct pk_gauss_work *w, size_t n, pk_real *base)
         {&w->hb, s},          {&w->norms, 3},       {&w->hh, s * s * s},  {&w->mu_columns, s * s},
         {&w->start_J, 4 * n * n},                   {&w->before_J, 4 * s * n * n},
         {&w->old_J, 4 * s * n * n},                 {&w->old_V, m},       {&w->older_V, m},
-        {&w->x, m},           {&w->y, m},           {&w->other, m * m + n * n},
-        {&w->rest, s == PK_LANES ? pk_gauss_nystrom_size(n) : 0}};
+        {&w->c, s},           {&w->b, s},           {&w->x, m},           {&w->y, m},
+        {&w->other, m * m + n * n},
+        {&w->rest, s == PK_LANES ? pk_gauss_lanes_size(n) : 0}};
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     w->kept = (struct pk_gauss_kept *)(void *)memory;
@@ -41,22 +45,32 @@ struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
     return w;
 }
 
-enum pk_status pk_gauss_init(struct pk_integrator *it)
+static void make_tables(struct pk_integrator *it, const struct pk_gauss_work *w)
 {
-    const struct pk_gauss_work w = pk_gauss_parts(it);
-    pk_real *p = pk_part(it->own->state, it->n, PK_P);
-    for (size_t i = 0; i < w.s; i++)
-        for (size_t j = 0; j < w.s; j++) {
-            pk_real *mu = &w.mu[i * w.s + j], *conjugate = &w.mu_p[j * w.s + i];
-            *mu = w.table->mu[j * w.s + i];
-            if (!w.table->conjugate)
-                w.mu_p[i * w.s + j] = *mu;
+    const size_t s = w->s;
+    pk_collocation(w->table, w->c, w->b, w->mu);
+    for (size_t i = 0; i < s; i++)
+        for (size_t j = 0; j < s; j++) {
+            pk_real *mu = &w->mu[i * s + j], *conjugate = &w->mu_p[j * s + i];
+            if (!w->table->conjugate)
+                w->mu_p[i * s + j] = *mu;
             else if (*mu >= PK_C(0.5))
                 *conjugate = PK_C(1.0) - *mu; /* exact, as is the next 1 - x */
             else
                 *conjugate = PK_C(1.0) - *mu, *mu = PK_C(1.0) - *conjugate;
-            w.mu_columns[j * w.s + i] = *mu;
+            w->mu_columns[j * s + i] = *mu;
         }
+    if (s == PK_LANES)
+        pk_gauss_make_matrices(pk_gauss_lanes(it, it->n, w->rest).M);
+    it->own->made = 1;
+}
+
+enum pk_status pk_gauss_init(struct pk_integrator *it)
+{
+    const struct pk_gauss_work w = pk_gauss_parts(it);
+    pk_real *p = pk_part(it->own->state, it->n, PK_P);
+    if (!it->own->made)
+        make_tables(it, &w);
     memset(w.kept, 0, sizeof *w.kept);
     w.kept->contraction = w.kept->last_contraction = PK_INFINITY;
     pk_eval_canonical(it, it->t, it->q, it->v, p, w.F);
@@ -70,7 +84,7 @@ void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_rea
     const size_t s = w->s;
     pk_real inner = 0;
     for (size_t i = 0; i < s; i++)
-        w->hb[i] = h * w->table->b[i];
+        w->hb[i] = h * w->b[i];
     for (size_t i = 1; i + 1 < s; i++)
         inner += w->hb[i];
     if (!(it->method->traits & PK_SYMMETRIC))

@@ -35,7 +35,7 @@ int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
         }
     for (size_t i = 0; i < s; i++) {
         pk_real *F = w->F + i * n;
-        pk_eval_canonical(it, it->t + w->table->c[i] * it->own->h, w->Q + i * n, w->V + i * n,
+        pk_eval_canonical(it, it->t + w->c[i] * it->own->h, w->Q + i * n, w->V + i * n,
                           w->P + i * n, F);
         for (size_t k = 0; k < n; k++)
             F[k] *= w->hb[i];

@@ -28,7 +28,7 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
     const size_t singularities = pk_system_singularity_count(system, problem->params);
     const struct pk_slot slots[] = {
         {&own->quadratures, pk_quadrature_size(system, n)},
-        {&own->atol, pk_scale_size(method, n)}, /* both outlive a reset */
+        {&own->atol, pk_scale_size(method, n)},
         {&own->state, PK_PARTS * n},
         {&own->next, PK_PARTS * n},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
@@ -37,12 +37,10 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
         {&own->singularities, pk_singularity_size(singularities, n)},
         {&own->project, pk_project_size(system, n)},
         {&own->marks, pk_marks_size(system, n)},
+        {&own->params, pk_params_reals(system)},
     };
-    const size_t before = slots[0].count + slots[1].count + slots[2].count;
-    const size_t scratch = before + pk_params_reals(system); /* of a reset's check, from next on */
-    const size_t used = PK_LAY_OUT(base, slots);
     own->n_singularities = singularities;
-    return used > scratch ? used : scratch;
+    return PK_LAY_OUT(base, slots);
 }
 
 size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_method *method)
@@ -132,21 +130,15 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_TIME);
     if (!pk_all_finite(q, n) || !pk_all_finite(v, n))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_STATE);
-    /* Steps exchange the two blocks; the check below needs all that lies behind the state. */
-    pk_real *const first = it->own->state < it->own->next ? it->own->state : it->own->next;
-    memmove(pk_part(first, n, PK_Q), q, n * sizeof *q);
-    memmove(pk_part(first, n, PK_V), v, n * sizeof *v);
-    it->own->state = first;
-    it->own->next = first + PK_PARTS * n;
-    it->q = pk_part(first, n, PK_Q);
-    it->v = pk_part(first, n, PK_V);
+    memmove(pk_part(it->own->state, n, PK_Q), q, n * sizeof *q);
+    memmove(pk_part(it->own->state, n, PK_V), v, n * sizeof *v);
     memset(pk_part(it->own->state, n, PK_P), 0, (PK_PARTS - PK_P) * n * sizeof *q);
-    it->status = pk_check_params(it, it->own->next); /* all behind the state is free here */
+    it->status = pk_check_params(it, it->own->params);
     if (it->status < 0)
         return it->status;
     /* What a method does not carry stays 0, and inputs that nobody fills. */
-    memset(it->own->next, 0,
-           (PK_PARTS * n + it->problem.system->n_inputs * (1 + PK_LANES)) * sizeof *q);
+    memset(it->own->next, 0, PK_PARTS * n * sizeof *q);
+    memset(it->own->u, 0, it->problem.system->n_inputs * (1 + PK_LANES) * sizeof *q);
     it->t = it->last_t = it->own->next_t = t;
     it->own->direction = 0;
     it->own->trouble = PK_DONE;

@@ -9,7 +9,8 @@
  */
 #include <string.h>
 
-#include "../implicit/gauss_dense.h"
+#include "../core/internal.h"
+#include "../core/tableau.h"
 
 enum { NOW, LOW, NEXT, NEXT_LOW, RATE, SIZE, SUM, SUM_2, TRAVEL, PARTS, TERMS = 2 * PK_LANES };
 
@@ -27,17 +28,24 @@ static int half(const struct pk_integrator *it) { return it->z == part(it, NOW) 
 size_t pk_quadrature_size(const struct pk_system *system, size_t n)
 {
     const size_t m = system->quadratures.n;
-    return m ? PARTS * m + 2 * n + TERMS * m : 0;
+    return m ? PARTS * m + 2 * n + TERMS * m + 2 * TERMS : 0;
 }
 
 /* Its terms: of the last step, where it->own->flags has PK_HAVE_SERIES. */
 static pk_real *series(const struct pk_integrator *it) { return part(it, PARTS) + 2 * it->n; }
+
+/* Behind them Gauss's nodes, and his weights. */
+static pk_real *nodes(const struct pk_integrator *it)
+{
+    return series(it) + TERMS * it->problem.system->quadratures.n;
+}
 
 enum pk_status pk_quadrature_start(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
     pk_real *z = part(it, NOW);
     it->z = z;
+    pk_gauss_nodes(TERMS, nodes(it), nodes(it) + TERMS);
     memset(part(it, TRAVEL), 0, system->quadratures.n * sizeof *z);
     memset(z, 0, 2 * system->quadratures.n * sizeof *z); /* the low parts too */
     if (system->quadratures.start)
@@ -139,7 +147,7 @@ void pk_quadrature_aside(const struct pk_integrator *it, struct pk_integrator *s
                2 * it->problem.system->quadratures.n * sizeof *it->z);
 }
 
-/* Of g over the last step, at the nodes of gauss_dense.c: sum_j w_j P_k(2 x_j - 1) g_j / 2. */
+/* Of g over the last step, at the nodes: (2 k + 1) sum_j w_j P_k(2 x_j - 1) g_j. */
 static enum pk_status make_series(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
@@ -148,25 +156,21 @@ static enum pk_status make_series(struct pk_integrator *it)
     pk_real *q = part(it, PARTS), *v = q + it->n, *rate = part(it, RATE), *terms = series(it);
     memset(terms, 0, TERMS * m * sizeof *terms);
     for (int j = 0; j < TERMS; j++) {
-        const struct pk_node node = pk_gauss_node(j);
-        const pk_real t = it->last_t + h * node.x, y = 2 * node.x - 1;
-        pk_real P = 1, next = y;
+        const pk_real x = nodes(it)[j], weight = nodes(it)[TERMS + j], t = it->last_t + h * x;
+        pk_real P[TERMS];
+        pk_legendre(x, 1 - x, TERMS, P, NULL);
         if (pk_integrator_dense(it, t, q, v) < 0)
             return it->status;
         system->quadratures.rates(it->problem.params, t, q, v, pk_eval_input(it, t), rate);
-        for (int k = 0; k < TERMS; k++) {
-            const pk_real now = P;
+        for (int k = 0; k < TERMS; k++)
             for (size_t i = 0; i < m; i++)
-                terms[(size_t)k * m + i] += node.weight * now * rate[i] / 2;
-            P = next;
-            next = ((pk_real)(2 * k + 3) * y * P - (pk_real)(k + 1) * now) / (pk_real)(k + 2);
-        }
+                terms[(size_t)k * m + i] += (pk_real)(2 * k + 1) * weight * P[k] * rate[i];
     }
     it->own->flags |= PK_HAVE_SERIES;
     return PK_DONE;
 }
 
-/* From the step's start, by int P_k = (P_k+1 - P_k-1) / (2 (2 k + 1)) on [0, 1]. */
+/* From the step's start. */
 enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real t, pk_real *z)
 {
     const size_t m = it->z ? it->problem.system->quadratures.n : 0;
@@ -178,21 +182,18 @@ enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real
         memcpy(z, it->z, m * sizeof *z);
         return it->status = PK_DONE;
     }
-    const pk_real h = it->t - it->last_t, y = 2 * (t - it->last_t) / h - 1;
+    const pk_real h = it->t - it->last_t, x = (t - it->last_t) / h;
     pk_real *q = part(it, PARTS), *v = q + it->n;
-    if ((!(pk_abs(y) <= 1) && pk_integrator_dense(it, t, q, v) < 0) || /* which says why not */
+    if ((!(x >= 0 && x <= 1) && pk_integrator_dense(it, t, q, v) < 0) || /* which says why not */
         (!(it->own->flags & PK_HAVE_SERIES) && make_series(it) < 0))
         return it->status;
     const pk_real *terms = series(it), *from = part(it, NEXT - half(it)), *low = from + m;
-    pk_real before = -1, P = 1, next = y;
+    pk_real P[TERMS], integral[TERMS];
+    pk_legendre(x, 1 - x, TERMS, P, integral);
     memcpy(z, low, m * sizeof *z);
-    for (int k = 0; k < TERMS; k++) {
+    for (int k = 0; k < TERMS; k++)
         for (size_t i = 0; i < m; i++)
-            z[i] += h * terms[(size_t)k * m + i] * (next - before);
-        before = P;
-        P = next;
-        next = ((pk_real)(2 * k + 3) * y * P - (pk_real)(k + 1) * before) / (pk_real)(k + 2);
-    }
+            z[i] += h * terms[(size_t)k * m + i] * integral[k];
     for (size_t i = 0; i < m; i++)
         z[i] += from[i];
     return it->status = pk_all_finite(z, m) ? PK_DONE : PK_NOT_FINITE;

@@ -137,7 +137,7 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
         w->last_weight[i] = w->weight[i];
         q[i] = pk_sum(it->q[i], y->h * (it->v[i] + (old_v[i] + pk_gauss_dot(left, ai))), &low_q[i]);
         v[i] = pk_sum(it->v[i], pk_gauss_dot(hb, ai), &low_v[i]);
-        pk_gauss_rows(pk_gauss8_taylor, ai, w->poly + i * PK_GAUSS_S);
+        pk_gauss_rows(w->M->taylor, ai, w->poly + i * PK_GAUSS_S);
     }
     *w->h = y->h;
     *w->rate = y->rate;

@@ -46,13 +46,22 @@ struct pk_gauss_lanes {
     pk_real *start, *last_weight; /* 2 n: q and v where the last step began; n: its weights */
     pk_real *h, *rate, *decay;    /* of the last step: its size, the contraction of its iteration,
                                     and the theta^2 up to which a next one is accepted */
-    pk_real *dense;               /* of gauss_dense.c */
+    struct pk_gauss_matrices *M;
+    pk_real *dense; /* of gauss_dense.c */
 };
+
+static inline size_t pk_gauss_lanes_size(size_t n)
+{
+    return PK_GAUSS_S + sizeof(struct pk_gauss_matrices) / sizeof(pk_real) + 5 * n * PK_GAUSS_S +
+           4 * n + 3;
+}
 
 static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, size_t n, pk_real *x)
 {
     struct pk_gauss_lanes w;
     const size_t m = n * PK_GAUSS_S;
+    x += PK_GAUSS_S - (size_t)x / sizeof *x % PK_GAUSS_S; /* vectors within a line of the cache */
+    w.M = (struct pk_gauss_matrices *)(void *)x, x += sizeof *w.M / sizeof *x;
     w.a = x, x += m;
     w.next_a = x, x += m;
     w.q = x, x += m;
@@ -165,7 +174,7 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
     for (size_t i = 0; i < n; i++) {
         for (int k = 0; k < PK_GAUSS_S; k++)
             x[k] = w->poly[i * PK_GAUSS_S + (size_t)k] * power[k];
-        pk_gauss_rows(pk_gauss8_powers, x, w->a + i * PK_GAUSS_S);
+        pk_gauss_rows(w->M->powers, x, w->a + i * PK_GAUSS_S);
     }
     /* Till it is measured: never so small that a first iterate passes unseen for the last. */
     y->rate = pk_max(pk_min(*w->rate * r * r, PK_C(0.5)), PK_GAUSS_RATE_LEAST);
@@ -184,12 +193,12 @@ static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
         const pk_real *a = w->a + i * PK_GAUSS_S;
         pk_real *restrict q = w->q + i * PK_GAUSS_S, *restrict v = w->v + i * PK_GAUSS_S;
         pk_real d[PK_GAUSS_S];
-        pk_gauss_rows(pk_gauss8_A2, a, d);
+        pk_gauss_rows(w->M->A2, a, d);
         PK_GAUSS_LOOP
         for (int l = 0; l < PK_GAUSS_S; l++)
             q[l] = PK_GAUSS_FMA(h2, d[l], PK_GAUSS_FMA(y->hc[l], v0, q0));
         if (with_v) {
-            pk_gauss_rows(pk_gauss8_A, a, d);
+            pk_gauss_rows(w->M->A, a, d);
             PK_GAUSS_LOOP
             for (int l = 0; l < PK_GAUSS_S; l++)
                 v[l] = PK_GAUSS_FMA(h, d[l], v0);
@@ -285,8 +294,8 @@ static inline void PK_STEPPER(gauss_coefficients)(struct pk_integrator *it,
     pk_real sum6 = 0, sum7 = 0;
     for (size_t i = 0; i < n; i++) {
         const pk_real *a = w->a + i * PK_GAUSS_S;
-        const pk_real six = w->weight[i] * pk_gauss_dot(pk_gauss8_legendre6, a);
-        const pk_real seven = w->weight[i] * pk_gauss_dot(pk_gauss8_legendre7, a);
+        const pk_real six = w->weight[i] * pk_gauss_dot(w->M->legendre6, a);
+        const pk_real seven = w->weight[i] * pk_gauss_dot(w->M->legendre7, a);
         sum6 += six * six;
         sum7 += seven * seven;
     }

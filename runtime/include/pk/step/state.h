@@ -42,10 +42,12 @@ struct pk_integrator_private {
     pk_real error;          /* adaptive: of the last accepted step, in units of the tolerance */
     int off_grid;           /* fixed steps: the one being made is shorter, and ends the grid */
     int ready;              /* a start was accepted; without it nothing steps */
+    int made;               /* what the method makes once, whatever the start */
     int direction;          /* +1, -1, 0 before the first step */
     int flags;              /* the method's own */
     pk_real condition;      /* of a singular M: the least pivot beside its diagonal entry */
     pk_real *project;       /* rotations and constraints: src/constraints/project.c; NULL: none */
+    pk_real *params;        /* room for a copy of them */
     pk_real *marks;         /* values at the begin, ...: src/core/marks.c; NULL: there are none */
     int marked, unlooked;   /* whether those at the begin are known; steps not looked at */
     pk_real reach, rise;    /* how long the next step may be for them, 0: any; the one behind */
