@@ -1,0 +1,111 @@
+"""The runtime's core and one model as WebAssembly, by Debian's clang, lld and wasi-libc; without
+GSL, which is under the GPL, and without emscripten."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import os
+import shutil
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from ...system.cache import cached
+from ...system.exits import BuildError
+from ...system.progress import say
+from ...system.toolchain import DECLARED, RUNTIME, STANDARD, run
+
+HERE = Path(__file__).parent
+CLANG = ("clang", "clang-19", "clang-18", "clang-17", "clang-16", "clang-15", "clang-14")
+LINKERS = ("wasm-ld", "wasm-ld-19", "wasm-ld-18", "wasm-ld-17", "wasm-ld-16", "wasm-ld-15", "wasm-ld-14")
+LIBC = (Path("/usr/lib/wasm32-wasi/libc.a"), Path("/opt/wasi-sysroot/lib/wasm32-wasi/libc.a"))
+FLAGS = (
+    "--target=wasm32-wasi",
+    STANDARD,
+    DECLARED,
+    "-O2",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-DPK_RUNTIME",
+)
+SYSTEM = """#include <pk/system.h>
+extern const struct pk_system {name}_system;
+extern const struct pk_system *const live_system;
+const struct pk_system *const live_system = &{name}_system;
+"""
+
+
+def _tools() -> list[str]:
+    """The compiler and what it is told. Raises BuildError with what is missing, all at once."""
+    clang = next((found for name in CLANG if (found := shutil.which(name))), None)
+    linker = next((found for name in LINKERS if (found := shutil.which(name))), None)
+    libc = next((path for path in LIBC if path.exists()), None)
+    missing = [
+        package
+        for package, there in (("clang", clang), ("lld", linker), ("wasi-libc", libc))
+        if not there
+    ]
+    if clang and not missing and not _has_builtins(clang):
+        missing.append("libclang-rt-dev-wasm32")
+    if missing:
+        raise BuildError(
+            "a live page needs a compiler to WebAssembly: apt-get install " + " ".join(missing)
+        )
+    assert clang and libc and linker
+    return [clang, *FLAGS, f"--sysroot={libc.parents[2]}", f"-fuse-ld={linker}"]
+
+
+def _has_builtins(clang: str) -> bool:
+    folder = Path(os.path.realpath(clang)).parents[1] / "lib"
+    return any(folder.glob("clang/*/lib/**/libclang_rt.builtins*wasm32*")) or any(
+        Path("/usr/lib/llvm-14/lib").glob("clang/*/lib/**/*builtins*wasm32*")
+    )
+
+
+def _runtime(tools: list[str]) -> Path:
+    """The folder with the objects of the core, made if missing."""
+    sources = sorted((RUNTIME / "src").rglob("*.c"))
+    digest = hashlib.sha256(repr(tools).encode())
+    for path in sorted(RUNTIME.rglob("*.[ch]")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+
+    def make(new: Path) -> None:
+        say("compiling the runtime to WebAssembly (once, 10 s)")
+
+        def one(source: Path) -> None:
+            name = f"{source.parent.name}_{source.stem}.o"
+            compile_to(tools, ["-c", str(source), "-o", name], new)
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(one, sources))
+
+    return cached("runtime-wasm", digest.hexdigest()[:24], make)
+
+
+def compile_to(tools: list[str], arguments: list[str], folder: Path) -> None:
+    run([*tools, f"-I{RUNTIME / 'include'}", *arguments], folder)
+
+
+def wasm(files: Mapping[str, str], name: str) -> bytes:
+    """The module of the model NAME from its generated files, packed by gzip; the same files give the
+    same bytes. Raises BuildError with what is missing, or what the compiler said."""
+    tools = _tools()
+    own = (HERE / "live.c").read_bytes()
+    runtime = _runtime(tools)
+    digest = hashlib.sha256(repr((runtime.name, own, sorted(files.items()))).encode())
+
+    def make(new: Path) -> None:
+        system = {"which-model.c": SYSTEM.format(name=name)}
+        for file_name, text in {**files, **system}.items():
+            (new / file_name).write_text(text, encoding="utf-8")
+        sources = [f"{name}.c", "which-model.c", str(HERE / "live.c")]
+        objects = sorted(map(str, runtime.glob("*.o")))
+        link = ["-mexec-model=reactor", "-Wl,--gc-sections", "-Wl,--strip-all", "-lm"]
+        exports = [f"-Wl,--export={symbol}" for symbol in ("malloc", "free")]
+        compile_to(tools, [*sources, *objects, *link, *exports, "-o", "model.wasm"], new)
+        packed = gzip.compress((new / "model.wasm").read_bytes(), 9, mtime=0)
+        (new / "model.wasm.gz").write_bytes(packed)
+
+    return (cached("wasm", f"{name[:40]}-{digest.hexdigest()[:24]}", make) / "model.wasm.gz").read_bytes()
