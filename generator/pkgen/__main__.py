@@ -41,6 +41,7 @@ COMMANDS = (
     "stability",
     "methods",
     "describe",
+    "show",
 )
 
 
@@ -77,6 +78,7 @@ OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c
        pkgen build MODEL.lag -o FILE a program of its own, with the options of run
        pkgen chart MODEL.lag        accuracy against cost, by every method that applies
        pkgen stability MODEL.lag    where each method fails, predicted and measured
+       pkgen show MODEL.lag         a live page: one file that opens in a browser
        pkgen describe MODEL.lag     names, units, bounds, methods, drawings as data
        pkgen methods                the methods, orders, what each requires
        pkgen COMMAND --help         the options of a command ('compile' for the first line's)

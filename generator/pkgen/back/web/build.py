@@ -18,7 +18,15 @@ from ...system.toolchain import DECLARED, RUNTIME, STANDARD, run
 
 HERE = Path(__file__).parent
 CLANG = ("clang", "clang-19", "clang-18", "clang-17", "clang-16", "clang-15", "clang-14")
-LINKERS = ("wasm-ld", "wasm-ld-19", "wasm-ld-18", "wasm-ld-17", "wasm-ld-16", "wasm-ld-15", "wasm-ld-14")
+LINKERS = (
+    "wasm-ld",
+    "wasm-ld-19",
+    "wasm-ld-18",
+    "wasm-ld-17",
+    "wasm-ld-16",
+    "wasm-ld-15",
+    "wasm-ld-14",
+)
 LIBC = (Path("/usr/lib/wasm32-wasi/libc.a"), Path("/opt/wasi-sysroot/lib/wasm32-wasi/libc.a"))
 FLAGS = (
     "--target=wasm32-wasi",
@@ -89,8 +97,8 @@ def compile_to(tools: list[str], arguments: list[str], folder: Path) -> None:
 
 
 def wasm(files: Mapping[str, str], name: str) -> bytes:
-    """The module of the model NAME from its generated files, packed by gzip; the same files give the
-    same bytes. Raises BuildError with what is missing, or what the compiler said."""
+    """The module of the model NAME from its generated files, packed by gzip; the same files give
+    the same bytes. Raises BuildError with what is missing, or what the compiler said."""
     tools = _tools()
     own = (HERE / "live.c").read_bytes()
     runtime = _runtime(tools)
@@ -108,4 +116,6 @@ def wasm(files: Mapping[str, str], name: str) -> bytes:
         packed = gzip.compress((new / "model.wasm").read_bytes(), 9, mtime=0)
         (new / "model.wasm.gz").write_bytes(packed)
 
-    return (cached("wasm", f"{name[:40]}-{digest.hexdigest()[:24]}", make) / "model.wasm.gz").read_bytes()
+    return (
+        cached("wasm", f"{name[:40]}-{digest.hexdigest()[:24]}", make) / "model.wasm.gz"
+    ).read_bytes()

@@ -75,14 +75,21 @@ const Engine = (() => {
       c.live_start(this.base, start, start + 8 * this.n);
       const [q, v] = [this.reals(start, this.nq).slice(), this.reals(start + 8 * this.n, this.n).slice()];
       c.free(start);
-      for (const x of [...this.description.coordinates, ...this.description.states])
-        this.own(x, q, v, all, params);
+      this.asDescribed(all, q, v);
       return { params: all, q, v };
     }
 
-    /* A start that the description has otherwise than the C, as --start gives it, holds while the
-     * parameters are those of the description. */
-    own() {}
+    /* Starts that scene and options give stand in the description: they hold as long as the
+     * parameters are its own. */
+    asDescribed(all, q, v) {
+      const { parameters, coordinates, states } = this.description;
+      if (!parameters.every((p) => p.value === null || p.value === all[p.index])) return;
+      for (const x of coordinates) {
+        if (x.q !== null) q[x.index] = x.q;
+        if (x.v !== null) v[x.index] = x.v;
+      }
+      for (const x of states) if (x.value !== null) v[x.index] = x.value;
+    }
 
     /* null, or why these parameters cannot be. */
     prepare(params) {

@@ -1,0 +1,38 @@
+"""`pkgen show`: a model as a live page."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from ..back.web.build import wasm
+from ..back.web.page import packed
+from ..describe.made import describe
+from ..system.exits import DONE, UsageError
+from ..system.files import replace
+from . import arguments as shared
+from .compilation import compile_within_limits
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    shared.as_of_a_run(parser)
+    shared.of_a_motion(parser, "10")
+    parser.add_argument("-o", dest="page", metavar="FILE.html", help="default: NAME.html, here")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Make one file that opens in a browser and needs nothing else: the model moves in it,
+    computed there by its own C, with all its parameters and methods at hand."""
+    found = describe(options, lambda options, **how: compile_within_limits(options, **how))
+    path = Path(options.page or f"{found.compilation.model.name}.html")
+    if path.suffix not in (".html", ".htm"):
+        raise UsageError(f"-o {path}: the file's name must end in .html")
+    compilation = found.compilation
+    text = packed(found.description, wasm(compilation.files, compilation.model.name))
+    replace({path: text})
+    if options.json:
+        print(json.dumps({"page": str(path), "bytes": len(text.encode())}))
+    else:
+        print(f"{path}: {len(text.encode()) / 1000:.0f} kB; open it in a browser")
+    return DONE
