@@ -45,31 +45,34 @@ const struct pk_system *const live_system = &{name}_system;
 """
 
 
-def _tools() -> list[str]:
-    """The compiler and what it is told. Raises BuildError with what is missing, all at once."""
+def missing() -> list[str]:
+    """Debian's packages without which no page can be made here."""
+    clang, linker, libc = _found()
+    wanted = (("clang", clang), ("lld", linker), ("wasi-libc", libc))
+    names = [package for package, there in wanted if not there]
+    return names + ([] if not clang or _has_builtins(clang) else ["libclang-rt-dev-wasm32"])
+
+
+def _found() -> tuple[str | None, str | None, Path | None]:
     clang = next((found for name in CLANG if (found := shutil.which(name))), None)
     linker = next((found for name in LINKERS if (found := shutil.which(name))), None)
-    libc = next((path for path in LIBC if path.exists()), None)
-    missing = [
-        package
-        for package, there in (("clang", clang), ("lld", linker), ("wasi-libc", libc))
-        if not there
-    ]
-    if clang and not missing and not _has_builtins(clang):
-        missing.append("libclang-rt-dev-wasm32")
-    if missing:
-        raise BuildError(
-            "a live page needs a compiler to WebAssembly: apt-get install " + " ".join(missing)
-        )
+    return clang, linker, next((path for path in LIBC if path.exists()), None)
+
+
+def _tools() -> list[str]:
+    """The compiler and what it is told. Raises BuildError with all that is missing."""
+    if names := missing():
+        wanted = " ".join(names)
+        raise BuildError(f"a live page needs a compiler to WebAssembly: apt-get install {wanted}")
+    clang, linker, libc = _found()
     assert clang and libc and linker
     return [clang, *FLAGS, f"--sysroot={libc.parents[2]}", f"-fuse-ld={linker}"]
 
 
 def _has_builtins(clang: str) -> bool:
+    """Whether it has what it calls for operations that WebAssembly lacks."""
     folder = Path(os.path.realpath(clang)).parents[1] / "lib"
-    return any(folder.glob("clang/*/lib/**/libclang_rt.builtins*wasm32*")) or any(
-        Path("/usr/lib/llvm-14/lib").glob("clang/*/lib/**/*builtins*wasm32*")
-    )
+    return any(folder.glob("clang/*/lib/**/libclang_rt.builtins*wasm32*"))
 
 
 def _runtime(tools: list[str]) -> Path:
