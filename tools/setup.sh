@@ -79,6 +79,16 @@ then
         say "not to be had here: libclang-rt-dev; make asan and make fuzz will leave out what wants it"
 fi
 
+# What makes live pages and films: without, `pkgen show` and `pkgen film` say what they lack.
+missing=
+command -v wasm-ld >/dev/null || missing="$missing lld"
+[ -e /usr/lib/wasm32-wasi/libc.a ] || missing="$missing wasi-libc"
+find /usr/lib/llvm-*/lib/clang -name '*builtins*wasm32*' 2>/dev/null | grep -q . ||
+    missing="$missing libclang-rt-dev-wasm32"
+command -v ffmpeg >/dev/null || missing="$missing ffmpeg"
+[ -n "${PKGEN_PREFIX:-}" ] || command -v node >/dev/null || missing="$missing nodejs"
+[ -z "$missing" ] || (apt_install $missing) 2>>"$log" || say "not to be had here:$missing"
+
 # A browser for the tests of live pages; without, they are skipped.
 if [ -z "${PKGEN_PREFIX:-}" ] && ! command -v chromium >/dev/null; then
     (apt_install chromium) 2>>"$log" || say "not to be had here: chromium; pages will not be tested"
