@@ -81,7 +81,8 @@ const Chart = (() => {
     }
 
     /* lines: [{x, y, colour, dash, points, head}]; ranges where they are not to be found. */
-    set(lines, { x, y } = {}) {
+    set(given, { x, y } = {}) {
+      const lines = given.length ? given : [{ x: [], y: [], colour: Theme.now().soft }];
       const { log } = this.options;
       this.range.x = x || padded(extent(lines.map((l) => l.x)), 0);
       this.range.y = y || (log ? decades(extent(lines.map((l) => l.y), true))

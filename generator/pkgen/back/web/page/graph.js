@@ -39,7 +39,8 @@ const GraphView = (() => {
 
     profiles(runs, entries) {
       return runs.map(({ run, style }) => ({ run, style, colour: style.trail, name: "",
-        points: entries.map((e, k) => [k + 1, run[e.kind][e.index]]) }));
+        points: entries.map((e, k) =>
+          [k + 1, run.recent.get(run.recent.size - 1, PanelsTime.columnOf(this.lab, e))]) }));
     }
 
     curves(runs, entries) {

@@ -12,6 +12,7 @@ const Lab = (() => {
       this.engine = engine;
       this.model = model;
       this.nq = engine.defaults().q.length;
+      this.nv = engine.defaults().v.length;
       this.settings = Settings.read(model, location.hash);
       this.natural = 1;
       this.base = 1;

@@ -32,6 +32,10 @@ const Model = (() => {
 
   function make(description) {
     const list = entries(description);
+    /* Outputs that the author asks for are looked at like the state: o0, o1, ... in the order here. */
+    const outputs = (description.outputs || []).filter((o) => !o.hidden).slice(0, 200);
+    outputs.forEach((o, k) => list.push({ name: o.name, key: "o" + k, kind: "o", index: k,
+      unit: o.unit, description: o.description, value: null, lo: null, hi: null, output: o.index }));
     const byKey = new Map(list.map((entry) => [entry.key, entry]));
     const byName = new Map(list.map((entry) => [entry.name, entry]));
     const turned = new Set();
@@ -42,7 +46,7 @@ const Model = (() => {
     const applying = offered.filter((method) => method.applies);
     const preferred = applying.find((method) => method.default) || applying[0];
     return {
-      description, list, byKey, byName, offered, applying,
+      description, list, byKey, byName, offered, applying, outputs,
       method: preferred ? preferred.name : null,
       methodNamed: new Map(offered.map((method) => [method.name, method])),
       sceneNamed: new Map((description.scenes || []).map((scene) => [scene.name, scene])),
@@ -64,5 +68,9 @@ const Model = (() => {
     return (adaptive[0] || applying[0] || { name: null }).name;
   }
 
-  return { make };
+  /* What a row of a run's history holds behind the time: q, v, outputs. */
+  const quantities = (model) =>
+    model.list.filter((e) => e.kind !== "p" && !model.isQuaternion(e.name)).slice(0, 600);
+
+  return { make, quantities };
 })();

@@ -41,30 +41,43 @@ const PanelsPlane = (() => {
     };
   }
 
-  /* The states at an event, drawn as points; more of them are made ahead while there is time. */
+  /* The states at an event, drawn as points. "Fill" runs ahead of the motion for more of them, a
+   * little at each renewal of the panel. */
   function section(lab, body, tools) {
     const { events } = lab.model.description;
-    const list = quantitiesOf(lab.model);
+    const list = quantitiesOf(lab.model).filter((e) => e.kind !== "o");
     let event = (events.find((e) => !e.stop) || events[0]).index;
-    const y0 = list.find((e) => e.kind === "q" && e.index === Math.min(1, lab.nq - 1)) || list[0];
-    let x = y0;
+    let x = list.find((e) => e.kind === "q" && e.index === Math.min(1, lab.nq - 1)) || list[0];
     let y = list.find((e) => e.kind === "v" && e.index === x.index) || list[0];
     const chart = Chart.make(body, { x: "", y: "" });
+    const again = () => { lab.dirty = true; };
     if (events.length > 1)
       tools.append(Dom.select(events.map((e) => [e.index, Text.plain(e.name)]), event,
-        (k) => { event = Number(k); lab.dirty = true; }, { "aria-label": "Which event" }));
-    tools.append(menu(list, y, (key) => { y = lab.model.byKey.get(key); lab.dirty = true; }, "Upwards"),
-      "over", menu(list, x, (key) => { x = lab.model.byKey.get(key); lab.dirty = true; }, "To the right"));
+        (k) => { event = Number(k); again(); }, { "aria-label": "Which event" }));
+    tools.append(menu(list, y, (key) => { y = lab.model.byKey.get(key); again(); }, "Upwards"),
+      "over", menu(list, x, (key) => { x = lab.model.byKey.get(key); again(); }, "To the right"),
+      Dom.h("button", { type: "button", class: "quiet small-button", title: "Run ahead for more points",
+        onclick: () => { fill = !fill; again(); } }, "Fill"));
+    let fill = false;
+    const ahead = Ahead.make(lab);
     const read = (entry, states) => folded(entry, states.map(([q, v]) =>
       (entry.kind === "q" ? q : v)[entry.index]));
     return {
-      free: () => chart.free(),
+      free() {
+        ahead.free();
+        chart.free();
+      },
       update(runs) {
         chart.options.x = Text.axis(x.name, x.unit);
         chart.options.y = Text.axis(y.name, y.unit);
-        chart.set(runs.map((run) => ({ x: read(x, run.sections[event].states),
-          y: read(y, run.sections[event].states), colour: Theme.ofRun(run), points: 2.2 })),
-        { x: Chart.padded(Chart.extent(runs.map((run) => read(x, run.sections[event].states))), 0.08) });
+        const shown = runs.filter((run) => run.index >= 0).map((run) => [run, run.sections[event].states]);
+        if (fill && shown.length) {
+          if (ahead.more(event, 24)) setTimeout(again, 0);
+          if (ahead.run) shown[0] = [shown[0][0], ahead.run.sections[event].states];
+        }
+        chart.set(shown.map(([run, states]) => ({ x: read(x, states), y: read(y, states),
+          colour: Theme.ofRun(run), points: states.length > 400 ? 1.6 : 2.6 })),
+        { x: Chart.padded(Chart.extent(shown.map(([, states]) => read(x, states))), 0.08) });
       },
     };
   }

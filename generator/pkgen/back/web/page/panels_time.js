@@ -65,11 +65,9 @@ const PanelsTime = (() => {
     };
   }
 
-  /* Coordinates and rates that can be read in a row of the history. */
-  function quantitiesOf(model) {
-    return model.list.filter((e) => e.kind !== "p" && !model.isQuaternion(e.name)).slice(0, 400);
-  }
-  const columnOf = (lab, entry) => 1 + entry.index + (entry.kind === "v" ? lab.nq : 0);
+  const quantitiesOf = Model.quantities;
+  const columnOf = (lab, entry) =>
+    1 + entry.index + { q: 0, v: lab.nq, o: lab.nq + lab.nv }[entry.kind];
 
   return { drift, time, distance, quantitiesOf, columnOf };
 })();

@@ -55,7 +55,8 @@ const Runs = (() => {
       this.motion = engine.motion({ method: spec.method, step: spec.step, rtol: spec.rtol,
         params: start.params, q: start.q, v: start.v, t: 0 });
       this.params = start.params;
-      const width = 1 + start.q.length + start.v.length;
+      this.seen = model.outputs.map((o) => o.index);
+      const width = 1 + start.q.length + start.v.length + this.seen.length;
       const rows = Math.max(256, Math.min(6000, Math.floor(1.5e6 / width)));
       this.recent = new History.Recent(width, rows);
       this.row = new Float64Array(width);
@@ -80,6 +81,7 @@ const Runs = (() => {
       this.row[0] = this.t;
       this.row.set(this.q, 1);
       this.row.set(this.v, 1 + this.q.length);
+      this.seen.forEach((index, k) => { this.row[1 + this.q.length + this.v.length + k] = this.out[index]; });
       this.recent.push(this.row);
       const drifts = Array.from(this.constants, (c, k) => drift(c, this.start[k]));
       drifts.push(reference ? distance(this, reference.at(this.t)) : NaN);
@@ -211,5 +213,5 @@ const Runs = (() => {
     }
   }
 
-  return { given, make: (lab) => new Runs_(lab) };
+  return { given, make: (lab) => new Runs_(lab), one: (lab, spec, start) => new Run(lab, spec, start, 0) };
 })();

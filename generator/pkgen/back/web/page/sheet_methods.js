@@ -28,7 +28,7 @@ const SheetMethods = (() => {
     element.append(h("section", { class: "group" }, h("h2", null, "Methods against each other"), cards, add, note));
     if (unfit.length)
       element.append(h("details", { class: "group" },
-        h("summary", null, `${unfit.length} that do not apply`),
+        h("summary", null, `${unfit.length} that ${unfit.length === 1 ? "does" : "do"} not apply`),
         h("dl", { class: "reasons" }, ...unfit.flatMap((m) => [h("dt", null, m.name), h("dd", null, m.why)]))));
 
     function renew() {

@@ -96,7 +96,7 @@ const SheetValues = (() => {
     const turns = (model.description.rotations || []).flatMap((rotation, k) => ["x", "y", "z"]
       .map((axis) => ({ key: `r${k}${axis}`, kind: "r", name: `${rotation.name}.${axis}`, unit: "rad",
         description: `turned about ${axis}`, value: 0, lo: null, hi: null, periodic: true })));
-    const starts = model.list.filter((e) => e.kind !== "p" && !model.isQuaternion(e.name));
+    const starts = model.list.filter((e) => "qv".includes(e.kind) && !model.isQuaternion(e.name));
     element.append(...[
       group("Parameters", model.list.filter((e) => e.kind === "p")),
       group("Start", [...starts, ...turns]),

@@ -92,9 +92,16 @@ const Stage = (() => {
         run,
         made: run.made && run.madeAt === run.out ? run.made : this.resolve(run),
         style: styleOf(run, several, this.distinct),
-        trails: run.trails.map(({ trail }, k) => ({ trail,
-          colour: !several && this.distinct ? Theme.now().shapes[k % 4] : null })),
+        trails: run.trails.map(({ shape, trail }) => ({ trail,
+          colour: !several && this.distinct ? this.colourAt(shape.at) : null })),
       }));
+    }
+
+    /* A trail has the colour of the body that leaves it. */
+    colourAt(at) {
+      const bodies = this.lab.model.shapes.filter((s) => s.kind === "bob" || s.kind === "body");
+      const k = bodies.findIndex((s) => JSON.stringify(s.at) === JSON.stringify(at));
+      return k < 0 ? null : Theme.now().shapes[k % 4];
     }
 
     resolve(run) {

@@ -1,0 +1,43 @@
+"use strict";
+/* The first method's motion once more, run ahead of the clock for the points of a section. */
+const Ahead = (() => {
+  const ENOUGH = 3000;
+
+  class Ahead_ {
+    constructor(lab) {
+      this.lab = lab;
+      this.run = null;
+      this.start = null;
+    }
+
+    /* Some milliseconds' worth; true while there is more to come. */
+    more(event, budget) {
+      const { lab } = this;
+      if (this.start !== lab.runs.start) {
+        this.free();
+        this.start = lab.runs.start;
+        this.t = 0;
+        try {
+          this.run = Runs.one(lab, lab.settings.methods[0], this.start);
+        } catch (error) {
+          this.run = null;
+        }
+      }
+      const until = performance.now() + budget;
+      while (this.run && !this.run.status && this.run.sections[event].t.length < ENOUGH) {
+        if (performance.now() > until) return true;
+        this.t += lab.natural / 40;
+        this.run.advance(this.t);
+        this.run.sample(lab.model, null);
+      }
+      return false;
+    }
+
+    free() {
+      if (this.run) this.run.free();
+      this.run = null;
+    }
+  }
+
+  return { make: (lab) => new Ahead_(lab) };
+})();
