@@ -14,8 +14,15 @@ const SheetModel = (() => {
     const d = lab.model.description;
     const element = $("sheet-model");
     const { content } = $("explained");
-    if (content.childElementCount)
-      element.append(h("div", { class: "explained" }, content.cloneNode(true)));
+    if (content.childElementCount) {
+      /* Formulas are wider than the sheet: they may have the whole window. */
+      const wide = h("dialog", { class: "reading", "aria-label": "The model" },
+        h("form", { method: "dialog" }, h("button", { class: "icon", "aria-label": "Close" }, "×")),
+        h("div", { class: "explained" }, content.cloneNode(true)));
+      document.body.append(wide);
+      element.append(h("button", { type: "button", class: "wide", onclick: () => wide.showModal() },
+        "Read it at full width"), h("div", { class: "explained" }, content.cloneNode(true)));
+    }
     element.append(...[
       list("Proved constant", d.constants.map((c) => [c.name,
         [c.why || { energy: "the Lagrangian does not name t", claim: "claimed and proved",
