@@ -10,7 +10,7 @@ const Panels = (() => {
     ["section", { title: "Section", make: PanelsPlane.section,
       suits: (m) => m.description.events.length > 0 }],
     ["spectrum", { title: "Spectrum", make: PanelsPlane.spectrum, suits: () => true }],
-    ["modes", { title: "Modal energies", make: PanelsModes.modes, suits: PanelsModes.suits }],
+    ["modes", { title: "Modes", make: PanelsModes.modes, suits: PanelsModes.suits }],
     ["distance", { title: "Error", make: PanelsTime.distance, suits: () => true }],
   ]);
 

@@ -25,6 +25,35 @@ const PanelsModes = (() => {
       && constants.some((c) => c.kind === "energy");
   }
 
+  /* The energies from the start on; where there are too many every second one goes. */
+  const ROWS = 1400;
+  const fresh = (run, n) =>
+    ({ run, t: [], energies: Array.from({ length: n }, () => []), every: 0, next: -Infinity });
+
+  function gather(kept, recent, found) {
+    let k = recent.size - 1;
+    while (k > 0 && recent.get(k - 1, 0) >= kept.next) k--;
+    for (; k < recent.size; k++) {
+      const now = recent.get(k, 0);
+      if (now < kept.next) continue;
+      kept.t.push(now);
+      found.forEach(({ w2, row }, m) => {
+        let [a, b] = [0, 0];
+        for (let j = 0; j < row.length; j++) {
+          a += row[j] * recent.get(k, 1 + j);
+          b += row[j] * recent.get(k, 1 + row.length + j);
+        }
+        kept.energies[m].push((b * b + w2 * a * a) / 2);
+      });
+      if (kept.t.length > ROWS) {
+        kept.t = kept.t.filter((_, i) => i % 2 === 0);
+        kept.energies = kept.energies.map((list) => list.filter((_, i) => i % 2 === 0));
+        kept.every = 2 * (kept.every || (now - kept.t[0]) / ROWS);
+      }
+      kept.next = now + kept.every + 1e-12 * Math.abs(now);
+    }
+  }
+
   function modes(lab, body, tools) {
     const chart = Chart.make(body, { x: Text.axis("t", lab.model.time), y: "energy of a mode" });
     const key = Dom.h("span", { class: "key" });
@@ -32,6 +61,7 @@ const PanelsModes = (() => {
     let found = null;
     let made = null;
     let note = "";
+    let kept = fresh(null, 0);
     return {
       free: () => chart.free(),
       update(runs) {
@@ -54,22 +84,10 @@ const PanelsModes = (() => {
           chart.set([]);
           return;
         }
-        const { recent } = run;
-        const every = Math.max(1, Math.floor(recent.size / 400));
-        const t = [];
-        const energies = found.map(() => []);
-        for (let k = (recent.size - 1) % every; k < recent.size; k += every) {
-          t.push(recent.get(k, 0));
-          found.forEach(({ w2, row }, m) => {
-            let [a, b] = [0, 0];
-            for (let j = 0; j < row.length; j++) {
-              a += row[j] * recent.get(k, 1 + j);
-              b += row[j] * recent.get(k, 1 + row.length + j);
-            }
-            energies[m].push((b * b + w2 * a * a) / 2);
-          });
-        }
-        const most = energies.map((list, m) => [Math.max(...list), m]).sort((a, b) => b[0] - a[0])
+        if (kept.run !== run) kept = fresh(run, found.length);
+        gather(kept, run.recent, found);
+        const { t, energies } = kept;
+        const most = energies.map((list, m) => [list.reduce((x, y) => Math.max(x, y), 0), m]).sort((a, b) => b[0] - a[0])
           .slice(0, SHOWN).map(([, m]) => m).sort((a, b) => a - b);
         const theme = Theme.now();
         const colours = [...theme.methods, theme.ink];
