@@ -32,9 +32,10 @@ const Camera = (() => {
       const lo = known ? [box.lo[i], box.lo[j]] : [-1, -1];
       const hi = known ? [box.hi[i], box.hi[j]] : [1, 1];
       const room = [Math.max(80, this.width - 2 * inset.x), Math.max(80, this.height - 2 * inset.y)];
-      /* A width that the author gives is that of a square that all is to be seen in. */
-      const [width, height] = this.given ? [this.given, this.given]
-        : [(hi[0] - lo[0]) / 0.86 || 1, (hi[1] - lo[1]) / 0.86 || 1e-300];
+      const [x, y] = [hi[0] - lo[0], hi[1] - lo[1]];
+      /* A width that the author gives; the height is that of the motion, a square at the most. */
+      const width = this.given || x / 0.86 || 1;
+      const height = this.given ? Math.min(this.given, y * 1.25 || this.given) : y / 0.86 || 1e-300;
       this.scale = Math.min(room[0] / width, room[1] / height);
       this.centre = [(lo[0] + hi[0]) / 2, (lo[1] + hi[1]) / 2];
     }

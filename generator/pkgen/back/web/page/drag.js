@@ -97,7 +97,8 @@ const Drag = (() => {
   function allowed(lab, state) {
     if (!(lab.model.description.constraints || []).length) return state;
     try {
-      const motion = lab.engine.motion({ ...lab.settings.methods[0], ...state, t: 0 });
+      const motion = lab.engine.motion({ ...lab.settings.methods[0], step: lab.stepOf(lab.settings.methods[0]),
+        ...state, t: 0 });
       const q = motion.q;
       motion.free();
       return { ...state, q };

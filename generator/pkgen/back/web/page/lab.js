@@ -28,6 +28,7 @@ const Lab = (() => {
       this.restart();
       this.stage = Stage.make(this);
       this.look();
+      this.restart();
       this.drag = Drag.make(this);
       this.panels = Panels.make(this);
       this.sheets = { values: SheetValues.make(this), methods: SheetMethods.make(this),
@@ -40,6 +41,12 @@ const Lab = (() => {
     speed() {
       const n = this.settings.speed;
       return this.base * HEADS[((n % 3) + 3) % 3] * 10 ** Math.floor(n / 3);
+    }
+
+    /* A method of fixed step that is given none takes a hundredth of a swing. */
+    stepOf({ method, step }) {
+      if (step) return step;
+      return (this.model.methodNamed.get(method) || {}).adaptive ? null : Ranges.nice(this.natural / 100);
     }
 
     look() {

@@ -67,7 +67,8 @@ const SheetMethods = (() => {
       return h("article", { class: `card m${k}` },
         h("div", { class: "card-head" }, h("span", { class: "swatch", "aria-hidden": "true" }), menu, away),
         h("p", { class: "facts", title: row.doc || "" }, facts),
-        h("div", { class: "card-body" }, field(spec, "step", "step", "auto"),
+        h("div", { class: "card-body" }, field(spec, "step", "step",
+          row.adaptive ? "auto" : Text.number(lab.stepOf(spec))),
           row.adaptive ? field(spec, "rtol", "rtol", "auto") : null),
         h("p", { class: "counts" }), h("p", { class: "status", role: "status" }));
     }

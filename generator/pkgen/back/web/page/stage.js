@@ -15,7 +15,7 @@ const Stage = (() => {
       return { ...base, hollow: true, dash: [5, 5], rod: 2, metal: colour, size: 1.25, trailWidth: 1.2 };
     if (several)
       return { ...base, rod: 3.5, metal: colour, arrow: colour, size: 0.92, alpha: base.alpha * 0.92,
-        labels: run.index === 0 };
+        labels: false };
     return { ...base, labels: true,
       of: (shape, k) => (distinct ? theme.shapes[k % theme.shapes.length] : colour) };
   }
