@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from browser import Packer, Page, opened
 from conftest import ROOT, long_but, rows, written
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
@@ -15,6 +17,30 @@ TOP = ROOT / "models" / "heavy_top.lag"
 CHAIN = ROOT / "models" / "chains" / "fput.lag"
 QUICK = {PENDULUM, TOP, CHAIN}
 PIXELS = 2.0
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator:
+    yield from opened()
+
+
+@pytest.fixture(scope="module")
+def packed(tmp_path_factory: pytest.TempPathFactory) -> Packer:
+    return Packer(tmp_path_factory.mktemp("pages"))
+
+
+@pytest.fixture
+def show(browser, packed) -> Iterator[Callable[..., Page]]:
+    contexts = []
+
+    def shown(model: Path, fragment: str = "", size=(1280, 800), **context: object) -> Page:
+        width, height = size
+        contexts.append(browser.new_context(viewport={"width": width, "height": height}, **context))
+        return Page(contexts[-1].new_page(), packed(model), fragment)
+
+    yield shown
+    for context in contexts:
+        context.close()
 
 
 @pytest.mark.parametrize("model", long_but(QUICK, MODELS), ids=lambda m: m.stem)
@@ -64,7 +90,9 @@ def test_a_slider_changes_the_motion_as_set_does(show, pkgen, method):
     asked = ("--set", f"l1={length!r}", "--until", "3", "--every", "3", "--method", method)
     last = rows(pkgen, PENDULUM, *asked, "--rtol", "1e-12")[-1]
     assert page.js("lab.runs.list[0].t") == pytest.approx(3, abs=1e-12)
-    for name, q in zip(("theta1", "theta2"), page.js("Array.from(lab.runs.list[0].q)"), strict=True):
+    for name, q in zip(
+        ("theta1", "theta2"), page.js("Array.from(lab.runs.list[0].q)"), strict=True
+    ):
         assert q == pytest.approx(last[name], abs=1e-9)
     unchanged = rows(pkgen, PENDULUM, "--until", "3", "--every", "3", "--method", method)[-1]
     assert abs(unchanged["theta1"] - last["theta1"]) > 1e-3
@@ -129,7 +157,7 @@ def test_out_of_reach_a_body_goes_as_near_as_it_can(show):
 def test_methods_over_each_other_and_one_that_fails(show):
     page = show(PENDULUM, "m=gauss&m=rk4:0.01&m=euler:0.05&ref=1")
     page.js("lab.setSpeed(3)")
-    page.page.wait_for_function("lab.runs.t > 20", timeout=60_000)
+    page.until("lab.runs.t > 20")
     page.pause()
     assert page.js("lab.runs.list.length") == 3
     assert page.page.locator("#legend li").count() == 4
@@ -152,7 +180,7 @@ def test_methods_that_do_not_apply_say_why(show):
 
 def test_swarm_keeps_the_area_of_its_loop(show):
     page = show(ROOT / "models" / "pendulums" / "pendulum.lag", "view=swarm")
-    page.page.wait_for_function("lab.runs.t > 2", timeout=60_000)
+    page.until("lab.runs.t > 2")
     page.pause()
     assert page.js("lab.swarm.members") == 10000
     change = page.js("lab.swarm.measure() / lab.swarm.first - 1")
@@ -173,13 +201,13 @@ def test_scenes_by_menu(show, pkgen):
 
 HOSTILE = """
 model hostile   # </script><script>document.title = "taken"</script> <!-- & "quotes" 'too'
-param __proto__ = 1 [kg] in (0, inf)      # <img src=x onerror="document.title='taken'">
-param constructor = 2 [m] in (0, inf)     # </template><b>bold</b>
+param constructor = 1 [kg] in (0, inf)      # <img src=x onerror="document.title='taken'">
+param valueOf = 2 [m] in (0, inf)     # </template><b>bold</b>
 param hasOwnProperty = 9.81 [m/s^2]
 coord toString [rad]                      # ${alert(1)} ]]> \\u003c/script\\u003e
-let x = [constructor*sin(toString), -constructor*cos(toString), 0]
-kinetic __proto__/2*dot(x', x')
-potential __proto__*hasOwnProperty*x.y
+let x = [valueOf*sin(toString), -valueOf*cos(toString), 0]
+kinetic constructor/2*dot(x', x')
+potential constructor*hasOwnProperty*x.y
 start toString = 1
 draw rod from O to x                      # </script>
 draw bob x                                # <u>label</u>
@@ -194,12 +222,12 @@ def test_names_and_comments_are_never_markup_or_script(show, tmp_path: Path):
     assert page.js("document.querySelectorAll('main img, main b, main u, main script').length") == 0
     assert page.page.locator("#subtitle").inner_text().startswith("</script>")
     page.js("""(() => {
-        const entry = lab.model.byName.get("__proto__");
+        const entry = lab.model.byName.get("constructor");
         lab.settings.values.set(entry.key, 3);
         lab.restart();
         lab.changed();
     })()""")
-    assert "p.__proto__=3" in page.js("location.hash")
+    assert "p.constructor=3" in page.js("location.hash")
     again = show(written(tmp_path, HOSTILE), page.js("location.hash").removeprefix("#"))
     assert again.js("lab.runs.start.params[0]") == 3
 

@@ -15,6 +15,7 @@ const Lab = (() => {
       this.nv = engine.defaults().v.length;
       this.settings = Settings.read(model, location.hash);
       this.natural = 1;
+      this.rtol = (model.description.run || {}).rtol || null;   /* of pkgen run */
       this.base = 1;
       this.playing = false;
       this.dirty = true;

@@ -52,7 +52,7 @@ const Runs = (() => {
       this.spec = spec;
       this.index = index;              /* its colour; −1 is the reference */
       this.status = "";
-      this.motion = engine.motion({ method: spec.method, step: lab.stepOf(spec), rtol: spec.rtol,
+      this.motion = engine.motion({ method: spec.method, step: lab.stepOf(spec), rtol: spec.rtol ?? lab.rtol,
         params: start.params, q: start.q, v: start.v, t: 0 });
       this.params = start.params;
       this.seen = model.outputs.map((o) => o.index);

@@ -69,7 +69,7 @@ const SheetMethods = (() => {
         h("p", { class: "facts", title: row.doc || "" }, facts),
         h("div", { class: "card-body" }, field(spec, "step", "step",
           row.adaptive ? "auto" : Text.number(lab.stepOf(spec))),
-          row.adaptive ? field(spec, "rtol", "rtol", "auto") : null),
+          row.adaptive ? field(spec, "rtol", "rtol", lab.rtol ? Text.number(lab.rtol) : "auto") : null),
         h("p", { class: "counts" }), h("p", { class: "status", role: "status" }));
     }
 

@@ -7,9 +7,9 @@ Where there is no browser, or no clang for WebAssembly, these tests are skipped.
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Iterator
 from pathlib import Path
-from urllib.parse import quote
 
 import pytest
 from conftest import run_pkgen
@@ -18,36 +18,35 @@ FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-
 READY = 60_000  # ms: a busy machine starts slowly
 
 
-@pytest.fixture(scope="session")
-def browser() -> Iterator:
+def opened() -> Iterator:
+    """The browser."""
     api = pytest.importorskip("playwright.sync_api", reason="no Playwright here")
     chromium = shutil.which("chromium") or shutil.which("chromium-browser")
     if chromium is None:
         pytest.skip("no Chromium here")
     with api.sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
-        yield opened
-        opened.close()
+        found = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
+        yield found
+        found.close()
 
 
-@pytest.fixture(scope="session")
-def packed(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    """The page of a model, made once."""
-    folder = tmp_path_factory.mktemp("pages")
-    made: dict[tuple, Path] = {}
+class Packer:
+    """Pages of models, each made once."""
 
-    def pack(model: Path, *more: str) -> Path:
-        key = (model, *more)
-        if key not in made:
-            path = folder / f"{len(made)}.html"
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.made: dict[tuple, Path] = {}
+
+    def __call__(self, model: Path, *more: str) -> Path:
+        key = (model, model.read_text(encoding="utf-8"), *more)
+        if key not in self.made:
+            path = self.folder / f"{len(self.made)}.html"
             done = run_pkgen("show", model, *more, "-o", path)
             if done.returncode and "install" in done.stderr:
                 pytest.skip(done.stderr.strip().splitlines()[0])
             assert done.returncode == 0, done.stderr
-            made[key] = path
-        return made[key]
-
-    return pack
+            self.made[key] = path
+        return self.made[key]
 
 
 class Page:
@@ -76,11 +75,18 @@ class Page:
 
     def frames(self, count: int = 2) -> None:
         """As many frames later, at least."""
-        self.page.wait_for_function(
-            "n => new Promise(done => { const next = () => n-- ? requestAnimationFrame(next) : done(1);"
+        self.page.evaluate(
+            "n => new Promise(done => { const next = () => n-- ? requestAnimationFrame(next) : done();"
             " next(); })",
-            arg=count,
+            count,
         )
+
+    def until(self, condition: str, seconds: float = 60) -> None:
+        """Asks by evaluate(): the page's policy forbids what Playwright waits with."""
+        end = time.monotonic() + seconds
+        while not self.js(condition):
+            assert time.monotonic() < end, condition
+            self.page.wait_for_timeout(50)
 
     def drawn(self, kind: str, run: int = 0) -> list[list[list[float]]]:
         """Where the shapes of a kind stand on the stage, in pixels."""
@@ -88,28 +94,3 @@ class Page:
         self.frames()
         shapes = self.js("lab.stage.drawn()")
         return [s["points"] for s in shapes if s["kind"] == kind and s["run"] == run]
-
-
-@pytest.fixture
-def show(browser, packed) -> Iterator[Callable[..., Page]]:
-    contexts = []
-
-    def opened(
-        model: Path,
-        fragment: str | dict[str, object] = "",
-        *,
-        size: tuple[int, int] = (1280, 800),
-        more: tuple[str, ...] = (),
-        **context: object,
-    ) -> Page:
-        width, height = size
-        contexts.append(
-            browser.new_context(viewport={"width": width, "height": height}, **context)
-        )
-        if isinstance(fragment, dict):
-            fragment = "&".join(f"{quote(k)}={quote(str(v))}" for k, v in fragment.items())
-        return Page(contexts[-1].new_page(), packed(model, *more), fragment)
-
-    yield opened
-    for context in contexts:
-        context.close()
