@@ -1,86 +1,185 @@
-"""SymPy expressions and the names of a model as MathML, which browsers draw without any script.
+"""The elements of MathML, and the names of a model in them: browsers draw these without any script.
 
-theta1' is a theta with a dot and an index, p_x and q[i+1] have subscripts. The elements are
-SymPy's, but for its names of symbols. Reference: MathML Core, https://www.w3.org/TR/mathml-core/
+theta1' is a theta with a dot and an index, p_x and q[i+1] have subscripts, omega(R).x is the x of
+omega. Reference: MathML Core, https://www.w3.org/TR/mathml-core/
 """
 
 from __future__ import annotations
 
 import re
-from functools import cache
-from html import escape, unescape
-from typing import TYPE_CHECKING
-from xml.dom.minidom import Element, parseString
+import unicodedata
+from collections.abc import Iterable
+from html import escape
 
 from ..front.words import greek
 
-if TYPE_CHECKING:
-    import sympy
-
-INVISIBLE_TIMES = "\u2062"
-_ENTITY = re.compile(r"&(?!amp;|lt;|gt;)\w+;")  # HTML has them; XML has not, nor need we
-_NAME = re.compile(r"([^\W\d]+?)(?:_?(\d+))?(?:_(\w+))?('*)")
-_MEMBER = re.compile(r"(\w+)\[(.*)\]('*)")
+NARROW = 24  # letters that any page holds
+MINUS = "\u2212"
+_TIMES = "\u2062"  # invisible
+_APPLY = "\u2061"  # invisible too: of a function
+_THIN = '<mspace width="0.17em"></mspace>'
+_NAME = re.compile(r"([^\W\d_]+)_?(\d*)(?:_(\w+))?")
+_MEMBER = re.compile(r"(\w+)\[(.*)\]")
+_COMPONENT = re.compile(r"(.+)\.([xyzw])")
+_RATE = re.compile(r"omega\((\w+)\)")
+_VISIBLE = re.compile(r"<[^>]*>|[\u2061\u2062]")
 # What the language spells out, by its letters.
 _GREEK = {greek(c): c for c in map(chr, range(ord("Α"), ord("ω") + 1)) if greek(c)}
 _DOTS = {1: "˙", 2: "¨"}
 
 
-def block(content: str) -> str:
-    """A line of its own, which can be scrolled where it is too long."""
-    return f'<div class="equation"><math display="block">{content}</math></div>'
+def formula(chunks: Iterable[str]) -> str:
+    """A line of its own, which breaks between chunks. With one that a narrow page does not hold it
+    can be scrolled, by the keyboard too."""
+    chunks = list(chunks)
+    parts = (f'<math displaystyle="true">{row(chunk)}</math>' for chunk in chunks)
+    scrolled = ' tabindex="0"' if max(map(width, chunks)) > NARROW else ""
+    return f'<div class="equation"{scrolled}>{" ".join(parts)}</div>'
 
 
 def inline(content: str) -> str:
-    return f"<math>{content}</math>"
+    return f"<math>{row(content)}</math>"
 
 
 def row(*parts: str) -> str:
-    return f"<mrow>{''.join(parts)}</mrow>"
+    return f"<mrow>{''.join(parts)}</mrow>" if len(parts) != 1 else parts[0]
 
 
 def operator(sign: str) -> str:
-    return f"<mo>{escape(sign)}</mo>"
+    return f"<mo>{escape(sign.replace('-', MINUS))}</mo>"
+
+
+def number(text: str) -> str:
+    """A decimal; its power of ten, if it has one, is written as such."""
+    mantissa, e, exponent = text.partition("e")
+    shown = mantissa.lstrip("-")
+    digits = f"<mn>{shown}</mn>"
+    if e:
+        ten = f"<msup><mn>10</mn>{number(str(int(exponent)))}</msup>"
+        digits = ten if shown == "1" else row(digits, operator("×"), ten)
+    return row(operator("-"), digits) if mantissa.startswith("-") else digits
 
 
 def words(text: str) -> str:
     return f"<mtext>{escape(text)}</mtext>"
 
 
-def equation(left: str, right: str) -> str:
-    return row(left, operator("="), right)
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def matrix(rows: list[list[str]]) -> str:
-    """In brackets that are borders: a font need not have any that stretch."""
+def unit_text(unit: str) -> str:
+    """m/s^2 as m/s²."""
+    raised = re.sub(r"\^([-\d]+)", lambda found: found[1].translate(_RAISED), unit)
+    return raised.replace("*", "\u2009")
+
+
+def unit(text: str) -> str:
+    """Behind a number."""
+    return f"{_THIN}<mtext>{escape(unit_text(text))}</mtext>" if text else ""
+
+
+def fraction(above: str, below: str, small: bool = False) -> str:
+    made = f"<mfrac>{row(above)}{row(below)}</mfrac>"
+    return f'<mstyle displaystyle="false">{made}</mstyle>' if small else made
+
+
+def fenced(content: str, left: str = "(", right: str = ")") -> str:
+    return row(
+        f'<mo fence="true" form="prefix">{left}</mo>',
+        content,
+        f'<mo fence="true" form="postfix">{right}</mo>',
+    )
+
+
+def bars(content: str, bar: str = "|") -> str:
+    return fenced(content, bar, bar)
+
+
+def applied(function: str, argument: str, bracketed: bool) -> str:
+    """A function of something, which stands in brackets or after a space."""
+    between = f"<mo>{_APPLY}</mo>" + ("" if bracketed else _THIN)
+    return row(function, between, fenced(argument) if bracketed else argument)
+
+
+def product(factors: Iterable[str]) -> str:
+    """Side by side; with a space where words would run together."""
+    made = ""
+    for factor in factors:
+        if made:
+            spaced = _is_word(made, -1) or _is_word(factor, 0)
+            made += f"<mo>{_TIMES}</mo>" + (_THIN if spaced else "")
+        made += factor
+    return made
+
+
+def _is_word(content: str, end: int) -> bool:
+    """Whether the first or the last thing that is seen of it is a word."""
+    letters = [x for x in re.split(r"<[^>]*>", content) if x]
+    return bool(letters) and len(letters[end]) > 1 and letters[end].isalpha()
+
+
+def sub(base: str, below: str) -> str:
+    return f"<msub>{base}{row(below)}</msub>"
+
+
+def sup(base: str, above: str) -> str:
+    """A power; one of what has an index stands over the index."""
+    if base.startswith("<msub>") and base.endswith("</msub>"):
+        return f"<msubsup>{base[len('<msub>') : -len('</msub>')]}{row(above)}</msubsup>"
+    return f"<msup>{row(base)}{row(above)}</msup>"
+
+
+def sums(over: str, lo: str, hi: str) -> str:
+    """The sign of a sum with its range."""
+    below = row(over, operator("="), lo)
+    return f"<munderover>{operator('∑')}{below}{row(hi)}</munderover>"
+
+
+def matrix(rows: Iterable[Iterable[str]]) -> str:
     body = "".join(
         f"<mtr>{''.join(f'<mtd>{entry}</mtd>' for entry in entries)}</mtr>" for entries in rows
     )
-    return f'<mtable class="matrix">{body}</mtable>'
+    return fenced(f"<mtable>{body}</mtable>")
 
 
-def total(over: str, body: str) -> str:
-    """A sum with its range below the sign."""
-    return row(f"<munder>{operator('∑')}{words(over)}</munder>", body)
+def width(content: str) -> int:
+    """Of what is seen, in letters; a fraction counts as its parts side by side."""
+    return len(_VISIBLE.sub("", content))
 
 
-def plus(parts: list[str]) -> str:
-    return row(*(operator("+") + part if k else part for k, part in enumerate(parts)))
+# -- names ------------------------------------------------------------------------------------
 
 
-def name(text: str) -> str:
-    """A name as it stands in a model, with primes, an index, or both."""
-    member = _MEMBER.fullmatch(text)
-    if member:
-        base, index, primes = member.groups()
-        return _sub(_dotted(name(base), len(primes)), _list(index))
+def name(text: str, lone: str = "", bold: bool = False) -> str:
+    """A name as it stands in a model, with primes, an index, or a component. Of the rotation that
+    is `lone` the rates need not say whose they are; vectors are bold."""
+    base = text.rstrip("'")
+    letter, below = _parts(base, lone, bold)
+    letter = dotted(letter, len(text) - len(base))
+    return sub(letter, below) if below else letter
+
+
+def _parts(text: str, lone: str, bold: bool) -> tuple[str, str]:
+    """A letter or a word, and what stands below it."""
+    if component := _COMPONENT.fullmatch(text):
+        letter, below = _parts(component[1], lone, bold)
+        axis = _identifier(component[2])
+        return letter, row(below, operator(","), axis) if below else axis
+    if rate := _RATE.fullmatch(text):
+        return _identifier("omega", bold), "" if rate[1] == lone else name(rate[1])
+    if member := _MEMBER.fullmatch(text):
+        letter, below = _parts(member[1], lone, bold)
+        index = _list(member[2])
+        return letter, row(below, operator(","), index) if below else index
     plain = _NAME.fullmatch(text)
-    if not plain:
-        return _identifier(text)
-    base, digits, rest, primes = plain.groups()
-    lower = "".join([f"<mn>{digits}</mn>" if digits else "", name(rest) if rest else ""])
-    letter = _dotted(_identifier(base), len(primes))
-    return _sub(letter, row(lower)) if lower else letter
+    if not plain or text.endswith("_"):
+        return _identifier(text, bold), ""
+    base, digits, rest = plain.groups()
+    if rest and len(_GREEK.get(base, base)) > 1:  # several words
+        return _identifier(text.replace("_", "\u00a0"), bold), ""
+    below = [f"<mn>{digits}</mn>"] if digits else []
+    below += [_identifier(rest.replace("_", "\u00a0"))] if rest else []
+    return _identifier(base, bold), row(*below) if below else ""
 
 
 def _list(text: str) -> str:
@@ -89,64 +188,33 @@ def _list(text: str) -> str:
 
 
 def _index(part: str) -> str:
-    if part in (", ", "+", "-", "*"):
+    if part in (", ", "+", "-"):
         return operator(part.strip())
+    if part == "*":
+        return f"<mo>{_TIMES}</mo>"
     return f"<mn>{part}</mn>" if part.isdigit() else name(part)
 
 
-def _identifier(text: str) -> str:
-    return f"<mi>{_GREEK.get(text, escape(text))}</mi>"
+def _identifier(text: str, bold: bool = False) -> str:
+    letters = _GREEK.get(text, text)
+    return f"<mi>{escape(_bold(letters) if bold else letters)}</mi>"
 
 
-def _sub(base: str, below: str) -> str:
-    return f"<msub>{base}{below}</msub>"
+def _bold(letters: str) -> str:
+    """In the letters that Unicode has for vectors."""
+    found = []
+    for c in letters:
+        kind = unicodedata.name(c, "").replace("LETTER ", "").replace("LATIN ", "")
+        kind = kind.replace("GREEK ", "")
+        try:
+            found.append(unicodedata.lookup(f"MATHEMATICAL BOLD {kind}"))
+        except KeyError:
+            found.append(c)
+    return "".join(found)
 
 
-def _dotted(letter: str, primes: int) -> str:
+def dotted(letter: str, primes: int) -> str:
     if not primes:
         return letter
-    dots = _DOTS.get(primes, "'" * primes)
-    return f'<mover>{letter}<mo stretchy="false">{dots}</mo></mover>'
-
-
-def expression(expr: sympy.Expr) -> str:
-    element = _printer()._print(expr)
-    text = _with_brackets(element).toxml()
-    return _ENTITY.sub(lambda found: unescape(found[0]), text)
-
-
-def _with_brackets(element: Element) -> Element:
-    """Brackets as operators. SymPy 1.11 has them as mfenced, which browsers no longer draw."""
-    for child in [*element.childNodes]:
-        if child.nodeType == child.ELEMENT_NODE:
-            element.replaceChild(_with_brackets(child), child)
-    if element.tagName != "mfenced":
-        return element
-    drawn = Element("mrow")
-    sign = parseString("<all><mo>(</mo><mo>,</mo><mo>)</mo></all>").documentElement
-    left, comma, right = sign.childNodes
-    left.firstChild.data = element.getAttribute("open") or "("
-    right.firstChild.data = element.getAttribute("close") or ")"
-    inside = [*element.childNodes]
-    drawn.appendChild(left)
-    for k, child in enumerate(inside):
-        if k:
-            drawn.appendChild(comma.cloneNode(True))
-        drawn.appendChild(child)
-    drawn.appendChild(right)
-    return drawn
-
-
-@cache
-def _printer():
-    import sympy as sp
-    from sympy.printing.mathml import MathMLPresentationPrinter
-
-    class Printer(MathMLPresentationPrinter):
-        def _print_Symbol(self, symbol, style: str = "plain"):
-            return parseString(name(symbol.name)).documentElement
-
-        def _print_Heaviside(self, call):
-            return self._print(sp.Function("step")(call.args[0]))
-
-    return Printer({"mul_symbol": INVISIBLE_TIMES})
+    dots = _DOTS.get(primes, "′" * primes)
+    return f'<mover accent="true">{letter}<mo stretchy="false">{dots}</mo></mover>'

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING
@@ -93,9 +93,14 @@ def written_size(g: Graph, node: Node) -> int:
 
 
 def to_sympy(
-    g: Graph, nodes: Iterable[Node], symbol: Callable[[Symbol], sympy.Expr]
+    g: Graph,
+    nodes: Iterable[Node],
+    symbol: Callable[[Symbol], sympy.Expr],
+    shortened: Callable[[sympy.Expr], sympy.Expr] | None = None,
+    given: Mapping[Node, sympy.Expr] | None = None,
 ) -> list[sympy.Expr]:
-    """The nodes as SymPy expressions, `symbol` giving those of the symbols.
+    """The nodes as SymPy expressions, `symbol` giving those of the symbols. What `shortened` makes
+    of a node stands for it wherever it occurs; so does what is `given`.
 
     `reciprocal` becomes 1/x: what it says at 0 is lost.
     """
@@ -124,7 +129,9 @@ def to_sympy(
     def _rational(value: Fraction) -> sp.Rational:
         return sp.Rational(value.numerator, value.denominator)
 
-    known: dict[Node, sp.Expr] = {}
+    known: dict[Node, sp.Expr] = dict(given or {})
     for node in reachable(g, nodes):
-        known[node] = made(node)
+        if node in known:
+            continue
+        known[node] = made(node) if shortened is None else shortened(made(node))
     return [known[node] for node in nodes]

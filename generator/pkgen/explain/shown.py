@@ -1,0 +1,195 @@
+"""Nodes of the equations as formulas: in the names of the model, in the shortest of some forms, and
+with names for what is long or occurs again and again.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from ..equations import Equations, Quantity
+from ..graph.differentiate import reachable
+from ..graph.graph import Graph, Kind, Node, Op, Symbol
+from ..middle.analyze.sympy_bridge import to_sympy
+from ..record import record
+from . import mathml
+from .mathml import operator, row
+from .shortest import shortest
+from .typeset import Typesetter
+
+if TYPE_CHECKING:
+    import sympy
+
+WHOLE = 60  # operations of a formula in which nothing is named
+AGAIN = 4  # operations of what is named where it occurs twice
+PART = 40  # of what is named though it occurs once
+NAMED = 24  # names beside one formula
+_LETTERS = "ABCDFGKPSUWXYZ"
+
+Chunks = list[str]
+
+
+@record
+class Where:
+    """Formulas with the names that they use, or `operations` where these would be too many."""
+
+    formulas: tuple[Chunks, ...]
+    named: tuple[Chunks, ...] = ()
+    operations: int = 0
+
+
+class Shown:
+    """The formulas of one model."""
+
+    def __init__(self, e: Equations):
+        self.e = e
+        rotations = e.model.rotations
+        self.lone = rotations[0].name if len(rotations) == 1 else ""
+        parameters = [slot.quantity for slot in e.parameters]
+        self.names = {
+            Kind.PARAMETER: [q.name for q in parameters],
+            Kind.COORDINATE: [q.name for q in e.coordinates],
+            Kind.RATE: [q.name for q in e.rates],
+            Kind.INPUT: [q.name for q in e.inputs],
+            Kind.MOMENTUM: [q.name for q in e.momenta_names],
+            Kind.TIME: ["t"],
+            Kind.STATE: [q.name for q in e.states],
+        }
+        constants = sorted(parameters, key=_kind_of)
+        variables = [x for kind, names in self.names.items() if kind != Kind.PARAMETER for x in names]
+        order = [q.name for q in constants] + variables
+        self.turns = self._entries()
+        turned = [str(s) for entry in self.turns.values() for s in entry.free_symbols]
+        self.order = {name: k for k, name in enumerate([*order, *sorted({*turned})])}
+        self.constants = frozenset(q.name for q in parameters)
+        self.typeset = Typesetter(self.order, self.constants, self.name)
+        self.taken = {*self.order, *(x.name for x in e.observed_names), "t"}
+
+    def name(self, name: str) -> str:
+        return mathml.name(name, self.lone)
+
+    # -- expressions --------------------------------------------------------------------------
+
+    def expressions(
+        self, nodes: Sequence[Node], given: Mapping[Node, sympy.Expr] | None = None
+    ) -> list[sympy.Expr]:
+        import sympy as sp
+
+        def symbol(s: Symbol) -> sympy.Expr:
+            return sp.Symbol(self.names[s.kind][s.index])
+
+        def shortened(made: sympy.Expr) -> sympy.Expr:
+            return self.turns.get(made, made)
+
+        return to_sympy(self.e.graph, nodes, symbol, shortened if self.turns else None, given)
+
+    def chunks(self, left: str, expr: sympy.Expr, relation: str = "=") -> Chunks:
+        """A formula, that may break between its terms."""
+        first, *others = self.typeset.terms(expr)
+        return [row(left, operator(relation), first), *others]
+
+    def formula(self, expr: sympy.Expr) -> sympy.Expr:
+        return shortest(expr, self.constants, self.typeset)
+
+    def _entries(self) -> dict[sympy.Expr, sympy.Expr]:
+        """The entries of each rotation's matrix by its quaternion, as the graph may have them:
+        also without a factor of two, and negative. To each its name."""
+        import sympy as sp
+
+        found: dict[sympy.Expr, sympy.Expr] = {}
+        for rotation in self.e.model.rotations:
+            known = {q.name for q in self.e.states}
+            if not known.issuperset(rotation.quaternion):
+                continue
+            w, x, y, z = map(sp.Symbol, rotation.quaternion)
+            for i, a in enumerate((x, y, z)):
+                for j, b in enumerate((x, y, z)):
+                    entry = sp.Symbol(f"{rotation.name}[{'xyz'[i]}{'xyz'[j]}]")
+                    if i == j:
+                        others = [c**2 for c in (x, y, z) if c != a]
+                        value, times = w**2 + a**2 - sp.Add(*others), 1
+                    else:
+                        (c,) = {x, y, z} - {a, b}
+                        sign = 1 if (j - i) % 3 == 2 else -1
+                        value, times = a * b + sign * w * c, 2
+                    found[value], found[-value] = entry / times, -entry / times
+                    if times == 2:
+                        found[2 * value], found[-2 * value] = entry, -entry
+        return found
+
+    # -- formulas with names ------------------------------------------------------------------
+
+    def where(self, rows: Sequence[tuple[str, Node]]) -> Where:
+        """LEFT = node for each row, in one set of names."""
+        nodes = [node for _, node in rows]
+        chosen, size = self._chosen(nodes)
+        if len(chosen) > NAMED:
+            return Where((), operations=size)
+        import sympy as sp
+
+        names = [sp.Symbol(n) for n in self._letters(len(chosen))]
+        given = dict(zip(chosen, names, strict=True))
+        made = self.expressions(nodes, given)
+        formulas = [
+            self.chunks(left, self.formula(x)) for (left, _), x in zip(rows, made, strict=True)
+        ]
+        named = []
+        for node, name in given.items():
+            others = {k: v for k, v in given.items() if k != node}
+            (value,) = self.expressions([node], others)
+            named.append(self.chunks(mathml.name(name.name), self.formula(value)))
+        return Where(tuple(formulas), tuple(named))
+
+    def _chosen(self, nodes: Sequence[Node]) -> tuple[list[Node], int]:
+        """The nodes to be named, those that occur in others first, and the operations of all."""
+        g = self.e.graph
+        order = reachable(g, nodes)
+        entries = self._nodes_of_entries(order)
+        uses = Counter(a for n in order if n not in entries for a in g.args[n])
+        uses.update(nodes)
+        written, size = {}, {}
+        chosen = []
+        for n in order:
+            atom = n in entries or not g.args[n]
+            written[n] = 0 if atom else 1 + sum(written[a] for a in g.args[n])
+        whole = sum(written[n] for n in nodes)
+        if whole <= WHOLE:
+            return [], whole
+        for n in order:
+            atom = n in entries or not g.args[n]
+            size[n] = 0 if atom else 1 + sum(size[a] for a in g.args[n])
+            again = uses[n] > 1 and size[n] >= AGAIN and not _is_multiple(g, n)
+            if not atom and (again or (size[n] > PART and n not in nodes)):
+                chosen.append(n)
+                size[n] = 0
+        return chosen, whole
+
+    def _nodes_of_entries(self, order: Iterable[Node]) -> frozenset[Node]:
+        if not self.turns:
+            return frozenset()
+        order = list(order)
+        made = self.expressions(order)
+        names = {s for entry in self.turns.values() for s in entry.free_symbols}
+        return frozenset(
+            n for n, x in zip(order, made, strict=True) if len(x.free_symbols) == 1
+            and x.free_symbols <= names and x.as_coeff_Mul()[1].is_Symbol
+        )
+
+    def _letters(self, count: int) -> list[str]:
+        free = [x for x in _LETTERS if x not in self.taken]
+        if count <= len(free):
+            return free[:count]
+        letter = next(x for x in "uscwz" if not any(n.rstrip("'0123456789") == x for n in self.taken))
+        return [f"{letter}{k}" for k in range(1, count + 1)]
+
+
+def _is_multiple(g: Graph, node: Node) -> bool:
+    """A number times something, which needs no name of its own."""
+    return g.op[node] is Op.MULTIPLY and any(g.op[a] is Op.NUMBER for a in g.args[node])
+
+
+def _kind_of(quantity: Quantity) -> int:
+    """Parameters in a product: masses, then g, then all others."""
+    letters = quantity.name.rstrip("0123456789_")
+    return 0 if letters == "m" or quantity.unit == "kg" else 1 if letters == "g" else 2

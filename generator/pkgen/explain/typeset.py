@@ -1,0 +1,253 @@
+"""SymPy expressions as MathML, the way they are written by hand.
+
+A product has its numbers first, then parameters, variables and functions, each in the order of
+declaration; a sum begins with a term that is not negative, if it has one. SymPy's own printer of
+MathML goes by the alphabet, and by elements (mfenced) that browsers no longer draw.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from . import mathml
+from .mathml import fraction, operator, product, row
+
+if TYPE_CHECKING:
+    import sympy
+
+_WORDS = {"Heaviside": "step", "log": "ln", "Abs": "abs", "asin": "arcsin", "acos": "arccos"}
+_WORDS |= {"atan": "arctan", "Max": "max", "Min": "min"}
+_POWERS = frozenset("sin cos tan sinh cosh tanh".split())  # of these cos^2 x is written
+_BARE = frozenset("sin cos tan sinh cosh tanh asin acos atan log".split())
+FEW = (2, 4, 5, 8, 16, 32, 64)  # denominators of fractions whose decimals end
+LARGE = 10**7
+SHORT = 14  # letters of an exponent
+
+
+class Typesetter:
+    """`order` has the rank of each name, by which factors and terms stand; `constants` are the
+    names that are no variables."""
+
+    def __init__(
+        self,
+        order: Mapping[str, int],
+        constants: frozenset[str],
+        name: Callable[[str], str] = mathml.name,
+    ):
+        self.order, self.constants, self.name = order, constants, name
+
+    def __call__(self, expr: sympy.Expr) -> str:
+        return row(*self.terms(expr))
+
+    def terms(self, expr: sympy.Expr) -> list[str]:
+        """The terms of a sum, each with its sign in front."""
+        found = []
+        for negative, term in self._in_order(expr):
+            sign = operator("-") if negative else operator("+") if found else ""
+            found.append(sign + self._term(term))
+        return found
+
+    def _in_order(self, expr: sympy.Expr) -> list[tuple[bool, sympy.Expr]]:
+        """The terms without their signs, each beside whether that is a minus."""
+        if not expr.is_Add:
+            return [_signed(expr)]
+        terms = [_signed(t) for t in sorted(expr.args, key=self._place)]
+        first = next((t for t in terms if not t[0]), terms[0])
+        terms.remove(first)
+        return [first, *terms]
+
+    def _place(self, term: sympy.Expr) -> tuple:
+        """Where a term stands in its sum: by its variables, then by its parameters; a number
+        last."""
+        powers, others, constants = [], [], []
+        for factor in term.as_ordered_factors():
+            base, exponent = factor.as_base_exp()
+            times = int(exponent) if exponent.is_Integer and exponent > 0 else 1
+            ranks = sorted(self.order.get(s.name, 0) for s in base.free_symbols)
+            into = powers if base.is_Symbol else others
+            into = constants if self._is_constant(factor) else into
+            into += ranks * times
+        places = sorted(powers), sorted(others), sorted(constants)
+        return (not term.free_symbols, *places, str(term))
+
+    def _is_constant(self, expr: sympy.Expr) -> bool:
+        return all(s.name in self.constants for s in expr.free_symbols)
+
+    # -- products -----------------------------------------------------------------------------
+
+    def _term(self, expr: sympy.Expr) -> str:
+        if expr.is_Mul or (expr.is_Pow and _is_below(expr)):
+            return self._product(expr)
+        return self._factor(expr)
+
+    def _product(self, expr: sympy.Expr) -> str:
+        import sympy as sp
+
+        coefficient, factors = expr.as_coeff_mul()
+        above = [f for f in factors if not _is_below(f)]
+        below = [1 / f for f in factors if _is_below(f)]
+        decimal = _decimal(coefficient)
+        numerator = [] if decimal else [sp.Integer(coefficient.p)]
+        denominator = 1 if decimal else coefficient.q
+        over = [self._factor(f) for f in self._by_kind(above)]
+        under = [self._factor(f) for f in self._by_kind(below)]
+        count = decimal or (str(numerator[0]) if numerator[0] != 1 or not over else "")
+        if not under:
+            front = mathml.number(count) if count else ""
+            if denominator != 1:
+                front = fraction(
+                    mathml.number(count or "1"), mathml.number(str(denominator)), small=True
+                )
+            return product([*filter(None, [front]), *over])
+        if denominator != 1:
+            under.insert(0, mathml.number(str(denominator)))
+        if count and (over or count != "1" or decimal):
+            over.insert(0, mathml.number(count))
+        if len(above) == len(over) == 1 and above[0].is_Add:
+            over = [self(above[0])]
+        if len(below) == len(under) == 1 and below[0].is_Add:
+            under = [self(below[0])]
+        return fraction(product(over) or mathml.number("1"), product(under))
+
+    def _by_kind(self, factors: list[sympy.Expr]) -> list[sympy.Expr]:
+        return sorted(factors, key=self._rank)
+
+    def _rank(self, factor: sympy.Expr) -> tuple:
+        base = factor.base if factor.is_Pow else factor
+        constant = self._is_constant(factor)
+        if base.is_Number or not base.free_symbols:
+            kind = 0
+        elif base.is_Symbol:
+            kind = 2 if constant else 4
+        elif base.is_Add:
+            kind = 1 if constant else 5
+        elif factor.is_Pow and not base.is_Function:
+            kind = 3 if constant else 5
+        else:
+            kind = 3.5 if constant else 6
+        ranks = sorted(self.order.get(s.name, 0) for s in factor.free_symbols)
+        return (kind, ranks, str(factor))
+
+    # -- factors ------------------------------------------------------------------------------
+
+    def _factor(self, expr: sympy.Expr) -> str:
+        """What can stand in a product as it is."""
+        if expr.is_Add:
+            return mathml.fenced(self(expr))
+        if expr.is_Mul or (expr.is_Number and expr < 0):
+            inner = self(expr)
+            return mathml.fenced(inner) if _signed(expr)[0] else inner
+        return self._atom(expr)
+
+    def _atom(self, expr: sympy.Expr) -> str:
+        import sympy as sp
+
+        if expr.is_Integer:
+            return mathml.number(str(expr))
+        if expr.is_Number:
+            return self._rational(expr)
+        if expr is sp.pi:
+            return mathml.name("pi")
+        if expr is sp.E:
+            return mathml.name("e")
+        if expr.is_Symbol:
+            return self.name(expr.name)
+        if expr.is_Pow:
+            return self._power(expr.base, expr.exp)
+        return self._function(expr)
+
+    def _rational(self, value: sympy.Number) -> str:
+        if not value.is_Rational:
+            return mathml.number(f"{float(value):.15g}")
+        decimal = _decimal(value)
+        if decimal:
+            return mathml.number(decimal)
+        made = fraction(mathml.number(str(abs(value.p))), mathml.number(str(value.q)), small=True)
+        return row(operator("-"), made) if value < 0 else made
+
+    def _power(self, base: sympy.Expr, exponent: sympy.Expr) -> str:
+        import sympy as sp
+
+        if exponent is sp.S.Half:
+            return f"<msqrt>{self(base)}</msqrt>"
+        shown = self._exponent(exponent)
+        if base.is_Function and exponent.is_Integer:
+            return self._function(base, shown)
+        if base.is_Symbol or base.is_Integer and base > 0 or base in (sp.E, sp.pi):
+            return mathml.sup(self._atom(base), shown)
+        return mathml.sup(mathml.fenced(self(base)), shown)
+
+    def _exponent(self, exponent: sympy.Expr) -> str:
+        if exponent.is_Rational and not exponent.is_Integer:
+            sign = operator("-") if exponent < 0 else ""
+            return row(sign + f"<mn>{abs(exponent.p)}/{exponent.q}</mn>")
+        return self(exponent)
+
+    def _function(self, call: sympy.Expr, power: str = "") -> str:
+        own = call.func.__name__
+        arguments = call.args[:1] if own == "Heaviside" else call.args
+        return function(own, [self(a) for a in arguments], _bare(call), power)
+
+
+def function(name: str, arguments: list[str], bare: bool, power: str = "") -> str:
+    """A call; `bare` says that an argument needs no brackets. A power of sine stands behind its
+    name, of any other around all."""
+    if power and name not in _POWERS:
+        made = function(name, arguments, bare)
+        whole = name in ("abs", "Abs", "norm")
+        return mathml.sup(made if whole else mathml.fenced(made), power)
+    first = arguments[0]
+    match name:
+        case "exp" if mathml.width(first) <= SHORT:
+            return mathml.sup(mathml.name("e"), first)
+        case "abs" | "Abs" | "norm":
+            return mathml.bars(first)
+        case "sqrt":
+            return f"<msqrt>{first}</msqrt>"
+    word = f"<mi>{_WORDS.get(name, name)}</mi>"
+    word = mathml.sup(word, power) if power else word
+    if bare and name in _BARE:
+        return mathml.applied(word, first, bracketed=False)
+    return mathml.applied(word, operator(",").join(arguments), bracketed=True)
+
+
+def _signed(term: sympy.Expr) -> tuple[bool, sympy.Expr]:
+    """Whether a minus stands in front, and the term without it; sums of negative terms among its
+    factors are turned over."""
+    negative, factors = False, []
+    for factor in term.as_ordered_factors() if term.is_Mul else [term]:
+        base, exponent = factor.as_base_exp()
+        odd = exponent.is_Integer and exponent % 2 == 1
+        if factor.is_Number and factor < 0:
+            negative, factor = not negative, -factor
+        elif odd and base.is_Add and all(t.could_extract_minus_sign() for t in base.args):
+            negative, factor = not negative, (-base) ** exponent
+        factors.append(factor)
+    return negative, term.func(*factors) if term.is_Mul else factors[0]
+
+
+def _bare(call: sympy.Expr) -> bool:
+    (first, *others) = call.args
+    return not others and (first.is_Symbol or first.is_Integer and first >= 0)
+
+
+def _is_below(factor: sympy.Expr) -> bool:
+    return factor.is_Pow and factor.exp.could_extract_minus_sign() and not factor.base.is_Number
+
+
+def _decimal(value: sympy.Rational) -> str:
+    """A number as its author wrote it, where that is a decimal: "9.81"; "" of 1/2 and of 3."""
+    p, q = abs(value.p), value.q
+    few = q in FEW or (q == 1 and p < LARGE)
+    if few or (q < LARGE and not _ends(q)):
+        return ""
+    return f"{float(value):.15g}"
+
+
+def _ends(q: int) -> bool:
+    """Whether 1/q has an end in decimals."""
+    for prime in (2, 5):
+        while q % prime == 0:
+            q //= prime
+    return q == 1
