@@ -1,23 +1,17 @@
-"""What a user sees of claims, invariants and the page of `explain --html`."""
+"""What a user sees of claims, invariants in text and JSON."""
 
 from __future__ import annotations
 
 import json
-import re
 from dataclasses import replace
 from pathlib import Path
-from xml.etree import ElementTree
 
 import pytest
-import sympy
 from conftest import ROOT
 from pkgen.back.facts import facts, found_by_symmetry, invariants
 from pkgen.compiler import compile_model
 from pkgen.equations import Invariant, Symmetries
-from pkgen.explain import mathml
 from pkgen.explain.explain import constants_text, proofs_record
-from pkgen.explain.html import SceneShown, html, scene_section
-from pkgen.middle.analyze.sympy_bridge import plain
 from pkgen.source import Source
 
 TOP = ROOT / "models/heavy_top.lag"
@@ -135,85 +129,3 @@ def test_blocks_apart_are_named() -> None:
     made = compile_model(Source("apart.lag", text + "potential cos(a - c) + cos(b)\n"))
     rows = dict(facts(made.equations, made.structure))
     assert rows["blocks"] == "{a, c}, {b} do not influence each other"
-
-
-# -- the page --------------------------------------------------------------------------------------
-
-
-def equations(page: str) -> list[ElementTree.Element]:
-    """Each is well-formed."""
-    return [ElementTree.fromstring(x) for x in re.findall(r"<math.*?</math>", page, re.DOTALL)]
-
-
-def letters(element: ElementTree.Element) -> str:
-    return "".join(element.itertext()).replace(mathml.INVISIBLE_TIMES, "")
-
-
-@pytest.mark.parametrize("model", ["models/heavy_top.lag", "models/chains/fput.lag"])
-def test_the_page_is_whole_and_loads_nothing(pkgen, tmp_path: Path, model: str) -> None:
-    done = pkgen("explain", ROOT / model, "--html", tmp_path / "page.html")
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    page = (tmp_path / "page.html").read_text()
-    assert not re.search(r"https?:|src=|<script|<link|@import|url\(|&amp;\w+;", page)
-    assert len(equations(page)) >= 5
-    assert "Searched: " in page and "Operations of each kernel" in page
-
-
-def test_what_the_page_shows(helix) -> None:
-    page = html(helix)
-    shown = [letters(x) for x in equations(page)]
-    assert "V=r2(Kcos(λ0z-φ)3+K)" in shown
-    assert shown[3].startswith("m000mr2000mr¨φ¨z¨=")
-    assert "λ0pφ+pz" in shown
-    assert "symmetry<br>generator lambda_0 d/dphi + d/dz" in page
-
-
-def test_large_expressions_are_told_by_their_size() -> None:
-    x = " + ".join(f"cos({k}*a)^{k}*sin(b*{k})" for k in range(1, 60))
-    page = html(
-        compile_model(
-            Source("m.lag", f"model m\ncoord a, b\nkinetic a'^2 + b'^2\npotential {x}\n"),
-            kernels=frozenset({"force"}),
-            symmetric=True,
-        )
-    )
-    assert "operations)</mtext>" in page
-
-
-def test_names() -> None:
-    def said(text: str) -> str:
-        return letters(ElementTree.fromstring(mathml.name(text)))
-
-    assert said("theta1'") == "θ˙1" and said("p_Omega") == "pΩ" and said("x''") == "x¨"
-    assert said("E_") == "E_" and said("_x") == "_x" and said("T12_a'") == "T˙12a"
-    assert (
-        said("q[i+1]") == "qi+1" and said("M[q[i], phi]") == "Mqi,φ" and said("k_wall") == "kwall"
-    )
-
-
-def test_expressions_are_in_the_words_of_the_language() -> None:
-    x, y, z = sympy.symbols("x y z")
-    expr = sympy.E + sympy.Abs(x) ** 2 * sympy.Max(x, y, z) - sympy.Min(x, z)
-    assert plain(expr) == "abs(x)^2*max(x, max(y, z)) - min(x, z) + exp(1)"
-    step = sympy.Heaviside(x - y, 1)
-    assert plain(step) == "step(x - y)"
-    assert letters(ElementTree.fromstring(mathml.expression(step))) == "step(x-y)"
-
-
-def test_entities_are_characters() -> None:
-    assert letters(ElementTree.fromstring(mathml.expression(2 * sympy.pi))) == "2π"
-
-
-def test_the_section_of_a_scene() -> None:
-    shown = SceneShown(
-        "nod<ding", "theta alone", ("phi is cyclic",), {"force": 16, "mass": 8}, {"force": 5}
-    )
-    text = "".join(scene_section(shown))
-    assert "nod&lt;ding" in text and "<li>phi is cyclic</li>" in text
-    rows = re.findall(r"<td.*?>(.*?)</td>", text)
-    assert rows == ["force", "16", "5", "mass", "8", "not there"]
-
-
-def test_scenes_have_their_place_in_the_page(helix) -> None:
-    page = html(helix, [SceneShown("nodding", "", (), {}, {})])
-    assert "<h2>Scene nodding</h2>" in page and "It needs all of the model." in page

@@ -79,7 +79,7 @@ def record(compilation: Compilation) -> dict[str, object]:
                 "direction": _DIRECTIONS[event.direction],
                 "stop": event.stop,
             }
-            for q, event, node in _named_events(equations)
+            for q, event, node in named_events(equations)
         ],
         "drawing": list(shown(compilation.declared)),
         "operations": {k.name: dict(k.operations) for k in compilation.program.kernels},
@@ -248,7 +248,7 @@ def _outputs(equations: Equations) -> str:
 _DIRECTIONS = {1: "rising", -1: "falling", 0: "either"}
 
 
-def _named_events(equations: Equations) -> Iterator[tuple[Quantity, Event, Node]]:
+def named_events(equations: Equations) -> Iterator[tuple[Quantity, Event, Node]]:
     return zip(equations.event_names, equations.model.events, equations.events, strict=True)
 
 
@@ -256,7 +256,7 @@ def _events(equations: Equations) -> str:
     lines = [
         f"  {q.name}: {_text(equations, node)} {_unit(q.unit)}".rstrip()
         + f" {_DIRECTIONS[event.direction]}{' stop' if event.stop else ''}"
-        for q, event, node in _named_events(equations)
+        for q, event, node in named_events(equations)
     ]
     return "\n".join(["Events", *lines]) if lines else ""
 

@@ -2,53 +2,158 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Iterator
+from html import escape
 
-from ..compiler import Compilation
-from ..system import page
+from ..middle.loops.loops import Group, LoopEquations
 from . import mathml
-from .loops import beyond, force_lines, mass_lines, name_of, pair_lines, pair_range, total_of
+from .html_equations import interval, lets, lines, members, quantity_rows
+from .loops import beyond, force_lines, mass_lines, name_of, pair_lines, pair_range
+from .mathml import fenced, operator, row
+from .prose import Prose
 from .rows import EquationLine, Style, Writer
+from .tables import heading, lead, listed, table
+from .typeset import Typesetter
+from .written import Written
 
-STYLE = Style(
-    expression=mathml.expression,
-    large=lambda size: mathml.words(f"({size} operations)"),
-    total=mathml.total,
-    plus=mathml.plus,
-)
+_BREAK = "\0"  # where a line may break
+_ONE = mathml.number("1")
+_PLACE = re.compile(r"f\[(.*)\]")
 
 
-def loop_sections(compilation: Compilation) -> Iterable[str]:
-    e = compilation.equations
-    write, plain = Writer(e, STYLE), Writer(e)
-    yield page.heading("Coordinates")
-    yield page.table(
-        ("", "unit", ""),
-        [(name_of(write, g), g.declared.unit, g.declared.description) for g in e.coordinates],
-    )
+def loop_freedom(e: LoopEquations) -> str:
+    sizes = ", ".join(f"{s.name} = {s.value}" for s in e.model.sizes)
+    return f"{Writer(e).index(e.count)} degrees of freedom ({sizes}); sizes are set at run time"
+
+
+def loop_sections(e: LoopEquations, written: Written, prose: Prose) -> Iterator[str]:
+    write, plain = Writer(e, _style(e, written)), Writer(e)
+    rows = [(name_of(write, g), g.declared.unit, g.declared.description) for g in e.coordinates]
+    yield heading("Coordinates")
+    yield table(("symbol", "unit", "meaning"), quantity_rows(rows, prose))
     if e.parameters:
-        yield page.heading("Parameters")
-        rows = [(name_of(write, g), g.declared.unit, g.declared.description) for g in e.parameters]
-        yield page.table(("", "unit", ""), rows)
-    yield page.heading("Lagrangian")
-    energies = [("T", e.kinetic), ("V", e.potential)]
-    if e.kinetic is None or e.potential is None:
-        energies = [("L", e.lagrangian)]
-    for name, total in energies:
-        yield mathml.block(mathml.equation(mathml.name(name), total_of(write, total)))
-    yield page.heading("Equations of motion")
-    for line in (*mass_lines(write), *force_lines(write)):
-        yield _line(line)
+        yield heading("Parameters")
+        yield table(("symbol", "default", "range", "meaning"), _parameters(write, written, prose))
+    yield heading("Lagrangian")
+    yield from lines([*written.energies(), *written.forces()])
+    yield from lets(written.lets_of(("kinetic", "potential", "lagrangian", "dissipation", "force")))
+    yield heading("Equations of motion")
+    yield from _motion(write)
     for pair in e.force.pairs:
-        yield f"<p>and for each pair {pair_range(write, pair)} added:</p>"
+        yield f"<p>and for each pair {mathml.inline(_range(pair_range(write, pair)))} added:</p>"
         for line in pair_lines(write, pair):
             yield _line(line)
     said = beyond(plain)
-    yield page.items(said) if said else ""
+    yield listed(map(_beyond, said)) if said else ""
 
 
-def _line(line: EquationLine) -> str:
-    parts = [mathml.equation(mathml.name(line.left), line.right)]
-    if line.range:
-        parts.append(mathml.words(f"   for {line.range}"))
-    return mathml.block(mathml.row(*parts))
+def _style(e: LoopEquations, written: Written) -> Style:
+    declared = [x.name for x in (*e.parameters, *e.coordinates)]
+    typeset = Typesetter(_Ranks(declared), _Constants(e.parameters), written.name)
+    return Style(
+        expression=lambda expr: _BREAK.join(typeset.terms(expr)),
+        large=lambda size: mathml.words(f"({size} operations)"),
+        total=_total,
+        plus=lambda parts: _BREAK.join(
+            mathml.binary("+") + part if k else part for k, part in enumerate(parts)
+        ),
+    )
+
+
+class _Ranks(dict):
+    """Of names with indices and primes, by their families."""
+
+    def __init__(self, names: Iterable[str]):
+        super().__init__((name, k) for k, name in enumerate(names))
+
+    def get(self, name: str, default: int = 0) -> int:
+        return super().get(_family(name), default)
+
+
+class _Constants(frozenset):
+    def __new__(cls, groups: Iterable[Group]):
+        return super().__new__(cls, (g.name for g in groups))
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(_family(str(name)))
+
+
+def _family(name: str) -> str:
+    return name.rstrip("'").partition("[")[0]
+
+
+def _total(over: str, body: str) -> str:
+    inner = body.replace(_BREAK, "")
+    return row(_sums(over), fenced(inner) if _BREAK in body else inner)
+
+
+def _sums(over: str) -> str:
+    """i = 1..N, j = i+1..N as a sign each."""
+    return "".join(
+        mathml.sums(mathml.name(variable), mathml.index(lo), mathml.index(hi))
+        for variable, lo, hi in map(_ends, over.split(", "))
+    )
+
+
+def _range(text: str) -> str:
+    """i = 1, …, N."""
+    shown = []
+    for variable, lo, hi in map(_ends, text.split(", ")):
+        between = row(operator(","), operator("…"), operator(","))
+        ends = row(mathml.index(lo), between, mathml.index(hi))
+        shown.append(row(mathml.name(variable), operator("="), ends))
+    return row(*(operator(",") + x if k else x for k, x in enumerate(shown)))
+
+
+def _ends(text: str) -> tuple[str, str, str]:
+    variable, _, ends = text.partition(" = ")
+    lo, _, hi = ends.partition("..")
+    return variable, lo, hi
+
+
+def _parameters(write: Writer, written: Written, prose: Prose) -> Iterator[tuple[str, ...]]:
+    for g in write.e.parameters:
+        declared = g.declared
+        default = mathml.inline(row(written(declared.default), mathml.unit(declared.unit)))
+        lo, hi = (
+            None if x is None else written(x) for x in (declared.bounds.lo, declared.bounds.hi)
+        )
+        bounds = interval(lo, hi, declared.bounds)
+        yield members(name_of(write, g), prose), default, bounds, escape(declared.description)
+
+
+def _motion(write: Writer) -> Iterator[str]:
+    """M q'' = f by rows: beside each other where M is diagonal and its rows are those of f."""
+    mass, force = mass_lines(write), force_lines(write)
+    inertia = {(line.left, line.range): line.right for line in mass}
+    places = [_PLACE.fullmatch(line.left)[1] for line in force]
+    own = [(f"M[{at}, {at}]", line.range) for at, line in zip(places, force, strict=True)]
+    if write.e.force.pairs or {*own} != {*inertia}:
+        yield lead("M q″ = f, by rows")
+        yield from map(_line, (*mass, *force))
+        return
+    for key, at, line in zip(own, places, force, strict=True):
+        factor = inertia[key]
+        left = mathml.name(f"{at}''")
+        if factor != _ONE:
+            left = mathml.product([fenced(factor) if _BREAK in factor else factor, left])
+        yield _line(line, left)
+
+
+def _beyond(said: str) -> str:
+    """q[0] = 0 (fixed)."""
+    place, _, rest = said.partition(" = ")
+    value, _, kind = rest.rpartition(" (")
+    shown = row(mathml.name(place), operator("="), mathml.index(value))
+    return f"{mathml.inline(shown)} ({kind}"
+
+
+def _formula(left: str, right: str, note: str = "") -> str:
+    first, *others = right.split(_BREAK)
+    return mathml.formula([row(left, operator("="), first), *others], note)
+
+
+def _line(line: EquationLine, left: str = "") -> str:
+    note = f"for {mathml.inline(_range(line.range))}" if line.range else ""
+    return _formula(left or mathml.name(line.left), line.right, note)

@@ -20,19 +20,21 @@ _APPLY = "\u2061"  # invisible too: of a function
 _THIN = '<mspace width="0.17em"></mspace>'
 _NAME = re.compile(r"([^\W\d_]+)_?(\d*)(?:_(\w+))?")
 _MEMBER = re.compile(r"(\w+)\[(.*)\]")
-_COMPONENT = re.compile(r"(.+)\.([xyzw])")
+_COMPONENT = re.compile(r"(.+)\.([xyzw]{1,2})")
 _RATE = re.compile(r"omega\((\w+)\)")
 _VISIBLE = re.compile(r"<[^>]*>|[\u2061\u2062]")
 # What the language spells out, by its letters.
 _GREEK = {greek(c): c for c in map(chr, range(ord("Α"), ord("ω") + 1)) if greek(c)}
+_TALL = ("<mfrac>", "<msqrt>", "<mtable>", "<munderover>")
 _DOTS = {1: "˙", 2: "¨"}
 
 
-def formula(chunks: Iterable[str]) -> str:
-    """A line of its own, which breaks between chunks. With one that a narrow page does not hold it
-    can be scrolled, by the keyboard too."""
+def formula(chunks: Iterable[str], note: str = "") -> str:
+    """A line of its own, which breaks between chunks, with words behind it in HTML. With a chunk
+    that a narrow page does not hold it can be scrolled, by the keyboard too."""
     chunks = list(chunks)
-    parts = (f'<math displaystyle="true">{row(chunk)}</math>' for chunk in chunks)
+    parts = [f'<math displaystyle="true">{row(chunk)}</math>' for chunk in chunks]
+    parts += [f'<span class="note">{note}</span>'] if note else []
     scrolled = ' tabindex="0"' if max(map(width, chunks)) > NARROW else ""
     return f'<div class="equation"{scrolled}>{" ".join(parts)}</div>'
 
@@ -42,11 +44,26 @@ def inline(content: str) -> str:
 
 
 def row(*parts: str) -> str:
-    return f"<mrow>{''.join(parts)}</mrow>" if len(parts) != 1 else parts[0]
+    """One element."""
+    content = "".join(parts)
+    whole = content.startswith("<mrow>") and content.find("</mrow>") == len(content) - len(
+        "</mrow>"
+    )
+    return content if whole else f"<mrow>{content}</mrow>"
 
 
 def operator(sign: str) -> str:
     return f"<mo>{escape(sign.replace('-', MINUS))}</mo>"
+
+
+def leading(sign: str) -> str:
+    """Before the first term."""
+    return f'<mo form="prefix" lspace="0" rspace="0.06em">{escape(sign.replace("-", MINUS))}</mo>'
+
+
+def binary(sign: str) -> str:
+    """Between two terms, also where a line breaks before it."""
+    return f'<mo form="infix">{escape(sign.replace("-", MINUS))}</mo>'
 
 
 def number(text: str) -> str:
@@ -57,7 +74,7 @@ def number(text: str) -> str:
     if e:
         ten = f"<msup><mn>10</mn>{number(str(int(exponent)))}</msup>"
         digits = ten if shown == "1" else row(digits, operator("×"), ten)
-    return row(operator("-"), digits) if mantissa.startswith("-") else digits
+    return row(leading("-"), digits) if mantissa.startswith("-") else digits
 
 
 def words(text: str) -> str:
@@ -68,7 +85,10 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def unit_text(unit: str) -> str:
-    """m/s^2 as m/s²."""
+    """m/s^2 as m/s², and 1/s as s⁻¹."""
+    if unit.startswith("1/") and "/" not in unit[2:] and "*" not in unit:
+        base, _, power = unit[2:].partition("^")
+        unit = f"{base}^-{power or 1}"
     raised = re.sub(r"\^([-\d]+)", lambda found: found[1].translate(_RAISED), unit)
     return raised.replace("*", "\u2009")
 
@@ -84,10 +104,12 @@ def fraction(above: str, below: str, small: bool = False) -> str:
 
 
 def fenced(content: str, left: str = "(", right: str = ")") -> str:
+    """In brackets, which grow with what is taller than letters with indices and powers."""
+    grows = "" if any(tall in content for tall in _TALL) else ' stretchy="false"'
     return row(
-        f'<mo fence="true" form="prefix">{left}</mo>',
+        f'<mo form="prefix" lspace="0" rspace="0"{grows}>{left}</mo>',
         content,
-        f'<mo fence="true" form="postfix">{right}</mo>',
+        f'<mo form="postfix" lspace="0" rspace="0"{grows}>{right}</mo>',
     )
 
 
@@ -163,14 +185,14 @@ def _parts(text: str, lone: str, bold: bool) -> tuple[str, str]:
     """A letter or a word, and what stands below it."""
     if component := _COMPONENT.fullmatch(text):
         letter, below = _parts(component[1], lone, bold)
-        axis = _identifier(component[2])
+        axis = row(*map(_identifier, component[2]))
         return letter, row(below, operator(","), axis) if below else axis
     if rate := _RATE.fullmatch(text):
         return _identifier("omega", bold), "" if rate[1] == lone else name(rate[1])
     if member := _MEMBER.fullmatch(text):
         letter, below = _parts(member[1], lone, bold)
-        index = _list(member[2])
-        return letter, row(below, operator(","), index) if below else index
+        at = index(member[2])
+        return letter, row(below, operator(","), at) if below else at
     plain = _NAME.fullmatch(text)
     if not plain or text.endswith("_"):
         return _identifier(text, bold), ""
@@ -182,7 +204,7 @@ def _parts(text: str, lone: str, bold: bool) -> tuple[str, str]:
     return _identifier(base, bold), row(*below) if below else ""
 
 
-def _list(text: str) -> str:
+def index(text: str) -> str:
     """An index: i+1, or two with a comma."""
     return row(*(_index(part) for part in re.split(r"(, |[-+*])", text)))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from . import mathml
@@ -11,32 +11,53 @@ if TYPE_CHECKING:
     import sympy
 
 TRIED = 120  # operations up to which other forms are tried
+LONGER = 1.2  # than the shortest form, where like terms stand together
 TERMS = 40  # of an expanded form
 
 
 def shortest(
-    expr: sympy.Expr, constants: frozenset[str], typeset: Callable[[sympy.Expr], str]
+    expr: sympy.Expr,
+    constants: frozenset[str],
+    typeset: Callable[[sympy.Expr], str],
+    others: Iterable[sympy.Expr] = (),
 ) -> sympy.Expr:
-    """As it is; with products of sines as sines of sums; or expanded, with like terms gathered and
-    what stands in front of each a product."""
+    """As it is; one of `others`; with products of sines as sines of sums; or expanded, with like
+    terms gathered and what stands in front of each a product, which may be a little longer."""
     import sympy as sp
     from sympy.simplify.fu import TR10i
 
+    expr = expr.replace(_has_content, _content_outside)
     if expr.is_Atom or sp.count_ops(expr) > TRIED:
         return expr
-    forms = [expr]
+    forms, gathered = [expr, sp.factor_terms(expr)], None
+    for other in others:
+        forms += [other, sp.factor_terms(other), _gathered(other, constants)]
     flat = sp.expand(expr, power_base=False, power_exp=False, log=False, trig=False)
     if len(sp.Add.make_args(flat)) <= TERMS:
         if len(expr.atoms(sp.sin, sp.cos)) > 1:
             forms += [TR10i(expr)]
             flat = TR10i(flat)
-        forms += [flat, _gathered(flat, constants)]
-    return min(forms, key=lambda x: (_cost(typeset(x)), forms.index(x)))
+        forms.append(flat)
+        gathered = _gathered(flat, constants)
+    costs = [_cost(typeset(form)) for form in forms]
+    if gathered is not None and _cost(typeset(gathered)) <= LONGER * min(costs):
+        return gathered
+    return forms[costs.index(min(costs))]
+
+
+def _has_content(x: sympy.Expr) -> bool:
+    return x.is_Pow and x.base.is_Add and x.base.primitive()[0] != 1
+
+
+def _content_outside(x: sympy.Expr) -> sympy.Expr:
+    """sqrt(x^2/4 + y^2/4) as sqrt(x^2 + y^2)/2."""
+    content, rest = x.base.primitive()
+    return content**x.exp * rest**x.exp
 
 
 def _cost(shown: str) -> float:
     """Letters, and for each bracket a little: they are harder to read."""
-    return mathml.width(shown) + shown.count('fence="true"') / 2
+    return mathml.width(shown) + shown.count('form="postfix"') / 2
 
 
 def _gathered(flat: sympy.Expr, constants: frozenset[str]) -> sympy.Expr:

@@ -5,7 +5,7 @@ with names for what is long or occurs again and again.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..equations import Equations, Quantity
@@ -13,16 +13,18 @@ from ..graph.differentiate import reachable
 from ..graph.graph import Graph, Kind, Node, Op, Symbol
 from ..middle.analyze.sympy_bridge import to_sympy
 from ..record import record
+from ..tree import AXES
 from . import mathml
-from .mathml import operator, row
+from .mathml import row
 from .shortest import shortest
 from .typeset import Typesetter
 
 if TYPE_CHECKING:
     import sympy
 
-WHOLE = 60  # operations of a formula in which nothing is named
-AGAIN = 4  # operations of what is named where it occurs twice
+WHOLE = 100  # operations of a short formula
+AGAIN = 5  # operations of what is named where it occurs twice
+OFTEN = 20  # of what is named in a short formula, all its repetitions together
 PART = 40  # of what is named though it occurs once
 NAMED = 24  # names beside one formula
 _LETTERS = "ABCDFGKPSUWXYZ"
@@ -57,11 +59,15 @@ class Shown:
             Kind.STATE: [q.name for q in e.states],
         }
         constants = sorted(parameters, key=_kind_of)
-        variables = [x for kind, names in self.names.items() if kind != Kind.PARAMETER for x in names]
+        variables = [
+            x for kind, names in self.names.items() if kind != Kind.PARAMETER for x in names
+        ]
         order = [q.name for q in constants] + variables
         self.turns = self._entries()
-        turned = [str(s) for entry in self.turns.values() for s in entry.free_symbols]
-        self.order = {name: k for k, name in enumerate([*order, *sorted({*turned})])}
+        order += sorted({s.name for entry in self.turns.values() for s in entry.free_symbols})
+        order += [f"{q.name}'" for q in e.rates]
+        order += [q.name for q in e.constraints.names] if e.constraints else []
+        self.order = {name: k for k, name in enumerate(order)}
         self.constants = frozenset(q.name for q in parameters)
         self.typeset = Typesetter(self.order, self.constants, self.name)
         self.taken = {*self.order, *(x.name for x in e.observed_names), "t"}
@@ -87,10 +93,24 @@ class Shown:
     def chunks(self, left: str, expr: sympy.Expr, relation: str = "=") -> Chunks:
         """A formula, that may break between its terms."""
         first, *others = self.typeset.terms(expr)
-        return [row(left, operator(relation), first), *others]
+        return [row(left, mathml.binary(relation), first), *others]
 
     def formula(self, expr: sympy.Expr) -> sympy.Expr:
-        return shortest(expr, self.constants, self.typeset)
+        return shortest(expr, self.constants, self.typeset, self._by_entries(expr))
+
+    def _by_entries(self, expr: sympy.Expr) -> list[sympy.Expr]:
+        """With entries of matrices for what is of the second degree in a unit quaternion."""
+        import sympy as sp
+
+        made = expr
+        for rotation in self.e.model.rotations:
+            quaternion = list(map(sp.Symbol, rotation.quaternion))
+            if made.free_symbols.isdisjoint(quaternion) or not made.is_polynomial(*quaternion):
+                continue
+            terms = sp.Poly(made, *quaternion).terms()
+            if all(sum(powers) in (0, 2) for powers, _ in terms):
+                made = sp.Add(*(c * _form(rotation.name, powers) for powers, c in terms))
+        return [] if made == expr else [sp.expand(made)]
 
     def _entries(self) -> dict[sympy.Expr, sympy.Expr]:
         """The entries of each rotation's matrix by its quaternion, as the graph may have them:
@@ -105,7 +125,7 @@ class Shown:
             w, x, y, z = map(sp.Symbol, rotation.quaternion)
             for i, a in enumerate((x, y, z)):
                 for j, b in enumerate((x, y, z)):
-                    entry = sp.Symbol(f"{rotation.name}[{'xyz'[i]}{'xyz'[j]}]")
+                    entry = sp.Symbol(f"{rotation.name}.{AXES[i]}{AXES[j]}")
                     if i == j:
                         others = [c**2 for c in (x, y, z) if c != a]
                         value, times = w**2 + a**2 - sp.Add(*others), 1
@@ -122,18 +142,28 @@ class Shown:
 
     def where(self, rows: Sequence[tuple[str, Node]]) -> Where:
         """LEFT = node for each row, in one set of names."""
-        nodes = [node for _, node in rows]
+
+        def made(values: list[sympy.Expr]) -> list[Chunks]:
+            return [
+                self.chunks(left, self.formula(x))
+                for (left, _), x in zip(rows, values, strict=True)
+            ]
+
+        return self.made_of([node for _, node in rows], made)
+
+    def made_of(
+        self, nodes: Sequence[Node], made: Callable[[list[sympy.Expr]], list[Chunks]]
+    ) -> Where:
+        """What `made` writes of these nodes, and the names in them."""
         chosen, size = self._chosen(nodes)
         if len(chosen) > NAMED:
             return Where((), operations=size)
         import sympy as sp
 
         names = [sp.Symbol(n) for n in self._letters(len(chosen))]
+        self.taken |= {x.name for x in names}
         given = dict(zip(chosen, names, strict=True))
-        made = self.expressions(nodes, given)
-        formulas = [
-            self.chunks(left, self.formula(x)) for (left, _), x in zip(rows, made, strict=True)
-        ]
+        formulas = made(self.expressions(nodes, given))
         named = []
         for node, name in given.items():
             others = {k: v for k, v in given.items() if k != node}
@@ -145,7 +175,7 @@ class Shown:
         """The nodes to be named, those that occur in others first, and the operations of all."""
         g = self.e.graph
         order = reachable(g, nodes)
-        entries = self._nodes_of_entries(order)
+        entries, odd = self._nodes_of_entries(order), self._odd(order)
         uses = Counter(a for n in order if n not in entries for a in g.args[n])
         uses.update(nodes)
         written, size = {}, {}
@@ -154,13 +184,16 @@ class Shown:
             atom = n in entries or not g.args[n]
             written[n] = 0 if atom else 1 + sum(written[a] for a in g.args[n])
         whole = sum(written[n] for n in nodes)
-        if whole <= WHOLE:
-            return [], whole
+        short = whole <= 3 * WHOLE and all(written[n] <= WHOLE for n in nodes)
         for n in order:
             atom = n in entries or not g.args[n]
             size[n] = 0 if atom else 1 + sum(size[a] for a in g.args[n])
             again = uses[n] > 1 and size[n] >= AGAIN and not _is_multiple(g, n)
-            if not atom and (again or (size[n] > PART and n not in nodes)):
+            again = again and n not in odd
+            if short:
+                again = again and (uses[n] - 1) * size[n] >= OFTEN
+            long = not short and size[n] > PART and n not in nodes
+            if not atom and (again or long):
                 chosen.append(n)
                 size[n] = 0
         return chosen, whole
@@ -172,16 +205,58 @@ class Shown:
         made = self.expressions(order)
         names = {s for entry in self.turns.values() for s in entry.free_symbols}
         return frozenset(
-            n for n, x in zip(order, made, strict=True) if len(x.free_symbols) == 1
-            and x.free_symbols <= names and x.as_coeff_Mul()[1].is_Symbol
+            n
+            for n, x in zip(order, made, strict=True)
+            if len(x.free_symbols) == 1
+            and x.free_symbols <= names
+            and x.as_coeff_Mul()[1].is_Symbol
         )
+
+    def _odd(self, order: Iterable[Node]) -> set[Node]:
+        """What is of an odd degree in a quaternion, and so nothing that is seen of the body."""
+        g, numbers, found = self.e.graph, self.e.quaternions, set()
+        for n in order:
+            odd = [a in found for a in g.args[n]]
+            if g.op[n] is Op.SYMBOL:
+                symbol = g.data[n]
+                odd = [symbol.kind is Kind.STATE and symbol.index < numbers]
+            is_odd = sum(odd) % 2 == 1 if g.op[n] is Op.MULTIPLY else any(odd)
+            if g.op[n] is Op.POWER:
+                is_odd = is_odd and g.data[n] % 2 == 1
+            if is_odd and g.op[n] is not Op.CALL:
+                found.add(n)
+        return found
 
     def _letters(self, count: int) -> list[str]:
         free = [x for x in _LETTERS if x not in self.taken]
         if count <= len(free):
             return free[:count]
-        letter = next(x for x in "uscwz" if not any(n.rstrip("'0123456789") == x for n in self.taken))
+        letter = next(
+            x for x in "uscwz" if not any(n.rstrip("'0123456789") == x for n in self.taken)
+        )
         return [f"{letter}{k}" for k in range(1, count + 1)]
+
+
+def _form(rotation: str, powers: tuple[int, ...]) -> sympy.Expr:
+    """A product of two numbers of a unit quaternion, w, x, y, z, by entries of its matrix."""
+    import sympy as sp
+
+    entry = {a + b: sp.Symbol(f"{rotation}.{a}{b}") for a in AXES for b in AXES}
+    trace = entry["xx"] + entry["yy"] + entry["zz"]
+    names = "".join(name * power for name, power in zip("wxyz", powers, strict=True))
+    match names:
+        case "":
+            return sp.Integer(1)
+        case "ww":
+            return (1 + trace) / 4
+        case "wx":
+            return (entry["zy"] - entry["yz"]) / 4
+        case "wy":
+            return (entry["xz"] - entry["zx"]) / 4
+        case "wz":
+            return (entry["yx"] - entry["xy"]) / 4
+    a, b = names
+    return (1 + 2 * entry[a + a] - trace) / 4 if a == b else (entry[a + b] + entry[b + a]) / 4
 
 
 def _is_multiple(g: Graph, node: Node) -> bool:

@@ -18,8 +18,10 @@ if TYPE_CHECKING:
 
 _WORDS = {"Heaviside": "step", "log": "ln", "Abs": "abs", "asin": "arcsin", "acos": "arccos"}
 _WORDS |= {"atan": "arctan", "Max": "max", "Min": "min"}
-_POWERS = frozenset("sin cos tan sinh cosh tanh".split())  # of these cos^2 x is written
-_BARE = frozenset("sin cos tan sinh cosh tanh asin acos atan log".split())
+_POWERS = frozenset(("sin", "cos", "tan", "sinh", "cosh", "tanh"))  # of these cos^2 x is written
+_ODD = frozenset(("sin", "tan", "sinh", "tanh", "asin", "atan"))
+_EVEN = frozenset(("cos", "cosh", "Abs"))
+_BARE = frozenset((*_POWERS, "asin", "acos", "atan", "log"))
 FEW = (2, 4, 5, 8, 16, 32, 64)  # denominators of fractions whose decimals end
 LARGE = 10**7
 SHORT = 14  # letters of an exponent
@@ -43,9 +45,10 @@ class Typesetter:
     def terms(self, expr: sympy.Expr) -> list[str]:
         """The terms of a sum, each with its sign in front."""
         found = []
-        for negative, term in self._in_order(expr):
-            sign = operator("-") if negative else operator("+") if found else ""
-            found.append(sign + self._term(term))
+        for negative, term in self._in_order(expr.replace(_turns, self._turned)):
+            sign = "-" if negative else "+"
+            before = mathml.binary(sign) if found else mathml.leading(sign) if negative else ""
+            found.append(before + self._term(term))
         return found
 
     def _in_order(self, expr: sympy.Expr) -> list[tuple[bool, sympy.Expr]]:
@@ -57,6 +60,17 @@ class Typesetter:
         terms.remove(first)
         return [first, *terms]
 
+    def _turned(self, call: sympy.Expr) -> sympy.Expr:
+        """cos(phi - theta) as cos(theta - phi), theta being declared first; so that SymPy, which
+        goes by the alphabet, does not turn it back, as a function that it does not know."""
+        import sympy as sp
+
+        (inside,) = call.args
+        first = min(sp.Add.make_args(inside), key=self._place)
+        turned = first.could_extract_minus_sign()
+        own = sp.Function(call.func.__name__)(-inside if turned else inside)
+        return -own if turned and call.func.__name__ in _ODD else own
+
     def _place(self, term: sympy.Expr) -> tuple:
         """Where a term stands in its sum: by its variables, then by its parameters; a number
         last."""
@@ -64,7 +78,7 @@ class Typesetter:
         for factor in term.as_ordered_factors():
             base, exponent = factor.as_base_exp()
             times = int(exponent) if exponent.is_Integer and exponent > 0 else 1
-            ranks = sorted(self.order.get(s.name, 0) for s in base.free_symbols)
+            ranks = sorted(self.order[s.name] for s in base.free_symbols if s.name in self.order)
             into = powers if base.is_Symbol else others
             into = constants if self._is_constant(factor) else into
             into += ranks * times
@@ -164,7 +178,7 @@ class Typesetter:
         if decimal:
             return mathml.number(decimal)
         made = fraction(mathml.number(str(abs(value.p))), mathml.number(str(value.q)), small=True)
-        return row(operator("-"), made) if value < 0 else made
+        return row(mathml.leading("-"), made) if value < 0 else made
 
     def _power(self, base: sympy.Expr, exponent: sympy.Expr) -> str:
         import sympy as sp
@@ -174,13 +188,13 @@ class Typesetter:
         shown = self._exponent(exponent)
         if base.is_Function and exponent.is_Integer:
             return self._function(base, shown)
-        if base.is_Symbol or base.is_Integer and base > 0 or base in (sp.E, sp.pi):
+        if base.is_Symbol or (base.is_Integer and base > 0) or base in (sp.E, sp.pi):
             return mathml.sup(self._atom(base), shown)
         return mathml.sup(mathml.fenced(self(base)), shown)
 
     def _exponent(self, exponent: sympy.Expr) -> str:
         if exponent.is_Rational and not exponent.is_Integer:
-            sign = operator("-") if exponent < 0 else ""
+            sign = mathml.leading("-") if exponent < 0 else ""
             return row(sign + f"<mn>{abs(exponent.p)}/{exponent.q}</mn>")
         return self(exponent)
 
@@ -212,6 +226,12 @@ def function(name: str, arguments: list[str], bare: bool, power: str = "") -> st
     return mathml.applied(word, operator(",").join(arguments), bracketed=True)
 
 
+def _turns(x: sympy.Expr) -> bool:
+    own = type(x).__name__
+    known = own in _ODD or own in _EVEN
+    return known and x.args[0].is_Add and type(x).__module__ is not None  # None: turned already
+
+
 def _signed(term: sympy.Expr) -> tuple[bool, sympy.Expr]:
     """Whether a minus stands in front, and the term without it; sums of negative terms among its
     factors are turned over."""
@@ -229,7 +249,7 @@ def _signed(term: sympy.Expr) -> tuple[bool, sympy.Expr]:
 
 def _bare(call: sympy.Expr) -> bool:
     (first, *others) = call.args
-    return not others and (first.is_Symbol or first.is_Integer and first >= 0)
+    return not others and (first.is_Symbol or (first.is_Integer and first >= 0))
 
 
 def _is_below(factor: sympy.Expr) -> bool:

@@ -5,7 +5,7 @@ components.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
 from ..front import parse
@@ -33,6 +33,7 @@ from .mathml import fraction, operator, row
 from .typeset import function
 
 _ENERGIES = {"kinetic": "T", "potential": "V", "lagrangian": "L", "dissipation": "D"}
+_NAMING = ("let", "const", "observe", "conserve")
 _TURNS = frozenset(("rot", "inverse", "euler", "tait_bryan"))
 _VECTORS = frozenset(("omega", "cross"))
 NUMBER, VECTOR, TURN = "number", "vector", "turn"
@@ -51,7 +52,7 @@ class Written:
         self.kinds |= {f"p_{r}": VECTOR for r in rotations}
         self.lets: dict[str, st.Define] = {}
         for s in self.statements:
-            if isinstance(s, st.Define) and s.keyword in ("let", "const", "observe", "conserve"):
+            if isinstance(s, st.Define) and s.keyword in _NAMING:
                 self.kinds[s.left.name] = self.kind(s.value)
                 self.lets.setdefault(s.left.name, s)
         self.kinds |= {
@@ -66,13 +67,13 @@ class Written:
         """T, V, L and D, each the sum of its statements."""
         found: dict[str, list[str]] = {}
         for s in self.statements:
-            if isinstance(s, st.Energy):
+            if isinstance(s, st.Single):
                 terms = found.setdefault(_ENERGIES[s.keyword], [])
                 terms += self._terms(s.value, first=not terms)
         return [(_equation(mathml.name(name), terms), "") for name, terms in found.items()]
 
     def forces(self) -> list[Line]:
-        made = [s for s in self.statements if isinstance(s, st.ForceAlong)]
+        made = [s for s in self.statements if isinstance(s, st.Define) and s.keyword == "force"]
         return [
             (_equation(mathml.sub(mathml.name("Q"), self._left(s.left)), self._terms(s.value)), "")
             for s in made
@@ -84,7 +85,7 @@ class Written:
             if isinstance(s, st.Equation):
                 right = self._terms(s.b)
                 chunks = self._terms(s.a)
-                found.append(([*chunks, operator("=") + right[0], *right[1:]], s.left.name))
+                found.append(([*chunks, mathml.binary("=") + right[0], *right[1:]], s.left.name))
         return found
 
     def lets_of(self, keywords: Iterable[str]) -> list[Line]:
@@ -96,8 +97,7 @@ class Written:
             if name in self.lets and name not in used:
                 used.add(name)
                 waiting += names(self.lets[name].value)
-        lets = [s for s in self.statements if isinstance(s, st.Define) and s.keyword != "rate"]
-        return [self._let(s) for s in lets if s.left.name in used]
+        return [self._let(s) for name, s in self.lets.items() if name in used]
 
     def _let(self, s: st.Define) -> Line:
         return _equation(self._left(s.left), self._terms(s.value)), s.description
@@ -145,8 +145,10 @@ class Written:
             if isinstance(term, Multiply) and isinstance(term.factors[0], Negate):
                 factors = (term.factors[0].of, *term.factors[1:])
                 term, sign = Multiply(factors, term.exponents, term.span), -sign
-            shown = operator("-") if sign < 0 else "" if first and not found else operator("+")
-            found.append(shown + self._term(term))
+            between = found or not first
+            shown = "-" if sign < 0 else "+"
+            before = mathml.binary(shown) if between else mathml.leading("-") if sign < 0 else ""
+            found.append(before + self._term(term))
         return found
 
     def _term(self, expr: Expr) -> str:
@@ -187,8 +189,10 @@ class Written:
         for k, factor in enumerate(factors):
             shown = self._factor(factor)
             digits = isinstance(factor, Number | Quantity) and k > 0
-            found = f"{found}{operator('⋅')}{shown}" if digits else mathml.product(
-                [x for x in (found, shown) if x]
+            found = (
+                f"{found}{operator('⋅')}{shown}"
+                if digits
+                else mathml.product([x for x in (found, shown) if x])
             )
         return found
 
@@ -261,9 +265,9 @@ class Written:
     def _call(self, name: str, arguments: tuple[Expr, ...]) -> str:
         shown = [self(a) for a in arguments]
         match name, shown:
-            case "dot", [a, b]:
+            case "dot", [_, _]:
                 return row(self._factor(arguments[0]), operator("·"), self._factor(arguments[1]))
-            case "cross", [a, b]:
+            case "cross", [_, _]:
                 made = row(self._factor(arguments[0]), operator("×"), self._factor(arguments[1]))
                 return mathml.fenced(made)
             case "norm", [a]:
@@ -299,7 +303,3 @@ def _indexed(letter: str, index: str) -> str:
 
 def _decimal(value: Fraction) -> str:
     return f"{float(value):.15g}"
-
-
-def same(a: Mapping[str, list[str]], b: Mapping[str, list[str]]) -> bool:
-    return {k: "".join(v) for k, v in a.items()} == {k: "".join(v) for k, v in b.items()}

@@ -28,12 +28,12 @@ pre { background: #f6f6f6; padding: 0.8rem; overflow-x: auto; font-size: 0.84rem
 NUMBER = re.compile(r"[-+]?\d[\d.,]*(e[-+]?\d+)?( %)?")
 
 
-def document(title: str, sections: Iterable[str]) -> str:
-    """A page of sections in HTML; those that are empty are left out."""
+def document(title: str, sections: Iterable[str], style: str = "") -> str:
+    """A page of sections in HTML; those that are empty are left out. `style` is added to STYLE."""
     body = "\n".join(section for section in sections if section)
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<meta charset="utf-8">\n'
-        f"<title>{escape(title)}</title>\n<style>{STYLE}</style>\n<h1>{escape(title)}</h1>\n"
+        f"<title>{escape(title)}</title>\n<style>{STYLE}{style}</style>\n<h1>{escape(title)}</h1>\n"
         f"{body}\n</html>\n"
     )
 

@@ -1,0 +1,315 @@
+"""The sections of a page that show a model and its equations, families written out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from html import escape
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from ..equations import ParameterSlot, Quantity
+from ..graph.graph import ZERO, Node, Op
+from ..model import Bounds, Event
+from . import mathml
+from .bound import constraint_rows, rates_title
+from .explain import canonical_rows, named_events
+from .mathml import operator, row
+from .prose import Prose
+from .shown import Chunks, Shown
+from .tables import heading, lead, named, table, where
+from .written import Line, Written
+
+if TYPE_CHECKING:
+    import sympy
+
+ROWS = 24  # equations of motion up to which all are shown
+MEMBERS = 6  # of a family, listed
+_OF_MULTIPLIERS = (
+    "The multipliers; J has the slopes of these rows by the rates, "
+    "γ is their rate of change where nothing accelerates"
+)
+_DIRECTIONS = {1: "rising", -1: "falling", 0: "either way"}
+
+
+def quantity_rows(
+    quantities: Iterable[tuple[str, str, str]], prose: Prose
+) -> Iterator[tuple[str, str, str]]:
+    """Names, unit, what its author says: one row for neighbours that share the latter."""
+    for (unit, says), group in groupby(quantities, key=lambda x: x[1:]):
+        names = [members(name, prose) for name, *_ in group]
+        if len(names) > MEMBERS:
+            names = [*names[:2], "…", names[-1]]
+        yield ", ".join(names), prose.unit(unit), escape(says)
+
+
+def members(name: str, prose: Prose) -> str:
+    """Of a family, q[1..N], the first and the last."""
+    family, _, index = name.rstrip("]").partition("[")
+    ends = [f"{family}[{end}]" for end in index.split("..")] if ".." in index else [name]
+    shown = [mathml.inline(prose.written.name(x)) for x in ends]
+    return ", …, ".join(shown)
+
+
+def lines(shown: Iterable[Line]) -> list[str]:
+    return [mathml.formula(chunks, escape(note)) for chunks, note in shown]
+
+
+def lets(found: Sequence[Line]) -> list[str]:
+    return named([chunks for chunks, _ in found], [note for _, note in found])
+
+
+def interval(lo: str | None, hi: str | None, bounds: Bounds | ParameterSlot) -> str:
+    if lo is None and hi is None:
+        return ""
+    if hi is None:
+        return mathml.inline(mathml.leading(">" if bounds.lo_open else "≥") + lo)
+    if lo is None:
+        return mathml.inline(mathml.leading("<" if bounds.hi_open else "≤") + hi)
+    left, right = "(" if bounds.lo_open else "[", ")" if bounds.hi_open else "]"
+    return mathml.inline(mathml.fenced(lo + operator(",") + hi, left, right))
+
+
+class EquationSections:
+    def __init__(self, shown: Shown, written: Written, prose: Prose):
+        self.e, self.shown, self.written, self.prose = shown.e, shown, written, prose
+
+    def all(self) -> Iterator[str]:
+        e = self.e
+        yield from self._quantities()
+        yield from self._parameters()
+        if e.coordinates:
+            yield from self._lagrangian()
+            yield from self._motion()
+        yield from self._constraints()
+        yield from self._rates()
+        yield from self._canonical()
+        yield from self._outputs()
+
+    # -- tables -------------------------------------------------------------------------------
+
+    def _quantities(self) -> Iterator[str]:
+        e = self.e
+        for title, quantities in (
+            ("Coordinates", e.seen),
+            ("Body rates", e.rates[len(e.seen) :]),
+            ("Attitudes", e.states[: e.quaternions]),
+            ("States", e.states[e.quaternions :]),
+            ("Inputs", e.inputs),
+        ):
+            if quantities:
+                rows = [(q.name, q.unit, q.description) for q in quantities]
+                yield heading(title)
+                yield table(("symbol", "unit", "meaning"), quantity_rows(rows, self.prose))
+
+    def _parameters(self) -> Iterator[str]:
+        if not self.e.parameters:
+            return
+        rows = []
+        for (_, *cells), group in groupby(self.e.parameters, key=self._cells):
+            names = [self.shown.name(slot.quantity.name) for slot in group]
+            shown = names if len(names) < 3 else [names[0], operator("…"), names[-1]]
+            rows.append((", ".join(map(mathml.inline, shown)), *cells))
+        yield heading("Parameters")
+        yield table(("symbol", "default", "range", "meaning"), rows)
+
+    def _cells(self, slot: ParameterSlot) -> tuple[str, str, str, str]:
+        unit = mathml.unit(slot.quantity.unit)
+        default = row(self._constant(slot.default), unit)
+        says = escape(slot.quantity.description)
+        own = slot.family if slot.length else slot.quantity.name
+        return own, mathml.inline(default), self._range(slot), says
+
+    def _constant(self, node: Node) -> str:
+        """A number as a decimal, which is how its author wrote it."""
+        g = self.e.graph
+        if g.op[node] is Op.NUMBER:
+            return mathml.number(f"{float(g.data[node]):.15g}")
+        (value,) = self.shown.expressions([node])
+        return self.shown.typeset(self.shown.formula(value))
+
+    def _range(self, slot: ParameterSlot) -> str:
+        lo, hi = (None if x is None else self._constant(x) for x in (slot.lo, slot.hi))
+        return interval(lo, hi, slot)
+
+    # -- the Lagrangian and the equations of motion --------------------------------------------
+
+    def _lagrangian(self) -> Iterator[str]:
+        e, written = self.e, self.written
+        said = [*written.energies(), *written.forces()]
+        yield heading("Lagrangian")
+        yield from lines(said)
+        names = written.lets_of(("kinetic", "potential", "lagrangian", "dissipation", "force"))
+        yield from lets(names)
+        rows = [("L", e.lagrangian)]
+        if e.kinetic is not None and e.potential is not None:
+            rows = [("T", e.kinetic), ("V", e.potential)]
+        rows = [(mathml.name(name), node) for name, node in rows if node != ZERO]
+        made = self.shown.where(rows)
+        if names and {*map("".join, made.formulas)} - {"".join(chunks) for chunks, _ in said}:
+            yield lead("In the coordinates")
+            yield from where(made)
+
+    def _motion(self) -> Iterator[str]:
+        """Lagrange's equations, one a row: what multiplies accelerations on the left."""
+        e, n = self.e, len(self.e.mass)
+        bound = e.constraints
+        force = e.force if bound is None else bound.free_force
+        rows = [i for i in range(n) if n <= ROWS or i < 3 or i == n - 1]
+        yield heading("Equations of motion")
+        if bound is not None:
+            yield lead("With the multipliers of the constraints, their forces on the right")
+        left = [[j for j in range(n) if e.mass[i][j] != ZERO] for i in rows]
+        right = [
+            [k for k, r in enumerate(bound.rows if bound else ()) if r[i] != ZERO] for i in rows
+        ]
+        nodes: list[Node] = []
+        for i, columns, multipliers in zip(rows, left, right, strict=True):
+            nodes += [e.mass[i][j] for j in columns]
+            nodes += [force[i], *(bound.rows[k][i] for k in multipliers)]
+
+        def made(values: list[sympy.Expr]) -> list[Chunks]:
+            taken = iter(values)
+            return [
+                self._row(taken, columns, multipliers)
+                for columns, multipliers in zip(left, right, strict=True)
+            ]
+
+        yield from where(self.shown.made_of(nodes, made))
+        if len(rows) < n:
+            yield f"<p>and so on: {n} equations.</p>"
+
+    def _row(
+        self, values: Iterator[sympy.Expr], columns: Sequence[int], multipliers: Sequence[int]
+    ) -> Chunks:
+        import sympy as sp
+
+        shown, e = self.shown, self.e
+        accelerations = [sp.Symbol(f"{e.rates[j].name}'") for j in columns]
+        inertia = sp.Add(*(shown.formula(next(values)) * a for a in accelerations))
+        force = shown.formula(next(values))
+        for k in multipliers:
+            force += shown.formula(next(values)) * sp.Symbol(e.constraints.names[k].name)
+        first, *others = shown.typeset.terms(force)
+        return [*shown.typeset.terms(inertia), mathml.binary("=") + first, *others]
+
+    def _constraints(self) -> Iterator[str]:
+        bound = self.e.constraints
+        if bound is None:
+            return
+        yield heading("Constraints")
+        yield from lines(self.written.constraints())
+        yield from lets(self.written.lets_of(("constraint", "rolling")))
+        rows = list(constraint_rows(self.e))
+        rows = rows[: len(rows) - len(bound.names)]
+        yield lead("By components")
+        yield from self._zeros(rows, [_of_constraint(name) for name, _ in rows])
+        yield lead(_OF_MULTIPLIERS)
+        yield mathml.formula([_MULTIPLIERS])
+        names = [
+            (self.shown.name(q.name), node)
+            for q, node in zip(bound.names, bound.multipliers, strict=True)
+        ]
+        explicit = self.shown.where(names)
+        if not explicit.operations:
+            yield from where(explicit)
+
+    def _rates(self) -> Iterator[str]:
+        e = self.e
+        if not e.states:
+            return
+        yield heading(rates_title(e))
+        for rotation in e.model.rotations:
+            if e.quaternions:
+                yield from self._matrix(rotation.name, rotation.quaternion)
+        rows = [
+            (self.shown.name(f"{q.name}'"), node)
+            for q, node in zip(e.states, e.state_rates, strict=True)
+        ]
+        yield from where(self.shown.where(rows))
+
+    def _matrix(self, name: str, quaternion: tuple[str, ...]) -> Iterator[str]:
+        import sympy as sp
+
+        w, x, y, z = map(sp.Symbol, quaternion)
+        entries = (
+            (w**2 + x**2 - y**2 - z**2, 2 * (x * y - w * z), 2 * (x * z + w * y)),
+            (2 * (x * y + w * z), w**2 - x**2 + y**2 - z**2, 2 * (y * z - w * x)),
+            (2 * (x * z - w * y), 2 * (y * z + w * x), w**2 - x**2 - y**2 + z**2),
+        )
+        shown = [[self.shown.typeset(entry) for entry in line] for line in entries]
+        turn = mathml.name(name)
+        yield mathml.formula([row(turn, operator("="), mathml.matrix(shown))], "body to space")
+
+    # -- what else there is ---------------------------------------------------------------------
+
+    def _canonical(self) -> Iterator[str]:
+        rows = canonical_rows(self.e)
+        if not rows:
+            return
+        h, *slopes = rows
+        yield heading("Canonical form")
+        names = [*(q.name for q in self.e.coordinates), *(q.name for q in self.e.momenta_names)]
+        left = [mathml.name("H"), *(self._slope(name) for name in names)]
+        nodes = [node for _, node in (h, *slopes)]
+        yield from where(self.shown.where(list(zip(left, nodes, strict=True))))
+
+    def _slope(self, name: str) -> str:
+        partial = operator("∂")
+        return mathml.fraction(partial + mathml.name("H"), partial + self.shown.name(name))
+
+    def _outputs(self) -> Iterator[str]:
+        e = self.e
+        named_nodes = [
+            *zip(e.observed_names, e.observed, strict=True),
+            *zip(e.conserved_names, e.conserved, strict=True),
+        ]
+        if named_nodes:
+            yield heading("Outputs")
+            rows = [(self.shown.name(q.name), node) for q, node in named_nodes]
+            yield from where(self.shown.where(rows))
+        events = list(named_events(e))
+        if events:
+            yield heading("Events")
+            yield from self._events(events)
+
+    def _events(self, events: Sequence[tuple[Quantity, Event, Node]]) -> Iterator[str]:
+        notes = []
+        for q, event, _ in events:
+            stops = ", stops the run" if event.stop else ""
+            notes.append(f"{escape(q.name)}: {_DIRECTIONS[event.direction]}{stops}")
+        yield from self._zeros([(q.name, node) for q, _, node in events], notes)
+
+    def _zeros(self, rows: Sequence[tuple[str, Node]], notes: Sequence[str]) -> Iterator[str]:
+        """0 = node, each with what is said of it."""
+        shown = self.shown.where([(mathml.number("0"), node) for _, node in rows])
+        if shown.operations:
+            yield from where(shown)
+            return
+        for chunks, note in zip(shown.formulas, notes, strict=True):
+            yield mathml.formula(chunks, note)
+        yield from named(shown.named)
+
+
+def _of_constraint(name: str) -> str:
+    """The z of joint, and "rate" where it is that."""
+    own, _, axis = name.rstrip("'").partition(".")
+    shown = f"{escape(own)} {mathml.inline(mathml.name(axis))}" if axis else escape(own)
+    return f"rate of {shown}" if name.endswith("'") else shown
+
+
+def _multipliers() -> str:
+    j, m, f, rest = (mathml.name(x) for x in ("J", "M", "f", "gamma"))
+    inverse = mathml.number("-1")
+    across = '<mi mathvariant="normal">T</mi>'
+    inner = row(j, mathml.sup(m, inverse), mathml.sup(j, across))
+    outer = row(j, mathml.sup(m, inverse), f, operator("+"), rest)
+    return row(
+        mathml.name("lambda"),
+        operator("="),
+        operator("-"),
+        mathml.sup(mathml.fenced(inner), inverse),
+        mathml.fenced(outer),
+    )
+
+
+_MULTIPLIERS = _multipliers()

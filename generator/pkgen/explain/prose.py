@@ -1,0 +1,80 @@
+"""Sentences about a model with its names and formulas typeset among the words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from html import escape
+
+from ..front import parse
+from ..source import Source
+from . import mathml
+from .mathml import fraction, operator, row
+from .written import Written
+
+TERMS = 12  # of a sum; more are cut
+_ARTICLES = frozenset("aAI")  # words, though they may be names too
+_SHIFT = re.compile(r"(^| [+-] )(.*?)d/d(\S+)")
+
+
+class Prose:
+    def __init__(self, written: Written, names: Iterable[str], formulas: Iterable[str] = ()):
+        """`names` are those of the model, `formulas` others that stand in the sentences."""
+        self.written = written
+        self.formulas = {text: self.formula(text) for text in formulas}
+        self.names = {n: written.name(n) for n in names if n not in _ARTICLES}
+        known = sorted({*self.formulas, *self.names}, key=len, reverse=True)
+        self._known = re.compile(
+            "|".join(rf"(?<![\w.\]]){re.escape(x)}(?![\w\[(']|\.\w)" for x in known) or "(?!)"
+        )
+
+    def __call__(self, text: str) -> str:
+        """As HTML."""
+        parts, last = [], 0
+        for found in self._known.finditer(text):
+            parts += [escape(text[last : found.start()]), mathml.inline(self._typeset(found[0]))]
+            last = found.end()
+        return "".join([*parts, escape(text[last:])])
+
+    def _typeset(self, text: str) -> str:
+        return self.formulas.get(text) or self.names[text]
+
+    def formula(self, text: str) -> str:
+        """In the words of the language; as it stands where these are not of it."""
+        file = parse.parse_all(Source("", f"model m\nlet y = {text}\n"))
+        if file.diagnostics or len(file.statements) != 2:
+            return mathml.words(text)
+        return self.written(file.statements[1].value)
+
+    def unit(self, unit: str) -> str:
+        return escape(mathml.unit_text(unit))
+
+    def generator(self, text: str) -> str:
+        """x d/dy - y d/dx, by partial derivatives."""
+        terms = [(sign.strip(), *rest) for sign, *rest in _SHIFT.findall(text)]
+        if len(terms) > TERMS:
+            terms = [*terms[:2], ("+", "", ""), terms[-1]]
+        parts = []
+        for sign, before, name in terms:
+            before = before.strip()
+            if before.startswith("-"):
+                sign, before = "-" if sign != "-" else "+", before[1:]
+            shown = _partial(name) if name else operator("…")
+            if before:
+                shown = mathml.product([self.formula(before), shown])
+            parts.append(
+                (
+                    mathml.binary(sign or "+")
+                    if parts
+                    else mathml.leading("-")
+                    if sign == "-"
+                    else ""
+                )
+                + shown
+            )
+        return " ".join(map(mathml.inline, parts))
+
+
+def _partial(name: str) -> str:
+    partial = operator("∂")
+    return fraction(partial, row(partial, mathml.name(name)), small=True)

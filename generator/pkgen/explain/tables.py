@@ -1,0 +1,60 @@
+"""Pieces of a page in HTML. Cells are HTML, texts are escaped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+
+from . import mathml
+from .shown import Where
+
+
+def heading(text: str) -> str:
+    return f"<h2>{escape(text)}</h2>"
+
+
+def lead(text: str) -> str:
+    return f'<p class="lead">{escape(text)}</p>'
+
+
+def table(headings: Sequence[str], rows: Iterable[Sequence[str]], kind: str = "") -> str:
+    """Columns that are empty throughout are left out."""
+    rows = [tuple(row) for row in rows]
+    kept = [k for k, _ in enumerate(headings) if any(row[k] for row in rows)]
+    head = "".join(f'<th scope="col">{escape(headings[k])}</th>' for k in kept)
+    lines = ["".join(f"<td>{row[k]}</td>" for k in kept) for row in rows]
+    body = "\n".join(f"<tr>{line}</tr>" for line in lines)
+    named = f' class="{kind}"' if kind else ""
+    return f'<div class="wide"><table{named}><thead><tr>{head}</tr></thead>\n{body}</table></div>'
+
+
+def facts_table(rows: Iterable[tuple[str, str]]) -> str:
+    """What each row is about stands at its head."""
+    body = "\n".join(f'<tr><th scope="row">{name}</th><td>{text}</td></tr>' for name, text in rows)
+    return f'<div class="wide"><table class="facts">{body}</table></div>'
+
+
+def listed(lines: Iterable[str]) -> str:
+    return "<ul>" + "\n".join(f"<li>{line}</li>" for line in lines) + "</ul>"
+
+
+def details(summary: str, *parts: str) -> str:
+    inner = "\n".join(parts)
+    return f"<details><summary>{escape(summary)}</summary>\n{inner}</details>"
+
+
+def where(shown: Where) -> list[str]:
+    """Formulas, and below them the names in them."""
+    if shown.operations:
+        return [f"<p>Too long to be shown: {shown.operations:,} operations, written out.</p>"]
+    return [*map(mathml.formula, shown.formulas), *named(shown.named)]
+
+
+def named(formulas: Sequence[Sequence[str]], notes: Sequence[str] = ()) -> list[str]:
+    if not formulas:
+        return []
+    notes = notes or [""] * len(formulas)
+    inner = "\n".join(
+        mathml.formula(chunks, escape(note)) for chunks, note in zip(formulas, notes, strict=True)
+    )
+    return [f'<div class="where"><p>where</p>\n{inner}</div>']
