@@ -241,5 +241,5 @@ def test_units_and_bounds() -> None:
         "coord x [m]\nkinetic (1 [kg])*x'^2/2\npotential k/2*x^2\n"
     )
     text = [letters(x) for x in formulas(page)]
-    assert "2kg/s²" in text and ">0" in text and "0.25s⁻¹" in text and "[0,1)" in text
+    assert "2N/m" in text and ">0" in text and "0.25s⁻¹" in text and "[0,1)" in text
     assert "0.5kg\u2009m²/s" in text
