@@ -76,8 +76,8 @@ class Page:
     def frames(self, count: int = 2) -> None:
         """As many frames later, at least."""
         self.page.evaluate(
-            "n => new Promise(done => { const next = () => n-- ? requestAnimationFrame(next) : done();"
-            " next(); })",
+            "n => new Promise(done => {"
+            " const next = () => n-- ? requestAnimationFrame(next) : done(); next(); })",
             count,
         )
 

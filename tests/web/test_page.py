@@ -300,7 +300,8 @@ CONTRASTS = """(() => {
     for (const e of document.querySelectorAll("body *")) {
         const own = [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
         if (!own || !e.checkVisibility() || e.closest(":disabled, option")) continue;
-        const [a, b] = [light(rgb(getComputedStyle(e).color)), light(behind(e))].sort((x, y) => y - x);
+        const pair = [light(rgb(getComputedStyle(e).color)), light(behind(e))];
+        const [a, b] = pair.sort((x, y) => y - x);
         if ((a + 0.05) / (b + 0.05) < 4.5) low.push(e.outerHTML.slice(0, 80));
     }
     return low;

@@ -1,7 +1,7 @@
 "use strict";
 /* The description, with what the page asks of it: things by key.
  *
- * A key is a letter and an index: p3 is a parameter, q0 a coordinate, v1 a rate or, behind the
+ * A key is a letter and an index: p3 is a parameter, u0 an input, q0 a coordinate, v1 a rate or, behind the
  * rates, a first-order variable. Names only stand in menus and in the address; they are looked up
  * in Maps, so that a parameter may be called __proto__. */
 const Model = (() => {
@@ -9,6 +9,9 @@ const Model = (() => {
     const list = [];
     for (const p of description.parameters)
       list.push({ ...p, key: "p" + p.index, kind: "p" });
+    for (const u of description.inputs || [])
+      list.push({ name: u.name, key: "u" + u.index, kind: "u", index: u.index, unit: u.unit,
+        description: u.description || "an input, held", value: 0, lo: null, hi: null });
     for (const c of description.coordinates) {
       list.push({ name: c.name, key: "q" + c.index, kind: "q", index: c.index, unit: c.unit,
         description: c.description, value: c.q, lo: null, hi: null, periodic: c.periodic,
@@ -70,7 +73,7 @@ const Model = (() => {
 
   /* What a row of a run's history holds behind the time: q, v, outputs. */
   const quantities = (model) =>
-    model.list.filter((e) => e.kind !== "p" && !model.isQuaternion(e.name)).slice(0, 600);
+    model.list.filter((e) => "qvo".includes(e.kind) && !model.isQuaternion(e.name)).slice(0, 600);
 
   return { make, quantities };
 })();

@@ -23,8 +23,9 @@ const Runs = (() => {
     }
     for (const [key, value] of values) {
       const entry = model.byKey.get(key);
-      if (entry && entry.kind !== "p") all[entry.kind][entry.index] = value;
+      if (entry && "qv".includes(entry.kind)) all[entry.kind][entry.index] = value;
     }
+    all.inputs = Float64Array.from(model.description.inputs || [], (_, k) => values.get("u" + k) || 0);
     turn(model, settings, all.v);
     return all;
   }
@@ -53,7 +54,7 @@ const Runs = (() => {
       this.index = index;              /* its colour; −1 is the reference */
       this.status = "";
       this.motion = engine.motion({ method: spec.method, step: lab.stepOf(spec), rtol: spec.rtol ?? lab.rtol,
-        params: start.params, q: start.q, v: start.v, t: 0 });
+        params: start.params, q: start.q, v: start.v, t: 0, inputs: start.inputs });
       this.params = start.params;
       this.seen = model.outputs.map((o) => o.index);
       const width = 1 + start.q.length + start.v.length + this.seen.length;

@@ -78,7 +78,7 @@ const Settings = (() => {
     enter(model, settings, scene !== null && model.sceneNamed.has(scene) ? scene
       : model.description.scene);
     for (const [name, text] of query) {
-      const found = /^([pqv])\.(.+)$/s.exec(name);
+      const found = /^([pquv])\.(.+)$/s.exec(name);
       const value = number(text);
       if (value === null) continue;
       if (/^r\d+[xyz]$/.test(name)) settings.values.set(name, value);

@@ -30,7 +30,6 @@ const SheetModel = (() => {
       list("Events", d.events.map((e) => [e.name, [{ 1: "rising through zero", "-1": "falling through zero" }[e.direction] || "through zero",
         e.stop ? "stops the run" : "", e.description].filter(Boolean).join("; ")])),
       list("Constraints", (d.constraints || []).map((c) => [c.name, c.holonomic ? "of places" : "of rates"])),
-      list("Inputs", (d.inputs || []).map((u) => [u.name, [u.description, Text.unit(u.unit)].filter(Boolean).join(", ")])),
     ].filter(Boolean));
     element.append(h("p", { class: "source" }, `${d.source}, pkgen ${d.pkgen}`,
       h("br"), h("span", { class: "hash", title: "SHA-256 of the model" }, (d.sha256 || "").slice(0, 16))));

@@ -14,7 +14,7 @@ const SheetValues = (() => {
       const { start } = lab.runs;
       if (!start || start.error) return lab.settings.values.get(entry.key) ?? entry.value ?? 0;
       if (entry.kind === "r") return lab.settings.values.get(entry.key) || 0;
-      return { p: start.params, q: start.q, v: start.v }[entry.kind][entry.index];
+      return { p: start.params, u: start.inputs, q: start.q, v: start.v }[entry.kind][entry.index];
     };
     const peers = (entry) => Math.max(0, ...model.list.filter((e) => e.kind === entry.kind
       && e.unit === entry.unit).slice(0, 200).map((e) => Math.abs(e.value || 0)));
@@ -99,7 +99,8 @@ const SheetValues = (() => {
     const starts = model.list.filter((e) => "qv".includes(e.kind) && !model.isQuaternion(e.name));
     element.append(...[
       group("Parameters", model.list.filter((e) => e.kind === "p")),
-      group("Start", [...starts, ...turns]),
+      group("Inputs", model.list.filter((e) => e.kind === "u")),
+    group("Start", [...starts, ...turns]),
     ].filter(Boolean));
     const all = h("button", { type: "button", class: "quiet wide", onclick: () => {
       lab.settings.values.clear();

@@ -22,7 +22,7 @@ const Trial = (() => {
 
   function run(lab, start, method, span, deadline) {
     const motion = lab.engine.motion({ method, step: null, rtol: null, params: start.params,
-      q: start.q, v: start.v, t: 0 });
+      q: start.q, v: start.v, t: 0, inputs: start.inputs });
     const rows = [];
     const box = Shapes.box();
     try {
