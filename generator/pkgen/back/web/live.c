@@ -330,6 +330,10 @@ int EXPORT(live_to)(struct live *m, double t, double budget)
         }
     }
     const enum pk_status status = within(m, t);
+    if (status == PK_BAD_ARGUMENT) { /* the step has ended at a switch: its end is what there is */
+        keep(m, it->t, it->q, it->v);
+        return 0;
+    }
     return status < 0 ? status : 0;
 }
 

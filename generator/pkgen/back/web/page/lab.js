@@ -53,7 +53,8 @@ const Lab = (() => {
     look() {
       if (this.runs.error) return;
       const { start } = this.runs;
-      const { speed, box, period } = Trial.look(this, start);
+      const { speed, box, period, moving } = Trial.look(this, start);
+      this.first = moving || this.first;
       this.base = speed;
       this.natural = period || speed * 3;
       this.stage.frame(box, this.engine.outputs(start.params, 0, start.q, start.v));
@@ -213,7 +214,7 @@ const Lab = (() => {
       const words = this.runs.error || this.stage.failed
         || (this.playing && this.slow < 0.8 ? "Slower than asked: this machine does not keep up." : "")
         || this.runs.list.filter((run) => run.status && !run.refused)
-          .map((run) => `${run.spec.method} stopped at t = ${Text.number(run.t)}: ${run.status}`)[0] || "";
+          .map((run) => (this.runs.list.length > 1 ? `${run.spec.method}: ` : "") + run.status)[0] || "";
       say($("note"), words);
     }
   }

@@ -20,7 +20,7 @@ const Panels = (() => {
     const list = [];
     if (KINDS.get("drift").suits(model)) list.push("drift");
     if (coordinates.length > 6 && PanelsModes.suits(model)) list.push("modes");
-    list.push("time", "phase");
+    list.push("time", "phase", "spectrum");
     if (events.some((e) => /section/.test(e.name))) list.splice(1, 0, "section");
     return list.slice(0, PLACES);
   }
@@ -31,7 +31,7 @@ const Panels = (() => {
       this.element = Dom.$("panels");
       const wanted = (lab.settings.panels || usual(lab.model))
         .filter((name) => KINDS.has(name) && KINDS.get(name).suits(lab.model));
-      while (wanted.length < PLACES) wanted.push("time");
+      for (const name of ["time", "phase", "spectrum"]) if (!wanted.includes(name)) wanted.push(name);
       this.places = wanted.slice(0, PLACES).map((name) => this.place(name));
     }
 

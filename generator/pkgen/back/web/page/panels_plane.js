@@ -19,8 +19,8 @@ const PanelsPlane = (() => {
 
   function phase(lab, body, tools) {
     const list = quantitiesOf(lab.model);
-    let x = list[0];
-    let y = list.find((e) => e.kind === "v" && e.index === x.index) || list[1] || x;
+    let x = lab.first || list[0];
+    let y = list.find((e) => e.kind === "v" && e.index === x.index && e !== x) || list[1] || x;
     const chart = Chart.make(body, { x: "", y: "" });
     if (list.length > 2)
       tools.append(menu(list, y, (key) => { y = lab.model.byKey.get(key); lab.dirty = true; }, "Upwards"),
@@ -84,7 +84,7 @@ const PanelsPlane = (() => {
 
   function spectrum(lab, body, tools) {
     const list = quantitiesOf(lab.model);
-    let which = list[0];
+    let which = lab.first || list[0];
     const chart = Chart.make(body, { x: lab.model.time ? "frequency [Hz]" : "frequency", y: "", log: true });
     if (list.length > 1)
       tools.append(menu(list, which, (key) => { which = lab.model.byKey.get(key); lab.dirty = true; },

@@ -15,10 +15,9 @@ const PanelsTime = (() => {
       free: () => chart.free(),
       update(runs) {
         const c = constants[which];
-        const relative = runs.some((run) => run.start && run.start[which] !== 0);
-        chart.options.y = `|Δ ${Text.plain(c.name)}|` + (relative ? " / start"
-          : Text.unit(c.unit) ? ` [${Text.unit(c.unit)}]` : "");
-        chart.set(runs.map((run) => ({ x: run.drifts.t, y: run.drifts.columns[which],
+        chart.options.y = `drift of ${Text.plain(c.name)}, relative`;
+        chart.set(runs.map((run) => ({ x: run.drifts.t,
+          y: run.drifts.columns[which].map((d) => d / (run.sizes[which] || 1)),
           colour: Theme.ofRun(run), dash: Theme.dashOf(run) })), { x: whole(runs, lab) });
       },
     };
@@ -43,7 +42,7 @@ const PanelsTime = (() => {
   /* One quantity of the state over the last while, in each run's colour. */
   function time(lab, body, tools) {
     const quantities = quantitiesOf(lab.model);
-    let which = quantities[0];
+    let which = lab.first || quantities[0];
     const chart = Chart.make(body, { x: Text.axis("t", lab.model.time), y: "" });
     if (quantities.length > 1)
       tools.append(Dom.select(quantities.map((e) => [e.key, Text.plain(e.name)]), which.key,

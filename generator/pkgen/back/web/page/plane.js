@@ -132,12 +132,7 @@ const PlaneView = (() => {
         this.note(shape, [this.px(shape.at)], run);
       } else if (kind === "curve") {
         const points = shape.points.map((p) => this.px(p));
-        this.line(points, style.metal, 1.5, style.dash);
-        const r = Math.max(1.5, Math.min(6, this.camera.width / points.length / 4)) * style.size;
-        g.fillStyle = colour;
-        g.beginPath();
-        for (const p of points) { g.moveTo(p[0] + r, p[1]); g.arc(p[0], p[1], r, 0, 7); }
-        g.fill();
+        this.line(points, style.metal, 2, style.dash);
         this.note(shape, points, run);
       } else if (kind === "body") this.body(shape, colour, run);
     }

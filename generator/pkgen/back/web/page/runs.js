@@ -50,6 +50,7 @@ const Runs = (() => {
   class Run {
     constructor(lab, spec, start, index) {
       const { engine, model } = lab;
+      this.lab = lab;
       this.spec = spec;
       this.index = index;              /* its colour; −1 is the reference */
       this.status = "";
@@ -84,12 +85,35 @@ const Runs = (() => {
       this.row.set(this.v, 1 + this.q.length);
       this.seen.forEach((index, k) => { this.row[1 + this.q.length + this.v.length + k] = this.out[index]; });
       this.recent.push(this.row);
-      const drifts = Array.from(this.constants, (c, k) => drift(c, this.start[k]));
+      this.size(model);
+      const drifts = Array.from(this.constants, (c, k) => Math.abs(c - this.start[k]));
       drifts.push(reference ? distance(this, reference.at(this.t)) : NaN);
       this.drifts.push(this.t, drifts);
       for (const { shape, trail } of this.trails)
         trail.add(this.t, Shapes.point(shape.at, this.out));
       for (const crossing of motion.events()) this.cross(crossing);
+    }
+
+    /* What a drift is small beside: the constant itself or, as that may vanish, of an energy half of
+     * v.p, of a momentum the largest of its unit, of a claim the largest constant of its unit. */
+    size(model) {
+      const { constants, coordinates } = model.description;
+      const { engine } = this.lab;
+      if (!this.sizes) this.sizes = Array.from(this.start, Math.abs);
+      const p = engine.momenta && constants.some((c) => c.kind !== "claim")
+        ? engine.momenta(this.params, this.t, this.q, this.v) : null;
+      constants.forEach((c, k) => {
+        let other = 0;
+        if (c.kind === "energy" && p) other = Math.abs(this.v.reduce((s, v, i) => s + (v * p[i] || 0), 0)) / 2;
+        else if (c.kind === "momentum" && p) {
+          for (const q of coordinates)
+            if (q.momentum_unit === c.unit) other = Math.max(other, Math.abs(p[q.index]) || 0);
+        }
+        constants.forEach((d, j) => {
+          if (c.kind === "claim" && d.unit === c.unit) other = Math.max(other, Math.abs(this.start[j]));
+        });
+        if (other > this.sizes[k]) this.sizes[k] = other;
+      });
     }
 
     cross({ event, t, q, v }) {
@@ -136,9 +160,6 @@ const Runs = (() => {
       this.motion.free();
     }
   }
-
-  /* Relative to the start where that is not zero. */
-  const drift = (now, start) => Math.abs(now - start) / (start === 0 ? 1 : Math.abs(start));
 
   function distance(run, reference) {
     let sum = 0;

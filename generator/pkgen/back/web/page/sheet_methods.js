@@ -88,8 +88,7 @@ const SheetMethods = (() => {
         const { motion } = run;
         Dom.say(element_.querySelector(".counts"), motion
           ? `${motion.steps.toLocaleString("en")} steps, ${motion.evaluations.toLocaleString("en")} evaluations` : "");
-        Dom.say(element_.querySelector(".status"), run.status
-          ? (run.refused ? "" : `stopped at t = ${Text.number(run.t)}: `) + run.status : "");
+        Dom.say(element_.querySelector(".status"), run.status);
       });
     }
 

@@ -61,7 +61,7 @@ const SheetValues = (() => {
       const words = entry.description
         ? h("span", { class: "words", title: entry.description }, entry.description) : null;
       return h("div", { class: "row" }, h("div", { class: "row-head" }, label, words, back),
-        h("div", { class: "row-body" }, slider, field, h("span", { class: "unit" }, Text.unit(entry.unit))), why);
+        h("div", { class: "row-body" }, slider, field, h("span", { class: "unit", title: Text.unit(entry.unit) }, Text.unit(entry.unit))), why);
     }
 
     function fold(title, list) {
@@ -116,7 +116,11 @@ const SheetValues = (() => {
     return { refresh };
   }
 
-  const written = (x) => String(Number(x.toPrecision(6)));
+  const written = (x) => {
+    const size = Math.abs(x);
+    if (size !== 0 && (size >= 1e6 || size < 1e-4)) return String(Number(x.toPrecision(6)).toExponential());
+    return String(Number(x.toPrecision(6)));
+  };
   const read = (text) => Number(text.trim().replace(/−/g, "-").replace(/,/g, ".") || NaN);
 
   return { make, read, written };

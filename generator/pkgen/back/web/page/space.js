@@ -18,8 +18,10 @@ const SpaceView = (() => {
       this.drawn = [];
       const size = camera.distance * Math.tan(camera.angle / 2);
       this.unit = size;
+      const rods = first_(scene).filter((shape) => shape.kind === "rod").length;
+      this.thick = 0.012 * Math.min(1, 10 / Math.max(1, rods));
       const layers = scene.runs;
-      const first = layers.length ? layers[layers.length - 1].made : [];
+      const first = first_(scene);
       const ground = first.find((shape) => shape.kind === "ground");
       this.floor(scene, ground, Theme.rgb(theme.soft));
       if (scene.levels) this.levels(scene.levels);
@@ -82,7 +84,7 @@ const SpaceView = (() => {
       const alpha = style.alpha;
       switch (shape.kind) {
         case "rod":
-          p.put("tube", Solids.along(shape.from, shape.to, unit * 0.012), metal, alpha);
+          p.put("tube", Solids.along(shape.from, shape.to, unit * this.thick), metal, alpha);
           this.note(shape, [shape.from, shape.to], run);
           break;
         case "line":
@@ -108,10 +110,7 @@ const SpaceView = (() => {
           this.note(shape, [shape.at], run);
           break;
         case "curve": {
-          p.line(shape.points, 2, metal, () => alpha);
-          const r = unit * Math.min(0.03, 0.6 / shape.points.length);
-          for (const at of shape.points)
-            p.put("ball", Solids.turned([1, 0, 0, 0, 1, 0, 0, 0, 1], [r, r, r], at), colour, alpha);
+          p.line(shape.points, 2.2, metal, () => alpha);
           this.note(shape, shape.points, run);
           break;
         }
@@ -148,6 +147,8 @@ const SpaceView = (() => {
         points: [this.camera.project(points[points.length - 1]).slice(0, 2)] });
     }
   }
+
+  const first_ = ({ runs }) => (runs.length ? runs[runs.length - 1].made : []);
 
   function helix({ from, to, turns }, radius) {
     const d = from.map((x, k) => to[k] - x);

@@ -21,8 +21,8 @@ const Stage = (() => {
   }
 
   /* Loose bodies, such as planets, have colours of their own; parts of a mechanism have one. */
-  const loose = (shapes) => shapes.filter((s) => s.kind === "bob" || s.kind === "body").length > 1
-    && !shapes.some((s) => s.kind === "rod" || s.kind === "spring" || s.kind === "curve");
+  const loose = (shapes) => shapes.filter((s) => s.kind === "bob").length > 1
+    && !shapes.some((s) => ["rod", "spring", "curve", "body"].includes(s.kind));
 
   class Stage_ {
     constructor(lab) {

@@ -15,6 +15,8 @@ const Text = (() => {
 
   /* theta1' → {letter "θ", sub "1", tail "′"}; a word of more than one letter stays a word. */
   function parts(name) {
+    const rate = /^omega\((\w+)\)\.([xyz])$/.exec(name);
+    if (rate) return { letter: "ω", sub: (rate[1] === "R" ? "" : rate[1] + ",") + rate[2], tail: "" };
     const found = /^(.*?)('*)((?:\.[A-Za-z]\w*)?)$/s.exec(name);
     let [, body, primes, member] = found;
     let index = "";

@@ -28,7 +28,7 @@ const Trial = (() => {
     try {
       for (let i = 0; i <= POINTS; i++) {
         if (i > 0 && motion.advance((span * i) / POINTS)) break;
-        rows.push(Array.from(motion.q));
+        rows.push([...motion.q, ...motion.v]);
         Shapes.grow(box, lab.model.shapes, motion.outputs());
         if (performance.now() > deadline) break;
       }
@@ -44,6 +44,21 @@ const Trial = (() => {
     return (head < 1.5 ? 1 : head < 3.5 ? 2 : head < 7.5 ? 5 : 10) * power;
   }
 
+  /* The first quantity of the state that moves as far as any, nearly: panels begin with it. */
+  function moving(lab, rows) {
+    const spans = rows[0].map((_, k) => {
+      const column = rows.map((row) => row[k]).filter(Number.isFinite);
+      return column.reduce((a, b) => Math.max(a, b), -Infinity) - column.reduce((a, b) => Math.min(a, b), Infinity);
+    });
+    const pick = (from, to, kind) => {
+      const part = spans.slice(from, to);
+      const most = Math.max(...part, 0);
+      const k = part.findIndex((span) => span > 0.2 * most);
+      return most > 1e-9 && k >= 0 ? lab.model.byKey.get(kind + k) : null;
+    };
+    return pick(0, lab.nq, "q") || pick(lab.nq, spans.length, "v");
+  }
+
   function look(lab, start) {
     const scene = lab.model.sceneNamed.get(lab.settings.scene);
     const until = scene && scene.until > 0 ? scene.until : null;
@@ -55,15 +70,16 @@ const Trial = (() => {
     let found = null;
     for (let k = 0; k < 6 && performance.now() < deadline; k++) {
       try {
-        found = run(lab, start, lab.model.reference(), span, deadline);
+        const next = run(lab, start, lab.model.reference(), span, deadline);
+        if (next.rows.length < 3) break;
+        found = next;
       } catch (error) {
         break;
       }
-      if (found.rows.length < 3) break;
-      const count = turns(found.rows, start.q.length);
+      const count = turns(found.rows, start.q.length || found.rows[0].length);
       if (count > 0) period = (2 * found.span) / count;
       if (count > POINTS / 4) span /= 6;
-      else if (count < 2 && (!until || span < until)) span *= 6;
+      else if (count < 2 && found.span > 0.99 * span && (!until || span < until)) span *= 6;
       else break;
     }
     if (found) Shapes.join(box, found.box);
@@ -71,7 +87,7 @@ const Trial = (() => {
     if (period !== null && !(lab.model.time === "s" && period > 0.3 && period < 8))
       speed = round125(period / SWING);
     else if (period === null && until) speed = round125(until / 20);
-    return { speed, box, period };
+    return { speed, box, period, moving: found ? moving(lab, found.rows) : null };
   }
 
   return { look };
