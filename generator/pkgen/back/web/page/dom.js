@@ -48,5 +48,9 @@ const Dom = (() => {
     return true;
   }
 
-  return { $, h, fill, select, say, fitCanvas };
+  /* A canvas that the processor draws: thousands of points are sooner drawn than sent away, and a
+   * machine without a graphics card shows them as smoothly. */
+  const pen = (canvas) => canvas.getContext("2d", { willReadFrequently: true });
+
+  return { $, h, fill, select, say, fitCanvas, pen };
 })();

@@ -14,7 +14,7 @@ const GraphView = (() => {
 
     draw({ width, height, runs }) {
       Dom.fitCanvas(this.canvas, width, height);
-      const g = this.canvas.getContext("2d");
+      const g = Dom.pen(this.canvas);
       g.setTransform(this.canvas.width / width, 0, 0, this.canvas.height / height, 0, 0);
       g.clearRect(0, 0, width, height);
       this.drawn = [];

@@ -16,7 +16,7 @@ const PlaneView = (() => {
     draw(scene) {
       const { width, height } = scene;
       Dom.fitCanvas(this.canvas, width, height);
-      const g = this.canvas.getContext("2d");
+      const g = Dom.pen(this.canvas);
       this.g = g;
       g.setTransform(this.canvas.width / width, 0, 0, this.canvas.height / height, 0, 0);
       g.clearRect(0, 0, width, height);

@@ -116,7 +116,7 @@ const Swarm = (() => {
 
     draw(width, height) {
       Dom.fitCanvas(this.canvas, width, height);
-      const g = this.canvas.getContext("2d");
+      const g = Dom.pen(this.canvas);
       const ratio = this.canvas.width / width;
       const theme = Theme.now();
       g.setTransform(1, 0, 0, 1, 0, 0);
