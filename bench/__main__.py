@@ -5,6 +5,7 @@
 `python -m bench systems [--docs]` runs every scene of every model: systems.py
 `python -m bench side_by_side [--docs]` beside physicskit at its published settings: side_by_side.py
 `python -m bench rotations [--docs]` what rotations and constraints cost: rotations.py
+`python -m bench show [--docs]` opens the live page of every model: show.py
 `python -m bench bodies [--docs]` residuals and drifts over a million steps: bodies.py
 
 What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
@@ -44,7 +45,16 @@ from .peers import cvode, gsl, mechanicsdsl, own, python, taylor
 from .report import write_docs
 
 # Each a command of its own; those that import pkgen are not for the peers' Python.
-ALONE = ("accuracy", "answers", "reductions", "systems", "side_by_side", "rotations", "bodies")
+ALONE = (
+    "accuracy",
+    "answers",
+    "reductions",
+    "systems",
+    "side_by_side",
+    "rotations",
+    "bodies",
+    "show",
+)
 PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 
 

@@ -467,7 +467,7 @@ pk_real coupled_oscillators_potential(const struct coupled_oscillators_params *p
 }
 
 const char coupled_oscillators_source_hash[65] =
-    "faa0fcf7b9878b89a8f62c0961654fbabc9209cf1e52d33a4a22e1fad07caa42";
+    "9c07c12dd6b4883f3f32c63466182ed413471ef15513f56595c12a9dc05577cc";
 
 const struct coupled_oscillators_parameter coupled_oscillators_parameters[3] = {
     {{"m", "kg", "each mass"}, offsetof(struct coupled_oscillators_params, m), 0, 1, 1},

@@ -1081,7 +1081,7 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
 }
 
 const char fput_source_hash[65] =
-    "4cb9a3ac40d0a1f74766ebf3e1f93cb3f7b3964bf1844a4e50a7d4e3cecc1605";
+    "ef6d70dfc818884e2adfb043cbd03a8e8a48774e321daa50f45c2603329f484d";
 
 const struct fput_size fput_size_names[1] = {
     {{"N", "", "moving masses"}, offsetof(struct fput_params, N)},
