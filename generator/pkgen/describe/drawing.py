@@ -20,7 +20,18 @@ from ..model import Definition, Drawing, Model
 from ..record import record
 from ..run import named
 from ..source import Span
-from ..tree import AXES, Component, Expr, Name, Number, Vector, of_member
+from ..tree import (
+    AXES,
+    Add,
+    Component,
+    Expr,
+    Name,
+    Number,
+    Range,
+    Vector,
+    names,
+    of_member,
+)
 
 Entry = float | dict[str, int]  # a number, or {"output": k}
 PREFIX = "0_draw_"  # no author's name begins with a digit
@@ -185,12 +196,19 @@ class _Outputs:
         variable = item.range.variable
         every = list(assignments((item.range,), sizes(self.model)))
         stride = max(1, -(-len(every) // limits.DRAWN))
-        for values in every[::stride]:
-            index = Number(Fraction(values[variable]), item.range.span)
+        for k in range(0, len(every), stride):
+            index = self._index(item.range, every[k][variable], len(every) - 1 - k)
             yield {
                 word: tuple(of_member(x, variable, index) for x in found)
                 for word, found in item.parts
             }
+
+    def _index(self, range: Range, value: int, behind: int) -> Expr:
+        """A member, `behind` before the last one. In the second half it is counted from the end, so
+        that families may stay loops, whose end is where N says."""
+        if behind >= value or not names(range.hi):
+            return Number(Fraction(value), range.span)
+        return Add((range.hi, Number(Fraction(behind), range.span)), (1, -1), range.span)
 
     def _shape(self, item: Drawing, parts: dict[str, tuple[Expr, ...]]) -> dict[str, object]:
         made: dict[str, object] = {"kind": item.shape, **_labels(item)}
