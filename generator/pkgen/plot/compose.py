@@ -1,0 +1,268 @@
+"""From rows to a picture of them: which panels, what over what, in which colours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+import numpy
+
+from ..equations import Quantity
+from ..system.exits import UsageError
+from . import drift, spectrum
+from .members import FEW, bundle, clouds, few_times
+from .names import label, shown
+from .picture import Axis, Image, Line, Panel, Picture
+from .table import Table, base
+from .view import View
+
+PANELS = 6
+FAMILY = 12  # members that are lines; more are an image
+LINES = 14  # in one panel
+
+
+def picture(view: View, tables: Sequence[Table]) -> Picture:
+    """Raises UsageError where the rows have not what is to be drawn."""
+    kind = view.kind or _usual(view, tables)
+    made = _MAKERS[kind](view, tables)
+    title, notes = _title(tables), tuple(note for table in tables for note in table.notes)
+    return Picture(title, made.panels, made.shared, made.wide, (*notes, *made.notes))
+
+
+def _usual(view: View, tables: Sequence[Table]) -> str:
+    if view.names:
+        return "time"
+    if any(table.event is not None for table in tables):
+        return "section"
+    several = any(table.several and few_times(table) for table in tables)
+    return "cloud" if several else "time"
+
+
+def _title(tables: Sequence[Table]) -> str:
+    """The model, its scene, the method, where they are the same for all and known."""
+    words = []
+    for key in ("model", "scene"):
+        found = {str(table.told.get(key, "")) for table in tables}
+        words += found if len(found) == 1 and found != {""} else []
+    methods = {_method(table) for table in tables}
+    said = ", ".join(words[:1] + [f"scene {w}" for w in words[1:]]).replace("_", " ")
+    if len(methods) == 1 and methods != {""} and said:
+        said += f": {methods.pop()}"
+    if any(table.told.get("partial") for table in tables):
+        said += " (as far as it came)"
+    return said.strip()
+
+
+def _method(table: Table) -> str:
+    report = table.told.get("report")
+    return str(report.get("method", "")) if isinstance(report, dict) else ""
+
+
+def axis(table: Table, name: str) -> Axis:
+    quantity = table.quantity(name)
+    return Axis(label(quantity.name, quantity.unit))
+
+
+def time_axis(table: Table) -> Axis:
+    quantity = table.columns[table.abscissa]
+    return Axis(label(quantity.name, quantity.unit))
+
+
+# -- over time -------------------------------------------------------------------------------------
+
+
+def _over_time(view: View, tables: Sequence[Table]) -> Picture:
+    names = [n for (one,) in view.names for n in _in_all(view.option, one, tables)]
+    names = names or _chosen(tables)
+    one = len(tables) == 1 and not tables[0].several
+    groups = _groups(tables[0], names) if one else [[name] for name in names]
+    left = sum(len(group) for group in groups[PANELS:])
+    notes = (f"{left} more columns: --columns chooses",) if left else ()
+    make = _panel if one else _overlaid
+    panels = [make(tables, group) for group in groups[:PANELS]]
+    return Picture("", tuple(panels), notes=notes)
+
+
+def _in_all(option: str, name: str, tables: Sequence[Table]) -> list[str]:
+    """The columns of a name, which each of the tables must have."""
+    found = [table.found(option, name) for table in tables]
+    for table, names in zip(tables, found, strict=True):
+        if names != found[0]:
+            raise UsageError(f"{option} {name}: {table.label} has other columns of it")
+    return found[0]
+
+
+def _chosen(tables: Sequence[Table]) -> list[str]:
+    """What all tables have; the energy, which is constant, only where there is nothing else."""
+    known = [q.name for q in tables[0].quantities]
+    common = [n for n in known if all(n in table.names[1:] for table in tables[1:])]
+    if not common:
+        others = ", ".join(table.label for table in tables)
+        raise UsageError(
+            f"{others}: they have no column in common"
+            if len(tables) > 1
+            else f"{others}: no column beside {tables[0].columns[0].name}"
+        )
+    return [n for n in common if n != "energy"] or common
+
+
+def _groups(table: Table, names: list[str]) -> list[list[str]]:
+    """Names by panels: those of a long family, or of one unit and one kind."""
+    found: dict[object, list[str]] = {}
+    for name in names:
+        own = sum(base(n) == base(name) for n in names)
+        rate = name.count("'") + ("omega(" in name)
+        key = base(name) if own > FAMILY else (table.quantity(name).unit, rate)
+        found.setdefault(key, []).append(name)
+    parts = []
+    for key, group in found.items():
+        size = len(group) if isinstance(key, str) else LINES
+        parts += [group[k : k + size] for k in range(0, len(group), size)]
+    return parts
+
+
+def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
+    """Columns of one table."""
+    (table,) = tables
+    if len(names) > FAMILY and len({base(n) for n in names}) == 1:
+        return Panel(time_axis(table), Axis("member"), image=_image(table, names))
+    kind = "line" if table.event is None else "points"
+    lines = [Line(shown(n), table.time, table[n], k, kind) for k, n in enumerate(names)]
+    return Panel(time_axis(table), Axis(_together(table, names)), tuple(lines))
+
+
+def _together(table: Table, names: list[str]) -> str:
+    quantities = [table.quantity(name) for name in names]
+    if len(names) < 4:
+        return label(", ".join(q.name for q in quantities), quantities[0].unit)
+    bases = [key for key, _ in groupby(base(name) for name in names)]
+    return label(", ".join(bases) if len(bases) < 4 else "", quantities[0].unit).strip()
+
+
+def _image(table: Table, names: list[str]) -> Image:
+    every = -(-len(table.data) // 1200)  # more no printer shows
+    index = numpy.array([float(n[n.rindex("[") + 1 : n.rindex("]")]) for n in names])
+    values = numpy.stack([table[name][::every] for name in names])
+    quantity = table.quantity(names[0])
+    return Image(values, table.time[::every], index, label(base(quantity.name), quantity.unit))
+
+
+def _overlaid(tables: Sequence[Table], names: list[str]) -> Panel:
+    """One column of several tables, or of many members."""
+    (name,) = names
+    lines: list[Line] = []
+    colours = None
+    for table in tables:
+        found, colours = bundle(table, table.time, table[name], len(lines), len(tables) > 1)
+        lines += found
+    return Panel(time_axis(tables[0]), axis(tables[0], name), tuple(lines), colours=colours)
+
+
+# -- planes, places, sections ----------------------------------------------------------------------
+
+
+def _plane(view: View, tables: Sequence[Table]) -> Picture:
+    option, pairs = view.option, []
+    for names in view.names:
+        pairs.append(_pair(option, names, tables))
+    units = {tuple(tables[0].quantity(n).unit for n in names) for names in pairs}
+    if len({len(names) for names in pairs}) > 1 or len(units) > 1:
+        raise UsageError(f"{option}: what is drawn together has the same units and axes")
+    lines: list[Line] = []
+    colours = None
+    for names in pairs:
+        what = ", ".join(map(shown, names)) if len(pairs) > 1 else ""
+        for table in tables:
+            count, more = len(lines), len(tables) * len(pairs) > 1
+            x, y, *z = (table[name] for name in names)
+            if table.several and few_times(table) > 1:
+                found = clouds(table, x, y, z, count)
+            else:
+                found, colours = bundle(table, x, y, count, more, z[0] if z else None)
+            if len(tables) > 1 and len(pairs) > 1:
+                what = f"{', '.join(map(shown, names))}: {table.label}"
+            lines += [_named(line, what) for line in found]
+    axes = [_common(tables[0], [names[k] for names in pairs]) for k in range(len(pairs[0]))]
+    equal = view.kind == "path" and len(set(next(iter(units)))) == 1
+    z_axis = axes[2] if len(axes) == 3 else None
+    panel = Panel(axes[0], axes[1], tuple(lines), z_axis, equal=equal, colours=colours)
+    return Picture("", (panel,), wide=False)
+
+
+def _named(line: Line, what: str) -> Line:
+    if not what or line.kind == "back":
+        return line
+    words = what if line.label in ("", what) or ":" in what else f"{what}, {line.label}"
+    return Line(words, line.x, line.y, line.colour, line.kind, line.z, line.strands, line.marked)
+
+
+def _common(table: Table, names: list[str]) -> Axis:
+    """Of x1 and x2: both."""
+    names = list(dict.fromkeys(names))
+    return Axis(label(", ".join(names), table.quantity(names[0]).unit))
+
+
+def _pair(option: str, names: tuple[str, ...], tables: Sequence[Table]) -> tuple[str, ...]:
+    """The columns of a curve: a vector by its components, but those that stay 0."""
+    if len(names) > 1:
+        found = [_in_all(option, name, tables) for name in names]
+        for name, columns in zip(names, found, strict=True):
+            if len(columns) > 1:
+                raise UsageError(f"{option} {name}: one of {', '.join(columns[:6])}")
+        return tuple(columns[0] for columns in found)
+    found = _in_all(option, names[0], tables)
+    if len(found) == 3:
+        moving = [n for n in found if any(numpy.any(table[n]) for table in tables)]
+        found = moving if len(moving) == 2 else found
+    if not 2 <= len(found) <= 3:
+        raise UsageError(f"{option} {names[0]}: two or three names, or that of a vector")
+    return tuple(found)
+
+
+def _section(view: View, tables: Sequence[Table]) -> Picture:
+    return _plane(View("phase", (_varying(tables),)), tables)
+
+
+def _cloud(view: View, tables: Sequence[Table]) -> Picture:
+    """Of many members, at few times."""
+    return _plane(View("phase", (_varying(tables),)), tables)
+
+
+def _varying(tables: Sequence[Table]) -> tuple[str, str]:
+    """A coordinate and its rate, both of which vary, else two columns that do."""
+    table = tables[0]
+    names = [q.name for q in table.quantities if q.name != "energy"]
+    moving = [n for n in names if _varies(table[n])]
+    for name in moving:
+        if f"{name}'" in moving:
+            return name, f"{name}'"
+    if len(moving) < 2:
+        raise UsageError(f"{table.label}: fewer than two columns that vary: no plane to draw")
+    return moving[0], moving[1]
+
+
+def _varies(x: numpy.ndarray) -> bool:
+    x = x[numpy.isfinite(x)]
+    return bool(len(x)) and bool(numpy.ptp(x) > 1e-9 * max(1e-300, numpy.abs(x).max()))
+
+
+def _spectrum(view: View, tables: Sequence[Table]) -> Picture:
+    names = [n for (one,) in view.names for n in _in_all(view.option, one, tables)]
+    return spectrum.picture(tables, names)
+
+
+def _drift(view: View, tables: Sequence[Table]) -> Picture:
+    names = [n for (one,) in view.names for n in _in_all(view.option, one, tables)]
+    return drift.picture(tables, names)
+
+
+_MAKERS = {
+    "time": _over_time,
+    "phase": _plane,
+    "path": _plane,
+    "section": _section,
+    "cloud": _cloud,
+    "spectrum": _spectrum,
+    "drift": _drift,
+}
+__all__ = ["FEW", "Quantity", "picture"]

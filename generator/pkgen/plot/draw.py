@@ -1,0 +1,282 @@
+"""Pictures by matplotlib: SVG, PNG or PDF. Names are text and never markup: a `$` in one is no
+formula."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import matplotlib
+import numpy
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, MaxNLocator
+
+from . import style
+from .picture import Axis, Image, Line, Panel, Picture
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from matplotlib.axes import Axes
+
+HEAVY = 40_000  # points; beyond, lines are pixels in a file of vectors too
+HEAVY_POINTS = 3000
+BESIDE = 5  # entries of a legend that stands above its panel; more stand beside it
+TOP = 0.22  # inches for a title
+
+
+def draw(picture: Picture, width: float | None = None) -> Figure:
+    """`width` in inches; by itself that of a page or of a column."""
+    width = width or (style.PAGE if picture.wide else style.COLUMN)
+    with looks():
+        figure = Figure(figsize=(width, _height(picture, width)), layout="constrained")
+        FigureCanvasAgg(figure)
+        space = {"projection": "3d"} if any(p.z for p in picture.panels) else {}
+        cells = figure.subplots(
+            len(picture.panels),
+            1,
+            squeeze=False,
+            sharex=picture.shared and not space,
+            subplot_kw=space,
+        )[:, 0]
+        figure.get_layout_engine().set(h_pad=0.03, w_pad=0.03, hspace=0.03)
+        for k, (axes, panel) in enumerate(zip(cells, picture.panels, strict=True)):
+            last = k == len(cells) - 1 or not picture.shared
+            _panel(figure, axes, panel, last)
+        if picture.title:
+            title = figure.suptitle(picture.title, x=0.01, ha="left", fontsize=8, color=style.GREY)
+            title.set_parse_math(False)
+        figure.align_ylabels(list(cells))
+    return figure
+
+
+def encoded(picture: Picture, kind: str, width: float | None = None) -> bytes:
+    """A file of the picture, of one of style.FORMATS."""
+    figure = draw(picture, width)
+    with looks():
+        return style.encoded(figure, kind)
+
+
+@contextmanager
+def looks() -> Iterator[None]:
+    with matplotlib.rc_context(style.LOOK):
+        yield
+
+
+def _height(picture: Picture, width: float) -> float:
+    count = len(picture.panels)
+    if any(panel.z for panel in picture.panels):
+        return 0.95 * width
+    if not picture.wide:
+        return _of_plane(picture.panels[0], width)
+    one = {1: 2.5, 2: 1.9, 3: 1.55}.get(count, 1.35)
+    return TOP * bool(picture.title) + 0.35 + one * count * min(1.0, (width / style.PAGE) ** 0.5)
+
+
+def _of_plane(panel: Panel, width: float) -> float:
+    """As high as equal lengths need, within reason."""
+    if not panel.equal:
+        return 0.86 * width
+    (x0, x1), (y0, y1) = _span(panel.lines, "x"), _span(panel.lines, "y")
+    ratio = (y1 - y0) / (x1 - x0) if x1 > x0 else 1.0
+    return min(1.7, max(0.3, ratio)) * (width - 0.7) + 0.75
+
+
+def _span(lines: tuple[Line, ...], name: str) -> tuple[float, float]:
+    values = [getattr(line, name) for line in lines]
+    values = [v[numpy.isfinite(v)] for v in values]
+    values = [v for v in values if len(v)]
+    if not values:
+        return 0.0, 0.0
+    return float(min(v.min() for v in values)), float(max(v.max() for v in values))
+
+
+def _panel(figure: Figure, axes: Axes, panel: Panel, last: bool) -> None:
+    axes.set_axisbelow(True)
+    if panel.image is not None:
+        _image(figure, axes, panel.image)
+    else:
+        axes.grid(True)
+    heavy = _heavy(panel)
+    for line in panel.lines:
+        _line(axes, panel, line, heavy)
+    if panel.colours is not None:
+        low, high, what = panel.colours
+        shown = matplotlib.cm.ScalarMappable(
+            matplotlib.colors.Normalize(low, high), style.SEQUENTIAL
+        )
+        bar = figure.colorbar(shown, ax=axes, pad=0.01, aspect=28, fraction=0.05)
+        bar.outline.set_visible(False)
+        bar.ax.yaxis.set_major_locator(MaxNLocator(5, integer=True))
+        bar.ax.set_ylabel(what, parse_math=False)
+    _axis(axes, "x", panel.x, last)
+    _axis(axes, "y", panel.y, True)
+    if panel.z is not None:
+        _space(axes, panel)
+    if panel.equal and panel.z is None:
+        axes.set_aspect("equal", adjustable="datalim")
+    _legend(axes, panel)
+
+
+def _heavy(panel: Panel) -> bool:
+    """Whether its lines are too many points for a file of vectors."""
+    points = sum(len(line.x) for line in panel.lines if line.kind == "points")
+    return points > HEAVY_POINTS or sum(len(line.x) for line in panel.lines) > HEAVY
+
+
+def _axis(axes: Axes, which: str, axis: Axis, named: bool) -> None:
+    if axis.log:
+        getattr(axes, f"set_{which}scale")("log")
+        of = getattr(axes, f"{which}axis")
+        of.set_major_locator(LogLocator(numticks=8))
+    if axis.limits is not None:
+        getattr(axes, f"set_{which}lim")(*axis.limits)
+    if named:
+        getattr(axes, f"set_{which}label")(axis.label, parse_math=False)
+
+
+def _line(axes: Axes, panel: Panel, line: Line, heavy: bool) -> None:
+    colour = style.colour(line.colour)
+    if panel.z is not None:
+        _line_in_space(axes, line, colour)
+        return
+    if line.kind == "points":
+        many = len(line.x)
+        size = 9.0 if many < 60 else 4.0 if many < 1000 else 1.2 if many < 20000 else 0.3
+        colours = {"color": colour}
+        if line.strands is not None and panel.colours is not None:
+            colours = {"c": _numbers(line, panel), "cmap": style.SEQUENTIAL}
+        axes.scatter(line.x, line.y, s=size, lw=0, rasterized=heavy, **colours)
+    elif line.strands is not None:
+        _strands(axes, panel, line, heavy)
+    else:
+        back = {"lw": 0.5, "alpha": 0.45, "zorder": 1.5} if line.kind == "back" else {}
+        dashes = style.dashes(line.colour)
+        axes.plot(line.x, line.y, color=colour, ls=dashes, rasterized=heavy, **back)
+    if line.marked:
+        good = numpy.flatnonzero(numpy.isfinite(line.x + line.y))[[0, -1]] if len(line.x) else []
+        for at, face in zip(good, ("white", colour), strict=True):
+            axes.plot(line.x[at], line.y[at], "o", ms=3.6, mec=colour, mfc=face, mew=0.9, zorder=4)
+
+
+def _numbers(line: Line, panel: Panel) -> numpy.ndarray:
+    """Of each point the number of its member, as far as a colour tells it."""
+    low, high, _ = panel.colours
+    counts = numpy.diff([*line.strands, len(line.x)])
+    return numpy.repeat(numpy.linspace(low, high, len(counts)), counts)
+
+
+def _strands(axes: Axes, panel: Panel, line: Line, heavy: bool) -> None:
+    ends = [*line.strands[1:], len(line.x)]
+    parts = [
+        numpy.column_stack([line.x[a:b], line.y[a:b]])
+        for a, b in zip(line.strands, ends, strict=True)
+    ]
+    count = len(parts)
+    look = {"lw": 0.9 if count < 30 else 0.5, "alpha": max(0.06, min(0.9, 12 / count**0.75))}
+    if panel.colours is not None:
+        colours = matplotlib.colormaps[style.SEQUENTIAL](numpy.linspace(0, 1, count))
+        bundle = LineCollection(parts, colors=colours, rasterized=heavy, **look)
+    else:
+        bundle = LineCollection(parts, colors=style.colour(line.colour), rasterized=heavy, **look)
+    axes.add_collection(bundle)
+    axes.autoscale_view()
+
+
+def _line_in_space(axes: Axes, line: Line, colour: str) -> None:
+    if line.kind == "points":
+        axes.scatter(line.x, line.y, line.z, s=2, lw=0, color=colour, depthshade=False)
+        return
+    ends = [len(line.x)] if line.strands is None else [*line.strands[1:], len(line.x)]
+    begins = [0] if line.strands is None else line.strands
+    for a, b in zip(begins, ends, strict=True):
+        axes.plot(line.x[a:b], line.y[a:b], line.z[a:b], color=colour, lw=0.9)
+    if line.marked and len(line.x):
+        for at, face in ((0, "white"), (-1, colour)):
+            spot = [[v[at]] for v in (line.x, line.y, line.z)]
+            axes.plot(*spot, "o", ms=3.6, mec=colour, mfc=face, mew=0.9)
+
+
+def _space(axes: Axes, panel: Panel) -> None:
+    axes.set_zlabel(panel.z.label, parse_math=False)
+    axes.tick_params(pad=-2, labelsize=6.5)
+    for of in (axes.xaxis, axes.yaxis, axes.zaxis):
+        of.labelpad = -4
+        of.set_major_locator(MaxNLocator(5))
+        of.set_pane_color((1, 1, 1, 0))
+        of._axinfo["grid"].update(color=style.PALE, linewidth=0.5)
+    if not panel.equal:
+        return
+    spans = [_span(panel.lines, name) for name in "xyz"]
+    longest = max(b - a for a, b in spans) or 1.0
+    # What is nearly flat is drawn in a box that is not.
+    spans = [_at_least(a, b, 0.25 * longest) for a, b in spans]
+    for which, (a, b) in zip("xyz", spans, strict=True):
+        getattr(axes, f"set_{which}lim")(a, b)
+    axes.set_box_aspect([b - a for a, b in spans], zoom=0.9)
+
+
+def _at_least(a: float, b: float, length: float) -> tuple[float, float]:
+    middle, half = (a + b) / 2, max((b - a) * 1.04, length) / 2
+    return middle - half, middle + half
+
+
+def _image(figure: Figure, axes: Axes, image: Image) -> None:
+    finite = image.values[numpy.isfinite(image.values)]
+    low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
+    most = max(abs(low), abs(high)) or 1.0
+    both = low < 0 < high
+    shown = axes.pcolormesh(
+        image.x,
+        image.y,
+        image.values,
+        cmap=style.DIVERGING if both else style.SEQUENTIAL,
+        vmin=-most if both else low,
+        vmax=most if both else high,
+        shading="nearest",
+        rasterized=True,
+    )
+    bar = figure.colorbar(shown, ax=axes, pad=0.01, aspect=28, fraction=0.05)
+    bar.outline.set_visible(False)
+    bar.ax.set_ylabel(image.label, parse_math=False)
+    axes.yaxis.set_major_locator(MaxNLocator(6, integer=True))
+
+
+def _legend(axes: Axes, panel: Panel) -> None:
+    named = [line for line in panel.lines if line.label and line.kind != "back"]
+    if len(named) < 2 and not (named and panel.z is None and named[0].kind == "points"):
+        named = [] if len(panel.lines) < 3 else named
+    if not named:
+        return
+    handles = [_handle(line) for line in named]
+    beside = len(named) > BESIDE or sum(len(line.label) for line in named) > 70
+    place = (
+        {"loc": "upper left", "bbox_to_anchor": (1.0, 1.03)}
+        if beside
+        else {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": len(named)}
+    )
+    # Words are set behind it: matplotlib passes over labels that begin with an underscore.
+    legend = axes.legend(
+        handles,
+        ["x"] * len(named),
+        frameon=False,
+        handlelength=1.6,
+        columnspacing=1.2,
+        handletextpad=0.5,
+        borderaxespad=0.1,
+        borderpad=0.2,
+        **place,
+    )
+    for text, line in zip(legend.get_texts(), named, strict=True):
+        text.set_parse_math(False)
+        text.set_text(line.label)
+
+
+def _handle(line: Line) -> Line2D:
+    colour = style.colour(line.colour)
+    if line.kind == "points":
+        return Line2D([], [], color=colour, ls="", marker="o", ms=3)
+    return Line2D([], [], color=colour, ls=style.dashes(line.colour), lw=1.4)

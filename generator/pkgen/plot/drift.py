@@ -1,0 +1,94 @@
+"""How far what should be constant has come from its start, over time, both logarithmic: a line of
+slope 1/2 is a random walk of round-off, 1 a loss, 0 what a symplectic method has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy
+
+from ..system.exits import UsageError
+from .members import FEW
+from .names import label, shown
+from .picture import Axis, Line, Panel, Picture
+from .table import Table
+
+SHORT = 24  # characters of a word on growth that a legend has
+LEAST = 1e-19
+
+
+def picture(tables: Sequence[Table], names: list[str]) -> Picture:
+    lines: list[Line] = []
+    notes = []
+    for table in tables:
+        for name in names or constants(table):
+            told = _told(table, name)
+            line = _drift(table, name, told, len(lines) // 2)
+            if line is None:
+                notes.append(f"drift({name}) of {table.label} is 0, or cannot be told: not drawn")
+                continue
+            words = [table.label] if len(tables) > 1 else []
+            words += [shown(name)] if len(tables) == 1 or len(names or constants(table)) > 1 else []
+            growth = str(told.get("growth", ""))
+            words += [growth] if 0 < len(growth) <= SHORT else []
+            lines += _both(table, line, ", ".join(words))
+    if not lines:
+        raise UsageError(f"--drift: {'; '.join(notes)}")
+    if len(tables) == 1:
+        lines = lines[: 2 * FEW]
+    first = tables[0]
+    time = first.columns[first.abscissa]
+    x = Axis(label(time.name, time.unit), log=True)
+    panel = Panel(x, Axis("relative drift", log=True), tuple(lines))
+    return Picture("", (panel,), notes=tuple(notes))
+
+
+def constants(table: Table) -> list[str]:
+    """What the run knows to be constant, and the rows have."""
+    report = table.told.get("report")
+    drifts = report.get("drifts", ()) if isinstance(report, dict) else ()
+    names = [d.get("name") for d in drifts if isinstance(d, dict)]
+    found = [n for n in table.names if n in names or n == "energy"]
+    if not found:
+        raise UsageError(
+            f"--drift: {table.label} has no energy, nor another column that is known to be "
+            "constant; --columns says which are"
+        )
+    return found
+
+
+def _told(table: Table, name: str) -> dict[str, object]:
+    report = table.told.get("report")
+    drifts = report.get("drifts", ()) if isinstance(report, dict) else ()
+    return next((d for d in drifts if isinstance(d, dict) and d.get("name") == name), {})
+
+
+def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Line | None:
+    """|x - x(0)| beside the scale that the run has told, or the largest |x|."""
+    x, member = table[name], table.member
+    begins = numpy.flatnonzero(numpy.diff(member, prepend=-1)) if table.several else numpy.array([0])
+    order = numpy.argsort(member, kind="stable")
+    x, t, member = x[order], table.time[order], member[order]
+    begins = numpy.flatnonzero(numpy.diff(member, prepend=-1))
+    first = x[begins][member]
+    finite = numpy.abs(x[numpy.isfinite(x)])
+    scale = told.get("scale")
+    if not isinstance(scale, int | float) or not scale > 0:
+        scale = finite.max(initial=0.0)
+    if told.get("first") == 0 and told.get("max") == 1:  # beside nothing but itself
+        return None
+    off = numpy.abs(x - first) / scale if scale else numpy.zeros(len(x))
+    shown_ = (t > 0) & (off > LEAST)
+    if not shown_.any():
+        return None
+    strands = begins if table.several else None
+    return Line("", t, numpy.where(shown_, off, numpy.nan), colour, "back", None, strands)
+
+
+def _both(table: Table, line: Line, words: str) -> list[Line]:
+    """The largest so far, strong, over the pale drift itself."""
+    if table.several:
+        strong = Line(words, line.x, line.y, line.colour, "line", None, line.strands)
+        return [strong, Line("", line.x[:0], line.y[:0], line.colour, "back")]
+    largest = numpy.fmax.accumulate(line.y)
+    return [Line(words, line.x, largest, line.colour), line]

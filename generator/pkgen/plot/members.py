@@ -1,0 +1,66 @@
+"""Rows of many trajectories as lines: a bundle over time, a cloud of what they are at one time."""
+
+from __future__ import annotations
+
+import numpy
+
+from .names import label, shown
+from .picture import Line
+from .table import Table
+
+FEW = 7  # members, or times, that have a colour and a name each
+
+
+def few_times(table: Table) -> int:
+    """How many different times rows have, if those are few; else 0."""
+    count = len(numpy.unique(table.time[: 1 + len(table.data)]))
+    rows = len(table.data) / max(1, int(table.member.max(initial=0)) + 1)
+    return count if count <= FEW and rows <= FEW else 0
+
+
+def bundle(
+    table: Table,
+    x: numpy.ndarray,
+    y: numpy.ndarray,
+    first: int,
+    more: bool,
+    z: numpy.ndarray | None = None,
+) -> tuple[list[Line], tuple[float, float, str] | None]:
+    """Lines of y over x: one, one a member of few, or all members as one with the range of their
+    numbers. `first` is the colour to begin with, `more`: there are other tables."""
+    event = table.event is not None
+    kind = "points" if event or (table.several and few_times(table)) else "line"
+    along = x is table.time or numpy.shares_memory(x, table.time)
+    if not table.several:
+        mark = kind == "line" and not along
+        return [Line(table.label if more else "", x, y, first, kind, z, marked=mark)], None
+    order = numpy.argsort(table.member, kind="stable")  # as rows may come by time
+    member = table.member[order]
+    begins = numpy.flatnonzero(numpy.diff(member, prepend=-1))
+    numbers = table.data[order, 0][begins]
+    x, y, z = x[order], y[order], None if z is None else z[order]
+    word = table.columns[0].name
+    if len(begins) <= FEW and not more:
+        ends = [*begins[1:], len(member)]
+        spans = [slice(a, b) for a, b in zip(begins, ends, strict=True)]
+        return [
+            Line(f"{word} {n:g}", x[s], y[s], first + k, kind, None if z is None else z[s])
+            for k, (n, s) in enumerate(zip(numbers, spans, strict=True))
+        ], None
+    line = Line(table.label if more else "", x, y, first, kind, z, begins)
+    if more or len(numbers) == len(member):  # points of one time are one cloud
+        return [line], None
+    return [line], (float(numbers[0]), float(numbers[-1]), word)
+
+
+def clouds(
+    table: Table, x: numpy.ndarray, y: numpy.ndarray, z: list[numpy.ndarray], first: int
+) -> list[Line]:
+    """Points, a colour a time."""
+    time = table.columns[table.abscissa]
+    found = []
+    for k, t in enumerate(numpy.unique(table.time)):
+        now = table.time == t
+        said = f"{shown(time.name)} = {label(f'{t:.6g}', time.unit).replace('[', '').replace(']', '')}"
+        found.append(Line(said, x[now], y[now], first + k, "points", z[0][now] if z else None))
+    return found

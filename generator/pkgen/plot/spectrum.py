@@ -1,0 +1,66 @@
+"""The spectrum of columns from rows that are equally far apart in time.
+
+The amplitude of a line under Hann's window, whose side lobes fall as the third power: F. J. Harris,
+Proc. IEEE 66 (1978) 51. Exact frequencies are a diagnostic's, `--diagnose spectrum`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy
+
+from ..system.exits import UsageError
+from .names import label, shown
+from .picture import Axis, Line, Panel, Picture
+from .table import Table
+
+LEAST = 16  # rows
+DEPTH = 1e-7  # of the highest line, what is drawn below it
+TAIL = 1e-4  # of the highest line, what the axis reaches to
+
+
+def picture(tables: Sequence[Table], names: list[str]) -> Picture:
+    lines = []
+    for name in names:
+        for table in tables:
+            omega, amplitude = amplitudes(table, name)
+            words = [shown(name)] if len(names) > 1 else []
+            words += [table.label] if len(tables) > 1 else []
+            lines.append(Line(", ".join(words), omega, amplitude, len(lines)))
+    highest = max(float(line.y.max()) for line in lines)
+    if not highest > 0:
+        raise UsageError(f"--spectrum {', '.join(names)}: constant: there is no line")
+    reach = max(float(line.x[line.y > TAIL * highest].max(initial=0)) for line in lines)
+    most = max(float(line.x[-1]) for line in lines)
+    first = tables[0]
+    units = {first.quantity(name).unit for name in names}
+    time = first.columns[first.abscissa].unit
+    x = Axis(label("angular frequency", f"rad/{time}" if time else ""), limits=(0, min(most, 1.25 * reach)))
+    said = label("amplitude", units.pop() if len(units) == 1 else "")
+    if len(names) == 1:
+        said = label(f"amplitude of {names[0]}", first.quantity(names[0]).unit)
+    limits = (DEPTH * highest, 3 * highest)
+    return Picture("", (Panel(x, Axis(said, log=True, limits=limits), tuple(lines)),))
+
+
+def amplitudes(table: Table, name: str) -> tuple[numpy.ndarray, numpy.ndarray]:
+    """Angular frequencies and amplitudes, of as many rows as are equally far apart."""
+    if table.several:
+        raise UsageError(f"--spectrum {name}: one motion is needed; {table.label} has many")
+    t, x = table.time, table[name]
+    steps = numpy.diff(t)
+    even = numpy.abs(steps - steps[:1]) <= 1e-6 * numpy.abs(steps[:1])
+    count = len(t) if even.all() else int(numpy.argmin(even)) + 1  # the last row may be an event's
+    good = numpy.isfinite(x[:count])
+    count = count if good.all() else int(numpy.argmin(good))
+    if count < LEAST or not steps[0] > 0:
+        raise UsageError(
+            f"--spectrum {name}: {LEAST} rows at least, equally far apart in time; "
+            f"{table.label} has {count}"
+        )
+    window = numpy.hanning(count)
+    # The mean is no line, and what a window leaves of it would hide slow ones.
+    values = x[:count] - numpy.sum(window * x[:count]) / numpy.sum(window)
+    found = numpy.abs(numpy.fft.rfft(window * values)) * 2 / numpy.sum(window)
+    return 2 * numpy.pi * numpy.fft.rfftfreq(count, float(steps[0])), found

@@ -1,0 +1,87 @@
+"""One look for all pictures: colours, sizes of type, widths, and what a file of one holds.
+
+Colours are those of M. Okabe and K. Ito, which readers with any usual colour vision tell apart.
+Widths are those of a column and of a page of most journals. Files have no date and are the same
+from run to run.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BLUE, RED, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
+ORANGE, SKY, BLACK, YELLOW = "#E69F00", "#56B4E9", "#000000", "#F0E442"
+INK, GREY, PALE = "#222222", "#8C8C8C", "#E4E4E4"
+# In turn; a curve is yet told apart where a printer has no colours, by its dashes.
+PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK)
+DASHES = ("-", (0, (5, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
+SEQUENTIAL, DIVERGING = "cividis", "RdBu_r"
+
+COLUMN, PAGE = 90 / 25.4, 180 / 25.4  # inches
+FORMATS = ("svg", "png", "pdf")
+DPI = 200
+# Others as wide as the one that labels are placed with, where that is not installed.
+FONTS = "'DejaVu Sans', Verdana, sans-serif"
+LOOK = {
+    "svg.hashsalt": "pkgen",
+    "svg.fonttype": "none",  # text as text: a fraction of the size, and it can be searched
+    "pdf.fonttype": 42,  # TrueType, which publishers take
+    "font.family": "DejaVu Sans",
+    "font.size": 8,
+    "axes.titlesize": 8.5,
+    "axes.labelsize": 8,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "legend.fontsize": 7.5,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 3,
+    "ytick.major.size": 3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.unicode_minus": True,
+    "axes.formatter.useoffset": False,
+    "grid.color": PALE,
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.1,
+    "lines.solid_joinstyle": "round",
+    "hatch.linewidth": 0.4,
+}
+
+
+def colour(k: int) -> str:
+    return PALETTE[k % len(PALETTE)]
+
+
+def dashes(k: int) -> object:
+    """Solid as long as colours last."""
+    return DASHES[k // len(PALETTE) % len(DASHES)]
+
+
+def encoded(figure: Figure, kind: str, dpi: float = DPI) -> bytes:
+    """The figure as a file of one of FORMATS."""
+    dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None, "ModDate": None}}
+    file = io.BytesIO()
+    figure.savefig(file, format=kind, dpi=dpi, metadata=dates.get(kind))
+    found = file.getvalue()
+    return tidy(found.decode()).encode() if kind == "svg" else found
+
+
+def tidy(svg: str) -> str:
+    """Fonts that there are, and places to a hundredth of a point: digits are half of a file."""
+    return re.sub(
+        r'(?<= )(?:d|x|y|transform)="[^"]*"',
+        lambda attribute: re.sub(r"(\.\d\d)\d+", r"\1", attribute[0]),
+        svg.replace("'DejaVu Sans'", FONTS),
+    )

@@ -1,0 +1,247 @@
+"""Rows to be drawn, with the names and units of their columns: of a run, or of its file.
+
+A CSV has units in its head (`x [m]`) or in the FILE.csv.json beside it, or none; so has a table that
+pkgen did not write. Its first column, or the one that is called t, is what the others are over.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..equations import Quantity
+from ..record import record
+from ..system.exits import UsageError
+from ..system.files import PARTIAL, beside
+from ..system.near import near
+
+if TYPE_CHECKING:
+    import numpy
+
+ENDS = (".csv", ".npy", ".csv" + PARTIAL)
+_HEAD = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
+_INDEX = re.compile(r"\d+")
+
+
+@record(eq=False)
+class Table:
+    """`data` has a row a time, a column a quantity. Of many trajectories the first column says of
+    which one a row is."""
+
+    label: str  # in a legend
+    columns: tuple[Quantity, ...]
+    data: numpy.ndarray
+    several: bool = False
+    told: Mapping[str, object] = field(default_factory=dict)  # the file beside the rows
+    notes: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> list[str]:
+        return [c.name for c in self.columns]
+
+    @property
+    def abscissa(self) -> int:
+        """The column that the others are over."""
+        return self.names.index("t") if "t" in self.names else int(self.several)
+
+    @property
+    def time(self) -> numpy.ndarray:
+        return self.data[:, self.abscissa]
+
+    @property
+    def member(self) -> numpy.ndarray:
+        """Of which trajectory each row is: their numbers in order from 0."""
+        import numpy
+
+        if not self.several:
+            return numpy.zeros(len(self.data), int)
+        return numpy.unique(self.data[:, 0], return_inverse=True)[1]
+
+    @property
+    def quantities(self) -> list[Quantity]:
+        """What may be drawn."""
+        return [c for k, c in enumerate(self.columns) if k != self.abscissa and (k or not self.several)]
+
+    def __getitem__(self, name: str) -> numpy.ndarray:
+        return self.data[:, self.names.index(name)]
+
+    def quantity(self, name: str) -> Quantity:
+        return self.columns[self.names.index(name)]
+
+    def found(self, option: str, name: str) -> list[str]:
+        """The columns that a name means: one, or the members of a family, or components."""
+        names = self.names
+        if name in names:
+            return [name]
+        of = [n for n in names if part_of(n, name)]
+        if not of:
+            known = dict.fromkeys([*names, *(b for n in names if (b := base(n)) != n)])
+            raise UsageError(
+                f"{option} {name}: {self.label} has no such column; {near(name, list(known), 'column')}"
+            )
+        return of
+
+    @property
+    def event(self) -> str | None:
+        """The name of the event at which all rows are, "" where it is not known."""
+        settings = self.told.get("settings")
+        if not isinstance(settings, dict) or settings.get("at") is None:
+            return None
+        if settings.get("every") is not None:
+            return None
+        report = self.told.get("report")
+        events = report.get("events") if isinstance(report, dict) else None
+        at = settings["at"]
+        if isinstance(events, list) and isinstance(at, int) and at < len(events):
+            return str(events[at].get("name", "")) if isinstance(events[at], dict) else ""
+        return ""
+
+
+def base(name: str) -> str:
+    """Of a member of a family or a component: q[3]' is of q', omega(R).x of omega(R)."""
+    family = re.fullmatch(r"(.*)\[\d+\]('*)", name)
+    if family:
+        return family[1] + family[2]
+    return re.sub(r"\.[wxyz]('*)$", r"\1", name)
+
+
+def part_of(name: str, whole: str) -> bool:
+    return name != whole and base(name) == whole
+
+
+def read(path: str) -> Table:
+    """A file that a run has left, or another table. Raises UsageError with the place of what is
+    wrong, OSError."""
+    file = Path(path)
+    if file.is_dir():
+        raise UsageError(f"{path}: this is a directory; give files of rows")
+    plain = path.removesuffix(PARTIAL)
+    columns, data = _npy(file) if plain.endswith(".npy") else _csv(file)
+    if len(data) == 0:
+        raise UsageError(f"{path}: no rows below its head")
+    for column in columns:
+        if sum(c.name == column.name for c in columns) > 1:
+            raise UsageError(f"{path}: column {column.name} stands there twice")
+    told, note = _told(file, [c.name for c in columns])
+    known = {c.name: c for c in quantities(told.get("columns", ()))}
+    columns = [known.get(c.name, c) if not c.unit else c for c in columns]
+    names = [c.name for c in columns]
+    settings = told.get("settings")
+    several = isinstance(settings, dict) and "ensemble" in settings
+    several = several or names[1:2] == ["t"]
+    return Table(file.name, tuple(columns), data, several, told, (note,) if note else ())
+
+
+def quantities(told: object) -> list[Quantity]:
+    """Columns as the file beside the rows tells of them; what is no column is passed over."""
+    keys = ("name", "unit", "description")
+    items = told if isinstance(told, list | tuple) else ()
+    rows = [[item.get(key, "") for key in keys] for item in items if isinstance(item, dict)]
+    return [Quantity(*row) for row in rows if all(isinstance(x, str) for x in row)]
+
+
+def _told(path: Path, names: Iterable[str]) -> tuple[dict[str, object], str]:
+    """What stands beside the rows, and what is wrong with it; rows can be drawn without."""
+    place = beside(path)
+    try:
+        told = json.loads(place.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}, ""
+    except (OSError, ValueError, RecursionError) as error:
+        return {}, f"{place}: not read: {str(error).splitlines()[0]}"
+    if not isinstance(told, dict) or [c.name for c in quantities(told.get("columns"))] != names:
+        return {}, f"{place}: not of these rows: its columns are others; passed over"
+    return told, ""
+
+
+def _npy(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
+    import numpy
+    from numpy.lib.recfunctions import structured_to_unstructured
+
+    try:
+        found = numpy.load(path, allow_pickle=False)
+    except OSError as error:
+        if error.errno is not None:
+            raise
+        raise UsageError(f"{path}: no file of NumPy's: {_first(error)}") from None
+    except (ValueError, EOFError) as error:
+        raise UsageError(f"{path}: no file of NumPy's: {_first(error)}") from None
+    names = getattr(getattr(found, "dtype", None), "names", None)
+    if not names or found.ndim != 1:
+        raise UsageError(f"{path}: an array whose columns have names is needed, as pkgen run writes")
+    try:
+        data = structured_to_unstructured(found).astype(float)
+    except (TypeError, ValueError):
+        raise UsageError(f"{path}: its columns are not all of numbers") from None
+    if data.ndim != 2 or data.shape[1] != len(names):
+        raise UsageError(f"{path}: its columns are not all of numbers")
+    return [Quantity(name, "", "") for name in names], data
+
+
+def _csv(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
+    import numpy
+
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as file:
+            head = next(csv.reader(file, strict=True), None)
+            if not head or not any(cell.strip() for cell in head):
+                raise UsageError(f"{path}: empty; its first line is to name its columns")
+            if all(_number(cell) is not None for cell in head):
+                raise UsageError(f"{path}:1: numbers where names of columns are to stand")
+            columns = [_column(path, cell) for cell in head]
+            rest = file.read()
+    except UnicodeDecodeError:
+        raise UsageError(f"{path}: not text in UTF-8") from None
+    except csv.Error as error:
+        raise UsageError(f"{path}: not CSV: {error}") from None
+    if not rest.strip():
+        return columns, numpy.zeros((0, len(columns)))
+    try:
+        data = numpy.loadtxt(rest.splitlines(), delimiter=",", ndmin=2, comments=None)
+    except ValueError:
+        data = None
+    if data is None or data.shape[1] != len(columns):
+        data = numpy.array([*_slowly(path, rest, columns)]).reshape(-1, len(columns))
+    return columns, data
+
+
+def _slowly(path: Path, rest: str, columns: list[Quantity]) -> Iterable[list[float]]:
+    """What NumPy has not read: quoted cells; or the place of what is wrong."""
+    for line, row in enumerate(csv.reader(rest.splitlines()), 2):
+        if not any(cell.strip() for cell in row):
+            continue
+        if len(row) != len(columns):
+            raise UsageError(
+                f"{path}:{line}: {len(row)} values where its head has {len(columns)} columns"
+            )
+        numbers = [_number(cell) for cell in row]
+        for cell, number, column in zip(row, numbers, columns, strict=True):
+            if number is None:
+                raise UsageError(f"{path}:{line}: column {column.name}: {cell[:40]!r} is no number")
+        yield numbers  # type: ignore[misc]
+
+
+def _column(path: Path, cell: str) -> Quantity:
+    """theta [rad]: but q[3] is a name, and its index no unit."""
+    name, of = _HEAD.fullmatch(cell.replace("\n", " ")).groups()  # type: ignore[union-attr]
+    if of is not None and (not name or _INDEX.fullmatch(of)):
+        name, of = cell.strip(), None
+    if not name:
+        raise UsageError(f"{path}:1: a column has no name")
+    return Quantity(name, of or "", "")
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _first(error: Exception) -> str:
+    return (str(error).splitlines() or [""])[0]

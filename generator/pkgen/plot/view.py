@@ -1,0 +1,71 @@
+"""What is to be drawn, as options say it."""
+
+from __future__ import annotations
+
+import argparse
+import re
+
+from ..record import record
+from ..system.exits import UsageError
+
+KINDS = ("phase", "path", "spectrum", "drift")
+_LIST = re.compile(r",(?![^\[\]()]*[\])])")  # not within q[1,2]
+
+
+@record
+class View:
+    """`names` are those of the curves, each a tuple; `kind` "" is what the rows suggest."""
+
+    kind: str = ""
+    names: tuple[tuple[str, ...], ...] = ()
+
+    @property
+    def option(self) -> str:
+        return "--columns" if self.kind in ("", "drift") else f"--{self.kind}"
+
+    @property
+    def columns(self) -> list[str]:
+        """All that it names, once each."""
+        return [*dict.fromkeys(name for names in self.names for name in names)]
+
+
+def asked(options: argparse.Namespace) -> View:
+    """Raises UsageError."""
+    given = [kind for kind in KINDS if getattr(options, kind)]
+    if len(given) > 1:
+        raise UsageError(f"--{given[0]} and --{given[1]}: one picture at a time")
+    kind = given[0] if given else ""
+    if options.columns is not None and kind in ("phase", "path", "spectrum"):
+        raise UsageError(f"--columns and --{kind}: one picture at a time")
+    if kind == "phase":
+        return View(kind, tuple(_phase(text) for text in options.phase))
+    if kind == "path":
+        return View(kind, tuple(_path(text) for text in options.path))
+    text = options.spectrum if kind == "spectrum" else options.columns
+    option = "--spectrum" if kind == "spectrum" else "--columns"
+    names = [] if text is None else split(option, text)
+    return View(kind, tuple((name,) for name in names))
+
+
+def split(option: str, text: str) -> list[str]:
+    names = ["".join(name.split()) for name in _LIST.split(text)]
+    if not all(names):
+        raise UsageError(f"{option} {text}: give names, with a comma between them")
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"{option} {name}: it is given twice")
+    return names
+
+
+def _phase(text: str) -> tuple[str, ...]:
+    names = split("--phase", text)
+    if len(names) > 2:
+        raise UsageError(f"--phase {text}: two names, or one, which is drawn against its rate")
+    return (names[0], f"{names[0]}'") if len(names) == 1 else tuple(names)
+
+
+def _path(text: str) -> tuple[str, ...]:
+    names = split("--path", text)
+    if len(names) > 3:
+        raise UsageError(f"--path {text}: two or three names, or that of a vector")
+    return tuple(names)
