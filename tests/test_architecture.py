@@ -33,6 +33,7 @@ back/c back/web loop_proofs
 compiler
 run
 scenes
+plot
 describe
 analysis/chart
 analysis/choose analysis/stability explain

@@ -36,6 +36,7 @@ COMMANDS = (
     "check",
     "explain",
     "run",
+    "plot",
     "build",
     "chart",
     "stability",
@@ -59,11 +60,10 @@ def parser_of(command: str) -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     if getattr(module, "MODEL", True):
+        from .cli.arguments import of_a_model
+
         parser.add_argument("model", metavar="MODEL.lag")
-        parser.add_argument(
-            "--size", action="append", default=[], metavar="N=64", help="length of a family"
-        )
-        parser.add_argument("--max-seconds", metavar="S", help="CPU time that compiling may take")
+        of_a_model(parser)
     parser.add_argument("--json", action="store_true", help="machine-readable results")
     module.arguments(parser)
     return parser
@@ -75,6 +75,7 @@ OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c
        pkgen check MODEL.lag        errors and warnings only
        pkgen explain MODEL.lag      equations, structure
        pkgen run MODEL.lag          compile and integrate; CSV to standard output
+       pkgen plot MODEL.lag|FILE.csv pictures of motions, in the terminal or -o FILE.svg
        pkgen build MODEL.lag -o FILE a program of its own, with the options of run
        pkgen chart MODEL.lag        accuracy against cost, by every method that applies
        pkgen stability MODEL.lag    where each method fails, predicted and measured
@@ -124,7 +125,10 @@ def _main(words: list[str] | None) -> int:
         print(f"pkgen: {said}", file=sys.stderr)
         return USAGE
     parser = parser_of(command)
-    options, unknown = parser.parse_known_args(words[1:] if command == words[0] else words)
+    words = words[1:] if command == words[0] else words
+    several = getattr(module_of(command), "SEVERAL", False)  # files, and options between them
+    parse = parser.parse_known_intermixed_args if several else parser.parse_known_args
+    options, unknown = parse(words)
     if unknown:
         flag = unknown[0].partition("=")[0]
         said = f"there is no option {flag}; {_near(flag, parser._option_string_actions)}"

@@ -48,7 +48,40 @@ def no_reduce(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def of_a_model(parser: argparse.ArgumentParser) -> None:
+    """How it is compiled."""
+    add = parser.add_argument
+    add("--size", action="append", default=[], metavar="N=64", help="length of a family")
+    add("--max-seconds", metavar="S", help="CPU time that compiling may take")
+
+
+def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
+    """What is drawn of rows; `by_itself` is what is drawn without any of these."""
+    add = parser.add_argument
+    add("--columns", metavar="a,b", help=f"these over time (default: {by_itself})")
+    add("--phase", action="append", metavar="a,a'", help="phase plane; a alone: and its rate")
+    add("--path", action="append", metavar="x,y", help="path in the plane; x,y,z: in space")
+    add("--spectrum", metavar="a,b", help="amplitudes over frequency")
+    add("--drift", action="store_true", help="how far constants come from their start")
+    add("--width", type=float, metavar="MM", help="of the picture: 90, a column, or 180, a page")
+
+
 def of_a_run(parser: argparse.ArgumentParser) -> None:
+    of_an_integration(parser)
+    add = parser.add_argument
+    add(
+        "-o",
+        dest="output",
+        metavar="FILE",
+        help="FILE.csv or FILE.npy; default: standard output",
+    )
+    add("--plot", metavar="FILE", help="a picture too: FILE.svg, FILE.png or FILE.pdf")
+    add("--report", metavar="FILE", help="one page of all that there is to say: FILE.html")
+    of_a_picture(parser, "all columns")
+
+
+def of_an_integration(parser: argparse.ArgumentParser) -> None:
+    """All of a run but where its rows go."""
     add = parser.add_argument
     of_a_motion(parser, "10")
     add(
@@ -72,12 +105,6 @@ def of_a_run(parser: argparse.ArgumentParser) -> None:
     sincos(parser)
     no_reduce(parser)
     add("--max-steps", type=int, default=1_000_000_000, metavar="N")
-    add(
-        "-o",
-        dest="output",
-        metavar="FILE",
-        help="FILE.csv or FILE.npy; default: standard output",
-    )
 
 
 def as_of_a_run(parser: argparse.ArgumentParser) -> None:

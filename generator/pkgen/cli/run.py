@@ -9,9 +9,10 @@ from __future__ import annotations
 import argparse
 import csv
 import json
+import shutil
 import sys
 from pathlib import Path
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 from ..api.prepare import Prepared, prepare
 from ..indices import hidden
@@ -25,7 +26,13 @@ from ..system.exits import DONE, INTERRUPTED, NUMERICS_FAILED
 from ..system.files import PARTIAL, Result, cut, scratch
 from ..system.progress import progress
 from . import arguments as shared
+from . import pictures
 from .compilation import compile_within_limits
+from .pictures import Wanted
+
+if TYPE_CHECKING:
+    from ..plot.table import Table
+    from ..plot.view import View
 
 # The share of steps that an iteration may hold back before it is worth a word.
 HELD = 0.75
@@ -37,23 +44,81 @@ arguments = shared.of_a_run
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
     output = parsing.output(options.output)
-    what = prepare(options, compile_within_limits)
-    for note in what.notes:
-        print(note, file=sys.stderr)
-    what = what.built()
-    if output is None and not options.json:
+    wanted = pictures.wanted(options)
+    what = prepared(options, wanted.view if wanted else None)
+    if output is None and not options.json and wanted is None:
         sys.stdout.flush()
         outcome, left = _simulate(what, sys.stdout.fileno()), None
+    elif output is None:
+        with scratch() as folder:
+            outcome = to_scratch(what, folder / "rows.csv")
+            if options.json:
+                print(json.dumps(_result(what, outcome, folder / "rows.csv"), indent=1))
+            elif options.output == "-":
+                with open(folder / "rows.csv", "rb") as file:
+                    shutil.copyfileobj(file, sys.stdout.buffer)
+            if wanted:
+                _pictures(options, wanted, what, outcome, folder / "rows.csv")
+        left = None
     else:
         outcome, left = _to_file(options, what, output)
+        if wanted:
+            _pictures(options, wanted, what, outcome, left or output)
     if outcome.code == DONE and not outcome.whole:  # who read the rows has gone
         return DONE
-    _tell(options, outcome, "" if what.compilation.model.dimensionless else "s")
+    tell(options, what, outcome)
     if left is not None and not options.json:
         print(f"pkgen: rows as far as they came: {left}", file=sys.stderr)
     if outcome.code == DONE and not options.diagnose:
         _hint(options, what.compilation.declared)
-    return _judge(options, what, outcome)
+    return judge(options, what, outcome)
+
+
+def prepared(options: argparse.Namespace, view: View | None = None) -> Prepared:
+    """Compiled and built; `view` has columns that are recorded too."""
+
+    def made(options: argparse.Namespace) -> Prepared:
+        return prepare(options, compile_within_limits)
+
+    what = made(options) if view is None else pictures.recorded(options, view, made)
+    for note in what.notes:
+        print(note, file=sys.stderr)
+    return what.built()
+
+
+def to_scratch(what: Prepared, path: Path) -> Outcome:
+    """Run with the rows in a file, cut behind the last whole one."""
+    with open(path, "wb") as file:
+        outcome = _simulate(what, file)
+    cut(path)
+    return outcome
+
+
+def table_of(what: Prepared, outcome: Outcome, path: Path, label: str) -> Table | None:
+    """The rows of a run that is over; None where there are none."""
+    if not path.exists() or not path.stat().st_size:
+        return None
+    return pictures.rows_of(path, label, _describe(what, outcome, path.name))
+
+
+def _pictures(
+    options: argparse.Namespace, wanted: Wanted, what: Prepared, outcome: Outcome, path: Path
+) -> None:
+    """What --plot and --report ask for, of a run that is over, well or not."""
+    table = table_of(what, outcome, path, what.compilation.model.name)
+    if wanted.plot is not None and table is None:
+        print(f"pkgen: {wanted.plot}: not written: there are no rows", file=sys.stderr)
+    elif wanted.plot is not None:
+        for note in pictures.draw(wanted, [table], wanted.plot):
+            print(f"pkgen: {note}", file=sys.stderr)
+    if wanted.report is not None:
+        from ..plot.report import report
+        from ..system.files import replace
+
+        time = "" if what.compilation.model.dimensionless else "s"
+        told = _describe(what, outcome, path.name)
+        text = report(what.compilation, told, table, outcome.messages, wanted.view, time)
+        replace({wanted.report: text})
 
 
 def _hint(options: argparse.Namespace, model: Model) -> None:
@@ -64,17 +129,10 @@ def _hint(options: argparse.Namespace, model: Model) -> None:
 
 
 def _to_file(
-    options: argparse.Namespace, asked: Prepared, output: Path | None
+    options: argparse.Namespace, asked: Prepared, output: Path
 ) -> tuple[Outcome, Path | None]:
-    """Run with the rows in a file: the one asked for, or a scratch file to read them from; where
-    they are if they are not all."""
+    """Run with the rows in the file asked for; where they are if they are not all."""
     left = None
-    if output is None:
-        with scratch() as folder:
-            with open(folder / "rows.csv", "wb") as file:
-                outcome = _simulate(asked, file)
-            print(json.dumps(_result(asked, outcome, folder / "rows.csv"), indent=1))
-        return outcome, None
     unfinished = Outcome(INTERRUPTED, {}, "")  # what the file says if pkgen is killed
     with Result(output, _text(_describe(asked, unfinished, output.name))) as result:
         if output.suffix == ".csv":
@@ -122,7 +180,7 @@ def _verdicts(asked: Prepared, outcome: Outcome) -> list[Verdict]:
     )
 
 
-def _judge(options: argparse.Namespace, asked: Prepared, outcome: Outcome) -> int:
+def judge(options: argparse.Namespace, asked: Prepared, outcome: Outcome) -> int:
     """Say what was expected and missed, and that the rest was met; the exit code."""
     verdicts = _verdicts(asked, outcome)
     missed = [verdict for verdict in verdicts if not verdict.met]
@@ -168,8 +226,9 @@ def _length(report: dict) -> str:
     return f" of {report['step_min']:.3g} to {longest:.3g}" if longest else ""
 
 
-def _tell(options: argparse.Namespace, outcome: Outcome, time: str) -> None:
+def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:
     """Say to a person how the run went."""
+    time = "" if what.compilation.model.dimensionless else "s"
     if outcome.messages:
         print(outcome.messages.rstrip("\n"), file=sys.stderr)
     report = outcome.report

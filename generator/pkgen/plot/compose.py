@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import groupby
 
 import numpy
 
-from ..equations import Quantity
 from ..system.exits import UsageError
 from . import drift, spectrum
-from .members import FEW, bundle, clouds, few_times
+from .members import bundle, clouds, few_times
 from .names import label, shown
 from .picture import Axis, Image, Line, Panel, Picture
 from .table import Table, base
@@ -19,6 +20,8 @@ from .view import View
 PANELS = 6
 FAMILY = 12  # members that are lines; more are an image
 LINES = 14  # in one panel
+CONSTANT = 1e-7  # of its size, that a constant varies by
+APART = 15.0  # sizes that share no axis
 
 
 def picture(view: View, tables: Sequence[Table]) -> Picture:
@@ -27,6 +30,11 @@ def picture(view: View, tables: Sequence[Table]) -> Picture:
     made = _MAKERS[kind](view, tables)
     title, notes = _title(tables), tuple(note for table in tables for note in table.notes)
     return Picture(title, made.panels, made.shared, made.wide, (*notes, *made.notes))
+
+
+def suggested(table: Table) -> Picture:
+    """The plane that shows most: a section, a cloud, or a coordinate and its rate."""
+    return picture(View("section"), [table])
 
 
 def _usual(view: View, tables: Sequence[Table]) -> str:
@@ -107,13 +115,17 @@ def _chosen(tables: Sequence[Table]) -> list[str]:
 
 
 def _groups(table: Table, names: list[str]) -> list[list[str]]:
-    """Names by panels: those of a long family, or of one unit and one kind."""
+    """Names by panels: those of a long family, or of one unit, one kind and much the same size."""
     found: dict[object, list[str]] = {}
+    counts = Counter(base(name) for name in names)
     for name in names:
-        own = sum(base(n) == base(name) for n in names)
-        rate = name.count("'") + ("omega(" in name)
-        key = base(name) if own > FAMILY else (table.quantity(name).unit, rate)
-        found.setdefault(key, []).append(name)
+        if counts[base(name)] > FAMILY:
+            found.setdefault(base(name), []).append(name)
+            continue
+        kind = table.quantity(name).unit, name.count("'") + ("omega(" in name)
+        size = _size(table[name])
+        near = (k for k in found if k[:2] == kind and size / APART < k[2] < size * APART)
+        found.setdefault(next(near, (*kind, size)), []).append(name)
     parts = []
     for key, group in found.items():
         size = len(group) if isinstance(key, str) else LINES
@@ -121,14 +133,35 @@ def _groups(table: Table, names: list[str]) -> list[list[str]]:
     return parts
 
 
+def _size(x: numpy.ndarray) -> float:
+    """Of what is to be seen; of a constant its value's."""
+    x = x[numpy.isfinite(x)]
+    if not len(x):
+        return 1.0
+    return float(numpy.ptp(x) or abs(x[0]) or 1.0)
+
+
 def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
     """Columns of one table."""
     (table,) = tables
     if len(names) > FAMILY and len({base(n) for n in names}) == 1:
-        return Panel(time_axis(table), Axis("member"), image=_image(table, names))
+        what = shown(base(names[0])).rstrip("′")
+        return Panel(time_axis(table), Axis(f"index of {what}"), image=_image(table, names))
     kind = "line" if table.event is None else "points"
     lines = [Line(shown(n), table.time, table[n], k, kind) for k, n in enumerate(names)]
-    return Panel(time_axis(table), Axis(_together(table, names)), tuple(lines))
+    y = Axis(_together(table, names), limits=_flat([table[n] for n in names]))
+    return Panel(time_axis(table), y, tuple(lines), tight=True)
+
+
+def _flat(columns: list[numpy.ndarray]) -> tuple[float, float] | None:
+    """What is constant but for rounding is a flat line, and no noise."""
+    good = [x[numpy.isfinite(x)] for x in columns]
+    good = [x for x in good if len(x)]
+    largest = max((float(numpy.abs(x).max()) for x in good), default=0.0)
+    if not largest or any(numpy.ptp(x) > CONSTANT * largest for x in good):
+        return None
+    low, high = min(float(x.min()) for x in good), max(float(x.max()) for x in good)
+    return low - 0.05 * largest, high + 0.05 * largest
 
 
 def _together(table: Table, names: list[str]) -> str:
@@ -155,7 +188,8 @@ def _overlaid(tables: Sequence[Table], names: list[str]) -> Panel:
     for table in tables:
         found, colours = bundle(table, table.time, table[name], len(lines), len(tables) > 1)
         lines += found
-    return Panel(time_axis(tables[0]), axis(tables[0], name), tuple(lines), colours=colours)
+    own = replace(axis(tables[0], name), limits=_flat([table[name] for table in tables]))
+    return Panel(time_axis(tables[0]), own, tuple(lines), colours=colours, tight=True)
 
 
 # -- planes, places, sections ----------------------------------------------------------------------
@@ -233,12 +267,16 @@ def _varying(tables: Sequence[Table]) -> tuple[str, str]:
     table = tables[0]
     names = [q.name for q in table.quantities if q.name != "energy"]
     moving = [n for n in names if _varies(table[n])]
-    for name in moving:
-        if f"{name}'" in moving:
-            return name, f"{name}'"
+    pairs = [(name, f"{name}'") for name in moving if f"{name}'" in moving]
+    if pairs:  # one that turns back shows more than one that goes on
+        return next((p for p in pairs if _turns(table[p[1]])), pairs[0])
     if len(moving) < 2:
         raise UsageError(f"{table.label}: fewer than two columns that vary: no plane to draw")
     return moving[0], moving[1]
+
+
+def _turns(rate: numpy.ndarray) -> bool:
+    return bool(numpy.nanmin(rate) < 0 < numpy.nanmax(rate))
 
 
 def _varies(x: numpy.ndarray) -> bool:
@@ -265,4 +303,3 @@ _MAKERS = {
     "spectrum": _spectrum,
     "drift": _drift,
 }
-__all__ = ["FEW", "Quantity", "picture"]

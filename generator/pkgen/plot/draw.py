@@ -53,11 +53,13 @@ def draw(picture: Picture, width: float | None = None) -> Figure:
     return figure
 
 
-def encoded(picture: Picture, kind: str, width: float | None = None) -> bytes:
+def encoded(
+    picture: Picture, kind: str, width: float | None = None, dpi: float = style.DPI
+) -> bytes:
     """A file of the picture, of one of style.FORMATS."""
     figure = draw(picture, width)
     with looks():
-        return style.encoded(figure, kind)
+        return style.encoded(figure, kind, dpi)
 
 
 @contextmanager
@@ -116,6 +118,8 @@ def _panel(figure: Figure, axes: Axes, panel: Panel, last: bool) -> None:
     _axis(axes, "y", panel.y, True)
     if panel.z is not None:
         _space(axes, panel)
+    if panel.tight:
+        axes.margins(x=0.0)
     if panel.equal and panel.z is None:
         axes.set_aspect("equal", adjustable="datalim")
     _legend(axes, panel)
@@ -204,7 +208,7 @@ def _space(axes: Axes, panel: Panel) -> None:
     axes.set_zlabel(panel.z.label, parse_math=False)
     axes.tick_params(pad=-2, labelsize=6.5)
     for of in (axes.xaxis, axes.yaxis, axes.zaxis):
-        of.labelpad = -4
+        of.labelpad = -3
         of.set_major_locator(MaxNLocator(5))
         of.set_pane_color((1, 1, 1, 0))
         of._axinfo["grid"].update(color=style.PALE, linewidth=0.5)
@@ -213,10 +217,13 @@ def _space(axes: Axes, panel: Panel) -> None:
     spans = [_span(panel.lines, name) for name in "xyz"]
     longest = max(b - a for a, b in spans) or 1.0
     # What is nearly flat is drawn in a box that is not.
-    spans = [_at_least(a, b, 0.25 * longest) for a, b in spans]
+    spans = [_at_least(a, b, 0.4 * longest) for a, b in spans]
+    longest = max(b - a for a, b in spans)
     for which, (a, b) in zip("xyz", spans, strict=True):
         getattr(axes, f"set_{which}lim")(a, b)
-    axes.set_box_aspect([b - a for a, b in spans], zoom=0.9)
+        few = MaxNLocator(max(2, round(5 * (b - a) / longest)))
+        getattr(axes, f"{which}axis").set_major_locator(few)
+    axes.set_box_aspect([b - a for a, b in spans], zoom=0.85)
 
 
 def _at_least(a: float, b: float, length: float) -> tuple[float, float]:

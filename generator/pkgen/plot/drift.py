@@ -39,7 +39,9 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
     first = tables[0]
     time = first.columns[first.abscissa]
     x = Axis(label(time.name, time.unit), log=True)
-    panel = Panel(x, Axis("relative drift", log=True), tuple(lines))
+    single = len(tables) == 1 and len([line for line in lines if line.label]) == 1
+    said = f"relative drift of {lines[0].label}" if single else "relative drift"
+    panel = Panel(x, Axis(said, log=True), tuple(lines), tight=True)
     return Picture("", (panel,), notes=tuple(notes))
 
 
@@ -66,7 +68,6 @@ def _told(table: Table, name: str) -> dict[str, object]:
 def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Line | None:
     """|x - x(0)| beside the scale that the run has told, or the largest |x|."""
     x, member = table[name], table.member
-    begins = numpy.flatnonzero(numpy.diff(member, prepend=-1)) if table.several else numpy.array([0])
     order = numpy.argsort(member, kind="stable")
     x, t, member = x[order], table.time[order], member[order]
     begins = numpy.flatnonzero(numpy.diff(member, prepend=-1))
@@ -78,11 +79,11 @@ def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Lin
     if told.get("first") == 0 and told.get("max") == 1:  # beside nothing but itself
         return None
     off = numpy.abs(x - first) / scale if scale else numpy.zeros(len(x))
-    shown_ = (t > 0) & (off > LEAST)
-    if not shown_.any():
+    drawn = (t > 0) & (off > LEAST)
+    if not drawn.any():
         return None
     strands = begins if table.several else None
-    return Line("", t, numpy.where(shown_, off, numpy.nan), colour, "back", None, strands)
+    return Line("", t, numpy.where(drawn, off, numpy.nan), colour, "back", None, strands)
 
 
 def _both(table: Table, line: Line, words: str) -> list[Line]:

@@ -61,6 +61,8 @@ def clouds(
     found = []
     for k, t in enumerate(numpy.unique(table.time)):
         now = table.time == t
-        said = f"{shown(time.name)} = {label(f'{t:.6g}', time.unit).replace('[', '').replace(']', '')}"
+        said = (
+            f"{shown(time.name)} = {label(f'{t:.6g}', time.unit).replace('[', '').replace(']', '')}"
+        )
         found.append(Line(said, x[now], y[now], first + k, "points", z[0][now] if z else None))
     return found

@@ -20,9 +20,9 @@ class Axis:
 
 @record(eq=False)
 class Line:
-    """Points in order. `kind`: "line", "points", or "back", a pale line that belongs to the one before
-    it. `colour` counts in the palette; lines of many trajectories have `strands`, the index at which
-    each begins."""
+    """Points in order. `kind`: "line", "points", or "back", a pale line that belongs to the one
+    before it. `colour` counts in the palette; lines of many trajectories have `strands`, the index
+    at which each begins."""
 
     label: str
     x: numpy.ndarray
@@ -53,7 +53,7 @@ class Panel:
     image: Image | None = None
     equal: bool = False  # one length for a unit of either axis
     colours: tuple[float, float, str] | None = None  # of strands: from, to, and of what
-    said: str = ""  # inside, in small type
+    tight: bool = False  # its first axis ends where its lines do
 
 
 @record(eq=False)

@@ -36,12 +36,15 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
     first = tables[0]
     units = {first.quantity(name).unit for name in names}
     time = first.columns[first.abscissa].unit
-    x = Axis(label("angular frequency", f"rad/{time}" if time else ""), limits=(0, min(most, 1.25 * reach)))
+    x = Axis(
+        label("angular frequency", f"rad/{time}" if time else ""),
+        limits=(0, min(most, 1.25 * reach)),
+    )
     said = label("amplitude", units.pop() if len(units) == 1 else "")
     if len(names) == 1:
         said = label(f"amplitude of {names[0]}", first.quantity(names[0]).unit)
     limits = (DEPTH * highest, 3 * highest)
-    return Picture("", (Panel(x, Axis(said, log=True, limits=limits), tuple(lines)),))
+    return Picture("", (Panel(x, Axis(said, log=True, limits=limits), tuple(lines), tight=True),))
 
 
 def amplitudes(table: Table, name: str) -> tuple[numpy.ndarray, numpy.ndarray]:

@@ -1,7 +1,7 @@
 """Rows to be drawn, with the names and units of their columns: of a run, or of its file.
 
-A CSV has units in its head (`x [m]`) or in the FILE.csv.json beside it, or none; so has a table that
-pkgen did not write. Its first column, or the one that is called t, is what the others are over.
+A CSV has units in its head (`x [m]`) or in the FILE.csv.json beside it, or none; so has a table
+that pkgen did not write. The column that is called t, or the first, is what the others are over.
 """
 
 from __future__ import annotations
@@ -65,7 +65,9 @@ class Table:
     @property
     def quantities(self) -> list[Quantity]:
         """What may be drawn."""
-        return [c for k, c in enumerate(self.columns) if k != self.abscissa and (k or not self.several)]
+        return [
+            c for k, c in enumerate(self.columns) if k != self.abscissa and (k or not self.several)
+        ]
 
     def __getitem__(self, name: str) -> numpy.ndarray:
         return self.data[:, self.names.index(name)]
@@ -81,9 +83,8 @@ class Table:
         of = [n for n in names if part_of(n, name)]
         if not of:
             known = dict.fromkeys([*names, *(b for n in names if (b := base(n)) != n)])
-            raise UsageError(
-                f"{option} {name}: {self.label} has no such column; {near(name, list(known), 'column')}"
-            )
+            meant = near(name, list(known), "column")
+            raise UsageError(f"{option} {name}: {self.label} has no such column; {meant}")
         return of
 
     @property
@@ -128,13 +129,29 @@ def read(path: str) -> Table:
         if sum(c.name == column.name for c in columns) > 1:
             raise UsageError(f"{path}: column {column.name} stands there twice")
     told, note = _told(file, [c.name for c in columns])
+    return _table(file.name, columns, data, told, (note,) if note else ())
+
+
+def rows(path: Path, label: str, told: dict[str, object]) -> Table | None:
+    """Rows that a run has just left, and what is told of them; None: there is no row."""
+    columns, data = _npy(path) if path.name.endswith(".npy") else _csv(path)
+    return _table(label, columns, data, told) if len(data) else None
+
+
+def _table(
+    label: str,
+    columns: list[Quantity],
+    data: numpy.ndarray,
+    told: dict[str, object],
+    notes: tuple[str, ...] = (),
+) -> Table:
     known = {c.name: c for c in quantities(told.get("columns", ()))}
     columns = [known.get(c.name, c) if not c.unit else c for c in columns]
     names = [c.name for c in columns]
     settings = told.get("settings")
     several = isinstance(settings, dict) and "ensemble" in settings
     several = several or names[1:2] == ["t"]
-    return Table(file.name, tuple(columns), data, several, told, (note,) if note else ())
+    return Table(label, tuple(columns), data, several, told, notes)
 
 
 def quantities(told: object) -> list[Quantity]:
@@ -173,7 +190,9 @@ def _npy(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
         raise UsageError(f"{path}: no file of NumPy's: {_first(error)}") from None
     names = getattr(getattr(found, "dtype", None), "names", None)
     if not names or found.ndim != 1:
-        raise UsageError(f"{path}: an array whose columns have names is needed, as pkgen run writes")
+        raise UsageError(
+            f"{path}: an array whose columns have names is needed, as pkgen run writes"
+        )
     try:
         data = structured_to_unstructured(found).astype(float)
     except (TypeError, ValueError):

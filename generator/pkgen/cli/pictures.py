@@ -1,0 +1,144 @@
+"""What --plot and --report make of a run: found out before it, made behind it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..api.prepare import Prepared
+from ..back.facts import found
+from ..plot import view as views
+from ..plot.view import View
+from ..record import record
+from ..run.simulate import columns
+from ..system.exits import UsageError
+from ..system.files import place
+from ..system.near import near
+
+if TYPE_CHECKING:
+    from ..plot.table import Table
+
+MILLIMETRES = 25.4
+WIDTHS = (40.0, 1000.0)
+# As style.FORMATS; matplotlib is imported where something is drawn.
+ENDS = (".svg", ".png", ".pdf")
+
+
+@record
+class Wanted:
+    """Files to be made, and what is on the picture."""
+
+    view: View
+    width: float | None  # inches
+    plot: Path | None = None
+    report: Path | None = None
+
+
+def wanted(options: argparse.Namespace) -> Wanted | None:
+    """Of `pkgen run`; None: no picture. Raises UsageError."""
+    given = [name for name in (*views.KINDS, "columns", "width") if getattr(options, name)]
+    if options.plot is None and options.report is None:
+        if given:
+            said = f"--{given[0]} is of a picture: --plot FILE.svg makes one, or pkgen plot"
+            raise UsageError(said)
+        return None
+    plot = picture_file("--plot", options.plot) if options.plot is not None else None
+    report = None
+    if options.report is not None:
+        if not options.report.endswith(".html"):
+            raise UsageError(f"--report {options.report}: the file's name must end in .html")
+        report = Path(options.report)
+    files = [options.output, options.plot, options.report]
+    if options.output not in (None, "-") and place(Path(options.output)) is None:
+        raise UsageError(f"-o {options.output}: pictures are made from a file of rows, not a pipe")
+    for file in (plot, report):
+        if file is not None:
+            place(file)
+            if files.count(str(file)) > 1:
+                raise UsageError(f"{file}: two files of one name")
+    return Wanted(views.asked(options), width(options), plot, report)
+
+
+def picture_file(option: str, name: str) -> Path:
+    if not name.endswith(ENDS):
+        raise UsageError(f"{option} {name}: the file's name must end in .svg, .png or .pdf")
+    return Path(name)
+
+
+def width(options: argparse.Namespace) -> float | None:
+    """Inches."""
+    if options.width is None:
+        return None
+    if not WIDTHS[0] <= options.width <= WIDTHS[1]:
+        raise UsageError(f"--width {options.width:g}: from {WIDTHS[0]:g} to {WIDTHS[1]:g} mm")
+    return options.width / MILLIMETRES
+
+
+def recorded(
+    options: argparse.Namespace, view: View, prepared: Callable[[argparse.Namespace], Prepared]
+) -> Prepared:
+    """What is run, with columns of all that is to be drawn: what a model can record and the rows
+    have not is recorded too. Raises UsageError where there is no such thing."""
+    made = prepared(options)
+    names = [c.name for c in columns(made.compilation, made.ensemble, made.settings.show, 10**9)]
+    missing = [name for name in view.columns if not _has(names, name)]
+    rows = names[1 + (made.ensemble is not None) :]
+    if view.kind == "drift" and not view.names and options.scene is None:
+        more = [n for n in _constants(made) if not _has(names, n)]
+        with suppress(UsageError):  # a constant need not be a name
+            return _with(options, [*rows, *more], prepared) if more else made
+    if not missing:
+        return made
+    if options.record is not None:
+        said = near(missing[0], names, "column")
+        raise UsageError(f"{view.option} {missing[0]}: --record leaves it out; {said}")
+    try:
+        return _with(options, [*rows, *missing], prepared)
+    except UsageError as error:
+        raise UsageError(str(error).replace("--record", view.option, 1)) from None
+
+
+def _has(names: list[str], name: str) -> bool:
+    from ..plot.table import part_of
+
+    return name in names or any(part_of(n, name) for n in names)
+
+
+def _with(
+    options: argparse.Namespace, rows: list[str], prepared: Callable[..., Prepared]
+) -> Prepared:
+    return prepared(argparse.Namespace(**{**vars(options), "record": ",".join(rows)}))
+
+
+def _constants(made: Prepared) -> list[str]:
+    compilation = made.compilation
+    if compilation.looped:
+        return []
+    return [name for name, _ in found(compilation.equations, compilation.structure)]
+
+
+def rows_of(path: Path, label: str, told: dict[str, object]) -> Table | None:
+    """The rows that a run has left; None: there are none."""
+    from ..plot.table import rows
+
+    return rows(path, label, json.loads(json.dumps(told)))
+
+
+def draw(what: Wanted, tables: list[Table], file: Path) -> list[str]:
+    """Make the picture; what there is to say of it."""
+    from ..plot import compose
+    from ..plot.draw import encoded
+    from ..system.files import replace as write
+
+    made = compose.picture(what.view, tables)
+    write({file: encoded(made, file.suffix[1:], what.width)})
+    return list(made.notes)
+
+
+def with_view(what: Wanted, view: View) -> Wanted:
+    return replace(what, view=view)

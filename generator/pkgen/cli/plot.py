@@ -1,0 +1,135 @@
+"""`pkgen plot`: pictures of motions without code, of models, which it runs, or of their rows."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..plot import view as views
+from ..plot.view import View
+from ..system.exits import DONE, UsageError
+from ..system.files import PARTIAL, scratch
+from . import arguments as shared
+from . import pictures
+from .run import judge, prepared, table_of, tell, to_scratch
+
+if TYPE_CHECKING:
+    from ..plot.picture import Picture
+    from ..plot.table import Table
+
+MODEL = False
+SEVERAL = True
+ROWS = (".csv", ".npy", ".csv" + PARTIAL)
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", nargs="+", metavar="MODEL.lag|FILE.csv|FILE.npy")
+    help_ = "FILE.svg, FILE.png or FILE.pdf; default: in the terminal"
+    parser.add_argument("-o", dest="output", metavar="FILE", help=help_)
+    shared.of_a_picture(parser, "coordinates, rates, outputs")
+    shared.of_a_model(parser)
+    shared.of_an_integration(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Draw motions over time, in the phase plane or in space, their sections, spectra and drifts:
+    of models, which are run, and of rows that a run has left."""
+    view, width = views.asked(options), pictures.width(options)
+    file = None
+    if options.output is not None:
+        file = pictures.picture_file("-o", options.output)
+    _refuse(options)
+    tables, codes = [], []
+    for name, label in zip(options.files, _labels(options.files), strict=True):
+        if name.endswith(ROWS):
+            table, code = _read(name, label), DONE
+        else:
+            options.model = name
+            table, code = _run(options, view, label)
+        tables += [] if table is None else [table]
+        codes.append(code)
+    if not tables:
+        print("pkgen: no rows to draw", file=sys.stderr)
+        return max(codes)
+    from ..plot import compose
+
+    made = compose.picture(view, tables)
+    for note in made.notes:
+        print(f"pkgen: {note}", file=sys.stderr)
+    _show(options, made, file, width)
+    return max(codes)
+
+
+def _refuse(options: argparse.Namespace) -> None:
+    """Raises UsageError where an option would do nothing."""
+    options.model = next((f for f in options.files if not f.endswith(ROWS)), "")
+    if options.model:
+        return
+    of_runs = argparse.ArgumentParser()
+    shared.of_an_integration(of_runs)
+    usual = vars(of_runs.parse_args([]))
+    given = [name for name, value in usual.items() if getattr(options, name) != value]
+    if given:
+        option = given[0].replace("_", "-")
+        raise UsageError(f"--{option} is of a run: {options.files[0]} has its rows already")
+
+
+def _labels(files: list[str]) -> list[str]:
+    """As short as they tell the files apart."""
+    names = [Path(file).name for file in files]
+    return names if len(set(names)) == len(names) else files
+
+
+def _read(name: str, label: str) -> Table:
+    from dataclasses import replace
+
+    from ..plot.table import read
+
+    return replace(read(name), label=label)
+
+
+def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | None, int]:
+    """A model's rows as `pkgen run` would write them, and its exit code."""
+    what = prepared(options, view)
+    with scratch() as folder:
+        outcome = to_scratch(what, folder / "rows.csv")
+        table = table_of(what, outcome, folder / "rows.csv", label)
+    tell(options, what, outcome)
+    return table, judge(options, what, outcome)
+
+
+def _show(
+    options: argparse.Namespace, made: Picture, file: Path | None, width: float | None
+) -> None:
+    if file is not None:
+        from ..plot.draw import encoded
+        from ..system.files import replace
+
+        replace({file: encoded(made, file.suffix[1:], width)})
+    if options.json:
+        print(json.dumps(_record(made, file), indent=1))
+    elif file is None:
+        from ..plot.terminal import show
+
+        show(made)
+
+
+def _record(made: Picture, file: Path | None) -> dict[str, object]:
+    """What is drawn, as JSON."""
+
+    def panel(p) -> dict[str, object]:
+        axes = {name: axis.label for name, axis in zip("xyz", (p.x, p.y, p.z), strict=True) if axis}
+        lines = [
+            {"label": line.label, "kind": line.kind, "points": len(line.x)} for line in p.lines
+        ]
+        return {**axes, "lines": lines, "image": p.image.label if p.image else None}
+
+    return {
+        "file": str(file) if file else None,
+        "title": made.title,
+        "panels": [panel(p) for p in made.panels],
+        "notes": list(made.notes),
+    }
