@@ -19,6 +19,8 @@ class Svg:
         self.root = ElementTree.fromstring(text)
         self.texts = ["".join(e.itertext()).strip() for e in self.root.iter(f"{NS}text")]
         self.axes = [Axes(g) for g in self.root.iter(f"{NS}g") if _is(g, "axes")]
+        for axes in self.axes:
+            axes.lowest = self.axes[-1].group
 
     @property
     def size(self) -> tuple[float, float]:
@@ -32,7 +34,7 @@ class Svg:
 
 class Axes:
     def __init__(self, group: ElementTree.Element):
-        self.group = group
+        self.group = self.lowest = group  # the lowest of those that share an axis has its numbers
         self.lines = [
             path
             for g in group.iter(f"{NS}g")
@@ -52,13 +54,11 @@ class Axes:
 
     def scaled(self, which: str, places: numpy.ndarray) -> numpy.ndarray:
         at, numbers = [], []
-        for g in self.group.iter(f"{NS}g"):
-            if not re.fullmatch(rf"{which}tick_\d+", g.get("id") or ""):
-                continue
-            text = "".join("".join(e.itertext()) for e in g.iter(f"{NS}text")).strip()
-            mark = [*g.iter(f"{NS}use")]
-            if text and mark:
-                at.append(float(mark[-1].get(which)))
+        shared = which == "x" and not any(_numbered(g, "x") for g in self.group.iter(f"{NS}g"))
+        for g in (self.lowest if shared else self.group).iter(f"{NS}g"):
+            text = _numbered(g, which)
+            if text:
+                at.append(float([*g.iter(f"{NS}use")][-1].get(which)))
                 numbers.append(float(text.replace("−", "-")))
         slope, first = numpy.polyfit(at, numbers, 1)
         return first + slope * places
@@ -67,6 +67,13 @@ class Axes:
         """The length of a unit, in points."""
         first, second = self.scaled(which, numpy.array([0.0, 1.0]))
         return 1 / abs(second - first)
+
+
+def _numbered(group: ElementTree.Element, which: str) -> str:
+    """The number at a tick; "" of what is none, or has none."""
+    if not re.fullmatch(rf"{which}tick_\d+", group.get("id") or ""):
+        return ""
+    return "".join("".join(e.itertext()) for e in group.iter(f"{NS}text")).strip()
 
 
 def _is(group: ElementTree.Element, kind: str) -> bool:

@@ -209,13 +209,11 @@ def _plane(view: View, tables: Sequence[Table]) -> Picture:
         for table in tables:
             count, more = len(lines), len(tables) * len(pairs) > 1
             x, y, *z = (table[name] for name in names)
-            if table.several and few_times(table) > 1:
+            if table.several and table.event is None and few_times(table):
                 found = clouds(table, x, y, z, count)
             else:
                 found, colours = bundle(table, x, y, count, more, z[0] if z else None)
-            if len(tables) > 1 and len(pairs) > 1:
-                what = f"{', '.join(map(shown, names))}: {table.label}"
-            lines += [_named(line, what) for line in found]
+            lines += [_named(line, what, table, len(tables) > 1) for line in found]
     axes = [_common(tables[0], [names[k] for names in pairs]) for k in range(len(pairs[0]))]
     equal = view.kind == "path" and len(set(next(iter(units)))) == 1
     z_axis = axes[2] if len(axes) == 3 else None
@@ -223,11 +221,10 @@ def _plane(view: View, tables: Sequence[Table]) -> Picture:
     return Picture("", (panel,), wide=False)
 
 
-def _named(line: Line, what: str) -> Line:
-    if not what or line.kind == "back":
-        return line
-    words = what if line.label in ("", what) or ":" in what else f"{what}, {line.label}"
-    return Line(words, line.x, line.y, line.colour, line.kind, line.z, line.strands, line.marked)
+def _named(line: Line, what: str, table: Table, others: bool) -> Line:
+    """The names of a curve before what tells it from another of these names."""
+    own = "" if line.label == table.label and not others else line.label
+    return replace(line, label=", ".join(word for word in (what, own) if word))
 
 
 def _common(table: Table, names: list[str]) -> Axis:

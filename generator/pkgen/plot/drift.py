@@ -22,7 +22,7 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
     notes = []
     for table in tables:
         for name in names or constants(table):
-            told = _told(table, name)
+            told = table.drifts.get(name, {})
             line = _drift(table, name, told, len(lines) // 2)
             if line is None:
                 notes.append(f"drift({name}) of {table.label} is 0, or cannot be told: not drawn")
@@ -47,22 +47,13 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
 
 def constants(table: Table) -> list[str]:
     """What the run knows to be constant, and the rows have."""
-    report = table.told.get("report")
-    drifts = report.get("drifts", ()) if isinstance(report, dict) else ()
-    names = [d.get("name") for d in drifts if isinstance(d, dict)]
-    found = [n for n in table.names if n in names or n == "energy"]
+    found = [n for n in table.names if n in table.drifts or n == "energy"]
     if not found:
         raise UsageError(
             f"--drift: {table.label} has no energy, nor another column that is known to be "
             "constant; --columns says which are"
         )
     return found
-
-
-def _told(table: Table, name: str) -> dict[str, object]:
-    report = table.told.get("report")
-    drifts = report.get("drifts", ()) if isinstance(report, dict) else ()
-    return next((d for d in drifts if isinstance(d, dict) and d.get("name") == name), {})
 
 
 def _drift(table: Table, name: str, told: dict[str, object], colour: int) -> Line | None:

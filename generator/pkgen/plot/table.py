@@ -88,6 +88,14 @@ class Table:
         return of
 
     @property
+    def drifts(self) -> dict[str, dict[str, object]]:
+        """What the run knows of each constant, by its name."""
+        report = self.told.get("report")
+        found = report.get("drifts") if isinstance(report, dict) else None
+        items = found if isinstance(found, list) else []
+        return {d["name"]: d for d in items if isinstance(d, dict) and "name" in d}
+
+    @property
     def event(self) -> str | None:
         """The name of the event at which all rows are, "" where it is not known."""
         settings = self.told.get("settings")
@@ -133,9 +141,11 @@ def read(path: str) -> Table:
 
 
 def rows(path: Path, label: str, told: dict[str, object]) -> Table | None:
-    """Rows that a run has just left, and what is told of them; None: there is no row."""
+    """Rows that a run has just left, and what is told of them; None: there is no more than
+    the start."""
     columns, data = _npy(path) if path.name.endswith(".npy") else _csv(path)
-    return _table(label, columns, data, told) if len(data) else None
+    made = _table(label, columns, data, told)
+    return made if made.several or len(data) > 1 else None
 
 
 def _table(

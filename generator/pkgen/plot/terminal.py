@@ -99,7 +99,7 @@ def _panel(panel: Panel, width: int, height: int, coloured: bool, plain: bool) -
     for row, text in enumerate(body):
         mark = _number(ticks[row], panel.y) if row in ticks else ""
         edge = "┤" if row in ticks else "│"
-        found.append(Text(f"{mark:>{MARGIN}}{edge}", "dim") + text)
+        found.append(Text.assemble((f"{mark:>{MARGIN}}{edge}", "dim"), text))
     found.append(Text(" " * MARGIN + "└" + "─" * columns, "dim"))
     low, high = _number(x[0], panel.x), _number(x[1], panel.x)
     middle = panel.x.label.center(max(0, columns - len(low) - len(high)))
