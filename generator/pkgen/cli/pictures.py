@@ -15,6 +15,7 @@ from ..back.facts import found
 from ..plot import view as views
 from ..plot.view import View
 from ..record import record
+from ..run import named
 from ..run.simulate import columns
 from ..system.exits import UsageError
 from ..system.files import place
@@ -98,7 +99,8 @@ def recorded(
         said = near(missing[0], names, "column")
         raise UsageError(f"{view.option} {missing[0]}: --record leaves it out; {said}")
     try:
-        return _with(options, [*rows, *missing], prepared)
+        more = [member for name in missing for member in _members(made, name)]
+        return _with(options, [*rows, *more], prepared)
     except UsageError as error:
         raise UsageError(str(error).replace("--record", view.option, 1)) from None
 
@@ -107,6 +109,15 @@ def _has(names: list[str], name: str) -> bool:
     from ..plot.table import part_of
 
     return name in names or any(part_of(n, name) for n in names)
+
+
+def _members(made: Prepared, name: str) -> list[str]:
+    """All of a family, which a scene may have left out of its rows."""
+    primes = name.count("'")
+    for item in named.declared(made.compilation).declared:
+        if item.lo is not None and item.quantity.name == name.rstrip("'"):
+            return [item.member(k).name + "'" * primes for k in range(item.lo, item.hi + 1)]
+    return [name]
 
 
 def _with(

@@ -54,12 +54,14 @@ def draw(picture: Picture, width: float | None = None) -> Figure:
 
 
 def encoded(
-    picture: Picture, kind: str, width: float | None = None, dpi: float = style.DPI
+    picture: Picture, kind: str, width: float | None = None, dpi: float | None = None
 ) -> bytes:
     """A file of the picture, of one of style.FORMATS."""
     figure = draw(picture, width)
     with looks():
-        return style.encoded(figure, kind, dpi)
+        return style.encoded(
+            figure, kind, dpi or (style.DPI if kind == "png" else style.DPI_WITHIN)
+        )
 
 
 @contextmanager
@@ -121,7 +123,7 @@ def _panel(figure: Figure, axes: Axes, panel: Panel, last: bool) -> None:
     if panel.tight:
         axes.margins(x=0.0)
     if panel.equal and panel.z is None:
-        axes.set_aspect("equal", adjustable="datalim")
+        axes.set_aspect("equal", adjustable="box", anchor="W")
     _legend(axes, panel)
 
 

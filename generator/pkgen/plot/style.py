@@ -25,6 +25,7 @@ SEQUENTIAL, DIVERGING = "cividis", "RdBu_r"
 COLUMN, PAGE = 90 / 25.4, 180 / 25.4  # inches
 FORMATS = ("svg", "png", "pdf")
 DPI = 200
+DPI_WITHIN = 144  # of pixels within a file of vectors
 # Others as wide as the one that labels are placed with, where that is not installed.
 FONTS = "'DejaVu Sans', Verdana, sans-serif"
 LOOK = {
