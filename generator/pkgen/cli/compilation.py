@@ -34,13 +34,13 @@ def within_limits(options: argparse.Namespace) -> AbstractContextManager[None]:
 
 
 def compile_within_limits(
-    options: argparse.Namespace, source: Source | None = None, **more: object
+    options: argparse.Namespace, source: Source | None = None, quiet: bool = False, **more: object
 ) -> Compilation:
-    """Compile the model of the command line; warnings go to standard error."""
+    """Compile the model of the command line; warnings go to standard error, unless `quiet`."""
     source = source or read(options.model)
     with within_limits(options):
         compilation = compile_model(source, sizes=lengths.given(options.size), **more)
-    if not options.json:
+    if not (options.json or quiet):
         warn(source, compilation.warnings)
     return compilation
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..explain import explain as explanation
 from ..explain import scenes as explain_scenes
-from ..explain.html import html
+from ..explain.html import fragment, html
 from ..explain.loops import explain_loops, record_loops
 from ..explain.scenes import scenes_shown
 from ..scenes import lengths
@@ -25,6 +25,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.no_reduce(parser)
     shared.canonical(parser)
     parser.add_argument("--html", metavar="FILE", help="a page with the equations typeset")
+
+
+def explained(options: argparse.Namespace) -> str:
+    """The fragment about a model for a page, with what its scenes or the one asked for drop; empty
+    where SymPy is not installed."""
+    if find_spec("sympy") is None:
+        return ""
+    compilation = compile_within_limits(
+        options, quiet=True, symmetric=True, use=scene_use.of_compile(options)
+    )
+    with within_limits(options):
+        scenes = [] if options.scene else scenes_shown(compilation, lengths.given(options.size))
+        return fragment(compilation, scenes, level=3)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -9,10 +9,12 @@ from pathlib import Path
 from ..back.web.build import wasm
 from ..back.web.page import packed
 from ..describe.made import describe
+from ..explain.style import style
 from ..system.exits import DONE, UsageError
 from ..system.files import replace
 from . import arguments as shared
 from .compilation import compile_within_limits
+from .explain import explained
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +31,8 @@ def run(options: argparse.Namespace) -> int:
     if path.suffix not in (".html", ".htm"):
         raise UsageError(f"-o {path}: the file's name must end in .html")
     compilation = found.compilation
-    text = packed(found.description, wasm(compilation.files, compilation.model.name))
+    code = wasm(compilation.files, compilation.model.name)
+    text = packed(found.description, code, explained(options), style())
     replace({path: text})
     if options.json:
         print(json.dumps({"page": str(path), "bytes": len(text.encode())}))

@@ -56,7 +56,7 @@ def fragment(compilation: Compilation, scenes: Sequence[SceneShown] = (), level:
         *_reductions(compilation, prose),
         *(part for scene in scenes for part in scene_section(scene, prose)),
         heading("Drawing"),
-        listed(map(prose, drawn(compilation.declared))),
+        listed(f"<code>{escape(line)}</code>" for line in drawn(compilation.declared)),
         details("Operations of each kernel", *_operations(compilation)),
     ]
     body = "\n".join(part for part in parts if part)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from ..equations import ParameterSlot, Quantity
-from ..graph.graph import ZERO, Node, Op
-from ..model import Bounds, Event
+from ..equations import Quantity
+from ..front.statements import Interval
+from ..graph.graph import ZERO, Node
+from ..model import Event
+from ..tree import Expr, names
 from . import mathml
 from .bound import constraint_rows, rates_title
 from .explain import canonical_rows, named_events
@@ -58,15 +60,36 @@ def lets(found: Sequence[Line]) -> list[str]:
     return named([chunks for chunks, _ in found], [note for _, note in found])
 
 
-def interval(lo: str | None, hi: str | None, bounds: Bounds | ParameterSlot) -> str:
+def parameter_table(written: Written, prose: Prose, units: Mapping[str, str]) -> Iterator[str]:
+    """Those that have a unit in `units`, SI, though it be none; defaults and bounds as written."""
+    rows = []
+    for s in written.parameters():
+        name = s.left.name
+        if name in units:
+            unit = prose.unit(units[name])
+            cells = mathml.inline(written(s.value)), unit, _range(written, s.interval)
+            rows.append((mathml.inline(written.left(s.left)), *cells, escape(s.description)))
+    if rows:
+        yield heading("Parameters")
+        yield table(("symbol", "default", "unit", "range", "meaning"), rows)
+
+
+def _range(written: Written, interval: Interval | None) -> str:
+    if interval is None:
+        return ""
+    lo, hi = (None if _infinite(x) else written(x) for x in (interval.lo, interval.hi))
     if lo is None and hi is None:
         return ""
     if hi is None:
-        return mathml.inline(mathml.leading(">" if bounds.lo_open else "≥") + lo)
+        return mathml.inline(mathml.leading(">" if interval.lo_open else "≥") + lo)
     if lo is None:
-        return mathml.inline(mathml.leading("<" if bounds.hi_open else "≤") + hi)
-    left, right = "(" if bounds.lo_open else "[", ")" if bounds.hi_open else "]"
+        return mathml.inline(mathml.leading("<" if interval.hi_open else "≤") + hi)
+    left, right = "(" if interval.lo_open else "[", ")" if interval.hi_open else "]"
     return mathml.inline(mathml.fenced(lo + operator(",") + hi, left, right))
+
+
+def _infinite(end: Expr) -> bool:
+    return "inf" in names(end)
 
 
 class EquationSections:
@@ -102,34 +125,11 @@ class EquationSections:
                 yield table(("symbol", "unit", "meaning"), quantity_rows(rows, self.prose))
 
     def _parameters(self) -> Iterator[str]:
-        if not self.e.parameters:
-            return
-        rows = []
-        for (_, *cells), group in groupby(self.e.parameters, key=self._cells):
-            names = [self.shown.name(slot.quantity.name) for slot in group]
-            shown = names if len(names) < 3 else [names[0], operator("…"), names[-1]]
-            rows.append((", ".join(map(mathml.inline, shown)), *cells))
-        yield heading("Parameters")
-        yield table(("symbol", "default", "range", "meaning"), rows)
-
-    def _cells(self, slot: ParameterSlot) -> tuple[str, str, str, str]:
-        unit = mathml.unit(slot.quantity.unit)
-        default = row(self._constant(slot.default), unit)
-        says = escape(slot.quantity.description)
-        own = slot.family if slot.length else slot.quantity.name
-        return own, mathml.inline(default), self._range(slot), says
-
-    def _constant(self, node: Node) -> str:
-        """A number as a decimal, which is how its author wrote it."""
-        g = self.e.graph
-        if g.op[node] is Op.NUMBER:
-            return mathml.number(f"{float(g.data[node]):.15g}")
-        (value,) = self.shown.expressions([node])
-        return self.shown.typeset(self.shown.formula(value))
-
-    def _range(self, slot: ParameterSlot) -> str:
-        lo, hi = (None if x is None else self._constant(x) for x in (slot.lo, slot.hi))
-        return interval(lo, hi, slot)
+        units = {
+            slot.family if slot.length else slot.quantity.name: slot.quantity.unit
+            for slot in self.e.parameters
+        }
+        yield from parameter_table(self.written, self.prose, units)
 
     # -- the Lagrangian and the equations of motion --------------------------------------------
 
@@ -138,14 +138,14 @@ class EquationSections:
         said = [*written.energies(), *written.forces()]
         yield heading("Lagrangian")
         yield from lines(said)
-        names = written.lets_of(("kinetic", "potential", "lagrangian", "dissipation", "force"))
-        yield from lets(names)
+        lets_there = written.lets_of(("kinetic", "potential", "lagrangian", "dissipation", "force"))
+        yield from lets(lets_there)
         rows = [("L", e.lagrangian)]
         if e.kinetic is not None and e.potential is not None:
             rows = [("T", e.kinetic), ("V", e.potential)]
         rows = [(mathml.name(name), node) for name, node in rows if node != ZERO]
         made = self.shown.where(rows)
-        if names and {*map("".join, made.formulas)} - {"".join(chunks) for chunks, _ in said}:
+        if lets_there and {*map("".join, made.formulas)} - {"".join(chunks) for chunks, _ in said}:
             yield lead("In the coordinates")
             yield from where(made)
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from html import escape
 
 from ..middle.loops.loops import Group, LoopEquations
 from . import mathml
-from .html_equations import interval, lets, lines, members, quantity_rows
+from .html_equations import lets, lines, parameter_table, quantity_rows
 from .loops import beyond, force_lines, mass_lines, name_of, pair_lines, pair_range
 from .mathml import fenced, operator, row
 from .prose import Prose
@@ -32,9 +31,8 @@ def loop_sections(e: LoopEquations, written: Written, prose: Prose) -> Iterator[
     rows = [(name_of(write, g), g.declared.unit, g.declared.description) for g in e.coordinates]
     yield heading("Coordinates")
     yield table(("symbol", "unit", "meaning"), quantity_rows(rows, prose))
-    if e.parameters:
-        yield heading("Parameters")
-        yield table(("symbol", "default", "range", "meaning"), _parameters(write, written, prose))
+    units = {g.name: g.declared.unit for g in e.parameters}
+    yield from parameter_table(written, prose, units)
     yield heading("Lagrangian")
     yield from lines([*written.energies(), *written.forces()])
     yield from lets(written.lets_of(("kinetic", "potential", "lagrangian", "dissipation", "force")))
@@ -110,17 +108,6 @@ def _ends(text: str) -> tuple[str, str, str]:
     variable, _, ends = text.partition(" = ")
     lo, _, hi = ends.partition("..")
     return variable, lo, hi
-
-
-def _parameters(write: Writer, written: Written, prose: Prose) -> Iterator[tuple[str, ...]]:
-    for g in write.e.parameters:
-        declared = g.declared
-        default = mathml.inline(row(written(declared.default), mathml.unit(declared.unit)))
-        lo, hi = (
-            None if x is None else written(x) for x in (declared.bounds.lo, declared.bounds.hi)
-        )
-        bounds = interval(lo, hi, declared.bounds)
-        yield members(name_of(write, g), prose), default, bounds, escape(declared.description)
 
 
 def _motion(write: Writer) -> Iterator[str]:

@@ -235,6 +235,10 @@ def _bold(letters: str) -> str:
     return "".join(found)
 
 
+def is_greek(text: str) -> bool:
+    return text in _GREEK
+
+
 def dotted(letter: str, primes: int) -> str:
     if not primes:
         return letter

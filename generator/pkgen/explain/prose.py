@@ -12,6 +12,7 @@ from . import mathml
 from .mathml import fraction, operator, row
 from .written import Written
 
+_WORD = re.compile(r"[A-Za-z]{2,}")  # a name that may be a word of a sentence
 TERMS = 12  # of a sum; more are cut
 _ARTICLES = frozenset("aAI")  # words, though they may be names too
 _SHIFT = re.compile(r"(^| [+-] )(.*?)d/d(\S+)")
@@ -22,6 +23,7 @@ class Prose:
         """`names` are those of the model, `formulas` others that stand in the sentences."""
         self.written = written
         self.formulas = {text: self.formula(text) for text in formulas}
+        names = [n for n in names if not _WORD.fullmatch(n) or mathml.is_greek(n)]
         self.names = {n: written.name(n) for n in names if n not in _ARTICLES}
         known = sorted({*self.formulas, *self.names}, key=len, reverse=True)
         self._known = re.compile(

@@ -32,7 +32,7 @@ def shortest(
     forms, gathered = [expr, sp.factor_terms(expr)], None
     for other in others:
         forms += [other, sp.factor_terms(other), _gathered(other, constants)]
-    flat = sp.expand(expr, power_base=False, power_exp=False, log=False, trig=False)
+    flat = _expanded(expr)
     if len(sp.Add.make_args(flat)) <= TERMS:
         if len(expr.atoms(sp.sin, sp.cos)) > 1:
             forms += [TR10i(expr)]
@@ -43,6 +43,34 @@ def shortest(
     if gathered is not None and _cost(typeset(gathered)) <= LONGER * min(costs):
         return gathered
     return forms[costs.index(min(costs))]
+
+
+def _expanded(expr: sympy.Expr) -> sympy.Expr:
+    """Multiplied out; but not inside functions and roots."""
+    import sympy as sp
+
+    kept: dict[sympy.Expr, sympy.Expr] = {}
+
+    def name(x: sympy.Expr) -> sympy.Expr:
+        return kept.setdefault(x, sp.Dummy())
+
+    def whole(x: sympy.Expr) -> bool:
+        return x.is_Function or (x.is_Pow and not (x.exp.is_Integer and x.exp > 0))
+
+    flat = sp.expand(_outermost(expr, whole, name))
+    return flat.xreplace({dummy: x for x, dummy in kept.items()})
+
+
+def _outermost(
+    expr: sympy.Expr,
+    found: Callable[[sympy.Expr], bool],
+    by: Callable[[sympy.Expr], sympy.Expr],
+) -> sympy.Expr:
+    if found(expr):
+        return by(expr)
+    if not expr.args:
+        return expr
+    return expr.func(*(_outermost(a, found, by) for a in expr.args))
 
 
 def _has_content(x: sympy.Expr) -> bool:

@@ -72,10 +72,13 @@ class Written:
                 terms += self._terms(s.value, first=not terms)
         return [(_equation(mathml.name(name), terms), "") for name, terms in found.items()]
 
+    def parameters(self) -> list[st.Param]:
+        return [s for s in self.statements if isinstance(s, st.Param)]
+
     def forces(self) -> list[Line]:
         made = [s for s in self.statements if isinstance(s, st.Define) and s.keyword == "force"]
         return [
-            (_equation(mathml.sub(mathml.name("Q"), self._left(s.left)), self._terms(s.value)), "")
+            (_equation(mathml.sub(mathml.name("Q"), self.left(s.left)), self._terms(s.value)), "")
             for s in made
         ]
 
@@ -100,9 +103,9 @@ class Written:
         return [self._let(s) for name, s in self.lets.items() if name in used]
 
     def _let(self, s: st.Define) -> Line:
-        return _equation(self._left(s.left), self._terms(s.value)), s.description
+        return _equation(self.left(s.left), self._terms(s.value)), s.description
 
-    def _left(self, left: st.Left) -> str:
+    def left(self, left: st.Left) -> str:
         letter = self.name(left.name)
         index = left.index if left.range is None else Name(left.range.variable, None, left.span)
         return letter if index is None else _indexed(letter, self(index))

@@ -16,15 +16,18 @@ from pathlib import Path
 HERE = Path(__file__).parent / "page"
 _STYLE = re.compile(r'<link rel="stylesheet" href="([^"]+)">')
 _SCRIPT = re.compile(r'<script src="([^"]+)"></script>')
-_HEAD = "<head>\n"
+_HEAD, _END = "<head>\n", "</head>"
 # Behind these nothing ends a script or a comment in it.
 _ESCAPED = str.maketrans(
     {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"}
 )
 
 
-def packed(description: Mapping[str, object], wasm: bytes, explained: str = "") -> str:
-    """The page. `wasm` is packed by gzip; `explained` is HTML of our own about the equations."""
+def packed(
+    description: Mapping[str, object], wasm: bytes, explained: str = "", style: str = ""
+) -> str:
+    """The page. `wasm` is packed by gzip; `explained` is HTML of our own about the equations, with
+    its `style`."""
     text = (HERE / "index.html").read_text(encoding="utf-8")
     text = _STYLE.sub(lambda found: f"<style>{_read(found[1])}</style>", text)
     scripts: list[str] = []
@@ -39,6 +42,8 @@ def packed(description: Mapping[str, object], wasm: bytes, explained: str = "") 
     code = base64.b64encode(wasm).decode("ascii")
     text = _filled(text, '<script type="application/octet-stream" id="wasm">', code)
     text = _filled(text, '<template id="explained">', explained)
+    if style:
+        text = text.replace(_END, f"<style>{style}</style>\n{_END}", 1)
     return text.replace(_HEAD, _HEAD + _policy(scripts), 1)
 
 
