@@ -32,11 +32,9 @@ def explained(options: argparse.Namespace) -> str:
     where SymPy is not installed."""
     if find_spec("sympy") is None:
         return ""
-    compilation = compile_within_limits(
-        options, quiet=True, symmetric=True, use=scene_use.of_compile(options)
-    )
+    compilation = compile_within_limits(options, quiet=True, symmetric=True)
     with within_limits(options):
-        scenes = [] if options.scene else scenes_shown(compilation, lengths.given(options.size))
+        scenes = scenes_shown(compilation, lengths.given(options.size), options.scene)
         return fragment(compilation, scenes, level=3)
 
 

@@ -24,9 +24,12 @@ class SceneShown:
     after: dict[str, int]
 
 
-def scenes_shown(compilation: Compilation, sizes: Mapping[str, int]) -> list[SceneShown]:
-    """Each scene, compiled by itself; of one that cannot be, why."""
-    return [_shown(compilation, sizes, scene) for scene in compilation.declared.scenes]
+def scenes_shown(
+    compilation: Compilation, sizes: Mapping[str, int], only: str | None = None
+) -> list[SceneShown]:
+    """Each scene or the `only` one, compiled by itself; of one that cannot be, why."""
+    scenes = [s for s in compilation.declared.scenes if only in (None, s.name)]
+    return [_shown(compilation, sizes, scene) for scene in scenes]
 
 
 def _shown(whole: Compilation, sizes: Mapping[str, int], scene: Scene) -> SceneShown:
