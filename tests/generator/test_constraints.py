@@ -10,7 +10,7 @@ import numpy
 import pytest
 from c_harness import COMPILERS, Loaded
 from pkgen.compiler import compile_model
-from pkgen.explain.bound import freedom
+from pkgen.explain.contents import freedom
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
 from pkgen.graph.rounding import sizes

@@ -15,7 +15,7 @@ from ..compiler import Compilation
 from ..describe.drawing import shown as drawn
 from ..system import page
 from ..version import __version__
-from .bound import freedom
+from .contents import freedom
 from .html_constants import constants
 from .html_equations import EquationSections
 from .html_loops import loop_freedom, loop_sections

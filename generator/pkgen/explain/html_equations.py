@@ -13,8 +13,8 @@ from ..graph.graph import ZERO, Node
 from ..model import Event
 from ..tree import Expr, names
 from . import mathml
-from .bound import constraint_rows, rates_title
-from .explain import canonical_rows, named_events
+from .contents import canonical_rows, constraint_rows, rates_title
+from .explain import named_events
 from .mathml import operator, row
 from .prose import Prose
 from .shown import Chunks, Shown

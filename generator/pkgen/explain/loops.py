@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
 
 from ..back.facts import loop_facts, loop_invariants
 from ..compiler import Compilation
 from ..describe.drawing import shown
 from ..graph.affine import Affine
-from ..middle.loops.loops import Facts, Group, LoopEquations, PairForce, PairPart, Total
-from .explain import constants_text, drawing, proofs_record, structure_record
+from ..middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Total
+from .contents import section
+from .explain import (
+    constants_text,
+    drawing,
+    proofs_record,
+    quantities_text,
+    structure_record,
+    title,
+)
 from .rows import EquationLine, M, Writer
 
 
@@ -18,16 +27,17 @@ def explain_loops(compilation: Compilation) -> str:
     e = compilation.equations
     assert isinstance(e, LoopEquations)
     write = Writer(e)
+    count = write.index(e.count)
+    sizes = ", ".join(f"{s.name} = {s.value}" for s in compilation.model.sizes)
     sections = [
-        _title(compilation, write),
-        _declared(write, "Coordinates", e.coordinates),
-        _declared(write, "Parameters", e.parameters),
+        title(compilation, f"{count} degrees of freedom ({sizes}); sizes are set at run time"),
+        *(quantities_text(kind, groups) for kind, groups in declared(write)),
         _lagrangian(write),
-        _equations(write),
+        section("Equations of motion   M q'' = f", _equations(write)),
         drawing(compilation),
         _structure(compilation, e),
-        _constants(e.facts),
-        _cost(compilation),
+        constants_text(loop_invariants(e.facts), e.facts.symmetries),
+        section("Loops", compilation.program.context["operations"]),
     ]
     return "\n\n".join(section for section in sections if section) + "\n"
 
@@ -61,54 +71,42 @@ def _record(lines: list[EquationLine]) -> dict[str, str]:
     return {f"{x.left} for {x.range}" if x.range else x.left: x.right for x in lines}
 
 
-def _title(compilation: Compilation, write: Writer) -> str:
-    model = compilation.model
-    title = model.name + (f": {model.description}" if model.description else "")
-    sizes = ", ".join(f"{s.name} = {s.value}" for s in model.sizes)
-    count = write.index(write.e.count)
-    return f"{title}\n{count} degrees of freedom ({sizes}); sizes are set at run time"
-
-
 def name_of(write: Writer, group: Group) -> str:
     return group.name + (
         f"[{write.index(group.lo)}..{write.index(group.hi)}]" if group.is_family else ""
     )
 
 
-def _declared(write: Writer, title: str, groups: tuple[Group, ...]) -> str:
-    rows = [
-        (
-            name_of(write, g),
-            f"[{unit}]" if (unit := g.declared.unit) else "",
-            g.declared.description,
-        )
-        for g in groups
+def declared(write: Writer) -> list[tuple[str, list[tuple[str, str, str]]]]:
+    """Names, units and descriptions, by kind."""
+    kinds = [("Coordinates", write.e.coordinates), ("Parameters", write.e.parameters)]
+    return [
+        (kind, [(name_of(write, g), g.declared.unit, g.declared.description) for g in groups])
+        for kind, groups in kinds
     ]
-    if not rows:
-        return ""
-    width = max(len(name) for name, _, _ in rows)
-    lines = [f"  {name:<{width}}  {unit:<10} {says}".rstrip() for name, unit, says in rows]
-    return "\n".join([title, *lines])
+
+
+def energies(write: Writer) -> list[tuple[str, str]]:
+    """T and V, or L where it is not both."""
+    e = write.e
+    parts = [("T", e.kinetic), ("V", e.potential)]
+    if e.kinetic is None or e.potential is None:
+        parts = [("L", e.lagrangian)]
+    return [(name, total_of(write, total)) for name, total in parts]
 
 
 def _lagrangian(write: Writer) -> str:
-    e = write.e
-    if e.kinetic is None or e.potential is None:
-        return f"Lagrangian\n  L = {total_of(write, e.lagrangian)}"
-    parts = [("T", e.kinetic), ("V", e.potential)]
-    return "\n".join(
-        ["Lagrangian   L = T - V", *(f"  {name} = {total_of(write, x)}" for name, x in parts)]
-    )
+    rows = energies(write)
+    title = "Lagrangian" if len(rows) == 1 else "Lagrangian   L = T - V"
+    return section(title, (f"{name} = {text}" for name, text in rows))
 
 
-def _equations(write: Writer) -> str:
-    lines = ["Equations of motion   M q'' = f"]
-    lines += [f"  {line}" for line in (*mass_lines(write), *force_lines(write))]
+def _equations(write: Writer) -> Iterator[str]:
+    yield from map(str, (*mass_lines(write), *force_lines(write)))
     for pair in write.e.force.pairs:
-        lines.append(f"  for each pair {pair_range(write, pair)}:")
-        lines += [f"    {line.left} += {line.right}" for line in pair_lines(write, pair)]
-    lines += [f"  where {line}" for line in beyond(write)]
-    return "\n".join(lines)
+        yield f"for each pair {pair_range(write, pair)}:"
+        yield from (f"  {line.left} += {line.right}" for line in pair_lines(write, pair))
+    yield from (f"where {line}" for line in beyond(write))
 
 
 def mass_lines(write: Writer) -> list[EquationLine]:
@@ -208,12 +206,4 @@ def _structure(compilation: Compilation, e: LoopEquations) -> str:
         ("fused steps", "yes: kick and drift in one pass over memory" if fused else "no"),
         ("constants", "energy" if e.facts.conservative else "none proved"),
     ]
-    return "\n".join(["Structure", *(f"  {name:<16} {text}" for name, text in rows)])
-
-
-def _constants(facts: Facts) -> str:
-    return constants_text(loop_invariants(facts), facts.symmetries)
-
-
-def _cost(compilation: Compilation) -> str:
-    return "\n".join(["Loops", *(f"  {row}" for row in compilation.program.context["operations"])])
+    return section("Structure", (f"{name:<16} {text}" for name, text in rows))
