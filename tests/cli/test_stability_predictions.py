@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 from conftest import ROOT
+from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import measure, misses, plan
 from pkgen.analysis.stability.ask import Asker, Close
-from pkgen.analysis.stability.map import known_methods
 from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import Prediction, limit, predictions
 from stability_asker import PENDULUM, asker, start
@@ -53,7 +53,7 @@ def pendulum() -> Asker:
 
 @pytest.fixture(scope="module")
 def steps(pendulum: Asker) -> dict[str, StepMap]:
-    return {m.name: StepMap(m, pendulum) for m in known_methods() if not m.adaptive}
+    return {m.name: StepMap(m, pendulum) for m in methods(None) if m.fixed}
 
 
 @pytest.mark.parametrize(

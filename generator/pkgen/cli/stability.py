@@ -7,6 +7,7 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
+from ..analysis.chart.chart import methods as all_methods
 from ..analysis.stability import map as maps
 from ..analysis.stability import plan, text
 from ..analysis.stability.map import MapOptions, StabilityMap
@@ -98,7 +99,7 @@ def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:
         if getattr(structure, name)
     )
     across, up = plan.numbers(options.points, options.quick)
-    taken, left = plan.methods(options.methods, maps.known_methods(), facts)
+    taken, left = plan.methods(options.methods, all_methods(None), facts)
     values = parsing.Values(compilation)
     steps = None
     if options.steps is not None:

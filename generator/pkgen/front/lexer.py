@@ -9,6 +9,7 @@ is wrong with a character, a number or a bracket is found here, all of it in one
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 
 from lark.lexer import Token
 
@@ -16,7 +17,6 @@ from .. import limits
 from ..source import Diagnostic, Source, Span
 from ..tree import COMPONENTS
 from .lexed import Lexed, description
-from .literals import literal_value
 from .shapes import shapes_of, unknown_shape
 from .stray_characters import stray_character
 from .table import STATEMENTS
@@ -67,38 +67,14 @@ class _Lexer:
 
     def run(self) -> None:
         at, match, text = 0, _PATTERN.match, self.text
+        handle = {kind: getattr(self, f"_{kind}") for kind in _PATTERN.groupindex}
         while at < len(text):
             if self.tokens > _TOKENS:
                 self._error(f"the model has more than {_TOKENS} words and signs", at, at + 1)
                 self.open.clear()
                 break
             found = match(text, at)
-            kind = found.lastgroup
-            if kind == "space":
-                at = found.end()
-            elif kind == "newline":
-                at = found.end()
-                self._newline()
-            elif kind == "comment":
-                self.now.comment = description(found.group())
-                at = found.end()
-            elif kind == "name":
-                at = self._name(found.group(), at)
-            elif kind == "number":
-                at = self._number(found.group(), at)
-            elif kind == "component":
-                at = self._component(found.group(), at)
-            elif kind == "string":
-                at = self._error(
-                    f"{found.group()[:40]}: a model holds no strings",
-                    at,
-                    found.end(),
-                    "names are written without quotes",
-                )
-            elif kind == "operator":
-                at = self._operator(found.group(), at)
-            else:
-                at = self._other(at)
+            at = handle[found.lastgroup](found.group(), at)
         self._end_statement("the file ends before it")
 
     def _add(self, kind: str, value: object, start: int, end: int) -> int:
@@ -112,21 +88,29 @@ class _Lexer:
         self.now.errors.append(Diagnostic(message, Span(start, end), help))
         return end
 
-    def _previous(self) -> Token | None:
-        return self.now.tokens[-1] if self.now.tokens else None
+    def _space(self, spelt: str, at: int) -> int:
+        return at + len(spelt)
 
-    def _newline(self) -> None:
+    def _newline(self, _: str, at: int) -> int:
         if not self.open:
             self._end_statement("")
         self.at_line_start = True
+        return at + 1
+
+    def _comment(self, spelt: str, at: int) -> int:
+        self.now.comment = description(spelt)
+        return at + len(spelt)
+
+    def _string(self, spelt: str, at: int) -> int:
+        help = "names are written without quotes"
+        return self._error(f"{spelt[:40]}: a model holds no strings", at, at + len(spelt), help)
 
     def _end_statement(self, why_open: str) -> None:
         if self.open:
             bracket, _, at = self.open[-1]
             closer = "')' or ']'" if self.open[-1][1] == "REND" else f"'{_CLOSERS[bracket]}'"
-            self._error(
-                f"this '{bracket}' is never closed: {why_open}", at, at + 1, f"add the {closer}"
-            )
+            message = f"this '{bracket}' is never closed: {why_open}"
+            self._error(message, at, at + 1, f"add the {closer}")
             self.open.clear()
         if self.now.tokens or self.now.errors:
             self.done.append(self.now)
@@ -165,12 +149,8 @@ class _Lexer:
         if not more:
             if name in shapes:
                 return self._add("SHAPE", name, at, end)
-            return self._error(
-                f"'{name}' is nothing that can be {'drawn' if word == 'draw' else 'viewed'}",
-                at,
-                end,
-                unknown_shape(str(word), name),
-            )
+            message = f"'{name}' is nothing that can be {'drawn' if word == 'draw' else 'viewed'}"
+            return self._error(message, at, end, unknown_shape(str(word), name))
         shape = shapes[str(more[0])] if more[0].type == "SHAPE" else None
         bare = shape is not None and (not shape.subject or shape.subject_optional)
         if more[-1].type in _VALUE_ENDS or (len(more) == 1 and bare and name in shape.parts):
@@ -208,22 +188,15 @@ class _Lexer:
             whole = spelt + point.group()
             if "." in spelt or "e" in spelt.lower():
                 return self._error(f"'{whole}' is not a number", at, point.end())
-            return self._error(
-                f"a number has digits on both sides of its point: '{whole}'",
-                at,
-                point.end(),
-                f"write {spelt}.0{point.group()[1:]}",
-            )
+            message = f"a number has digits on both sides of its point: '{whole}'"
+            help = f"write {spelt}.0{point.group()[1:]}"
+            return self._error(message, at, point.end(), help)
         if following.isalpha() or following == "_":
             word = _PATTERN.match(text, end).group()
-            self._error(
-                f"'{spelt}{word}' is neither a number nor a name",
-                at,
-                end + len(word),
-                bracketed(spelt, unit)
-                if (unit := bare_unit(text, end))
-                else f"a product is written {spelt}*{word}",
-            )
+            unit = bare_unit(text, end)
+            help = bracketed(spelt, unit) if unit else f"a product is written {spelt}*{word}"
+            message = f"'{spelt}{word}' is neither a number nor a name"
+            self._error(message, at, end + len(word), help)
         value = literal_value(spelt)
         if isinstance(value, str):
             return self._error(value, at, end)
@@ -243,7 +216,7 @@ class _Lexer:
         return self._add(_OPERATORS[spelt], spelt, at, at + len(spelt))
 
     def _open(self, bracket: str, at: int) -> int:
-        previous = self._previous()
+        previous = self.now.tokens[-1] if self.now.tokens else None
         if previous is not None and previous.type == "IN":
             return self._push(bracket, "LEND", "REND", at)
         if bracket == "(":
@@ -259,15 +232,10 @@ class _Lexer:
             return self._push("[", "LVECTOR", "RBRACKET", at)
         unit = _UNIT.match(self.text, at)
         if unit is None:
+            help = "an index touches its name: q[i]; a unit is written [m/s^2]"
+            self._error("this '[' opens a unit that does not end on its line", at, at + 1, help)
             end = self.text.find("\n", at)
-            end = len(self.text) if end < 0 else end
-            self._error(
-                "this '[' opens a unit that does not end on its line",
-                at,
-                at + 1,
-                "an index touches its name: q[i]; a unit is written [m/s^2]",
-            )
-            return end
+            return len(self.text) if end < 0 else end
         return self._add("UNIT", unit.group(1), at, unit.end())
 
     def _push(self, bracket: str, kind: str, closer: str, at: int) -> int:
@@ -284,25 +252,32 @@ class _Lexer:
             return self._error(f"this '{bracket}' closes nothing", at, at + 1)
         opener, kind, _ = self.open.pop()
         if kind != "REND" and _CLOSERS[opener] != bracket:
-            self._error(
-                f"this '{bracket}' cannot close the '{opener}' before it",
-                at,
-                at + 1,
-                f"the '{opener}' needs a '{_CLOSERS[opener]}'",
-            )
+            message = f"this '{bracket}' cannot close the '{opener}' before it"
+            self._error(message, at, at + 1, f"the '{opener}' needs a '{_CLOSERS[opener]}'")
         if self.too_deep:
             return at + 1
         return self._add(kind, bracket, at, at + 1)
 
-    def _other(self, at: int) -> int:
+    def _other(self, _: str, at: int) -> int:
         text = self.text
         if text[at] == "." and text[at + 1 : at + 2].isdigit():
             digits = re.compile(r"\.[0-9]*").match(text, at).group()
-            return self._error(
-                f"a number has digits on both sides of its point: '{digits}'",
-                at,
-                at + len(digits),
-                f"write 0{digits}",
-            )
+            message = f"a number has digits on both sides of its point: '{digits}'"
+            return self._error(message, at, at + len(digits), f"write 0{digits}")
         self._stray(text[at], at, "a model")
         return at + 1
+
+
+def literal_value(spelt: str) -> Fraction | str:
+    """The exact value of a literal, or what is wrong with it; never computes a huge power."""
+    digits, _, exponent = spelt.lower().partition("e")
+    if len(digits) > limits.LITERAL_DIGITS:
+        return f"a number of {len(digits)} digits; the limit is {limits.LITERAL_DIGITS}"
+    if exponent and (len(exponent) > 6 or abs(int(exponent)) > limits.LITERAL_EXPONENT):
+        return f"an exponent beyond {limits.LITERAL_EXPONENT}: no double holds this number"
+    value = Fraction(spelt)
+    try:
+        rounded = float(value)
+    except OverflowError:
+        return "this number is too large for a double"
+    return limits.lost(value, rounded, "number") or value

@@ -14,29 +14,25 @@ from lark.lexer import Token
 from ..record import record
 from ..source import Source, Span
 from .lexed import Lexed
-from .parse_forms import ORDER, WHAT
-from .table import STATEMENTS
+from .table import STATEMENTS, SYNTAX
 from .units import bare_unit, bracketed
 from .words import CLAUSE_WORDS
 
+# Of each clause which other comes after it, and how both are written.
+ORDER = {
+    "every": ("at", "record a, energy every 0.01 [s] at EVENT"),
+    "step": ("rtol", "method dop853 step 0.01 [s] rtol 1e-9"),
+    "within": ("at", STATEMENTS["expect"].form),
+}
+# What the parser may have wanted.
+WHAT = {
+    "EQUAL": "'='", "COLON": "':'", "DOTS": "'..'", "_COMMA": "','", "RPAREN": "')'",
+    "RBRACKET": "']'", "NAME": "a name", "LEND": "'(' or '['", "REND": "')' or ']'",
+}  # fmt: skip
 _VALUE_STARTS = frozenset(("NAME", "NUMBER", "FUNCTION", "SUM", "LPAREN", "LVECTOR"))
 _VALUE_ENDS = frozenset(("NAME", "NUMBER", "PRIME", "COMPONENT", "RPAREN", "RBRACKET", "UNIT"))
 BINARY = frozenset(("PLUS", "MINUS", "TIMES", "OVER", "POWER"))
-_LISTS = frozenset(
-    [
-        "coord",
-        "input",
-        "state",
-        "rotation",
-        "start",
-        "fixed",
-        "free",
-        "periodic",
-        "set",
-        "hold",
-        "record",
-    ]
-)
+_LISTS = frozenset(word for word, row in STATEMENTS.items() if "(_COMMA" in SYNTAX[row.syntax])
 
 
 @record
@@ -90,12 +86,9 @@ def _decimal_comma(spot: Spot):
 
 
 def _model_name(spot: Spot):
-    if spot.word != "model" or spot.token.type in ("$END", spot.token.upper()):
-        return None
-    return (
-        "a model's name is one word of letters, digits and '_'",
-        "it names the C files and begins every C symbol; -o gives the directory",
-    )
+    if spot.word == "model" and spot.token.type not in ("$END", spot.token.upper()):
+        help = "it names the C files and begins every C symbol; -o gives the directory"
+        return "a model's name is one word of letters, digits and '_'", help
 
 
 def _sum_form(spot: Spot):
@@ -109,45 +102,35 @@ def _sum_form(spot: Spot):
         elif token.type in ("RPAREN", "RBRACKET", "REND") and opened:
             opened.pop()
         before = token.type
-    if not opened or opened[-1] != "SUM" or spot.wants_value():
-        return None
-    if spot.token.type not in ("EQUAL", "NUMBER", "RPAREN"):
-        return None
-    return "a sum says what runs over which range", "the form is: sum(m/2*q[i]'^2, i = 1..N)"
+    stuck = spot.token.type in ("EQUAL", "NUMBER", "RPAREN") and not spot.wants_value()
+    if stuck and opened and opened[-1] == "SUM":
+        return "a sum says what runs over which range", "the form is: sum(m/2*q[i]'^2, i = 1..N)"
 
 
 def _family_left(spot: Spot):
-    if spot.token.type != "DOTS" or not any(t.type == "LINDEX" for t in spot.lexed.tokens):
-        return None
-    low = spot.text(spot.before)
-    return (
-        "a range needs the name of its variable",
-        f"write [i = {low}..{spot.text(spot.after) if spot.after else ''}]",
-    )
+    if spot.token.type == "DOTS" and any(t.type == "LINDEX" for t in spot.lexed.tokens):
+        low, high = spot.text(spot.before), spot.text(spot.after) if spot.after else ""
+        return "a range needs the name of its variable", f"write [i = {low}..{high}]"
 
 
 def _nothing_after_keyword(spot: Spot):
-    if spot.token.type != "$END" or spot.before is not spot.lexed.tokens[0]:
-        return None
-    needs = "an expression" if spot.wants_value() else "a name"
-    return f"'{spot.word}' needs {needs} after it", f"e.g. {spot.form}"
+    if spot.token.type == "$END" and spot.before is spot.lexed.tokens[0]:
+        needs = "an expression" if spot.wants_value() else "a name"
+        return f"'{spot.word}' needs {needs} after it", f"e.g. {spot.form}"
 
 
 def _reserved_word(spot: Spot):
     word = str(spot.token)
     if word not in STATEMENTS.keys() | CLAUSE_WORDS or spot.token.type != word.upper():
         return None
-    if (
-        "NAME" in spot.expected
-        and (spot.after is not None or not spot.wants_value())
-        and not (word == "in" and spot.after is not None and spot.after.type == "LEND")
-    ):
-        return f"'{word}' is a word of the language and cannot be a name", "choose another name"
-    if word in STATEMENTS and spot.before.type in _VALUE_ENDS:
-        return f"'{word}' starts a statement of its own", "put it on a new line"
-    if word in STATEMENTS:
-        return f"'{word}' is a word of the language and cannot be a name", "choose another name"
-    return None
+    bounds = word == "in" and spot.after is not None and spot.after.type == "LEND"
+    meant = "NAME" in spot.expected and (spot.after is not None or not spot.wants_value())
+    if not (meant and not bounds):
+        if word not in STATEMENTS:
+            return None
+        if spot.before.type in _VALUE_ENDS:
+            return f"'{word}' starts a statement of its own", "put it on a new line"
+    return f"'{word}' is a word of the language and cannot be a name", "choose another name"
 
 
 def _index_without_space(spot: Spot):
@@ -175,21 +158,17 @@ def _index_without_space(spot: Spot):
 
 
 def _unit_in_the_middle(spot: Spot):
-    if spot.before.type != "UNIT" or spot.token.type not in BINARY | _VALUE_STARTS | {"UNIT"}:
-        return None
-    unit = spot.text(spot.before)
-    return (
-        f"the unit {unit} ends the value before it; nothing can follow but the next item",
-        f"put the quantity in brackets, e.g. (2 {unit})*x",
-    )
+    if spot.before.type == "UNIT" and spot.token.type in BINARY | _VALUE_STARTS | {"UNIT"}:
+        unit = spot.text(spot.before)
+        message = f"the unit {unit} ends the value before it; nothing can follow but the next item"
+        return message, f"put the quantity in brackets, e.g. (2 {unit})*x"
 
 
 def _one_name_a_line(spot: Spot):
     if spot.token.type != "_COMMA" or spot.word in _LISTS or "RPAREN" in spot.expected:
         return None
-    if spot.word not in STATEMENTS or spot.before.type not in _VALUE_ENDS:
-        return None
-    return f"'{spot.word}' takes one item", f"start a new line with '{spot.word}' for the next"
+    if spot.word in STATEMENTS and spot.before.type in _VALUE_ENDS:
+        return f"'{spot.word}' takes one item", f"start a new line with '{spot.word}' for the next"
 
 
 def _missing_operator(spot: Spot):
@@ -202,13 +181,10 @@ def _missing_operator(spot: Spot):
     if spot.before.type == "NUMBER" and unit:
         at = spot.token.start_pos
         return f"the unit {unit} has no brackets", bracketed(left, unit), Span(at, at + len(unit))
-    if "[" in left:
-        left = "…"
-    return (
-        f"an operator is missing between '{left}' and '{right}'",
-        f"a product is written {'(…)' if left == ')' else left}*{right}"
-        + ("…)" if right == "(" else ""),
-    )
+    left = "…" if "[" in left else left
+    product = f"{'(…)' if left == ')' else left}*{right}" + ("…)" if right == "(" else "")
+    message = f"an operator is missing between '{left}' and '{right}'"
+    return message, f"a product is written {product}"
 
 
 def _no_name_wanted(spot: Spot):
@@ -218,14 +194,9 @@ def _no_name_wanted(spot: Spot):
     if spot.before.type == "EQUAL":
         return "'==' is not an operator", "one '=' defines a name"
     if spot.word in ("kinetic", "potential", "lagrangian", "dissipation"):
-        return (
-            f"'{spot.word}' takes an expression, not a definition",
-            f"e.g. {spot.form}; a name is defined with 'let'",
-        )
-    return (
-        "this '=' has no place here",
-        f"the form is: {spot.form}",
-    )
+        help = f"e.g. {spot.form}; a name is defined with 'let'"
+        return f"'{spot.word}' takes an expression, not a definition", help
+    return "this '=' has no place here", f"the form is: {spot.form}"
 
 
 def _prime_misplaced(spot: Spot):
@@ -234,20 +205,14 @@ def _prime_misplaced(spot: Spot):
     if spot.before.type == "NUMBER":
         return f"{spot.text(spot.before)} is a number and has no rate", ""
     if "EQUAL" in spot.expected:
-        return (
-            "this side of the definition has no prime",
-            f"the form is: {spot.form}",
-        )
-    return (
-        "a prime stands after a name, an index, a call or a bracket",
-        "the rate of x is x'; of a whole expression (a*b)'",
-    )
+        return "this side of the definition has no prime", f"the form is: {spot.form}"
+    help = "the rate of x is x'; of a whole expression (a*b)'"
+    return "a prime stands after a name, an index, a call or a bracket", help
 
 
 def _comparison(spot: Spot):
-    if spot.token.type not in ("LESS", "GREATER"):
-        return None
-    return f"'{spot.token}' is not an operator here", "step(x) is 0 below 0 and 1 from 0 on"
+    if spot.token.type in ("LESS", "GREATER"):
+        return f"'{spot.token}' is not an operator here", "step(x) is 0 below 0 and 1 from 0 on"
 
 
 def _clause_order(spot: Spot):
@@ -257,9 +222,8 @@ def _clause_order(spot: Spot):
         return None
     then, form = ORDER[clause]
     before = {str(t) for t in spot.lexed.tokens if t.start_pos < spot.token.start_pos}
-    if then not in before or clause in before:
-        return None
-    return f"'{clause}' comes before '{then}'", f"the form is: {form}"
+    if then in before and clause not in before:
+        return f"'{clause}' comes before '{then}'", f"the form is: {form}"
 
 
 def _value_missing(spot: Spot):
@@ -275,7 +239,7 @@ def _value_missing(spot: Spot):
 def _something_missing(spot: Spot):
     """What could have come, if that is one thing or two; else what should not have."""
     wanted = [WHAT[t] for t in WHAT if t in spot.expected]
-    if "EQUAL" in spot.expected and spot.word not in ("expect",):
+    if "EQUAL" in spot.expected and spot.word != "expect":
         wanted = ["'='"]
     shown = "the end of the statement"
     if spot.token.type != "$END":

@@ -15,32 +15,11 @@ from .panel import FAILED, UNITS, Curve, Style, draw
 from .points import AXES, FAMILIES, Point, Track
 
 # Of a family: colour and marker.
-STYLES = dict(
-    zip(
-        FAMILIES,
-        (
-            ("#E69F00", "D"),
-            ("#D55E00", "o"),
-            ("#0072B2", "s"),
-            ("#56B4E9", "^"),
-            ("#000000", "*"),
-            ("#CC79A7", "P"),
-            ("#009E73", "v"),
-            ("#888888", "X"),
-        ),
-        strict=True,
-    )
-)
+_COLOURS = "#E69F00 #D55E00 #0072B2 #56B4E9 #000000 #CC79A7 #009E73 #888888"
+STYLES = dict(zip(FAMILIES, zip(_COLOURS.split(), "Dos^*PvX", strict=True), strict=True))
 # Of the members of a family, in turn.
-MEMBERS = (
-    ("#0072B2", "s"),
-    ("#D55E00", "o"),
-    ("#009E73", "v"),
-    ("#CC79A7", "P"),
-    ("#E69F00", "D"),
-    ("#56B4E9", "^"),
-    ("#000000", "X"),
-)
+_COLOURS = "#0072B2 #D55E00 #009E73 #CC79A7 #E69F00 #56B4E9 #000000"
+MEMBERS = tuple(zip(_COLOURS.split(), "sovPD^X", strict=True))
 STRONG_MOST = 10
 NAMED_MOST = 14  # of more methods only the strong ones are named where all are
 FONTS = "'DejaVu Sans', Verdana, sans-serif"

@@ -108,7 +108,7 @@ def draw(
 
 
 def _line(axes, x: list[float], y: list[float], style: Style) -> None:
-    size = {True: 4.0, False: 2.4}[style.strong] * (1.5 if style.marker == "*" else 1.0)
+    size = (4.0 if style.strong else 2.4) * (1.5 if style.marker == "*" else 1.0)
     axes.plot(
         x,
         y,

@@ -46,6 +46,10 @@ class ChartedMethod:
         return "adaptive" not in self.flags
 
     @property
+    def implicit(self) -> bool:
+        return "implicit" in self.flags
+
+    @property
     def setting(self) -> str:
         """What a point of it is a choice of: the option of `pkgen run`."""
         return "step" if self.fixed else "rtol"
@@ -58,7 +62,7 @@ class ChartedMethod:
             return EXACT
         if "separable" in self.requires:
             return SPLITTING
-        if "implicit" not in self.flags:
+        if not self.implicit:
             return EXPLICIT if self.fixed else EMBEDDED
         if not self.fixed:
             return IMPLICIT_ADAPTIVE

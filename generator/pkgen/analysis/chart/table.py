@@ -7,12 +7,7 @@ import io
 
 from .points import ChartedMethod, Point, Track
 
-COLUMNS = (
-    "method",
-    "family",
-    "order",
-    "step",
-    "rtol",
+OF_POINT = [
     "outcome",
     "status",
     "error",
@@ -24,7 +19,8 @@ COLUMNS = (
     "steps",
     "rejections",
     "t",
-)
+]
+COLUMNS = ("method", "family", "order", "step", "rtol", *OF_POINT)
 
 
 def record(method: ChartedMethod, point: Point) -> dict[str, object]:
@@ -35,17 +31,7 @@ def record(method: ChartedMethod, point: Point) -> dict[str, object]:
         "order": method.order,
         "step": point.setting if method.fixed else None,
         "rtol": None if method.fixed else point.setting,
-        "outcome": point.outcome,
-        "status": point.status,
-        "error": point.error,
-        "lucky": point.lucky,
-        "seconds": point.seconds,
-        "evaluations": point.evaluations,
-        "jacobians": point.jacobians,
-        "work": point.work,
-        "steps": point.steps,
-        "rejections": point.rejections,
-        "t": point.t,
+        **{name: getattr(point, name) for name in OF_POINT},
         **{f"drift({name})": value for name, value in point.drifts.items()},
         "reason": point.reason,
     }

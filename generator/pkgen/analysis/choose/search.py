@@ -124,7 +124,7 @@ class _Steps:
 
     def __init__(self, interval: float, method: ChartedMethod):
         self.interval = interval
-        self.other = SHORTENED if "implicit" in method.flags else None
+        self.other = SHORTENED if method.implicit else None
 
     def allowed(self, setting: float) -> float:
         return self.interval / max(1, math.ceil(self.interval / setting * (1 - 1e-9)))
@@ -159,7 +159,7 @@ class _Tolerances:
     other: float | None = LOOSENED
 
     def __init__(self, method: ChartedMethod):
-        self.order, self.implicit = max(method.order, 1), "implicit" in method.flags
+        self.order, self.implicit = max(method.order, 1), method.implicit
 
     def allowed(self, setting: float) -> float:
         return min(max(setting, TIGHTEST), LOOSEST)

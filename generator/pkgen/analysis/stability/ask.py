@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import TypeVar
 
 from ...record import record
 from ...run.library import Stability, load
@@ -13,6 +14,7 @@ from ...run.settings import Settings
 ZERO = 1e-7  # of the largest rate at any equilibrium: below, the linear terms decide nothing
 UNDECIDED = "not decided by the linear terms"
 TRIES = 100  # starts from which equilibria are sought
+Made = TypeVar("Made")
 
 
 @record
@@ -27,7 +29,7 @@ class Mode:
     @property
     def rate(self) -> float:
         """|lambda|."""
-        return (self.growth**2 + self.frequency**2) ** 0.5
+        return math.hypot(self.growth, self.frequency)
 
 
 @record
@@ -142,17 +144,18 @@ class Asker:
         return self._stability.ask(what, **question)
 
     def rest(self, tries: int = TRIES) -> Rest:
-        return rest(self.ask("equilibria", count=tries))
+        return _rest(self.ask("equilibria", count=tries))
 
     def start(self) -> Motion:
         """None of it yet: where it begins."""
-        return motion(self.ask("start"))
+        return made(Motion, self.ask("start"), status="motion")
 
     def motion(self) -> Motion:
-        return motion(self.ask("motion"))
+        return made(Motion, self.ask("motion"), status="motion")
 
     def point(self, method: str, h: float) -> Point:
-        return point(self.ask("point", method=method, h=h))
+        answer = self.ask("point", method=method, h=h)
+        return made(Point, answer, method="point", kind="class")
 
     def at(self, place: Equilibrium) -> Asker:
         """Asks from there."""
@@ -162,70 +165,32 @@ class Asker:
     def near(self, **question: object) -> Close:
         """From at() an equilibrium."""
         a = self.ask("near", **question)
-        return Close(a["status"], a["steps"], _number(a["growth"]), a["turn"] or 0.0)
+        growth = math.inf if a["growth"] is None else a["growth"]
+        return made(Close, a | {"growth": growth, "turn": a["turn"] or 0.0})
 
 
 def _floats(xs: list[float]) -> tuple[float, ...]:
     return tuple(map(float, xs))  # JSON has 0 as an integer
 
 
-def _number(x: float | None) -> float:
-    return float("inf") if x is None else x
+def made(cls: type[Made], answer: dict, /, **renamed: str) -> Made:
+    """A record of an answer, which has its fields, but for those that are `renamed`."""
+    values = {f.name: answer[renamed.get(f.name, f.name)] for f in fields(cls)}
+    return cls(**{name: _floats(x) if isinstance(x, list) else x for name, x in values.items()})
 
 
-def rest(answer: dict) -> Rest:
-    fastest = max(
-        (math.hypot(m["growth"], m["frequency"]) for e in answer["equilibria"] for m in e["modes"]),
-        default=0.0,
-    )
+def _rest(answer: dict) -> Rest:
+    modes = [made(Mode, m) for e in answer["equilibria"] for m in e["modes"]]
+    fastest = max((mode.rate for mode in modes), default=0.0)
 
-    def cleared(mode: dict) -> dict:
+    def cleared(mode: Mode) -> Mode:
         """Sets modes near 0 to 0: inexact roots make vanishing linear terms small numbers."""
-        slow = math.hypot(mode["growth"], mode["frequency"]) <= ZERO * fastest
-        return {**mode, "growth": 0, "frequency": 0} if slow else mode
+        slow = mode.rate <= ZERO * fastest
+        return replace(mode, growth=0, frequency=0) if slow else mode
 
-    return Rest(
-        answer["status"],
-        tuple(
-            Equilibrium(
-                _floats(e["q"]),
-                _floats(e["v"]),
-                e["energy"],
-                tuple(
-                    Mode(m["growth"], m["frequency"], tuple(m["re"]), tuple(m["im"]))
-                    for m in map(cleared, e["modes"])
-                ),
-                e["status"],
-            )
-            for e in answer["equilibria"]
-        ),
-        answer["failed"],
-        answer["singular"],
-        answer["more"],
-        tuple(map(bool, answer["turns"])),
-    )
-
-
-def motion(answer: dict) -> Motion:
-    return Motion(
-        answer["motion"],
-        answer["t"],
-        answer["energy"],
-        answer["scale"],
-        _floats(answer["q"]),
-        _floats(answer["v"]),
-        _floats(answer["parameters"]),
-        answer["leaves"],
-    )
-
-
-def point(answer: dict) -> Point:
-    return Point(
-        answer["point"],
-        answer["h"],
-        answer["class"],
-        answer["status"],
-        answer["steps"],
-        answer["rise"],
-        answer["away"],
-    )
+    found = [
+        made(Equilibrium, e | {"modes": tuple(cleared(made(Mode, m)) for m in e["modes"])})
+        for e in answer["equilibria"]
+    ]
+    turns = tuple(map(bool, answer["turns"]))
+    return made(Rest, answer | {"equilibria": tuple(found), "turns": turns})

@@ -10,14 +10,15 @@ from dataclasses import replace
 
 from ...compiler import Compilation
 from ...record import record
-from ...run.build import build_library, runtime_methods
+from ...run.build import build_library
 from ...run.settings import Settings
 from ...system.exits import UsageError
 from ...system.progress import Show, unseen
+from ..chart.points import ChartedMethod
 from . import measure, plan
 from .ask import Asker, Equilibrium, Motion, Rest
 from .measure import Growth, Measured, Row
-from .method import StepMap, Traits
+from .method import StepMap
 from .plan import Axis
 from .predict import Prediction, predictions
 
@@ -33,7 +34,7 @@ class MapOptions:
     settings: Settings
     axis: Axis
     across: int  # steps
-    methods: tuple[Traits, ...]
+    methods: tuple[ChartedMethod, ...]
     left: tuple[str, ...]  # why others are not mapped
     steps: tuple[float, float] | None
     until: float | None
@@ -55,18 +56,6 @@ class StabilityMap:
     predictions: tuple[Prediction, ...]  # at the model's own start and parameters
     measured: tuple[Measured, ...]
     growths: tuple[Growth, ...]
-
-
-def known_methods() -> list[Traits]:
-    return [
-        Traits(
-            m["name"],
-            frozenset(m["flags"]),
-            tuple(m["requires"]),
-            math.inf if m["limits"]["imaginary"] == "infinite" else m["limits"]["imaginary"],
-        )
-        for m in runtime_methods()
-    ]
 
 
 def make(

@@ -14,8 +14,8 @@ import math
 from collections.abc import Callable, Sequence
 
 from ...record import record
-from .ask import Asker, Close, Motion, Point, Rest
-from .method import FURTHEST, combined
+from .ask import Asker, Motion, Point, Rest
+from .method import FURTHEST, combined, first_change
 from .predict import RESONANCES, Prediction
 
 SMALL = 1e-6  # of the size of the motion
@@ -24,6 +24,7 @@ STEPS = 4000
 FAR = 1e3
 LOOKS = 16  # points of the first look for where something begins
 FINE = 1e-6  # relative: how well it is known then
+RESPONDS = 1.3  # growth at a resonance over that beside it, from which it is seen
 BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
 
 
@@ -62,6 +63,11 @@ class Measured:
     how: str  # what happened there, in words
     response: float | None = None  # of a resonance: growth at its peak over that beside it
     peak: float | None = None  # the step of that peak
+
+    @property
+    def silent(self) -> bool:
+        """A resonance that nothing answers."""
+        return self.response is not None and self.response < RESPONDS
 
 
 @record
@@ -121,66 +127,53 @@ def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
     return found
 
 
-def _grows(close: Close) -> bool:
-    return close.status != "PK_DONE" or not close.growth < FAR
-
-
 def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     fastest = at.equilibria[p.equilibrium].modes[p.mode].rate
     steps = 100 if p.h is None else STEPS
-    seen: list[Close] = []
+    status = "PK_DONE"  # of the last step that was too long
 
-    def grows(hs: Sequence[float]) -> list[bool]:
-        closes = [asker.near(method=p.method, h=h, amplitude=amplitude, count=steps) for h in hs]
-        found = [_grows(c) for c in closes]
-        seen[:] = [c for c, bad in zip(closes, found, strict=True) if bad][:1] or seen
-        return found
+    def grows(h: float) -> bool:
+        nonlocal status
+        close = asker.near(method=p.method, h=h, amplitude=amplitude, count=steps)
+        bad = close.status != "PK_DONE" or not close.growth < FAR
+        status = close.status if bad else status
+        return bad
 
     if p.h is None:
         hs = [FURTHEST * part / fastest for part in (0.05, 0.1, 0.25, 0.5, 0.9)]
-        bad = next((h for h, grown in zip(hs, grows(hs), strict=True) if grown), None)
+        bad = next(filter(grows, hs), None)
         if bad is None:
             return Measured(p, None, f"stable up to h |lambda| = {hs[-1] * fastest:.3g}")
-        h = search(grows, 0.0, bad)
+        h = _search(grows, 0.0, bad)
     elif p.h == 0:
-        h = search(grows, 0.0, 0.5 / fastest)
-    elif not any(grows([p.h * x for x in (0.5, 0.7, 0.9, 0.999)])) and grows([1.001 * p.h])[0]:
-        h = search(grows, 0.999 * p.h, 1.001 * p.h)  # intervals of growth may be narrow
+        h = _search(grows, 0.0, 0.5 / fastest)
+    elif not any(grows(p.h * x) for x in (0.5, 0.7, 0.9, 0.999)) and grows(1.001 * p.h):
+        h = _search(grows, 0.999 * p.h, 1.001 * p.h)  # intervals of growth may be narrow
     else:
-        h = search(grows, 0.5 * p.h, 1.5 * p.h)
+        h = _search(grows, 0.5 * p.h, 1.5 * p.h)
     if h is None:
         return Measured(p, None, "no growth up to 1.5 times the prediction")
-    status = seen[0].status if seen else "PK_DONE"
     return Measured(p, h, "growth" if status == "PK_DONE" else status)
 
 
 def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:
-    seen: list[str] = []
+    status = "every step was made"
 
-    def fails(hs: Sequence[float]) -> list[bool]:
+    def fails(h: float) -> bool:
+        nonlocal status
         tiny = {"method": p.method, "mode": p.mode, "amplitude": amplitude / 1e6, "count": 1}
-        closes = [asker.near(h=h, **tiny) for h in hs]
-        seen[:] = [c.status for c in closes if c.status != "PK_DONE"][:1] or seen
-        return [c.status != "PK_DONE" for c in closes]
+        found = asker.near(h=h, **tiny).status
+        status = status if found == "PK_DONE" else found
+        return found != "PK_DONE"
 
     assert p.h is not None
-    h = search(fails, 0.0, 2 * p.h)
-    return Measured(p, h, seen[0] if seen else "every step was made")
+    h = _search(fails, 0.0, 2 * p.h)
+    return Measured(p, h, status)
 
 
-def search(test: Callable[[Sequence[float]], list[bool]], low: float, high: float) -> float | None:
-    """The first x in (low, high] at which `test` becomes true, to FINE of the way; a gap narrower
-    than the first look's spacing is missed."""
-    close = FINE * high
-    xs = [low + (high - low) * (k + 1) / LOOKS for k in range(LOOKS)]
-    where = next((k for k, bad in enumerate(test(xs)) if bad), None)
-    if where is None:
-        return None
-    low, high = (xs[where - 1] if where else low), xs[where]
-    while high - low > close:
-        middle = (low + high) / 2
-        low, high = (low, middle) if test([middle])[0] else (middle, high)
-    return high
+def _search(test: Callable[[float], bool], low: float, high: float) -> float | None:
+    """The first x in (low, high] at which `test` becomes true, to FINE of the way."""
+    return first_change(test, low, high, looks=LOOKS, parts=2, close=FINE * high)
 
 
 def _resonance(

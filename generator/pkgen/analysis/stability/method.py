@@ -15,11 +15,13 @@ pole     the first y at which a step on q'' = +q has no solution: an implicit me
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import takewhile
 
 from ...record import record
-from .ask import Asker
+from ..chart.points import ChartedMethod
+from .ask import Asker, made
 
 FURTHEST = 30.0  # y up to which limits and poles are sought
 COARSE = 600  # points of the first look
@@ -46,42 +48,19 @@ class Map:
         return self.growth is None or self.growth > 1 + OUTSIDE
 
 
-@record
-class Traits:
-    """What the driver says of a method."""
-
-    name: str
-    flags: frozenset[str]
-    requires: tuple[str, ...]
-    limit: float | None  # on the imaginary axis, from its table: inf where none; None: not known
-
-    @property
-    def adaptive(self) -> bool:
-        return "adaptive" in self.flags
-
-    @property
-    def implicit(self) -> bool:
-        return "implicit" in self.flags
-
-
 @dataclass
 class StepMap:
     """A method's map; answers are kept, since limits are asked for again for each equilibrium."""
 
-    traits: Traits
+    traits: ChartedMethod
     asker: Asker
     _found: dict[tuple[str, float], float | None] = field(default_factory=dict)
     _angles: tuple[list[float], list[float]] | None = None
 
-    def maps(self, ys: Sequence[float], stiffness: float = 1, damping: float = 0) -> list[Map]:
+    def map(self, y: float, stiffness: float = 1, damping: float = 0) -> Map:
         """Of a step that was not made nothing is known."""
-        name = self.traits.name
-        given = {"method": name, "stiffness": stiffness, "damping": damping}
-        answers = [self.asker.ask("oscillator", h=float(y), **given) for y in ys]
-        return [Map(a["growth"], a["turn"], a["trace"]) for a in answers]
-
-    def turns(self, ys: Sequence[float]) -> list[float | None]:
-        return [a.turn for a in self.maps(ys)]
+        given = {"method": self.traits.name, "stiffness": stiffness, "damping": damping}
+        return made(Map, self.asker.ask("oscillator", h=float(y), **given))
 
     def _once(self, what: str, x: float, find: Callable[[float], float | None]) -> float | None:
         """find(x), remembered: many equilibria and rows ask for the same."""
@@ -95,13 +74,10 @@ class StepMap:
         return self._once("limit", damping_ratio, self._limit)
 
     def _limit(self, ratio: float) -> float | None:
-        if ratio == 0 and self.traits.limit is not None:
-            return None if math.isinf(self.traits.limit) else self.traits.limit
-
-        def outside(ys: Sequence[float]) -> list[bool]:
-            return [a.outside for a in self.maps(ys, 1.0, 2 * ratio)]
-
-        found = first_change(outside, 0.0, FURTHEST)
+        known = self.traits.imaginary
+        if ratio == 0 and known is not None:
+            return None if math.isinf(known) else known
+        found = first_change(lambda y: self.map(y, 1.0, 2 * ratio).outside, 0.0, FURTHEST)
         return 0.0 if found is not None and found < FIRST_GROWTH else found
 
     def pole(self) -> float | None:
@@ -111,14 +87,15 @@ class StepMap:
     def _pole(self, _: float) -> float | None:
         """Where 1/trace vanishes, continued from below: steps this side of it may be refused."""
 
-        def beyond(ys: Sequence[float]) -> list[bool]:
-            return [a.trace is None or a.trace < 0 for a in self.maps(ys, -1.0)]
+        def beyond(y: float) -> bool:
+            trace = self.map(y, -1.0).trace
+            return trace is None or trace < 0
 
         edge = first_change(beyond, 0.0, FURTHEST)
         if edge is None:
             return None
         ys = [edge * (1 - x) for x in (4e-3, 2e-3, 1e-3)]
-        g = [1 / a.trace for a in self.maps(ys, -1.0) if a.trace]
+        g = [1 / trace for y in ys if (trace := self.map(y, -1.0).trace)]
         if len(g) < len(ys):
             return None
         pole = sum(
@@ -133,9 +110,8 @@ class StepMap:
             limit = self.limit()
             far = FURTHEST if limit is None else limit
             ys = [far * (k + 1) / COARSE for k in range(COARSE)] if far else []
-            turns = self.turns(ys)
-            end = turns.index(None) if None in turns else len(ys)
-            self._angles = ys[:end], [turn for turn in turns[:end] if turn is not None]
+            turns = list(takewhile(lambda turn: turn is not None, (self.map(y).turn for y in ys)))
+            self._angles = ys[: len(turns)], turns
         return self._angles
 
     def resonance(self, angle: float) -> float | None:
@@ -143,8 +119,9 @@ class StepMap:
         return self._once("angle", angle, self._resonance)
 
     def _resonance(self, angle: float) -> float | None:
-        def past(ys: Sequence[float]) -> list[bool]:
-            return [turn is None or turn >= angle for turn in self.turns(ys)]
+        def past(y: float) -> bool:
+            turn = self.map(y).turn
+            return turn is None or turn >= angle
 
         ys, turns = self.angles()
         for low, high, turn in zip([0.0, *ys], ys, turns, strict=False):
@@ -160,22 +137,15 @@ class StepMap:
         return self._once(kind, ratio, lambda x: self._pair(kind, x))
 
     def _pair(self, kind: str, ratio: float) -> float | None:
-        def excess(ys: Sequence[float]) -> list[float | None]:
-            turns = self.turns([each for y in ys for each in (y / ratio, y)])
-            return [
-                None if slow is None or fast is None else combined(kind, fast, slow)
-                for slow, fast in zip(turns[::2], turns[1::2], strict=True)
-            ]
+        def excess(y: float) -> float:
+            slow, fast = self.map(y / ratio).turn, self.map(y).turn
+            return math.nan if slow is None or fast is None else combined(kind, fast, slow)
 
         ys, _ = self.angles()
         if not ys:
             return None
-        first = excess([ys[0]])[0]
-
-        def crossed(ys: Sequence[float]) -> list[bool]:
-            return [x is not None and first is not None and x * first < 0 for x in excess(ys)]
-
-        return first_change(crossed, 0.0, ys[-1])
+        first = excess(ys[0])
+        return first_change(lambda y: excess(y) * first < 0, 0.0, ys[-1])
 
 
 def combined(kind: str, fast: float, slow: float) -> float:
@@ -185,17 +155,23 @@ def combined(kind: str, fast: float, slow: float) -> float:
 
 
 def first_change(
-    test: Callable[[Sequence[float]], list[bool]], low: float, high: float
+    test: Callable[[float], bool],
+    low: float,
+    high: float,
+    looks: int = COARSE,
+    parts: int = 32,
+    close: float = 0.0,
 ) -> float | None:
     """The first x in (low, high] at which `test` becomes true, by a coarse look and ever finer
-    ones; a gap narrower than the coarse look's spacing is missed."""
-    count = COARSE
-    while True:
-        xs = [low + (high - low) * (k + 1) / count for k in range(count)]
-        where = next((k for k, x in enumerate(test(xs)) if x), None)
-        if where is None:
-            return None if count == COARSE else high
+    ones, each of so many parts, until it is known to `close`; 0: to its last digits. A gap narrower
+    than the coarse look's spacing is missed."""
+    xs = [low + (high - low) * (k + 1) / looks for k in range(looks)]
+    where = next((k for k, x in enumerate(xs) if test(x)), None)
+    while where is not None:
         low, high = (xs[where - 1] if where else low), xs[where]
-        if high - low <= 1e-13 * high:
+        if high - low <= (close or 1e-13 * high):
             return high
-        count = 32
+        xs = [low + (high - low) * (k + 1) / parts for k in range(parts - 1)]
+        where = next((k for k, x in enumerate(xs) if test(x)), parts - 1)
+        xs.append(high)
+    return None

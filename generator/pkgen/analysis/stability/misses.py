@@ -11,7 +11,6 @@ from .predict import Prediction
 TOLERANCE = 0.01  # relative difference that counts as a miss
 LISTED = 4  # resonances named in one sentence
 NEXT = 0.03  # relative distance from a prediction at which a failing point is said to be next to it
-RESPONDS = 1.3  # growth at a resonance over that beside it, from which it is seen
 FAILED = ("growing", "not converged", "wrong branch", "not finite", "singular", "failed")
 
 
@@ -33,6 +32,10 @@ def difference(predicted: float | None, measured: float | None) -> float | None:
     return measured / predicted - 1
 
 
+def _missed(off: float | None) -> bool:
+    return off is None or abs(off) > TOLERANCE
+
+
 def name_mode(p: Prediction) -> str:
     return f"mode {p.mode + 1}" if p.other is None else f"modes {p.other + 1} and {p.mode + 1}"
 
@@ -41,7 +44,7 @@ def of_prediction(m: Measured) -> Miss | None:
     """The miss that a measured prediction is, or None."""
     p = m.prediction
     off = difference(p.h, m.h)
-    if off is not None and abs(off) <= TOLERANCE:
+    if not _missed(off):
         return None
     what = {"limit": "the limit", "branch": "the loss of the solution"}.get(
         p.kind, f"the {p.kind} resonance of {name_mode(p)}"
@@ -49,21 +52,14 @@ def of_prediction(m: Measured) -> Miss | None:
     said = "nowhere" if p.h is None else f"at h = {p.h:.6g}"
     found = f"nowhere ({m.how})" if m.h is None else f"at h = {m.h:.6g} ({m.how})"
     by = "" if off is None else f", {100 * off:+.2g} %"
-    return Miss(
-        p.method,
-        p.kind,
-        f"{p.method}: {what} at equilibrium {p.equilibrium + 1} is predicted {said}, "
-        f"measured {found}{by}",
-    )
+    at = f"at equilibrium {p.equilibrium + 1}"
+    text = f"{p.method}: {what} {at} is predicted {said}, measured {found}{by}"
+    return Miss(p.method, p.kind, text)
 
 
 def unanswered(measured: tuple[Measured, ...], method: str) -> list[Miss]:
     """Resonances at which steps turn the mode as predicted, but which nothing answers."""
-    silent = [
-        m
-        for m in measured
-        if m.prediction.method == method and m.response is not None and m.response < RESPONDS
-    ]
+    silent = [m for m in measured if m.prediction.method == method and m.silent]
     if not silent:
         return []
     listed = [
@@ -72,26 +68,21 @@ def unanswered(measured: tuple[Measured, ...], method: str) -> list[Miss]:
     ]
     if len(silent) > LISTED:
         listed.append(f"{len(silent) - LISTED} more")
-    return [
-        Miss(
-            method,
-            "response",
-            f"{method}: nothing answers the step resonance {', '.join(listed)}: at the start's "
-            "size the forces couple too little there",
-        )
-    ]
+    text = (
+        f"{method}: nothing answers the step resonance {', '.join(listed)}: at the start's size "
+        "the forces couple too little there"
+    )
+    return [Miss(method, "response", text)]
 
 
 def of_growth(g: Growth) -> Miss | None:
-    off = difference(g.predicted, g.measured)
-    if off is not None and abs(off) <= TOLERANCE:
+    if not _missed(difference(g.predicted, g.measured)):
         return None
-    return Miss(
-        "dop853",
-        "growth",
+    text = (
         f"mode {g.mode + 1} leaves equilibrium {g.equilibrium + 1} at a rate of {g.measured:.6g}, "
-        f"predicted is {g.predicted:.6g}",
+        f"predicted is {g.predicted:.6g}"
     )
+    return Miss("dop853", "growth", text)
 
 
 def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
@@ -101,19 +92,12 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
     above: list[tuple[float, float]] = []
     many_below = many_above = 0
     for row in rows:
-        limit = next(
-            (
-                p
-                for p in row.predictions
-                if (p.kind, p.method, p.equilibrium) == ("limit", method, row.primary)
-            ),
-            None,
-        )
-        if limit is None or not row.motion.judges:
+        own = ("limit", method, row.primary)
+        limits = [p for p in row.predictions if (p.kind, p.method, p.equilibrium) == own]
+        if not limits or not row.motion.judges:
             continue
-        for point in row.points:
-            if point.method != method:
-                continue
+        limit = limits[0]
+        for point in (p for p in row.points if p.method == method):
             if limit.h is None or point.h < (1 - TOLERANCE) * limit.h:
                 many_below += 1
                 if point.kind in FAILED:
@@ -125,25 +109,19 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
     found = []
     if below:
         x, h, kind, row = min(below, key=lambda b: b[0])
-        found.append(
-            Miss(
-                method,
-                "below",
-                f"{method}: {len(below)} of {many_below} points below the limit fail; the lowest "
-                f"at {varied} = {x:.4g}, h = {h:.4g}: {kind}{_close(row, method, h)}. The limit is "
-                "that of small motions",
-            )
+        text = (
+            f"{method}: {len(below)} of {many_below} points below the limit fail; the lowest at "
+            f"{varied} = {x:.4g}, h = {h:.4g}: {kind}{_close(row, method, h)}. The limit is that "
+            "of small motions"
         )
+        found.append(Miss(method, "below", text))
     if above:
         x, h = max(above, key=lambda a: a[1])
-        found.append(
-            Miss(
-                method,
-                "above",
-                f"{method}: {len(above)} of {many_above} points above the limit stay; the furthest "
-                f"at {varied} = {x:.4g}, h = {h:.4g}",
-            )
+        text = (
+            f"{method}: {len(above)} of {many_above} points above the limit stay; the furthest at "
+            f"{varied} = {x:.4g}, h = {h:.4g}"
         )
+        found.append(Miss(method, "above", text))
     return found
 
 

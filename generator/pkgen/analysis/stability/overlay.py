@@ -10,7 +10,6 @@ from matplotlib.lines import Line2D
 from .map import StabilityMap
 from .measure import Row
 from .method import PAIRS
-from .misses import RESPONDS
 from .predict import RESONANCES
 
 # Kind of a prediction -> line, text.
@@ -51,7 +50,7 @@ def lines(axes: plt.Axes, made: StabilityMap, name: str) -> set[str]:
     silent = {
         (m.prediction.kind, m.prediction.mode, m.prediction.other)
         for m in made.measured
-        if m.prediction.method == name and m.response is not None and m.response < RESPONDS
+        if m.prediction.method == name and m.silent
     }
     for (kind, mode, other, primary, _), line in _curves(made.rows, name).items():
         hs = np.array([h for _, h in line])

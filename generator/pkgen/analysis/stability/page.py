@@ -26,14 +26,13 @@ def html(made: StabilityMap, svg: Path) -> str:
         page.heading("Misses"),
         page.items(text.sentences(made)),
     ]
-    for title, (heads, rows) in (
-        ("Equilibria and their modes", text.equilibria(made)),
-        ("Predicted and measured", text.predicted(made)),
-        ("Growth rates at unstable equilibria", text.rates(made)),
-        ("Points of each class", text.counts(made)),
-    ):
-        if rows:
-            sections += [page.heading(title), page.table(heads, rows, lambda row: "MISSED" in row)]
+    equilibria = text.equilibria(made)
+    first = [("Equilibria and their modes", "", equilibria)] if equilibria[1] else []
+    for title, more, (heads, rows) in (*first, *text.tables(made)):
+        sections += [
+            page.heading(title + more),
+            page.table(heads, rows, lambda row: "MISSED" in row),
+        ]
     remarks = text.remarks(made)
     if remarks:
         sections += [page.heading("Remarks"), page.items(remarks)]

@@ -14,8 +14,8 @@ from ...run.settings import Settings
 from ...scenes import asked as parsing
 from ...scenes import scene
 from ...system.exits import UsageError
+from ..chart.points import ChartedMethod
 from .ask import Equilibrium, Motion, Rest
-from .method import Traits
 
 # One or two of a family, those that differ most in how they fail.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")
@@ -125,13 +125,13 @@ def _spread(low: float, high: float, count: int, open_low: bool = False) -> tupl
 
 
 def methods(
-    text: str | None, known: Sequence[Traits], facts: frozenset[str]
-) -> tuple[list[Traits], list[str]]:
+    text: str | None, known: Sequence[ChartedMethod], facts: frozenset[str]
+) -> tuple[list[ChartedMethod], list[str]]:
     """Those to be mapped, and a sentence for each that is not. `facts` are the system's."""
     by_name = {m.name: m for m in known}
     names = [n.strip() for n in text.split(",") if n.strip()] if text else list(USUAL)
     names = list(dict.fromkeys(names))
-    taken: list[Traits] = []
+    taken: list[ChartedMethod] = []
     left: list[str] = []
     for name in names:
         if name not in by_name:
@@ -140,7 +140,7 @@ def methods(
             continue
         traits = by_name[name]
         missing = [r for r in traits.requires if r not in facts]
-        if traits.adaptive:
+        if not traits.fixed:
             left.append(f"{name} chooses its steps itself: there is no map of it over the step")
         elif missing:
             left.append(

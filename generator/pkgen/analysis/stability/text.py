@@ -8,7 +8,7 @@ import io
 from ...run import named
 from .ask import Equilibrium, Mode
 from .map import StabilityMap
-from .misses import RESPONDS, difference, misses, name_mode, unpredicted
+from .misses import difference, misses, name_mode, unpredicted
 
 Table = tuple[list[str], list[list[str]]]
 
@@ -53,15 +53,9 @@ def equilibria(made: StabilityMap) -> Table:
     for k, at in enumerate(made.rest.equilibria):
         mark = " (the motion's)" if k == made.primary else ""
         modes = [m for m in at.modes if not (m.growth < 0 and m.frequency == 0 and not at.stable)]
-        rows.append(
-            [
-                f"{k + 1}{mark}",
-                place(made, at),
-                _short(at.energy, energy),
-                at.verdict,
-                "; ".join(rate(m) for m in modes),
-            ]
-        )
+        said = "; ".join(map(rate, modes))
+        energy_of = _short(at.energy, energy)
+        rows.append([f"{k + 1}{mark}", place(made, at), energy_of, at.verdict, said])
     return ["", "equilibrium", "energy", "", "modes, fastest first"], rows
 
 
@@ -74,37 +68,27 @@ def predicted(made: StabilityMap) -> Table:
         note = m.how if m.how != "turning" else "some steps beside it fail"
         if m.response is not None:
             answered = f"responds {m.response:.3g} times as much at h = {m.peak:.5g}"
-            note = answered if m.response >= RESPONDS else "nothing responds"
-        rows.append(
-            [
-                p.method,
-                p.kind,
-                str(p.equilibrium + 1),
-                name_mode(p),
-                "none" if p.y is None else f"{p.y:.8g}",
-                "none" if p.h is None else f"{p.h:.7g}",
-                "none" if m.h is None else f"{m.h:.7g}",
-                "MISSED" if off is None else f"{100 * off:+.1g} %",
-                note,
-            ]
-        )
+            note = "nothing responds" if m.silent else answered
+        head = [p.method, p.kind, str(p.equilibrium + 1), name_mode(p)]
+        rows.append([*head, _or_none(p.y, 8), _or_none(p.h, 7), _or_none(m.h, 7), _off(off), note])
     heads = ["method", "what", "at", "of", "h omega", "predicted h", "measured h", "off", "note"]
     return heads, rows
+
+
+def _or_none(x: float | None, digits: int) -> str:
+    return "none" if x is None else f"{x:.{digits}g}"
+
+
+def _off(off: float | None) -> str:
+    return "MISSED" if off is None else f"{100 * off:+.1g} %"
 
 
 def rates(made: StabilityMap) -> Table:
     rows = []
     for g in made.growths:
-        off = difference(g.predicted, g.measured)
-        rows.append(
-            [
-                str(g.equilibrium + 1),
-                f"mode {g.mode + 1}",
-                f"{g.predicted:.10g}",
-                f"{g.measured:.10g}",
-                "MISSED" if off is None else f"{100 * off:+.1g} %",
-            ]
-        )
+        off = _off(difference(g.predicted, g.measured))
+        both = f"{g.predicted:.10g}", f"{g.measured:.10g}"
+        rows.append([str(g.equilibrium + 1), f"mode {g.mode + 1}", *both, off])
     return ["at", "of", "predicted rate", "measured", "off"], rows
 
 
@@ -171,6 +155,16 @@ def sentences(made: StabilityMap) -> list[str]:
     return [m.text for m in misses(made)] or ["none: measured is what was predicted"]
 
 
+def tables(made: StabilityMap) -> list[tuple[str, str, Table]]:
+    """Those with something in them, under their titles, which the page has at length."""
+    found = [
+        ("Predicted and measured", "", predicted(made)),
+        ("Growth rates", " at unstable equilibria", rates(made)),
+        ("Points", " of each class", counts(made)),
+    ]
+    return [row for row in found if row[2][1]]
+
+
 def report(made: StabilityMap) -> str:
     name = made.compilation.model.name
     unit = "" if made.compilation.model.dimensionless else " s"
@@ -180,13 +174,8 @@ def report(made: StabilityMap) -> str:
         "",
         *_columns(equilibria(made)),
     ]
-    for title, table in (
-        ("Predicted and measured", predicted(made)),
-        ("Growth rates", rates(made)),
-        ("Points", counts(made)),
-    ):
-        if table[1]:
-            out += ["", title, *(f"  {line}" for line in _columns(table))]
+    for title, _, table in tables(made):
+        out += ["", title, *(f"  {line}" for line in _columns(table))]
     out += ["", "Misses", *(f"  - {line}" for line in sentences(made))]
     if remarks(made):
         out += ["", "Remarks", *(f"  - {line}" for line in remarks(made))]
@@ -200,17 +189,7 @@ def as_csv(made: StabilityMap) -> str:
     writer.writerow([*head, "rise", "away"])
     for row in made.rows:
         for p in row.points:
-            writer.writerow(
-                [
-                    p.method,
-                    repr(p.h),
-                    repr(row.x),
-                    repr(row.motion.energy),
-                    p.kind,
-                    p.status,
-                    p.steps,
-                    "" if p.rise is None else repr(p.rise),
-                    "" if p.away is None else repr(p.away),
-                ]
-            )
+            place = p.method, repr(p.h), repr(row.x), repr(row.motion.energy)
+            far = ("" if x is None else repr(x) for x in (p.rise, p.away))
+            writer.writerow([*place, p.kind, p.status, p.steps, *far])
     return out.getvalue()
