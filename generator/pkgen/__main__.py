@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -31,19 +32,14 @@ from .system.exits import (
 from .system.resources import ResourcesExceeded
 from .system.toolchain import BuildError
 
-COMMANDS = (
-    "compile",
-    "check",
-    "explain",
-    "run",
-    "plot",
-    "build",
-    "chart",
-    "stability",
-    "methods",
-    "describe",
-    "show",
-)
+# What each way to fail ends with.
+CODES: dict[type[BaseException], int] = {
+    ResourcesExceeded: MODEL_WRONG,
+    UsageError: USAGE,
+    BuildError: COMPILER_FAILED,
+    NumericsFailed: NUMERICS_FAILED,
+    KeyboardInterrupt: INTERRUPTED,
+}
 
 
 def module_of(command: str) -> ModuleType:
@@ -84,6 +80,7 @@ OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c
        pkgen methods                the methods, orders, what each requires
        pkgen COMMAND --help         the options of a command ('compile' for the first line's)
        pkgen --version"""
+COMMANDS = ("compile", *re.findall(r"pkgen ([a-z]+)", OVERVIEW))
 
 
 def main(words: list[str] | None = None) -> int:
@@ -117,13 +114,10 @@ def _main(words: list[str] | None) -> int:
         print(f"pkgen {__version__}")
         return DONE
     if words[0] in LATER and not os.path.exists(words[0]):
-        print(f"pkgen: '{words[0]}' is not there yet\n\n{OVERVIEW}", file=sys.stderr)
-        return USAGE
+        return _misused(f"'{words[0]}' is not there yet\n\n{OVERVIEW}")
     command = words[0] if words[0] in COMMANDS else "compile"
     if command != words[0] and words[0].isalpha() and not os.path.exists(words[0]):
-        said = f"there is no command '{words[0]}'; {_near(words[0], COMMANDS)}"
-        print(f"pkgen: {said}", file=sys.stderr)
-        return USAGE
+        return _misused(f"there is no command '{words[0]}'; {_near(words[0], COMMANDS)}")
     parser = parser_of(command)
     words = words[1:] if command == words[0] else words
     several = getattr(module_of(command), "SEVERAL", False)  # files, and options between them
@@ -133,9 +127,13 @@ def _main(words: list[str] | None) -> int:
         flag = unknown[0].partition("=")[0]
         said = f"there is no option {flag}; {_near(flag, parser._option_string_actions)}"
         said = said if flag.startswith("-") else f"one model at a time: what is {flag}?"
-        print(f"pkgen: {said}", file=sys.stderr)
-        return USAGE
+        return _misused(said)
     return _guarded(module_of(command).run, options)
+
+
+def _misused(said: str) -> int:
+    print(f"pkgen: {said}", file=sys.stderr)
+    return USAGE
 
 
 def _open_streams() -> None:
@@ -168,16 +166,9 @@ def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Nam
         else:
             print(error.text(), file=sys.stderr)
         return MODEL_WRONG if os.path.isfile(options.model) else USAGE
-    except ResourcesExceeded as error:
-        return _fail(options, str(error), MODEL_WRONG)
-    except UsageError as error:
-        return _fail(options, str(error), USAGE)
-    except BuildError as error:
-        return _fail(options, str(error), COMPILER_FAILED)
-    except NumericsFailed as error:
-        return _fail(options, str(error), NUMERICS_FAILED)
-    except KeyboardInterrupt:
-        return _fail(options, "interrupted", INTERRUPTED)
+    except tuple(CODES) as error:
+        code = next(code for kind, code in CODES.items() if isinstance(error, kind))
+        return _fail(options, str(error) or "interrupted", code)
     except OSError as error:
         if error.filename is None:  # a stream's
             raise

@@ -111,14 +111,19 @@ class State:
 
 
 @record
-class Rate:
-    """`rate NAME = EXPR`: each state, and each member of a family of states, has one."""
+class Given:
+    """What NAME, NAME[index] or NAME[i = lo..hi] is given."""
 
     name: str
     index: Expr | None
     range: Range | None
     value: Expr
     span: Span
+
+
+@record
+class Rate(Given):
+    """`rate NAME = EXPR`: each state, and each member of a family of states, has one."""
 
 
 @record
@@ -165,14 +170,8 @@ class Definition:
 
 
 @record
-class Force:
+class Force(Given):
     """`force COORD = EXPR`; several for one coordinate add up."""
-
-    name: str
-    index: Expr | None
-    range: Range | None
-    value: Expr
-    span: Span
 
 
 @record
@@ -238,14 +237,9 @@ class Record:
 
 
 @record
-class Hold:
-    """`hold NAME = EXPR`: a prescribed motion, of parameters and t; None: its start."""
-
-    name: str
-    index: Expr | None
-    range: Range | None
-    value: Expr | None
-    span: Span
+class Hold(Given):
+    """`hold NAME = EXPR`: a prescribed motion, of parameters and t; without a value (None) it stays
+    at its start."""
 
 
 @record

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 from pkgen.analysis.choose import lines, parts, record, reference
-from pkgen.analysis.choose.asked import Task
+from pkgen.analysis.choose.reference import Task
 from pkgen.analysis.choose.candidates import Candidate
 from pkgen.analysis.choose.choice import Choice
 from pkgen.analysis.choose.choose import choose

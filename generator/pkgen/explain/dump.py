@@ -62,29 +62,23 @@ def as_text(value: object, source: Source, indent: int = 0) -> str:
             return value.path
         case Equations():
             return equations_text(value)
-        case Program():
-            return str(value)
         case LoopProgram(context=context):
             return as_text(context, source, indent)
-        case bool():
-            return str(value)
         case Diagnostic():
             return value.text(source)
         case Span():
             line, column = source.position(value.start)
             return f"{line}:{column}"
-        case Fraction() | str() | int() | float() | None:
+        case Program() | Fraction() | str() | int() | float() | None:
             return str(value)
         case dict():
-            rows = [f"{pad}  {k}: {as_text(v, source, indent + 1)}" for k, v in value.items()]
-            return "\n".join(["", *rows]) if rows else "{}"
+            head, empty, rows = "", "{}", [(f"{k}:", v) for k, v in value.items()]
         case tuple() | list():
-            rows = [f"{pad}  - {as_text(item, source, indent + 1)}" for item in value]
-            return "\n".join(["", *rows]) if rows else "()"
+            head, empty, rows = "", "()", [("-", item) for item in value]
         case _ if is_dataclass(value):
-            rows = [
-                f"{pad}  {f.name}: {as_text(getattr(value, f.name), source, indent + 1)}"
-                for f in fields(value)
-            ]
-            return "\n".join([type(value).__name__, *rows])
-    return repr(value)
+            rows = [(f"{f.name}:", getattr(value, f.name)) for f in fields(value)]
+            head = empty = type(value).__name__
+        case _:
+            return repr(value)
+    lines = [f"{pad}  {name} {as_text(part, source, indent + 1)}" for name, part in rows]
+    return "\n".join([head, *lines]) if lines else empty

@@ -10,12 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..front.check.expects import OF_RUN, calls
-from ..front.check.scene_numbers import has_row
 from ..middle.quantities import indexed
 from ..model import Expect, Scene
-from ..run.settings import Compared, Settings, Shown, Watched
+from ..run.settings import Compared, Shown, Watched
 from ..source import Source, Span
-from ..system.exits import UsageError
 from ..tree import Expr, Name, Number, Prime
 
 
@@ -104,22 +102,6 @@ def watched(
 
 def of_run(item: Expect) -> bool:
     return any(calls(item, name) for name in OF_RUN)
-
-
-def refuse_of_members(
-    source: Source, scene: Scene, times: tuple[float | None, ...], settings: Settings
-) -> None:
-    """What cannot be expected of many members together. Raises UsageError."""
-    for item, at in zip(scene.expects, times, strict=True):
-        why = _not_of_members(item, at, settings)
-        if why:
-            raise UsageError(f"{source.place(item.span)}: scene '{scene.name}': {why}")
-
-
-def _not_of_members(item: Expect, at: float | None, settings: Settings) -> str:
-    if at is None or has_row(at, settings.every, settings.until):
-        return ""
-    return f"members have no row at t = {at:.12g}: expect it at a recorded time"
 
 
 def _is_energy(expr: Expr) -> bool:

@@ -99,21 +99,22 @@ def _unit(model: Model, side: LeftSide) -> str | None:
     energies = ("L",) if model.lagrangian else ("L", "T", "V")
     if side.name in energies and side.index is None and not side.order:
         return "" if model.dimensionless else "J"
-    for item in model.coordinates:
-        units = {(item.name, 0): item.unit, (item.name, 1): item.rate_unit}
-        units[f"p_{item.name}", 0] = item.momentum_unit
-        if item.rate:
-            units = {(item.rate, 0): item.rate_unit, (item.momentum, 0): item.momentum_unit}
-        if (side.name, side.order) in units and _has(model, item, side.index):
-            return units[side.name, side.order]
-    for item in model.states:
-        units = {(item.name, 0): item.unit, (item.name, 1): item.rate_unit}
-        if (side.name, side.order) in units and _has(model, item, side.index):
-            return units[side.name, side.order]
-    multipliers = [replace(item, name=f"lambda_{item.name}") for item in model.constraints]
-    outputs = (*model.conserved, *multipliers)
-    claims = (item for item in outputs if item.name == side.name and not side.order)
-    return next((item.unit for item in claims if _has(model, item, side.index)), None)
+    own = side.name, side.order
+    for item in (*model.coordinates, *model.states, *model.conserved, *model.constraints):
+        match item:
+            case Coordinate(rate=rate) if rate:
+                units = {(rate, 0): item.rate_unit, (item.momentum, 0): item.momentum_unit}
+            case Coordinate() | State():
+                units = {(item.name, 0): item.unit, (item.name, 1): item.rate_unit}
+                if isinstance(item, Coordinate):
+                    units[f"p_{item.name}", 0] = item.momentum_unit
+            case Constraint(name=name):
+                units = {(f"lambda_{name}", 0): item.unit}
+            case Definition(name=name):
+                units = {(name, 0): item.unit}
+        if own in units and _has(model, item, side.index):
+            return units[own]
+    return None
 
 
 def _has(

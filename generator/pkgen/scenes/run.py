@@ -8,7 +8,7 @@ import re
 from ..compiler import Compilation
 from ..front.check.check import check_text
 from ..front.check.expects import calls
-from ..front.check.scene_numbers import Values, WrongValue
+from ..front.check.scene_numbers import Values, WrongValue, has_row
 from ..front.read import read
 from ..indices import integer
 from ..middle.quantities import sizes
@@ -76,11 +76,12 @@ def watched(
     found = values(compilation, scene, settings)
     try:
         times = tuple(found.not_negative("at", item.at) for item in scene.expects)
-    except WrongValue as wrong:
-        at = compilation.declared.source.place(wrong.span)
-        raise UsageError(f"{at}: scene '{scene.name}': {wrong}") from None
-    if several:
-        expects.refuse_of_members(compilation.declared.source, scene, times, settings)
+    except WrongValue as error:
+        raise scenes.wrong(compilation.declared, scene, error.span, error) from None
+    for item, at in zip(scene.expects if several else (), times, strict=several):
+        if at is not None and not has_row(at, settings.every, settings.until):
+            why = f"members have no row at t = {at:.12g}: expect it at a recorded time"
+            raise scenes.wrong(compilation.declared, scene, item.span, why)
     observed = [quantity.name for quantity in named.observed(compilation)]
     shown = option_values.Values(compilation).shown
     events, source = named.events(compilation), compilation.declared.source

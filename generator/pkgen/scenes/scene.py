@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ..front.check.scene_numbers import Key, Values, WrongValue
-from ..model import Model, Record, Scene
+from ..model import Model, Scene
 from ..record import record
 from ..source import ModelError, Span
 from ..system.exits import UsageError
@@ -27,8 +27,9 @@ def chosen(model: Model, name: str) -> Scene:
     return scenes[name]
 
 
-def place(model: Model, span: Span) -> str:
-    return model.source.place(span)
+def wrong(model: Model, scene: Scene, span: Span, why: object) -> UsageError:
+    """What options make of a scene that it cannot be."""
+    return UsageError(f"{model.source.place(span)}: scene '{scene.name}': {why}")
 
 
 @record
@@ -41,7 +42,6 @@ class Numbers:
     method: str = ""
     step: float | None = None
     rtol: float | None = None
-    record: Record | None = None
     every: float | None = None
     accuracy: float | None = None
 
@@ -62,9 +62,8 @@ def numbers(
     found = found or Values(model, given)
     try:
         return _numbers(found, scene, given)
-    except WrongValue as wrong:
-        at = place(model, wrong.span)
-        raise UsageError(f"{at}: scene '{scene.name}': {wrong}") from None
+    except WrongValue as error:
+        raise wrong(model, scene, error.span, error) from None
 
 
 def _numbers(found: Values, scene: Scene, given: Mapping[Key, float]) -> Numbers:
@@ -87,7 +86,6 @@ def _numbers(found: Values, scene: Scene, given: Mapping[Key, float]) -> Numbers
         method=scene.method,
         step=found.positive("step", scene.step),
         rtol=found.positive("rtol", scene.rtol),
-        record=scene.record,
         every=found.positive("every", scene.record.every) if scene.record else None,
         accuracy=found.positive("accuracy", scene.accuracy),
     )

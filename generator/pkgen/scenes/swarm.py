@@ -20,7 +20,7 @@ from ..run.ensemble import Column, Ensemble
 from ..system.exits import UsageError
 from ..tree import Expr, Name, names
 from .model import of_swarm
-from .scene import place
+from .scene import wrong
 
 Array = np.ndarray | float | tuple
 
@@ -49,21 +49,18 @@ def members(
         if name in known and name not in given and of_swarm(scene, start[0].value)
     }
     if not chosen:
-        raise UsageError(
-            f"{place(model, swarm.span)}: scene '{scene.name}': all members of the swarm would be "
-            "the same: --start sets what differs"
-        )
+        why = "all members of the swarm would be the same: --start sets what differs"
+        raise wrong(model, scene, swarm.span, why)
     if len(count) * len(chosen) > limits.SWARM_VALUES:
-        raise UsageError(
-            f"{place(model, swarm.span)}: scene '{scene.name}': {len(count):,} members with "
-            f"{len(chosen):,} starts each; the limit is {limits.SWARM_VALUES:,} in all"
-        )
+        each = f"{len(count):,} members with {len(chosen):,} starts each"
+        why = f"{each}; the limit is {limits.SWARM_VALUES:,} in all"
+        raise wrong(model, scene, swarm.span, why)
     of_all = _Members(model, scene, values.values, count)
     rows = np.empty((len(count), len(chosen)))
     for k, start in enumerate(chosen.values()):
         rows[:, k] = of_all.column(*start)
     return Ensemble(
-        path=f"{place(model, swarm.span)}: scene '{scene.name}'",
+        path=f"{model.source.place(swarm.span)}: scene '{scene.name}'",
         columns=tuple(known[name] for name in chosen),
         lines=range(first, last + 1),
         values=rows,
@@ -101,9 +98,8 @@ class _Members(Evaluation):
         return found
 
     def _wrong(self, item: Start, why: str) -> UsageError:
-        at = place(self.model, item.value.span)
-        name = item.name + "'" * item.order
-        return UsageError(f"{at}: scene '{self.scene.name}': start {name}: {why}")
+        why = f"start {item.name}{item.order * chr(39)}: {why}"
+        return wrong(self.model, self.scene, item.value.span, why)
 
     def value(self, expr: Expr, sizes: Mapping[str, int]) -> Array:
         if self.variable not in names(expr):

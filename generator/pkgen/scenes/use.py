@@ -48,6 +48,10 @@ class Overrides:
     steps: bool = False  # a step is given
     several: bool = False  # members of a file
 
+    def event_of(self, scene: Scene) -> str:
+        """The one at which rows are, "" of none."""
+        return self.event or (scene.record.at if scene.record else "")
+
 
 def of_run(options: argparse.Namespace) -> Use | None:
     """For a run: no more than its rows need; without a scene all, and what options add."""
@@ -101,7 +105,7 @@ def _of_method(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
         with suppress(WrongValue):  # of a parameter: what is chosen is right, if not the fewest
             rtol = Values(model, {}).number("rtol", scene.rtol)
     steps = asked.steps or scene.step is not None
-    at = asked.event or (scene.record.at if scene.record else "")
+    at = asked.event_of(scene)
     several = asked.several or scene.swarm is not None
     if not method and made is not None:
         exact = rtol is None and not steps and not at and not several and EXACT not in asked.off
@@ -119,9 +123,8 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     columns = asked.columns or scene_model.columns(scene)
     whole = asked.columns is None and scene.record is None
     structure = made[1] if made else None
-    if whole or "energy" in {*columns, *scene_model.needed(scene)}:
-        found |= {"energy"}
-    if structure is None or structure.conservative:
+    watched = structure is None or structure.conservative
+    if whole or watched or "energy" in {*columns, *scene_model.needed(scene)}:
         found |= {"energy"}
     if structure is None or not getattr(structure, "definite", True):
         found |= {"mass"}
@@ -222,7 +225,7 @@ def _use(name: str, asked: Overrides, swarm: bool = True) -> Use:
     def model(declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
         scene = _chosen(declared, name, asked)
         if scene.swarm is not None and not swarm:
-            place = scenes.place(declared, scene.swarm.span)
+            place = declared.source.place(scene.swarm.span)
             raise UsageError(f"{place}: a swarm is many motions: 'pkgen run' runs it")
         if asked.columns is not None:
             columns = scene_model.written_out(declared, asked.columns, scene)
@@ -230,8 +233,8 @@ def _use(name: str, asked: Overrides, swarm: bool = True) -> Use:
         used, lines = scene_model.used(declared, scene, asked.run_time), []
         if FOLD not in asked.off:
             used, lines = folded(used, scene, asked.run_time)
-        at = asked.event or (scene.record.at if scene.record else "")
-        used, of_holds = held(used, scene, scene_model.events(scene) | {at})
+        asked_events = scene_model.events(scene) | {asked.event_of(scene)}
+        used, of_holds = held(used, scene, asked_events)
         return used, (*lines, *of_holds)
 
     def needs(used: Model) -> Needs | None:
@@ -241,10 +244,9 @@ def _use(name: str, asked: Overrides, swarm: bool = True) -> Use:
             columns = tuple(scene_model.columns(scene))
         if columns is None or frozenset(REDUCTIONS) <= asked.off:
             return None
-        at = asked.event or (scene.record.at if scene.record else "")
         return Needs(
             frozenset(columns) | scene_model.needed(scene),
-            frozenset((at,)) | scene_model.events(scene),
+            scene_model.events(scene) | {asked.event_of(scene)},
             asked.quadratures and carries_quadratures(asked.method or scene.method),
             asked.apart and scene.swarm is None and _divided(used, scene, columns),
             asked.off,
