@@ -256,19 +256,19 @@ class Expect:
     component: str = ""  # ".x" where vectors are compared
 
 
-@record
+@record(kw_only=True)
 class Scene:
     """One use of the model."""
 
     name: str
-    description: str
-    assignments: tuple[Assignment, ...]
-    starts: tuple[Start, ...]
-    until: Expr | None
-    method: str  # "" without
-    step: Expr | None
-    rtol: Expr | None
-    record: Record | None
+    description: str = ""
+    assignments: tuple[Assignment, ...] = ()
+    starts: tuple[Start, ...] = ()
+    until: Expr | None = None
+    method: str = ""
+    step: Expr | None = None
+    rtol: Expr | None = None
+    record: Record | None = None
     span: Span
     holds: tuple[Hold, ...] = ()
     accuracy: Expr | None = None

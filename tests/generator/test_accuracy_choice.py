@@ -8,10 +8,10 @@ from types import SimpleNamespace
 
 import pytest
 from pkgen.analysis.choose import lines, parts, record, reference
-from pkgen.analysis.choose.reference import Task
 from pkgen.analysis.choose.candidates import Candidate
 from pkgen.analysis.choose.choice import Choice
 from pkgen.analysis.choose.choose import choose
+from pkgen.analysis.choose.reference import Task
 from pkgen.analysis.choose.trials import Trial
 from pkgen.run.settings import NOTHING, Settings, Shown
 from test_accuracy_search import ADAPTIVE, method, trial

@@ -24,15 +24,12 @@ ADAPTIVE = Candidate(method("dop853", 8, "adaptive"), LAND, "")
 def trial(candidate: Candidate, setting: float, error: float, seconds: float, **more) -> Trial:
     usual = {
         "able": True,
-        "status": "PK_DONE",
         "reason": "",
         "arrived": True,
         "slow": False,
         "t": 10.0,
         "took": seconds,
         "steps": 1000,
-        "evaluations": 4000,
-        "held": 0,
         "compared": 11,
         "holds": 10.0,
     }
@@ -115,7 +112,6 @@ def test_what_is_refused_or_never_arrives_says_why() -> None:
             setting,
             math.inf,
             math.inf,
-            status="PK_NOT_FINITE",
             reason="no longer finite",
             arrived=False,
         )

@@ -197,13 +197,6 @@ def si_text(a: Dimension, angle: int = 0) -> str:
     return (over_line or ("1" if under else "")) + under
 
 
-def base_text(a: Dimension) -> str:
-    """The same, energies and powers too in base units; `1` if dimensionless."""
-    over_line = "*".join(_raised(n, e) for n, e in zip(BASE, a, strict=True) if e > 0)
-    under = "".join("/" + _raised(n, -e) for n, e in zip(BASE, a, strict=True) if e < 0)
-    return (over_line or "1") + under
-
-
 def _raised(name: str, exponent: Fraction | int) -> str:
     if exponent == 1:
         return name

@@ -40,7 +40,7 @@ def with_options(options: argparse.Namespace, columns: Iterable[str]) -> Callabl
         clauses = [f"set {text}" for text in options.set if is_motion(text)]
         clauses += [f"record {', '.join(named)}"] if named else []
         source = model.source
-        made = Scene(OPTIONS, "", (), (), None, "", None, None, None, model.span)
+        made = Scene(name=OPTIONS, span=model.span)
         if clauses:
             made, source = _made(model, clauses)
         model = replace(model, source=source)

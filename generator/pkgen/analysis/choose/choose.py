@@ -17,11 +17,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from . import reference
-from .asked import Task
 from .candidates import alone
 from .choice import Choice
 from .race import Race
-from .reference import FLOOR, Check
+from .reference import FLOOR, Check, Task
 from .search import Found
 from .whole import SECONDS, Kept, TooLong, Whole
 

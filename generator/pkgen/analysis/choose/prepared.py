@@ -11,10 +11,10 @@ from ...run.build import build_library
 from ...run.settings import Settings
 from ..chart.chart import methods as all_methods
 from . import reference
-from .asked import Task
 from .candidates import Candidate, candidates
 from .choice import Choice
 from .choose import choose
+from .reference import Task
 from .trials import LAND, Trials
 
 

@@ -6,9 +6,8 @@ from __future__ import annotations
 import math
 
 from . import search
-from .asked import Task
 from .candidates import Candidate
-from .reference import Check
+from .reference import Check, Task
 from .search import Found
 from .trials import Trial
 

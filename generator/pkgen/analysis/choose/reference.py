@@ -10,8 +10,8 @@ Linear equations have an exact flow: there the two runs are of one step a row, a
 from __future__ import annotations
 
 from ...record import record
-from .asked import Task
-from .trials import LAND, Trial
+from .candidates import Candidate
+from .trials import LAND, Trial, Trials
 
 EXACT = "exponential"
 TOLERANCES = {"radau": (1e-13, 1e-12)}  # of order 5: no tighter
@@ -24,6 +24,34 @@ ROUNDED = 2.0**-49  # of an exact flow: its coefficients are rounded once, which
 OTHER = 0.7  # longest step of a comparison run over the exact run's
 WRONG = 1e3  # times the difference of two runs of one method: another method may differ by that,
 # or by so many times its own tolerance
+
+
+STEPS = 1000  # at least, of what is to be exact, where the equations have the time in them
+
+
+@record
+class Task:
+    trials: Trials
+    able: tuple[Candidate, ...]  # what may be chosen
+    exact: tuple[str, ...]  # methods whose tightest runs may be exact, in turns until one arrives
+    damped: bool
+    accuracy: float
+    timed: bool = False  # the equations have the time in them
+
+    @property
+    def until(self) -> float:
+        return self.trials.settings.until
+
+    @property
+    def every(self) -> float:
+        """Between rows, or until the end."""
+        return min(self.trials.settings.every or self.until, self.until)
+
+    @property
+    def max_step(self) -> float | None:
+        """The longest step of the exact run: error control does not see what lies within a step if
+        nothing announces it. None: no bound."""
+        return self.until / STEPS if self.timed else None
 
 
 @record

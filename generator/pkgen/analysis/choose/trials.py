@@ -25,7 +25,6 @@ class Trial:
     rows: str  # LAND or DENSE
     setting: float
     able: bool  # the method applies
-    status: str
     reason: str
     arrived: bool
     slow: bool  # given up at its cap
@@ -33,8 +32,6 @@ class Trial:
     seconds: float
     took: float
     steps: int
-    evaluations: int
-    held: int
     compared: int  # rows
     error: float
     holds: float  # until when it held the accuracy
@@ -147,7 +144,6 @@ class Trials(Program):
         done = once(cap)
         found = done.report
         able = bool(found.get("begun"))
-        status = found.get("status", "PK_REFUSED")
         arrived = able and found["code"] >= 0 and not found["slow"]
         fastest = took = found.get("processor", 0.0)
         self._last = self._rows(done)
@@ -167,7 +163,6 @@ class Trials(Program):
             rows=rows,
             setting=found.get("step") or found.get("rtol", setting),
             able=able,
-            status=status,
             reason=failed or ("" if able else "does not apply"),
             arrived=arrived,
             slow=bool(found.get("slow")),
@@ -175,8 +170,6 @@ class Trials(Program):
             seconds=fastest if arrived else math.inf,
             took=took,
             steps=found.get("steps", 0),
-            evaluations=found.get("evaluations", 0),
-            held=found.get("held", 0),
             compared=0 if self.exact is None else len(self.exact.t),
             error=error if arrived else math.inf,
             holds=holds,

@@ -5,11 +5,10 @@ from __future__ import annotations
 
 from ...record import record
 from . import reference, search
-from .asked import Task
 from .candidates import Candidate, alone
 from .choice import GivenUp
 from .race import MARGIN, growth
-from .reference import FLOOR, Check
+from .reference import FLOOR, Check, Task
 from .search import Found
 from .trials import Trial
 

@@ -20,7 +20,6 @@ from . import overlay
 from .map import StabilityMap
 from .misses import unpredicted
 
-SLIGHT = 0.01  # of the motion's energy: a drift below is drawn paler
 # Class -> colour, hatch (of lines: dots would make files large). In the order of the legend.
 CLASSES = {
     "bounded": ("#DCEBF5", ""),

@@ -30,10 +30,11 @@ class Given(Checks):
         self.held: Taken = {}
         self.given: dict[str, set[tuple[int, int]]] = {}  # the members that each clause gives
         self.wrong_start = False
-        self.swarm = swarm
+        self.members = swarm
         self.around = self._swarm(swarm) if swarm is not None else None
 
-    # swarm
+    def swarm(self, clause: st.Swarm) -> None:
+        """Read before the others."""
 
     def _swarm(self, swarm: Range) -> Scope | None:
         """The scope of the starts of all members."""
@@ -61,12 +62,12 @@ class Given(Checks):
 
     def swarm_of(self, expressions: tuple[Expr | None, ...], help: str = "") -> bool:
         """Whether the swarm's variable is in a clause that is the same for all members."""
-        if self.swarm is None:
+        if self.members is None:
             return False
-        wrong = [e for e in expressions if e is not None and self.swarm.variable in names(e)]
+        wrong = [e for e in expressions if e is not None and self.members.variable in names(e)]
         for expr in wrong:
             self.report.error(
-                f"'{self.swarm.variable}' counts the members of the swarm: only starts differ"
+                f"'{self.members.variable}' counts the members of the swarm: only starts differ"
                 " from one to the next",
                 expr.span,
                 help or "parameters that do are columns of a file: --ensemble FILE.csv",
@@ -199,11 +200,11 @@ class Given(Checks):
 
     def finish(self) -> None:
         if self.around is not None and not self.wrong_start:
-            variable = self.swarm.variable
+            variable = self.members.variable
             if not any(variable in names(item.value) for item in self.starts):
                 self.report.error(
                     f"no start uses '{variable}': all members of the swarm would be the same",
-                    self.swarm.span,
+                    self.members.span,
                     f"e.g. start {self._some()} = {variable}/10",
                 )
         if self.holds and self._holds_all():

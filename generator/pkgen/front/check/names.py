@@ -156,7 +156,6 @@ KIND_TEXT = {
     "scene": "a scene",
     "event": "an event",
     "loop variable": "a loop variable",
-    "not compiled": "a name that cannot be compiled yet",
     "poisoned": "a name with an error",
     "time": "the time",
     "built-in": "built in",

@@ -12,7 +12,7 @@ from dataclasses import replace
 from ... import model as m
 from ...indices import NotAnInteger, indexed, integer
 from ...source import Span
-from ...tree import Call, Component, Expr, Name, Prime
+from ...tree import Call, Component, Expr, Name, Prime, Range
 from .. import statements as st
 from ..table import STATEMENTS
 from ..units import NONE
@@ -48,7 +48,7 @@ class Scenes(Checks):
         swarms = [c for c in scene.clauses if isinstance(c, st.Swarm)]
         for clause in swarms[1:]:
             self.second("swarm", clause.span)
-        one = _Scene(self, Given(self.shared, self.dynamics, swarms[0].range if swarms else None))
+        one = _Scene(self, swarms[0].range if swarms else None)
         for clause in scene.clauses:
             one.clause(clause)
         self.parts["scenes"].append(one.made(scene))
@@ -57,17 +57,13 @@ class Scenes(Checks):
         self.report.error(f"a scene has one '{keyword}'; this is the second", span)
 
 
-class _Scene:
+class _Scene(Given):
     """One scene while its clauses are read."""
 
-    def __init__(self, scenes: Scenes, given: Given) -> None:
-        self.scenes, self.given = scenes, given
-        self.settings, self.report = scenes.settings, scenes.report
-        self.end: Expr | None = None
-        self.wanted: Expr | None = None  # the accuracy
-        self.name, self.step, self.rtol = "", None, None  # of the method
-        self.name_span: Span | None = None
-        self.rows: m.Record | None = None
+    def __init__(self, scenes: Scenes, swarm: Range | None) -> None:
+        super().__init__(scenes.shared, scenes.dynamics, swarm)
+        self.scenes, self.settings = scenes, scenes.settings
+        self.said: dict[str, object] = {}  # fields of the scene
         self.expects: list[m.Expect] = []
         self.seen: set[str] = set()
 
@@ -75,33 +71,29 @@ class _Scene:
         help = ""
         if isinstance(clause, st.Record):
             help = "the rows' column in front says which member it is, without being recorded"
-        if not isinstance(clause, st.StartAt) and self.given.swarm_of(_expressions(clause), help):
+        if not isinstance(clause, st.StartAt) and self.swarm_of(_expressions(clause), help):
             return
         row = STATEMENTS[clause.keyword]
         if row.once:
             if clause.keyword in self.seen:
                 self.scenes.second(clause.keyword, clause.span)
             self.seen.add(clause.keyword)
-        group, _, method = row.clause.partition(".")
-        getattr(self.given if group == "given" else self, method)(clause)
+        getattr(self, row.clause.rpartition(".")[2])(clause)
 
     def until(self, clause: st.Single) -> None:
-        self.end = self.settings.time("until", clause.value)
+        self.said["until"] = self.settings.time("until", clause.value)
 
     def accuracy(self, clause: st.Single) -> None:
-        self.wanted = self.settings.accuracy(clause.value)
+        self.said["accuracy"] = self.settings.accuracy(clause.value)
         self._one_of_both(clause.span)
 
     def method(self, clause: st.Method) -> None:
-        self.name, self.name_span = clause.name, clause.name_span
+        self.said |= {"method": clause.name, "method_span": clause.name_span}
         self.settings.method(clause)
-        self.step = self.settings.time("step", clause.step)
+        self.said["step"] = self.settings.time("step", clause.step)
         if clause.rtol is not None:
-            self.rtol = self.settings.setting("rtol", clause.rtol, NONE)[0]
+            self.said["rtol"] = self.settings.setting("rtol", clause.rtol, NONE)[0]
         self._one_of_both(clause.span)
-
-    def swarm(self, clause: st.Swarm) -> None:
-        """Read before the others."""
 
     def _one_of_both(self, span: Span) -> None:
         if {"accuracy", "method"} <= self.seen:
@@ -123,7 +115,7 @@ class _Scene:
                 self.report.error(f"'{column.name}' is recorded already", column.span)
             columns[column.name] = column
         event = "" if clause.at is None else self.settings.event(clause.at, "record … at")
-        self.rows = m.Record(
+        self.said["record"] = m.Record(
             columns=tuple(columns.values()),
             every=self.settings.time("every", clause.every),
             at=event,
@@ -132,15 +124,14 @@ class _Scene:
 
     def _columns(self, item: Expr) -> Iterable[m.Definition]:
         """One, of a vector three, none after an error."""
-        shared = self.scenes.shared
-        value, facts = self.scenes.expressions.factor(item, Scope(PLACES["record"]))
+        value, facts = self.expressions.factor(item, Scope(PLACES["record"]))
         if facts.turns and facts.turns[0].name and isinstance(item, Name):
             numbers = quaternion_names(item.id)
             return (
                 m.Definition(x, None, None, Name(x, None, item.span), "", "", item.span)
                 for x in numbers
             )
-        value, facts = self.scenes.expressions.check(item, Scope(PLACES["record"]))
+        value, facts = self.expressions.check(item, Scope(PLACES["record"]))
         inner, order, axis = item, 0, None
         while isinstance(inner, Prime):
             inner, order = inner.of, order + 1
@@ -161,11 +152,11 @@ class _Scene:
             self.report.error("'t' is the first column of every record", item.span)
             return ()
         try:
-            index = None if inner.index is None else integer(inner.index, shared.sizes)
+            index = None if inner.index is None else integer(inner.index, self.shared.sizes)
         except NotAnInteger:  # reported
             return ()
         name = inner.id if axis is None else component_name(inner.id, axis)
-        name, unit = indexed(name, index), shared.shown_unit(value, facts)
+        name, unit = indexed(name, index), self.shared.shown_unit(value, facts)
         column = m.Definition(name, None, None, value, unit, "", item.span)
         columns = by_component(column) if facts.vector else (column,)
         return (replace(c, name=c.name + "'" * order) for c in columns)
@@ -173,25 +164,19 @@ class _Scene:
     # all of it
 
     def made(self, scene: st.Scene) -> m.Scene:
-        self.given.finish()
+        self.finish()
         if "until" not in self.seen:
             self.scenes.expects.without_until(self.expects)
         return m.Scene(
-            scene.name,
-            scene.description,
-            assignments=tuple(self.given.assignments),
-            starts=tuple(self.given.starts),
-            until=self.end,
-            method=self.name,
-            step=self.step,
-            rtol=self.rtol,
-            record=self.rows,
+            name=scene.name,
+            description=scene.description,
             span=scene.span,
-            holds=tuple(self.given.holds),
-            accuracy=self.wanted,
-            swarm=self.given.swarm,
+            assignments=tuple(self.assignments),
+            starts=tuple(self.starts),
+            holds=tuple(self.holds),
+            swarm=self.members,
             expects=tuple(self.expects),
-            method_span=self.name_span,
+            **self.said,
         )
 
 

@@ -5,7 +5,17 @@ from __future__ import annotations
 from dataclasses import field
 
 from ...record import record
-from .loops import Loop
+from ...tree import Range
+
+Interval = tuple[int, int]
+
+
+@record
+class Loop:
+    """A range whose ends are known to be integers, and the interval its variable covers."""
+
+    range: Range
+    interval: Interval
 
 
 @record
@@ -23,62 +33,42 @@ class Place:
 
 DECLARED = "declare it: param {name} = 1"
 _RECORDED = "what is recorded is declared above the scene: observe {name} = …"
-_NUMBERS = frozenset(("loop variable", "size", "constant", "not compiled"))
+_NUMBERS = frozenset(("loop variable", "size", "constant"))
 _PARAMETERS = _NUMBERS | {"parameter"}
 _DRIVEN = _PARAMETERS | {"time", "input", "definition"}
 _MOTION = _DRIVEN | {"coordinate", "state", "rotation"}
 _FOUND = _MOTION | {"built-in", "multiplier"}
 
-_OUTPUT = Place("an output", _FOUND, "all but other outputs", True, accelerations=True)
+_OUTPUTS = _FOUND | {"output"}
+_IN_RUN = "numbers, sizes, constants and parameters"
+_IN_TIME = "numbers, sizes, constants, parameters and t"
+_BESIDE = "numbers, sizes, constants and earlier parameters"
+_ALL, _NAMES = "all but outputs", "names of the motion"
+_OUTPUT = Place("an output", _FOUND, "all but other outputs", True, "", True)
+
 PLACES: dict[str, Place] = {
     "size": Place("a size", frozenset(("size",)), "integers and earlier sizes"),
     "const": Place("a constant", _NUMBERS, "numbers, sizes and earlier constants"),
     "bound": Place("a bound", _NUMBERS, "numbers, sizes and constants"),
     "option": Place("an option", _NUMBERS, "numbers and sizes"),
-    "param": Place(
-        "a parameter's default", _PARAMETERS, "numbers, sizes, constants and earlier parameters"
-    ),
-    "start": Place(
-        "a start", _PARAMETERS, "numbers, sizes, constants and parameters", missing=DECLARED
-    ),
+    "accuracy": Place("an accuracy", _NUMBERS, "numbers and constants"),
+    "param": Place("a parameter's default", _PARAMETERS, _BESIDE),
+    "start": Place("a start", _PARAMETERS, _IN_RUN, missing=DECLARED),
+    "setting": Place("a scene", _PARAMETERS, _IN_RUN, missing=DECLARED),
+    "driving": Place("an input", _PARAMETERS | {"time"}, _IN_TIME, missing=DECLARED),
+    "held": Place("a held coordinate", _PARAMETERS | {"time"}, _IN_TIME, missing=DECLARED),
     "fixed": Place("a fixed end", _DRIVEN, "parameters, inputs and t", derivatives=True),
-    "let": Place("a definition", _MOTION, "all but outputs", derivatives=True),
-    "energy": Place("an energy", _MOTION, "all but outputs", derivatives=True),
-    "force": Place("a force", _MOTION, "all but outputs", derivatives=True),
-    "constraint": Place("a constraint", _MOTION, "all but outputs", derivatives=True),
-    "rate": Place("a rate", _MOTION | {"built-in"}, "all but outputs", derivatives=True),
+    "let": Place("a definition", _MOTION, _ALL, derivatives=True),
+    "energy": Place("an energy", _MOTION, _ALL, derivatives=True),
+    "force": Place("a force", _MOTION, _ALL, derivatives=True),
+    "constraint": Place("a constraint", _MOTION, _ALL, derivatives=True),
+    "rate": Place("a rate", _MOTION | {"built-in"}, _ALL, derivatives=True),
     "observe": _OUTPUT,
     "conserve": _OUTPUT,
-    "event": Place(
-        "an event", _FOUND | {"output"}, "names of the motion", True, accelerations=True
-    ),
-    "drawing": Place(
-        "a drawing", _FOUND | {"output"}, "names of the motion", True, accelerations=True
-    ),
-    "setting": Place(
-        "a scene", _PARAMETERS, "numbers, sizes, constants and parameters", missing=DECLARED
-    ),
-    "driving": Place(
-        "an input",
-        _PARAMETERS | {"time"},
-        "numbers, sizes, constants, parameters and t",
-        missing=DECLARED,
-    ),
-    "accuracy": Place("an accuracy", _NUMBERS, "numbers and constants"),
-    "held": Place(
-        "a held coordinate",
-        _PARAMETERS | {"time"},
-        "numbers, sizes, constants, parameters and t",
-        missing=DECLARED,
-    ),
-    "expect": Place(
-        "an expectation",
-        _FOUND | {"output"},
-        "names of the motion",
-        derivatives=True,
-        accelerations=True,
-    ),
-    "record": Place("a record", _FOUND | {"output"}, "names of the motion", True, _RECORDED, True),
+    "event": Place("an event", _OUTPUTS, _NAMES, True, "", True),
+    "drawing": Place("a drawing", _OUTPUTS, _NAMES, True, "", True),
+    "expect": Place("an expectation", _OUTPUTS, _NAMES, True, "", True),
+    "record": Place("a record", _OUTPUTS, _NAMES, True, _RECORDED, True),
 }
 
 
