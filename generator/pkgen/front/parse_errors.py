@@ -64,11 +64,9 @@ def misplaced(lexed: Lexed) -> Diagnostic:
     word = lexed.keyword
     if word == "end":
         return Diagnostic("this 'end' ends no scene", lexed.span)
-    return Diagnostic(
-        f"'{word}' stands in a scene only",
-        Span(lexed.tokens[0].start_pos, lexed.tokens[0].end_pos),
-        "put it between 'scene NAME' and 'end'",
-    )
+    message = f"'{word}' stands in a scene only"
+    help = "put it between 'scene NAME' and 'end'"
+    return Diagnostic(message, Span(lexed.tokens[0].start_pos, lexed.tokens[0].end_pos), help)
 
 
 def declared_names(lexed: Lexed) -> tuple[str, ...]:

@@ -69,11 +69,9 @@ class Constraints(Checks):
         if True in vectors and False in vectors:
             vector, number = sides if vectors[0] else reversed(sides)
             text = self.expressions.mismatch.text
-            self.report.error(
-                f"{text(vector)} is a vector; the other side, {text(number)}, is a number",
-                number.span,
-                "write a vector on both sides, or take a component (.x, .y, .z) or norm(v)",
-            )
+            message = f"{text(vector)} is a vector; the other side, {text(number)}, is a number"
+            help = "write a vector on both sides, or take a component (.x, .y, .z) or norm(v)"
+            self.report.error(message, number.span, help)
 
     @staticmethod
     def _rows(name: str, difference: Add, vector: bool) -> list[tuple[str, Expr]]:
@@ -92,11 +90,9 @@ class Constraints(Checks):
     def _moves(self, statement: st.Equation, facts: Facts, span: Span) -> None:
         keyword = statement.keyword
         if facts.states or facts.state_rates:
-            self.report.error(
-                f"a {keyword} cannot use the state '{min(facts.states | facts.state_rates)}'",
-                span,
-                "it is an equation between coordinates, rotations, parameters, inputs and t",
-            )
+            message = f"a {keyword} cannot use the state '{min(facts.states | facts.state_rates)}'"
+            help = "it is an equation between coordinates, rotations, parameters, inputs and t"
+            self.report.error(message, span, help)
         elif keyword == "constraint" and facts.rates:
             self.report.error(
                 "a constraint is an equation between positions; this one has rates in it",

@@ -86,11 +86,8 @@ class Coordinates(Checks):
                     self.expressions.check(value, Scope(PLACES["fixed"]))
                 continue
             if entry.members is None:
-                self.report.error(
-                    f"'{left.name}' is not a family: it has no ends",
-                    left.span,
-                    f"{KIND_TEXT[entry.kind]} is held fixed in a scene with 'hold'",
-                )
+                help = f"{KIND_TEXT[entry.kind]} is held fixed in a scene with 'hold'"
+                self.report.error(f"'{left.name}' is not a family: it has no ends", left.span, help)
                 continue
             if left.range is not None:
                 self.report.error("an end is one index, not a range", left.span)
@@ -105,11 +102,8 @@ class Coordinates(Checks):
         for kind, names in (("coordinate", facts.coordinates), ("state", facts.states)):
             if not names:
                 continue
-            self.report.error(
-                f"a fixed end cannot depend on the {kind} '{min(names)}'",
-                value.span,
-                "it may use parameters, inputs and t",
-            )
+            message = f"a fixed end cannot depend on the {kind} '{min(names)}'"
+            self.report.error(message, value.span, "it may use parameters, inputs and t")
         self.shared.use_inputs(facts)
         return checked
 
@@ -128,11 +122,9 @@ class Coordinates(Checks):
             entry.periodic = True
         elif left.index is None:
             if keyword == "fixed":
-                self.report.error(
-                    f"'fixed' names an end: {left.name}[{lo - 1}] or {left.name}[{hi + 1}]",
-                    left.span,
-                    f"e.g. fixed {left.name}[{lo - 1}] = 0, {left.name}[{hi + 1}] = 0",
-                )
+                message = f"'fixed' names an end: {left.name}[{lo - 1}] or {left.name}[{hi + 1}]"
+                help = f"e.g. fixed {left.name}[{lo - 1}] = 0, {left.name}[{hi + 1}] = 0"
+                self.report.error(message, left.span, help)
                 return
             at = [lo - 1, hi + 1]
         else:
@@ -161,10 +153,8 @@ class Coordinates(Checks):
             )
             return False
         if keyword == "free" and index not in (lo - 1, hi + 1):
-            self.report.error(
-                f"a free end is next to the family: {name}[{lo - 1}] or {name}[{hi + 1}]",
-                left.span,
-            )
+            message = f"a free end is next to the family: {name}[{lo - 1}] or {name}[{hi + 1}]"
+            self.report.error(message, left.span)
             return False
         clash = [
             k for k in self.own_ends if k[0] == name and (k[1] == index or None in (k[1], index))

@@ -33,11 +33,9 @@ class Definitions(Checks):
                 f"'{statement.name}' {why} and cannot name a model", statement.name_span
             )
         elif whose := symbols_of(statement.name):
-            self.report.error(
-                f"'{statement.name}' cannot name a model: symbols of {whose} begin so",
-                statement.name_span,
-                f"choose another name, e.g. my_{statement.name}",
-            )
+            message = f"'{statement.name}' cannot name a model: symbols of {whose} begin so"
+            help = f"choose another name, e.g. my_{statement.name}"
+            self.report.error(message, statement.name_span, help)
         elif statement.name in C_HEADERS:
             self.report.error(
                 f"'{statement.name}.h' is a header of C; a model's would hide it",
@@ -123,10 +121,8 @@ class Definitions(Checks):
             return None
         if infinite:
             end_name = "lower" if sign < 0 else "upper"
-            self.report.error(
-                f"no value is left: the {end_name} bound is {'' if infinite > 0 else '-'}inf",
-                at.span,
-            )
+            message = f"no value is left: the {end_name} bound is {'' if infinite > 0 else '-'}inf"
+            self.report.error(message, at.span)
             return None
         target = as_is(name, of.dimension)
         value, facts = self.expressions.wanted(end, Scope(PLACES["bound"]), target)
@@ -137,11 +133,8 @@ class Definitions(Checks):
         row = STATEMENTS[keyword]
         scope, members = self.shared.left_scope(left, keyword)
         if keyword in ("const", "conserve") and (left.range or left.index):
-            self.report.error(
-                f"'{keyword}' defines one name, not a family",
-                left.span,
-                "use 'let' for a family" if keyword == "const" else "",
-            )
+            help = "use 'let' for a family" if keyword == "const" else ""
+            self.report.error(f"'{keyword}' defines one name, not a family", left.span, help)
         if keyword == "observe" and left.index is not None:
             self.report.error(
                 "'observe' takes NAME or NAME[i = lo..hi]", left.span, "give it a name of its own"

@@ -43,11 +43,9 @@ class Dynamics(Checks):
                 " kept as loops",
             )
         if facts.state_rates:
-            self.report.error(
-                f"{keyword} cannot use the rate of the state '{min(facts.state_rates)}'",
-                self._rate_of_a_state(statement.value),
-                "rates follow from the energies: write what stands after 'rate' in its place",
-            )
+            message = f"{keyword} cannot use the rate of the state '{min(facts.state_rates)}'"
+            help = "rates follow from the energies: write what stands after 'rate' in its place"
+            self.report.error(message, self._rate_of_a_state(statement.value), help)
         if not power:
             self.shared.energies.append(facts)
         self.shared.use_inputs(facts)
@@ -130,11 +128,8 @@ class Dynamics(Checks):
         value, facts = self.expressions.check(statement.value, Scope(PLACES["event"]))
         at = statement.value.span
         if facts.vector:
-            self.report.error(
-                f"the event '{statement.name}' is a vector; it must be a number",
-                at,
-                "take a component (.x, .y, .z), dot(a, b) or norm(a)",
-            )
+            message = f"the event '{statement.name}' is a vector; it must be a number"
+            self.report.error(message, at, "take a component (.x, .y, .z), dot(a, b) or norm(a)")
         elif facts.known and not facts.moves:
             self.report.error(
                 f"the event '{statement.name}' never happens: nothing in it moves",

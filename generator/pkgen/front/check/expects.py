@@ -56,11 +56,8 @@ class Expects(Checks):
                 "take a component (.x, .y, .z) or norm(v)",
             )
         elif a and clause.relation != "=":
-            self.report.error(
-                f"{self.expressions.mismatch.text(expr)} is a vector: none is above another",
-                expr.span,
-                "take a component (.x, .y, .z) or norm(v)",
-            )
+            message = f"{self.expressions.mismatch.text(expr)} is a vector: none is above another"
+            self.report.error(message, expr.span, "take a component (.x, .y, .z) or norm(v)")
         return a == b and (not a or clause.relation == "=")
 
     def _dimension(self, clause: st.Expect, a: Facts, b: Facts) -> Dimension:
@@ -82,10 +79,8 @@ class Expects(Checks):
                 )
             return None
         if clause.relation != "=":
-            self.report.error(
-                f"'within' goes with '=': '{clause.relation}' is met or not",
-                clause.within.span,
-            )
+            message = f"'within' goes with '=': '{clause.relation}' is met or not"
+            self.report.error(message, clause.within.span)
             return None
         if dimension is None:
             return None
@@ -109,11 +104,8 @@ class Expects(Checks):
     def _meaning(self, clause: st.Expect, moves: bool, sides: tuple[Expr, Expr]) -> None:
         of_run = [x for side in sides for x in within(side) if _of_run(x)]
         if not of_run and not moves:
-            self.report.error(
-                "nothing in it moves: it holds or fails without a run",
-                clause.span,
-                "e.g. expect x = 1 within 1e-6 at 2",
-            )
+            message = "nothing in it moves: it holds or fails without a run"
+            self.report.error(message, clause.span, "e.g. expect x = 1 within 1e-6 at 2")
         elif of_run and moves:
             self._both(of_run[0])
         elif of_run and clause.at is not None:
@@ -122,19 +114,13 @@ class Expects(Checks):
             )
 
     def _both(self, call: Call) -> None:
-        self.report.error(
-            f"{call.function}(…) is of the whole run: it is not compared with what moves",
-            call.span,
-            "beside it stand numbers and parameters",
-        )
+        message = f"{call.function}(…) is of the whole run: it is not compared with what moves"
+        self.report.error(message, call.span, "beside it stand numbers and parameters")
 
     def without_until(self, expects: list[m.Expect]) -> None:
         if expects:
-            self.report.error(
-                "an expectation needs to know how long the scene runs",
-                expects[0].span,
-                "add to the scene: until 10",
-            )
+            message = "an expectation needs to know how long the scene runs"
+            self.report.error(message, expects[0].span, "add to the scene: until 10")
 
 
 def calls(item: m.Expect, function: str) -> list[Call]:

@@ -45,11 +45,8 @@ class Expressions(Operators, Calls):
         new, facts = self.factor(expr, scope)
         if not facts.turns:
             return new, facts
-        self.report.error(
-            f"{self.mismatch.text(expr)} is a rotation, which turns a vector",
-            expr.span,
-            f"e.g. {EXAMPLE}",
-        )
+        message = f"{self.mismatch.text(expr)} is a rotation, which turns a vector"
+        self.report.error(message, expr.span, f"e.g. {EXAMPLE}")
         return expr, UNKNOWN
 
     def factor(self, expr: Expr, scope: Scope) -> Checked:
@@ -69,11 +66,8 @@ class Expressions(Operators, Calls):
             return Vector(tuple(e for e, _ in parts), expr.span), facts
         new, facts = self.check(expr, scope)
         if facts.vector is False and facts.known:
-            self.report.error(
-                f"{self.mismatch.text(expr)} is a number, {target.needs}",
-                expr.span,
-                "write the vector [x, y, z]",
-            )
+            message = f"{self.mismatch.text(expr)} is a number, {target.needs}"
+            self.report.error(message, expr.span, "write the vector [x, y, z]")
         elif None not in (facts.dimension, target.dimension) and facts.dimension != (
             target.dimension
         ):
@@ -100,11 +94,9 @@ class Expressions(Operators, Calls):
 
     def _against(self, expr: Expr, facts: Facts, target: Target, numbers: bool) -> None:
         if facts.vector:
-            self.report.error(
-                f"{self.mismatch.text(expr)} is a vector, {target.needs}",
-                expr.span,
-                "take a component (.x, .y, .z), dot(a, b) or norm(a)",
-            )
+            message = f"{self.mismatch.text(expr)} is a vector, {target.needs}"
+            help = "take a component (.x, .y, .z), dot(a, b) or norm(a)"
+            self.report.error(message, expr.span, help)
         elif target.dimension is None or facts.dimension in (None, target.dimension):
             return
         elif not (target.bare and facts.bare and facts.dimension == NONE):
@@ -166,12 +158,8 @@ class Expressions(Operators, Calls):
             )
             return None
         if name in ("T", "V") and self.lagrangian:
-            self._once(
-                name,
-                f"'{name}' is not known in a model with 'lagrangian'",
-                expr.span,
-                "L and energy are; or write 'kinetic' and 'potential'",
-            )
+            help = "L and energy are; or write 'kinetic' and 'potential'"
+            self._once(name, f"'{name}' is not known in a model with 'lagrangian'", expr.span, help)
             return None
         everything = self.names.moving
         facts = Facts(self.energy_dimension, united=True, coordinates=everything, rates=everything)

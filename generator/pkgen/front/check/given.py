@@ -53,11 +53,9 @@ class Given(Checks):
                 f"an empty swarm: {lo}..{hi}", swarm.span, "the lower end comes first: k = 1..1000"
             )
         elif hi - lo + 1 > limits.SWARM:
-            self.report.error(
-                f"a swarm of {hi - lo + 1:,} members; the limit is {limits.SWARM:,}",
-                swarm.span,
-                "their starts are all in memory: run it in several parts",
-            )
+            message = f"a swarm of {hi - lo + 1:,} members; the limit is {limits.SWARM:,}"
+            help = "their starts are all in memory: run it in several parts"
+            self.report.error(message, swarm.span, help)
         return 0 < hi - lo + 1 <= limits.SWARM
 
     def swarm_of(self, expressions: tuple[Expr | None, ...], help: str = "") -> bool:
@@ -129,11 +127,8 @@ class Given(Checks):
         return m.Hold(left.name, left.index, left.range, new, left.span)
 
     def _held_and_started(self, span: Span, name: str) -> None:
-        self.report.error(
-            f"'{name}' is held and started: what is held has no start of its own",
-            span,
-            f"say where it is held: hold {name} = …",
-        )
+        message = f"'{name}' is held and started: what is held has no start of its own"
+        self.report.error(message, span, f"say where it is held: hold {name} = …")
 
     def _once(self, name: str, what: str, members: tuple[int, int], span: Span) -> None:
         """A member's value may override its family's, but no value may be wholly overridden."""
@@ -208,11 +203,8 @@ class Given(Checks):
                     f"e.g. start {self._some()} = {variable}/10",
                 )
         if self.holds and self._holds_all():
-            self.report.error(
-                f"every {self._what_moves()} is held: nothing is left to move",
-                self.holds[-1].span,
-                "leave out one 'hold'",
-            )
+            message = f"every {self._what_moves()} is held: nothing is left to move"
+            self.report.error(message, self.holds[-1].span, "leave out one 'hold'")
 
     def _some(self) -> str:
         return next(iter(sorted(self.names.coordinates) or sorted(self.names.states)), "x")

@@ -97,11 +97,8 @@ class Indices:
             return None
         entry = self.names.table.get(item.variable)
         if (entry is not None and entry.kind != "poisoned") or item.variable in ("t", "pi", "inf"):
-            self.report.error(
-                f"the loop variable '{item.variable}' has another meaning in this model",
-                variable,
-                "choose another letter",
-            )
+            message = f"the loop variable '{item.variable}' has another meaning in this model"
+            self.report.error(message, variable, "choose another letter")
             return None
         if not (self.valid(item.lo, scope) & self.valid(item.hi, scope)):
             return None
@@ -139,11 +136,8 @@ class Indices:
                 self._no_index(expr, entry, scope)
             return entry.members is None
         if entry.members is None:
-            self.report.error(
-                f"'{expr.id}' is not a family: it takes no index",
-                expr.span,
-                f"a unit stands after a space: {expr.id} […]; a product is written with *",
-            )
+            help = f"a unit stands after a space: {expr.id} […]; a product is written with *"
+            self.report.error(f"'{expr.id}' is not a family: it takes no index", expr.span, help)
             return False
         if not self.valid(expr.index, scope):
             return False

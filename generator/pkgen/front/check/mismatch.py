@@ -30,11 +30,8 @@ class Mismatch:
     ) -> None:
         """A whole expression, or a term of a sum, where one dimension is needed. `numbers`: of a
         value that is no motion, so that no hint should make it one."""
-        self.report.error(
-            f"unit mismatch: {self.text(expr)} is {described(facts.dimension)}, {needs}",
-            expr.span,
-            self._hint(expr, facts, needed, needs, numbers),
-        )
+        message = f"unit mismatch: {self.text(expr)} is {described(facts.dimension)}, {needs}"
+        self.report.error(message, expr.span, self._hint(expr, facts, needed, needs, numbers))
 
     def common(
         self,

@@ -71,11 +71,9 @@ class Operators(Checking):
         """R.w, R.x, R.y, R.z: the quaternion of a rotation that is declared."""
         name = facts.turns[0].name if len(facts.turns) == 1 else ""
         if not name:
-            raise Wrong(
-                f"{self.mismatch.text(expr.of)} is a rotation, which turns a vector",
-                "of a declared one R there is the quaternion R.w, R.x, R.y, R.z",
-                expr.of.span,
-            )
+            message = f"{self.mismatch.text(expr.of)} is a rotation, which turns a vector"
+            help = "of a declared one R there is the quaternion R.w, R.x, R.y, R.z"
+            raise Wrong(message, help, expr.of.span)
         new = Name(f"{name}.{COMPONENTS[expr.axis]}", None, expr.span)
         return new, replace(facts, vector=False, turns=(), united=True)
 
@@ -137,11 +135,9 @@ class Operators(Checking):
             raise Wrong(f"division by the vector {self.mismatch.text(under)}", span=under.span)
         if len(vectors) > 1:
             a, b = (self.mismatch.text(expr.factors[i]) for i in vectors[:2])
-            raise Wrong(
-                f"{a} and {b} are vectors; '*' cannot multiply them",
-                f"write dot({a}, {b}) or cross({a}, {b})",
-                expr.factors[vectors[1]].span,
-            )
+            message = f"{a} and {b} are vectors; '*' cannot multiply them"
+            help = f"write dot({a}, {b}) or cross({a}, {b})"
+            raise Wrong(message, help, expr.factors[vectors[1]].span)
         if any(f.vector is None for f in facts):
             raise Wrong
         return bool(vectors)

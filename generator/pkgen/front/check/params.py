@@ -79,11 +79,9 @@ def ends_of(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: R
     if lo is None or hi is None:
         return lo, hi
     if lo > hi or (lo == hi and (item.bounds.lo_open or item.bounds.hi_open)):
-        report.error(
-            f"no value of {item.name} lies in {interval(item.bounds, (lo, hi))}",
-            item.bounds.lo.span.to(item.bounds.hi.span),
-            "the lower bound comes first",
-        )
+        message = f"no value of {item.name} lies in {interval(item.bounds, (lo, hi))}"
+        help = "the lower bound comes first"
+        report.error(message, item.bounds.lo.span.to(item.bounds.hi.span), help)
         return None
     return lo, hi
 

@@ -66,11 +66,9 @@ class Required:
         known = [s.left.name for s in self.file.statements if s.keyword == "size"]
         for name in self.shared.given:
             if name not in known and not self.file.diagnostics:
-                self.report.error(
-                    f"--size {name}: the model has no size '{name}'",
-                    self._first_line(),
-                    f"its sizes are: {', '.join(known)}" if known else "it has no sizes",
-                )
+                message = f"--size {name}: the model has no size '{name}'"
+                help = f"its sizes are: {', '.join(known)}" if known else "it has no sizes"
+                self.report.error(message, self._first_line(), help)
 
     def inertia(self) -> None:
         """A light check: every coordinate's rate occurs in an energy. The exact one is derive's."""

@@ -88,17 +88,11 @@ class Rotations(Checks):
                 f"a start gives {left.name} or omega({left.name}), not {item.function}", item.span
             )
         elif entry is not None and entry.kind != "rotation":
-            self.report.error(
-                f"omega is of a rotation; '{left.name}' is none",
-                item.span,
-                f"its rate is {left.name}'",
-            )
+            message = f"omega is of a rotation; '{left.name}' is none"
+            self.report.error(message, item.span, f"its rate is {left.name}'")
         elif item.order:
-            self.report.error(
-                f"the rates of a rotation are omega({left.name})",
-                item.span,
-                f"start omega({left.name}) = [x, y, z]",
-            )
+            help = f"start omega({left.name}) = [x, y, z]"
+            self.report.error(f"the rates of a rotation are omega({left.name})", item.span, help)
         of_rates = item.function or item.order  # R' gives rates, if under a wrong name
         values = self._rates(item, around) if of_rates else self._attitude(item, around)
         if len(self.report.errors) > before or entry is None or not values:
@@ -123,11 +117,9 @@ class Rotations(Checks):
         _, facts = self.expressions.factor(item.value, around)
         if not facts.turns:
             if facts.known:
-                self.report.error(
-                    f"{self.expressions.mismatch.text(item.value)} is no rotation",
-                    item.value.span,
-                    f"e.g. start {item.left.name} = rot([1, 0, 0], 0.3)",
-                )
+                message = f"{self.expressions.mismatch.text(item.value)} is no rotation"
+                help = f"e.g. start {item.left.name} = rot([1, 0, 0], 0.3)"
+                self.report.error(message, item.value.span, help)
             return None
         if len(facts.turns) > TURNS:
             self.report.error(f"a start of more than {TURNS} turns", item.value.span)

@@ -45,11 +45,8 @@ class _Numbers:
             self._of(lambda item=item: values.not_negative("within", item.within))
             at = self._of(lambda item=item: values.not_negative("at", item.at))
             if at is not None and until is not None and at > until:
-                self.report.error(
-                    f"t = {number(at)} is not reached: the scene runs until {number(until)}",
-                    item.at.span,
-                    "expect it earlier, or run longer",
-                )
+                message = f"t = {number(at)} is not reached: the scene runs until {number(until)}"
+                self.report.error(message, item.at.span, "expect it earlier, or run longer")
             elif scene.swarm and at and until and not has_row(at, every, until):
                 self.report.error(
                     f"members of a swarm have no row at t = {number(at)}",
@@ -63,10 +60,8 @@ class _Numbers:
         if found is None or until is None:
             return found
         if found > until:
-            self.report.error(
-                f"'{name}' is {number(found)}: the scene runs no longer than {number(until)}",
-                expr.span,
-            )
+            message = f"'{name}' is {number(found)}: the scene runs no longer than {number(until)}"
+            self.report.error(message, expr.span)
         elif found < SHORTEST * until:
             least = number(SHORTEST * until)
             self.report.error(f"'{name}' is below the round-off of the time, {least}", expr.span)
@@ -94,11 +89,8 @@ class _Numbers:
                 f"no double is that exact; the smallest 'rtol' is {ROUND_OFF:.1e}", expr.span
             )
         elif rtol is not None and rtol >= 1:
-            self.report.error(
-                "an 'rtol' of 1 or more controls nothing: it is relative to what moves",
-                expr.span,
-                "e.g. rtol 1e-9",
-            )
+            message = "an 'rtol' of 1 or more controls nothing: it is relative to what moves"
+            self.report.error(message, expr.span, "e.g. rtol 1e-9")
 
     def _of(self, value: Callable[[], float | None]) -> float | None:
         try:

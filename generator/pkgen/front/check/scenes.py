@@ -40,11 +40,8 @@ class Scenes(Checks):
         if any(s.name == scene.name for s in self.parts["scenes"]):
             self.report.error(f"there is a scene '{scene.name}' already", scene.name_span)
         if not scene.clauses:
-            self.report.error(
-                f"the scene '{scene.name}' is empty",
-                scene.name_span,
-                "say what it runs, e.g. until 10",
-            )
+            message = f"the scene '{scene.name}' is empty"
+            self.report.error(message, scene.name_span, "say what it runs, e.g. until 10")
         swarms = [c for c in scene.clauses if isinstance(c, st.Swarm)]
         for clause in swarms[1:]:
             self.second("swarm", clause.span)
@@ -140,11 +137,8 @@ class _Scene(Given):
         if isinstance(inner, Call) and inner.function == "omega" and facts.known:
             inner = Name(f"omega({min(facts.coordinates)})", None, inner.span)
         if not isinstance(inner, Name):
-            self.report.error(
-                "a record takes names, not expressions",
-                item.span,
-                "give it a name: observe NAME = …",
-            )
+            message = "a record takes names, not expressions"
+            self.report.error(message, item.span, "give it a name: observe NAME = …")
             return ()
         if not facts.known:
             return ()

@@ -42,11 +42,9 @@ class Settings(Checks):
         if not facts.value > 0:
             self.report.error("'accuracy' must be positive", value.span, "e.g. accuracy 1e-9")
         elif facts.value < FINEST:
-            self.report.error(
-                f"an accuracy of {float(facts.value):.3g} is below round-off",
-                value.span,
-                f"doubles allow {FINEST:.1e} at best; 1e-12 is much already",
-            )
+            message = f"an accuracy of {float(facts.value):.3g} is below round-off"
+            help = f"doubles allow {FINEST:.1e} at best; 1e-12 is much already"
+            self.report.error(message, value.span, help)
         elif facts.value > 1:
             self.report.error(
                 "an accuracy above 1 promises nothing: it is relative to the quantity's size",
@@ -64,11 +62,8 @@ class Settings(Checks):
             self.report.error(f"there is no method '{name}'", clause.name_span, help)
             return
         if method.fixed and clause.step is None:
-            self.report.error(
-                f"{name} has a fixed step: say how long it is",
-                clause.span,
-                f"e.g. method {name} step 0.01",
-            )
+            message = f"{name} has a fixed step: say how long it is"
+            self.report.error(message, clause.span, f"e.g. method {name} step 0.01")
         if clause.rtol is not None and "adaptive" not in method.traits:
             why = "has a fixed step" if method.fixed else "is exact"
             self.report.error(

@@ -84,11 +84,9 @@ class Shared:
         """`param m[kg] = 1` or `param m[1] = 1`."""
         name, index = left.name, left.index
         if isinstance(index, Name) and self.expressions.parsed(index.id) is not None:
-            self.report.error(
-                f"'{name}[{index.id}]': a bracket that touches a name is an index",
-                left.span,
-                f"a unit stands after the value: param {name} = 1 [{index.id}]",
-            )
+            message = f"'{name}[{index.id}]': a bracket that touches a name is an index"
+            help = f"a unit stands after the value: param {name} = 1 [{index.id}]"
+            self.report.error(message, left.span, help)
         else:
             self.report.error(
                 "a family of parameters is declared with its range",
@@ -149,11 +147,8 @@ class Shared:
                 self.names.unknown(left.name, name_span(left))
             elif left.name not in self.names.reported:
                 self.names.reported.add(left.name)
-                self.report.error(
-                    f"unknown {noun} '{left.name}'",
-                    name_span(left),
-                    _nearest(left.name, list(near), noun),
-                )
+                message = f"unknown {noun} '{left.name}'"
+                self.report.error(message, name_span(left), _nearest(left.name, list(near), noun))
             return None
         if entry.kind == "poisoned":
             return None
@@ -196,11 +191,9 @@ class Shared:
         return integer(family.lo, self.sizes), integer(family.hi, self.sizes)
 
     def no_vector(self, left: st.Left, kind: str) -> None:
-        self.report.error(
-            f"the {kind} '{left.name}' is a vector; it must be a number",
-            left.span,
-            "'let' defines vectors; otherwise take a component (.x, .y, .z)",
-        )
+        message = f"the {kind} '{left.name}' is a vector; it must be a number"
+        help = "'let' defines vectors; otherwise take a component (.x, .y, .z)"
+        self.report.error(message, left.span, help)
 
     def shown_unit(self, written: Expr, facts: Facts) -> str:
         """The SI unit for display, in radians where the author said so."""
