@@ -30,9 +30,9 @@ class Constraints(Checks):
         left = statement.left
         scope, members = self.shared.left_scope(left, "constraint")
         before = len(self.report.errors)
-        difference = Add((statement.a, statement.b), (1, -1), statement.a.span.to(statement.b.span))
-        parts = [self.expressions.check(side, scope) for side in (statement.a, statement.b)]
         sides = (statement.a, statement.b)
+        difference = Add(sides, (1, -1), statement.a.span.to(statement.b.span))
+        parts = [self.expressions.check(side, scope) for side in sides]
         self._alike(sides, [facts.vector for _, facts in parts])
         if len(self.report.errors) > before:
             parts = [(side, UNKNOWN) for side, _ in parts]
@@ -51,19 +51,11 @@ class Constraints(Checks):
             self.names.declare(Entry(name, "multiplier", multiplier, place, members))
         if len(self.report.errors) > before or not facts.known:
             return
-        for name, one in self._rows(left.name, value, bool(facts.vector)):
-            self.parts["constraints"].append(
-                m.Constraint(
-                    name,
-                    left.index,
-                    left.range,
-                    statement.keyword == "constraint",
-                    one,
-                    si_text(multiplier.dimension),
-                    "",
-                    statement.span,
-                )
-            )
+        holonomic, unit = statement.keyword == "constraint", si_text(multiplier.dimension)
+        self.parts["constraints"] += [
+            m.Constraint(name, left.index, left.range, holonomic, one, unit, "", statement.span)
+            for name, one in self._rows(left.name, value, bool(facts.vector))
+        ]
 
     def _alike(self, sides: tuple[Expr, Expr], vectors: list[bool | None]) -> None:
         if True in vectors and False in vectors:
@@ -79,12 +71,9 @@ class Constraints(Checks):
         is not in the row."""
         if not vector:
             return [(name, difference)]
+        rows = [tuple(component(x, k) for x in difference.terms) for k in range(len(AXES))]
         return [
-            (
-                component_name(name, k),
-                replace(difference, terms=tuple(component(side, k) for side in difference.terms)),
-            )
-            for k in range(len(AXES))
+            (component_name(name, k), replace(difference, terms=row)) for k, row in enumerate(rows)
         ]
 
     def _moves(self, statement: st.Equation, facts: Facts, span: Span) -> None:

@@ -50,17 +50,8 @@ class Coordinates(Checks):
             return
         time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
         momentum = units.over(units.times(energy, time), found.dimension)
-        self.parts["coordinates"].append(
-            m.Coordinate(
-                item.name,
-                found.family,
-                found.unit,
-                found.rate_unit,
-                si_text(momentum),
-                description,
-                item.span,
-            )
-        )
+        shown = found.unit, found.rate_unit, si_text(momentum), description
+        self.parts["coordinates"].append(m.Coordinate(item.name, found.family, *shown, item.span))
 
     def _input(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
         if item.lo is not None:
@@ -68,12 +59,8 @@ class Coordinates(Checks):
                 "a family of inputs cannot be compiled yet", item.span, "declare them one by one"
             )
         dimension = None if unit is None else unit.dimension
-        facts = Facts(
-            dimension,
-            united=unit is not units.ONE,
-            known=unit is not None,
-            inputs={item.name: 0},
-        )
+        united, own = unit is not units.ONE, {item.name: 0}
+        facts = Facts(dimension, united=united, known=unit is not None, inputs=own)
         self.names.declare(Entry(item.name, "input", facts, item.name_span))
         self.parts["inputs"].append((item, unit or units.ONE, description))
 

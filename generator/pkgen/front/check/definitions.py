@@ -45,10 +45,10 @@ class Definitions(Checks):
 
     def size(self, statement: st.Define) -> None:
         left = statement.left
-        self._plain(left, "size")
+        if left.index is not None or left.range is not None:
+            self.report.error("'size' takes a plain name", left.span)
         value = self.indices.value(statement.value, Scope(PLACES["size"]))
-        if left.name in self.shared.given:
-            value = self.shared.given[left.name]
+        value = self.shared.given.get(left.name, value)
         if value is not None and value < 1:
             self.report.error(
                 f"the size {left.name} is {value}; it must be at least 1", statement.value.span
@@ -71,36 +71,18 @@ class Definitions(Checks):
         if facts.vector:
             self.shared.no_vector(left, "parameter")
         bounds = self._bounds(statement.interval, left.name, facts)
-        entry = Entry(
-            left.name,
-            "parameter",
-            replace(_declared(facts, _with_unit(statement.value)), value=None),
-            name_span(left),
-            members,
-            periodic=left.range is not None and not scope.loops,
-        )
-        if not facts.known and facts.dimension is None:
-            entry.facts = UNKNOWN
-        ranged = left.range is None or scope.loops
-        if (
-            self.names.declare(entry)
-            and facts.known
-            and ranged
-            and len(self.report.errors) == before
-        ):
+        own = replace(_declared(facts, statement.value), value=None)
+        own = own if facts.known or facts.dimension is not None else UNKNOWN
+        entry = Entry(left.name, "parameter", own, name_span(left), members)
+        entry.periodic = left.range is not None and not scope.loops
+        new = self.names.declare(entry) and facts.known and not entry.periodic
+        if new and len(self.report.errors) == before:
             self.shared.sound.add(statement.span)
         follows = facts.value is None and _mentions_parameter(value, self.names.table)
+        unit = self.shared.shown_unit(statement.value, facts)
+        shown = unit, statement.description, statement.span
         self.parts["parameters"].append(
-            m.Parameter(
-                left.name,
-                left.range,
-                value,
-                follows,
-                bounds,
-                self.shared.shown_unit(statement.value, facts),
-                statement.description,
-                statement.span,
-            )
+            m.Parameter(left.name, left.range, value, follows, bounds, *shown)
         )
 
     def _bounds(self, interval: st.Interval | None, name: str, of: Facts) -> m.Bounds:
@@ -149,24 +131,18 @@ class Definitions(Checks):
                 self.shared.no_vector(left, kind)
             if keyword == "conserve" and facts.bare:
                 self.report.warn("a number is always conserved", statement.value.span)
-            shown = _declared(facts, _with_unit(statement.value)) if kind == "constant" else facts
-            self.names.declare(
-                Entry(left.name, kind, shown, name_span(left), members, used=kind == "output")
-            )
+            shown = _declared(facts, statement.value) if kind == "constant" else facts
+            entry = Entry(left.name, kind, shown, name_span(left), members)
+            entry.used = kind == "output"
+            self.names.declare(entry)
         if keyword == "const" and facts.known and len(self.report.errors) == before:
             self.shared.sound.add(statement.span)
         self.shared.use_inputs(facts)
-        definition = m.Definition(
-            left.name,
-            left.index,
-            left.range,
-            value,
-            self.shared.shown_unit(statement.value, facts),
-            statement.description,
-            statement.span,
-        )
         if facts.turns:
             return
+        unit = self.shared.shown_unit(statement.value, facts)
+        shown = unit, statement.description, statement.span
+        definition = m.Definition(left.name, left.index, left.range, value, *shown)
         vector = facts.vector and row.fills in ("observed", "conserved")
         self.parts[row.fills] += by_component(definition) if vector else (definition,)
 
@@ -218,24 +194,12 @@ class Definitions(Checks):
 
         entry.facts = joined(dimension, facts.vector, [before, facts])
 
-    def _plain(self, left: st.Left, keyword: str) -> None:
-        if left.index is not None or left.range is not None:
-            self.report.error(f"'{keyword}' takes a plain name", left.span)
 
-
-def _with_unit(expr: Expr) -> bool:
-    return isinstance(expr, Quantity)
-
-
-def _declared(facts: Facts, with_unit: bool) -> Facts:
+def _declared(facts: Facts, written: Expr) -> Facts:
     """A name's facts when it is used: no longer a bare number."""
     dimension = NONE if facts.dimension is None and facts.known else facts.dimension
-    return replace(
-        facts,
-        dimension=dimension,
-        bare=False,
-        united=with_unit or facts.united or dimension != NONE,
-    )
+    united = isinstance(written, Quantity) or facts.united or dimension != NONE
+    return replace(facts, dimension=dimension, bare=False, united=united)
 
 
 def _mentions_parameter(expr: Expr, table: Mapping[str, Entry]) -> bool:

@@ -144,17 +144,10 @@ class Dynamics(Checks):
             )
         self.shared.use_inputs(facts)
         self.names.declare(Entry(statement.name, "event", UNKNOWN, statement.name_span, used=True))
-        self.parts["events"].append(
-            m.Event(
-                statement.name,
-                value,
-                _DIRECTIONS[statement.direction],
-                statement.stop,
-                self.shared.shown_unit(statement.value, facts),
-                statement.description,
-                statement.span,
-            )
-        )
+        how = _DIRECTIONS[statement.direction], statement.stop
+        unit = self.shared.shown_unit(statement.value, facts)
+        shown = unit, statement.description, statement.span
+        self.parts["events"].append(m.Event(statement.name, value, *how, *shown))
 
 
 def _step_of(value: Expr) -> Call | None:

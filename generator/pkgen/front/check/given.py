@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from ... import limits
 from ... import model as m
 from ...source import Span
-from ...tree import Expr, Name, Range, names
+from ...tree import Expr, Range, names
 from .. import statements as st
 from .dynamics import Dynamics
 from .names import KIND_TEXT, Entry, Members
@@ -155,15 +153,9 @@ class Given(Checks):
         entry = self.assigned(left, kinds, message, DECLARED)
         if entry is None or entry.kind == "poisoned":
             return None
-        scope: Scope | None = Scope(PLACES["setting" if entry.kind == "parameter" else "driving"])
-        index = left.index
-        if left.range is not None:
-            scope = self.indices.enter((left.range,), scope)
-            if scope is None:
-                return None
-            index = Name(left.range.variable, None, left.range.span)
-        named = Name(left.name, index, left.span)
-        if not self.indices.member(named, entry, replace(scope, name="=")):
+        place = PLACES["setting" if entry.kind == "parameter" else "driving"]
+        scope = self.shared.member_scope(left, entry, Scope(place))
+        if scope is None:
             return None
         target = as_is(left.name, entry.facts.dimension)
         new, facts = self.expressions.wanted(value, scope, target)

@@ -33,30 +33,16 @@ class Rotations(Checks):
             self.report.error(
                 "a family of rotations cannot be compiled", item.span, "declare them one by one"
             )
-        facts = Facts(
-            NONE,
-            True,
-            united=True,
-            coordinates=frozenset((item.name,)),
-            turns=(attitude(item.name, item.span),),
-        )
+        own, turns = frozenset((item.name,)), (attitude(item.name, item.span),)
+        facts = Facts(NONE, True, united=True, coordinates=own, turns=turns)
         self.names.declare(Entry(item.name, "rotation", facts, item.name_span))
         time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
         per_time, action = units.over(NONE, time), units.times(energy, time)
-        self.parts["rotations"].append(
-            m.Rotation(
-                item.name,
-                quaternion_names(item.name),
-                rate_names(item.name),
-                turn_names(item.name),
-                tuple(f"p_{item.name}.{axis}" for axis in AXES),
-                si_text(per_time, 1 if time != NONE else 0),
-                si_text(per_time),
-                si_text(action),
-                description,
-                item.span,
-            )
-        )
+        momenta = tuple(f"p_{item.name}.{axis}" for axis in AXES)
+        names = *(f(item.name) for f in (quaternion_names, rate_names, turn_names)), momenta
+        texts = si_text(per_time, 1 if time != NONE else 0), si_text(per_time), si_text(action)
+        rotation = m.Rotation(item.name, *names, *texts, description, item.span)
+        self.parts["rotations"].append(rotation)
 
     def force(self, statement: st.Define) -> Iterable[m.Force]:
         """A torque, in body components."""
@@ -97,14 +83,10 @@ class Rotations(Checks):
         values = self._rates(item, around) if of_rates else self._attitude(item, around)
         if len(self.report.errors) > before or entry is None or not values:
             return None
-        if item.function:
-            return tuple(
-                m.Start(turn, None, None, 1, value, item.span)
-                for turn, value in zip(turn_names(left.name), values, strict=True)
-            )
+        order, names = (1, turn_names) if item.function else (0, quaternion_names)
         return tuple(
-            m.Start(number, None, None, 0, value, item.span)
-            for number, value in zip(quaternion_names(left.name), values, strict=True)
+            m.Start(name, None, None, order, value, item.span)
+            for name, value in zip(names(left.name), values, strict=True)
         )
 
     def _rates(self, item: st.StartItem, around: Scope):
@@ -135,20 +117,11 @@ class Rotations(Checks):
 
 def coordinates_of(rotation: m.Rotation) -> Iterable[m.Coordinate]:
     """Three, whose rates are the body rates; their own unit is that of an angle, none."""
-    for axis, turn, rate, momentum in zip(
-        AXES, rotation.turns, rotation.rates, rotation.momenta, strict=True
-    ):
-        yield m.Coordinate(
-            turn,
-            None,
-            "",
-            rotation.rate_unit,
-            rotation.momentum_unit,
-            rotation.description or f"body rate about {axis}",
-            rotation.span,
-            rate,
-            momentum,
-        )
+    units_of = "", rotation.rate_unit, rotation.momentum_unit
+    for k, axis in enumerate(AXES):
+        says = rotation.description or f"body rate about {axis}"
+        own = rotation.rates[k], rotation.momenta[k]
+        yield m.Coordinate(rotation.turns[k], None, *units_of, says, rotation.span, *own)
 
 
 def states_of(rotation: m.Rotation) -> Iterable[m.State]:

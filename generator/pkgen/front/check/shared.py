@@ -163,25 +163,19 @@ class Shared:
         return entry
 
     def member_scope(self, left: st.Left, entry: Entry | None, scope: Scope) -> Scope | None:
-        """The scope of `force q[i = 1..N] = …` and the like in `scope`; the members must be
-        coordinates."""
-        if entry is None:
-            if left.range is not None:
-                return self.indices.enter((left.range,), scope)
-            return scope
+        """The scope of `force q[i = 1..N] = …` and the like in `scope`; the members must be those
+        that are declared, ends not among them. None after an error."""
         index = left.index
         if left.range is not None:
             scope = self.indices.enter((left.range,), scope)
-            if scope is None:
-                return None
             index = Name(left.range.variable, None, left.range.span)
+        if entry is None or scope is None:
+            return scope
         named = Name(left.name, index, left.span)
-        named_scope = replace(scope, name="=")
-        family = entry
-        if entry.members is not None:
-            family = replace(entry, members=Members(self.range_of(left.name)), kind="member")
+        if entry.members is not None and entry.kind in ("coordinate", "state"):
+            entry = replace(entry, members=Members(self.range_of(left.name)), kind="member")
         before = len(self.report.errors)
-        self.indices.member(named, family, named_scope)
+        self.indices.member(named, entry, replace(scope, name="="))
         return scope if len(self.report.errors) == before else None
 
     def range_of(self, name: str) -> tuple[int, int]:
