@@ -6,7 +6,8 @@ const Axes = (() => {
     for (let k = Math.ceil(lo / step); k * step <= hi; k++) use(Number((k * step).toPrecision(12)));
   }
 
-  /* frame: {left, right, top, bottom} in pixels, X and Y to them, ranges x and y, names below, beside */
+  /* frame: {left, right, top, bottom} in pixels, X and Y to them, ranges x and y, names below and
+   * beside */
   function draw(g, { left, right, top, bottom, X, Y, x, y, below, beside }) {
     const theme = Theme.now();
     g.font = `12px ${theme.font}`;

@@ -1,11 +1,14 @@
 "use strict";
 /* From space to pixels of the stage. Both kinds of view have the same face: fit, pan or turn, zoom,
- * project(point) → [x, y, depth], and plane(): two directions of space that a drag moves along. */
+ * project(point) → [x, y, depth], and plane(): two directions of space for a drag. */
 const Camera = (() => {
   const AXIS = { x: 0, y: 1, z: 2 };
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-    a[0] * b[1] - a[1] * b[0]];
+  const cross = (a, b) => [
+    a[1] * b[2] - a[2] * b[1],
+    a[2] * b[0] - a[0] * b[2],
+    a[0] * b[1] - a[1] * b[0],
+  ];
   const unit = (a) => {
     const size = Math.hypot(...a) || 1;
     return a.map((x) => x / size);
@@ -17,7 +20,7 @@ const Camera = (() => {
       this.i = AXIS[right];
       this.j = AXIS[up];
       this.names = [right, up];
-      this.given = null;   /* the author's width: stage.js */
+      this.given = null; /* the author's width: stage.js */
       this.centre = [0, 0];
       this.scale = 100;
       this.resize(100, 100);
@@ -31,7 +34,10 @@ const Camera = (() => {
       const known = box.lo[i] <= box.hi[i] && box.lo[j] <= box.hi[j];
       const lo = known ? [box.lo[i], box.lo[j]] : [-1, -1];
       const hi = known ? [box.hi[i], box.hi[j]] : [1, 1];
-      const room = [Math.max(80, this.width - 2 * inset.x), Math.max(80, this.height - 2 * inset.y)];
+      const room = [
+        Math.max(80, this.width - 2 * inset.x),
+        Math.max(80, this.height - 2 * inset.y),
+      ];
       const [x, y] = [hi[0] - lo[0], hi[1] - lo[1]];
       /* A width that the author gives; the height is that of the motion, a square at the most. */
       const width = this.given || x / 0.86 || 1;
@@ -40,8 +46,11 @@ const Camera = (() => {
       this.centre = [(lo[0] + hi[0]) / 2, (lo[1] + hi[1]) / 2];
     }
     project(p) {
-      return [this.width / 2 + (p[this.i] - this.centre[0]) * this.scale,
-        this.height / 2 - (p[this.j] - this.centre[1]) * this.scale, 0];
+      return [
+        this.width / 2 + (p[this.i] - this.centre[0]) * this.scale,
+        this.height / 2 - (p[this.j] - this.centre[1]) * this.scale,
+        0,
+      ];
     }
     plane() {
       const right = [0, 0, 0];
@@ -65,12 +74,12 @@ const Camera = (() => {
   /* Looks at `target` from a sphere about it; z is up. */
   class Orbit {
     constructor(view) {
-      this.given = null;   /* the author's width: stage.js */
+      this.given = null; /* the author's width: stage.js */
       this.yaw = -1.1;
       this.pitch = 0.32;
       this.target = [0, 0, 0];
       this.distance = 5;
-      this.angle = 0.6;       /* of view, from top to bottom */
+      this.angle = 0.6; /* of view, from top to bottom */
       this.resize(100, 100);
     }
     resize(width, height) {
@@ -95,7 +104,10 @@ const Camera = (() => {
       }
       const { right, up } = this.frame();
       const pixel = this.distance / this.focal();
-      const [dx, dy] = [((x0 + x1 - this.width) / 2) * pixel, ((y0 + y1 - this.height) / 2) * pixel];
+      const [dx, dy] = [
+        ((x0 + x1 - this.width) / 2) * pixel,
+        ((y0 + y1 - this.height) / 2) * pixel,
+      ];
       this.target = this.target.map((t, k) => t + right[k] * dx - up[k] * dy);
       this.distance *= Math.max((x1 - x0) / this.width, (y1 - y0) / this.height, 1e-3) / 0.8;
     }
@@ -103,8 +115,12 @@ const Camera = (() => {
       const [c, s] = [Math.cos(this.pitch), Math.sin(this.pitch)];
       const back = [c * Math.cos(this.yaw), c * Math.sin(this.yaw), s];
       const right = unit(cross([0, 0, 1], back));
-      return { back, right, up: cross(back, right),
-        eye: this.target.map((x, k) => x + back[k] * this.distance) };
+      return {
+        back,
+        right,
+        up: cross(back, right),
+        eye: this.target.map((x, k) => x + back[k] * this.distance),
+      };
     }
     focal() {
       return this.height / 2 / Math.tan(this.angle / 2);
@@ -130,9 +146,11 @@ const Camera = (() => {
       const [a, b] = [(far + near) / (near - far), (2 * far * near) / (near - far)];
       const column = (r, u, k, w) => [fx * r, f * u, a * k + (w ? b : 0), -k];
       return new Float32Array([
-        ...column(right[0], up[0], back[0]), ...column(right[1], up[1], back[1]),
+        ...column(right[0], up[0], back[0]),
+        ...column(right[1], up[1], back[1]),
         ...column(right[2], up[2], back[2]),
-        ...column(-dot(right, eye), -dot(up, eye), -dot(back, eye), true)]);
+        ...column(-dot(right, eye), -dot(up, eye), -dot(back, eye), true),
+      ]);
     }
     move(dx, dy) {
       this.yaw -= dx * 0.008;

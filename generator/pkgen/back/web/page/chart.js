@@ -1,7 +1,7 @@
 "use strict";
 /* uPlot in the page's colours: any number of lines or points, each with its own x. */
 const Chart = (() => {
-  const FLOOR = 1e-17;   /* below this a logarithmic axis has nothing to show */
+  const FLOOR = 1e-17; /* below this a logarithmic axis has nothing to show */
 
   /* Lines and points of series that share no x, drawn by hand within the frame. */
   function paths(style) {
@@ -28,7 +28,10 @@ const Chart = (() => {
         g.beginPath();
         let pen = false;
         for (let k = 0; k < xs.length; k++) {
-          if (!Number.isFinite(ys[k])) { pen = false; continue; }
+          if (!Number.isFinite(ys[k])) {
+            pen = false;
+            continue;
+          }
           if (pen) g.lineTo(X(xs[k]), Y(ys[k]));
           else g.moveTo(X(xs[k]), Y(ys[k]));
           pen = true;
@@ -85,11 +88,26 @@ const Chart = (() => {
       const lines = given.length ? given : [{ x: [], y: [], colour: Theme.now().soft }];
       const { log } = this.options;
       this.range.x = x || padded(extent(lines.map((l) => l.x)), 0);
-      this.range.y = y || (log ? decades(extent(lines.map((l) => l.y), true))
-        : padded(extent(lines.map((l) => l.y)), 0.06));
-      const data = [null, ...lines.map((l) => [l.x, log ? l.y.map((v) => Math.max(v, FLOOR)) : l.y])];
-      const made = JSON.stringify([lines.map(({ colour, dash, points, head }) => [colour, dash, points, head]),
-        Theme.now().dark, this.options.x, this.options.y]);
+      this.range.y =
+        y ||
+        (log
+          ? decades(
+              extent(
+                lines.map((l) => l.y),
+                true,
+              ),
+            )
+          : padded(extent(lines.map((l) => l.y)), 0.06));
+      const data = [
+        null,
+        ...lines.map((l) => [l.x, log ? l.y.map((v) => Math.max(v, FLOOR)) : l.y]),
+      ];
+      const made = JSON.stringify([
+        lines.map(({ colour, dash, points, head }) => [colour, dash, points, head]),
+        Theme.now().dark,
+        this.options.x,
+        this.options.y,
+      ]);
       const { clientWidth: width, clientHeight: height } = this.element;
       if (!width || !height) return;
       if (made !== this.made) {
@@ -113,26 +131,56 @@ const Chart = (() => {
     layout(lines, width, height) {
       const theme = Theme.now();
       const font = `11px ${theme.font}`;
-      const axis = (label, more) => ({ stroke: theme.soft, font, labelFont: font, label,
-        labelSize: 16, labelGap: 0, grid: { stroke: theme.faint, width: 1 },
-        ticks: { stroke: theme.faint, width: 1, size: 4 }, gap: 4, ...more });
+      const axis = (label, more) => ({
+        stroke: theme.soft,
+        font,
+        labelFont: font,
+        label,
+        labelSize: 16,
+        labelGap: 0,
+        grid: { stroke: theme.faint, width: 1 },
+        ticks: { stroke: theme.faint, width: 1, size: 4 },
+        gap: 4,
+        ...more,
+      });
       const { log } = this.options;
       const written = (u, splits) => splits.map((v) => Text.number(v, 4));
       return {
-        mode: 2, width, height, padding: [8, 12, 0, 0],
+        mode: 2,
+        width,
+        height,
+        padding: [8, 12, 0, 0],
         legend: { show: false },
         cursor: { show: false },
         scales: {
           x: { time: false, auto: false, range: () => this.range.x },
           y: { auto: false, distr: log ? 3 : 1, range: () => this.range.y },
         },
-        axes: [axis(this.options.x, { size: 26, values: written, space: 56 }),
-          axis(this.options.y, log
-            ? { size: 40, splits: () => this.powers(), filter: (u, s) => s,
-              values: (u, s) => s.map((v) => Text.powerOfTen(v)) }
-            : { size: 48, space: 28, values: written })],
-        series: [{}, ...lines.map((line) => ({ stroke: line.colour, paths: paths(line),
-          facets: [{ scale: "x", auto: false }, { scale: "y", auto: false }] }))],
+        axes: [
+          axis(this.options.x, { size: 26, values: written, space: 56 }),
+          axis(
+            this.options.y,
+            log
+              ? {
+                  size: 40,
+                  splits: () => this.powers(),
+                  filter: (u, s) => s,
+                  values: (u, s) => s.map((v) => Text.powerOfTen(v)),
+                }
+              : { size: 48, space: 28, values: written },
+          ),
+        ],
+        series: [
+          {},
+          ...lines.map((line) => ({
+            stroke: line.colour,
+            paths: paths(line),
+            facets: [
+              { scale: "x", auto: false },
+              { scale: "y", auto: false },
+            ],
+          })),
+        ],
       };
     }
 

@@ -3,8 +3,8 @@
  * lets it: the coordinates that bring its place there are found by damped least squares, from
  * differences of the outputs, which works for any model. Elsewhere a drag moves the view. */
 const Drag = (() => {
-  const REACH = 24;      /* pixels from a handle */
-  const CLOSE = 0.05;    /* pixels: near enough */
+  const REACH = 24; /* pixels from a handle */
+  const CLOSE = 0.05; /* pixels: near enough */
   const ROUNDS = 40;
 
   /* What may vary: coordinates, and three turns for each rotation. */
@@ -18,8 +18,12 @@ const Drag = (() => {
     return list;
   }
 
-  const multiply = ([a, b, c, d], [e, f, g, h]) => [a * e - b * f - c * g - d * h,
-    a * f + b * e + c * h - d * g, a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e];
+  const multiply = ([a, b, c, d], [e, f, g, h]) => [
+    a * e - b * f - c * g - d * h,
+    a * f + b * e + c * h - d * g,
+    a * g - b * h + c * e + d * f,
+    a * h + b * g - c * f + d * e,
+  ];
 
   /* The state with its variables moved by dx. */
   function moved(model, list, state, dx) {
@@ -28,11 +32,17 @@ const Drag = (() => {
     list.forEach((x, k) => {
       if (x.kind === "q") q[x.index] += dx[k];
       else if (dx[k]) {
-        const at = model.description.rotations[x.rotation].quaternion
-          .map((name) => model.byName.get(name).index);
+        const at = model.description.rotations[x.rotation].quaternion.map(
+          (name) => model.byName.get(name).index,
+        );
         const turn = [Math.cos(dx[k] / 2), 0, 0, 0];
         turn[1 + x.axis] = Math.sin(dx[k] / 2);
-        multiply(turn, at.map((i) => v[i])).forEach((y, i) => { v[at[i]] = y; });
+        multiply(
+          turn,
+          at.map((i) => v[i]),
+        ).forEach((y, i) => {
+          v[at[i]] = y;
+        });
       }
     });
     return { params: state.params, q, v };
@@ -68,13 +78,19 @@ const Drag = (() => {
       const scale = list.map((x) => (x.angle ? 1 : pixel * 100));
       const J = columns.map((c, k) => c.map((y) => y * scale[k]));
       let [a, b, d] = [0, 0, 0];
-      for (const [x, y] of J) { a += x * x; b += x * y; d += y * y; }
+      for (const [x, y] of J) {
+        a += x * x;
+        b += x * y;
+        d += y * y;
+      }
       const trace = a + d;
       if (!(trace > 0)) break;
       const lambda = damping * trace;
       const determinant = (a + lambda) * (d + lambda) - b * b;
-      const w = [((d + lambda) * r[0] - b * r[1]) / determinant,
-        ((a + lambda) * r[1] - b * r[0]) / determinant];
+      const w = [
+        ((d + lambda) * r[0] - b * r[1]) / determinant,
+        ((a + lambda) * r[1] - b * r[0]) / determinant,
+      ];
       let dx = J.map(([x, y], k) => scale[k] * (x * w[0] + y * w[1]));
       const longest = Math.max(...dx.map((x, k) => Math.abs(x / scale[k])));
       if (longest > 0.7) dx = dx.map((x) => (x * 0.7) / longest);
@@ -97,8 +113,12 @@ const Drag = (() => {
   function allowed(lab, state) {
     if (!(lab.model.description.constraints || []).length) return state;
     try {
-      const motion = lab.engine.motion({ ...lab.settings.methods[0], step: lab.stepOf(lab.settings.methods[0]),
-        ...state, t: 0 });
+      const motion = lab.engine.motion({
+        ...lab.settings.methods[0],
+        step: lab.stepOf(lab.settings.methods[0]),
+        ...state,
+        t: 0,
+      });
       const q = motion.q;
       motion.free();
       return { ...state, q };
@@ -135,7 +155,8 @@ const Drag = (() => {
     function take(handle, [x, y]) {
       const { run } = handle;
       const start = lab.runs.start;
-      const base = lab.runs.t > 0 ? restState(run, start) : { params: start.params, q: start.q, v: start.v };
+      const base =
+        lab.runs.t > 0 ? restState(run, start) : { params: start.params, q: start.q, v: start.v };
       held = { ...handle, state: base, was: lab.playing, off: [handle.px - x, handle.py - y] };
       lab.pause();
       document.body.classList.add("dragging");
@@ -213,14 +234,18 @@ const Drag = (() => {
     };
     canvas.addEventListener("pointerup", up);
     canvas.addEventListener("pointercancel", up);
-    canvas.addEventListener("wheel", (event) => {
-      if (stage.graph) return;
-      event.preventDefault();
-      stage.touched = true;
-      const [x, y] = at(event);
-      stage.camera.zoom(Math.exp(-event.deltaY * 0.0015), x, y);
-      lab.dirty = true;
-    }, { passive: false });
+    canvas.addEventListener(
+      "wheel",
+      (event) => {
+        if (stage.graph) return;
+        event.preventDefault();
+        stage.touched = true;
+        const [x, y] = at(event);
+        stage.camera.zoom(Math.exp(-event.deltaY * 0.0015), x, y);
+        lab.dirty = true;
+      },
+      { passive: false },
+    );
     canvas.addEventListener("dblclick", (event) => {
       if (!nearest(at(event))) stage.fit();
     });
@@ -234,8 +259,9 @@ const Drag = (() => {
         pull(wish);
       },
       holding: () => Boolean(held),
-      can: () => !stage.graph && lab.runs.list.some((run) => !run.refused
-        && Shapes.handles(stage.resolve(run)).length > 0),
+      can: () =>
+        !stage.graph &&
+        lab.runs.list.some((run) => !run.refused && Shapes.handles(stage.resolve(run)).length > 0),
     };
   }
 

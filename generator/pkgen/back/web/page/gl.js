@@ -49,7 +49,10 @@ const Gl = (() => {
 
   function program(gl, source) {
     const made = gl.createProgram();
-    for (const [type, text] of [[gl.VERTEX_SHADER, source.vertex], [gl.FRAGMENT_SHADER, source.fragment]]) {
+    for (const [type, text] of [
+      [gl.VERTEX_SHADER, source.vertex],
+      [gl.FRAGMENT_SHADER, source.fragment],
+    ]) {
       const shader = gl.createShader(type);
       gl.shaderSource(shader, text);
       gl.compileShader(shader);
@@ -70,15 +73,20 @@ const Gl = (() => {
       this.solid = program(gl, SOLID);
       this.ribbon = program(gl, RIBBON);
       this.at = (name) => gl.getUniformLocation(this.solid, name);
-      this.uniform = Object.fromEntries(["eye", "place", "turn", "colour", "from", "striped"]
-        .map((name) => [name, this.at(name)]));
-      this.meshes = Object.fromEntries(Object.entries(Solids.all())
-        .map(([name, mesh]) => [name, this.upload(mesh)]));
+      this.uniform = Object.fromEntries(
+        ["eye", "place", "turn", "colour", "from", "striped"].map((name) => [name, this.at(name)]),
+      );
+      this.meshes = Object.fromEntries(
+        Object.entries(Solids.all()).map(([name, mesh]) => [name, this.upload(mesh)]),
+      );
       this.ribbons = gl.createBuffer();
       this.ribbonArray = gl.createVertexArray();
       gl.bindVertexArray(this.ribbonArray);
       gl.bindBuffer(gl.ARRAY_BUFFER, this.ribbons);
-      for (const [name, offset] of [["position", 0], ["tint", 16]]) {
+      for (const [name, offset] of [
+        ["position", 0],
+        ["tint", 16],
+      ]) {
         const where = gl.getAttribLocation(this.ribbon, name);
         gl.enableVertexAttribArray(where);
         gl.vertexAttribPointer(where, 4, gl.FLOAT, false, 32, offset);
@@ -91,7 +99,10 @@ const Gl = (() => {
       const { gl } = this;
       const array = gl.createVertexArray();
       gl.bindVertexArray(array);
-      for (const [name, data] of [["position", position], ["normal", normal]]) {
+      for (const [name, data] of [
+        ["position", position],
+        ["normal", normal],
+      ]) {
         gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
         gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
         const where = gl.getAttribLocation(this.solid, name);
@@ -140,11 +151,15 @@ const Gl = (() => {
     /* A line of this many pixels; fade(k) is the opacity at its k-th point. */
     line(points, width, colour, fade = () => 1) {
       const { camera, matrix: m } = this;
-      const clip = (p) => [0, 1, 2, 3].map((i) => m[i] * p[0] + m[4 + i] * p[1] + m[8 + i] * p[2] + m[12 + i]);
+      const clip = (p) =>
+        [0, 1, 2, 3].map((i) => m[i] * p[0] + m[4 + i] * p[1] + m[8 + i] * p[2] + m[12 + i]);
       let last = null;
       for (let k = 0; k < points.length; k++) {
         const c = clip(points[k]);
-        if (c[3] <= 0) { last = null; continue; }
+        if (c[3] <= 0) {
+          last = null;
+          continue;
+        }
         const now = { x: c[0] / c[3], y: c[1] / c[3], z: c[2] / c[3], a: fade(k) };
         if (last) this.quad(last, now, width, colour, camera);
         last = now;
@@ -160,8 +175,18 @@ const Gl = (() => {
         more.set(this.vertices);
         this.vertices = more;
       }
-      for (const [p, side] of [[a, 1], [a, -1], [b, 1], [a, -1], [b, -1], [b, 1]]) {
-        this.vertices.set([p.x + side * nx, p.y + side * ny, p.z, 1, ...colour, p.a], this.count * 8);
+      for (const [p, side] of [
+        [a, 1],
+        [a, -1],
+        [b, 1],
+        [a, -1],
+        [b, -1],
+        [b, 1],
+      ]) {
+        this.vertices.set(
+          [p.x + side * nx, p.y + side * ny, p.z, 1, ...colour, p.a],
+          this.count * 8,
+        );
         this.count++;
       }
     }

@@ -30,7 +30,9 @@ const GraphView = (() => {
     entries() {
       const { model } = this.lab;
       const graph = model.shapes.find((shape) => shape.kind === "graph");
-      const named = ((graph && graph.columns) || []).map((c) => model.byKey.get("q" + c)).filter(Boolean);
+      const named = ((graph && graph.columns) || [])
+        .map((c) => model.byKey.get("q" + c))
+        .filter(Boolean);
       if (named.length) return named;
       const all = PanelsTime.quantitiesOf(model);
       const places = all.filter((e) => e.kind === "q");
@@ -38,22 +40,36 @@ const GraphView = (() => {
     }
 
     profiles(runs, entries) {
-      return runs.map(({ run, style }) => ({ run, style, colour: style.trail, name: "",
-        points: entries.map((e, k) =>
-          [k + 1, run.recent.get(run.recent.size - 1, PanelsTime.columnOf(this.lab, e))]) }));
+      return runs.map(({ run, style }) => ({
+        run,
+        style,
+        colour: style.trail,
+        name: "",
+        points: entries.map((e, k) => [
+          k + 1,
+          run.recent.get(run.recent.size - 1, PanelsTime.columnOf(this.lab, e)),
+        ]),
+      }));
     }
 
     curves(runs, entries) {
       const theme = Theme.now();
-      return runs.flatMap(({ run, style }) => entries.map((e, k) => {
-        const from = Math.max(0, run.recent.size - 1500);
-        const column = PanelsTime.columnOf(this.lab, e);
-        const points = [];
-        for (let i = from; i < run.recent.size; i++)
-          points.push([run.recent.get(i, 0), run.recent.get(i, column)]);
-        return { run, style, points, name: e.name,
-          colour: runs.length > 1 || entries.length === 1 ? style.trail : theme.shapes[k % 4] };
-      }));
+      return runs.flatMap(({ run, style }) =>
+        entries.map((e, k) => {
+          const from = Math.max(0, run.recent.size - 1500);
+          const column = PanelsTime.columnOf(this.lab, e);
+          const points = [];
+          for (let i = from; i < run.recent.size; i++)
+            points.push([run.recent.get(i, 0), run.recent.get(i, column)]);
+          return {
+            run,
+            style,
+            points,
+            name: e.name,
+            colour: runs.length > 1 || entries.length === 1 ? style.trail : theme.shapes[k % 4],
+          };
+        }),
+      );
     }
 
     frame(g, width, height, lines, all, profile) {
@@ -61,8 +77,12 @@ const GraphView = (() => {
       const [left, right, top, bottom] = [56, 24, 52, 40];
       let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
       for (const [x, y] of all) {
-        x0 = Math.min(x0, x); x1 = Math.max(x1, x);
-        if (Number.isFinite(y)) { y0 = Math.min(y0, y); y1 = Math.max(y1, y); }
+        x0 = Math.min(x0, x);
+        x1 = Math.max(x1, x);
+        if (Number.isFinite(y)) {
+          y0 = Math.min(y0, y);
+          y1 = Math.max(y1, y);
+        }
       }
       if (profile) {
         /* The scale of a profile only grows, so that it does not breathe. */
@@ -76,8 +96,17 @@ const GraphView = (() => {
       }
       const X = (x) => left + ((x - x0) / (x1 - x0 || 1)) * (width - left - right);
       const Y = (y) => height - bottom - ((y - y0) / (y1 - y0)) * (height - top - bottom);
-      Axes.draw(g, { left, right: width - right, top, bottom: height - bottom, X, Y,
-        x: [x0, x1], y: [y0, y1], below: profile ? "number" : Text.axis("t", this.lab.model.time) });
+      Axes.draw(g, {
+        left,
+        right: width - right,
+        top,
+        bottom: height - bottom,
+        X,
+        Y,
+        x: [x0, x1],
+        y: [y0, y1],
+        below: profile ? "number" : Text.axis("t", this.lab.model.time),
+      });
       g.lineJoin = "round";
       for (const line of lines) {
         g.globalAlpha = line.style.alpha;
@@ -102,8 +131,12 @@ const GraphView = (() => {
           g.font = `italic 15px ${theme.font}`;
           g.fillText(Text.plain(line.name), Math.min(X(last[0]) + 8, width - 22), Y(last[1]) - 8);
         }
-        this.drawn.push({ kind: profile ? "profile" : "graph", name: line.name, run: line.run.index,
-          points: (profile ? line.points : [last]).map(([x, y]) => [X(x), Y(y)]) });
+        this.drawn.push({
+          kind: profile ? "profile" : "graph",
+          name: line.name,
+          run: line.run.index,
+          points: (profile ? line.points : [last]).map(([x, y]) => [X(x), Y(y)]),
+        });
       }
     }
   }

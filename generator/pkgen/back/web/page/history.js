@@ -57,8 +57,11 @@ const History = (() => {
       const { t } = this;
       this.stretch = 2 * (this.stretch || (t[t.length - 1] - t[0]) / t.length);
       this.t = t.filter((_, k) => k % 2 === 0);
-      this.columns = this.columns.map((column) => this.t.map((_, k) =>
-        Math.max(column[2 * k], 2 * k + 1 < column.length ? column[2 * k + 1] : -Infinity)));
+      this.columns = this.columns.map((column) =>
+        this.t.map((_, k) =>
+          Math.max(column[2 * k], 2 * k + 1 < column.length ? column[2 * k + 1] : -Infinity),
+        ),
+      );
     }
     last(column) {
       const list = this.columns[column];

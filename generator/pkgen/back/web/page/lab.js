@@ -2,9 +2,9 @@
 /* The laboratory: time, settings and what shows them. */
 const Lab = (() => {
   const { $, say } = Dom;
-  const TICKS = 60;          /* samples a second of the clock */
-  const BUDGET = 13;         /* ms of a frame for the motions */
-  const PANELS_EVERY = 90;   /* ms */
+  const TICKS = 60; /* samples a second of the clock */
+  const BUDGET = 13; /* ms of a frame for the motions */
+  const PANELS_EVERY = 90; /* ms */
   const HEADS = [1, 2, 5];
 
   class Lab_ {
@@ -15,7 +15,7 @@ const Lab = (() => {
       this.nv = engine.defaults().v.length;
       this.settings = Settings.read(model, location.hash);
       this.natural = 1;
-      this.rtol = (model.description.run || {}).rtol || null;   /* of pkgen run */
+      this.rtol = (model.description.run || {}).rtol || null; /* of pkgen run */
       this.base = 1;
       this.playing = false;
       this.dirty = true;
@@ -32,8 +32,12 @@ const Lab = (() => {
       this.restart();
       this.drag = Drag.make(this);
       this.panels = Panels.make(this);
-      this.sheets = { values: SheetValues.make(this), methods: SheetMethods.make(this),
-        swarm: SheetSwarm.make(this), model: SheetModel.make(this) };
+      this.sheets = {
+        values: SheetValues.make(this),
+        methods: SheetMethods.make(this),
+        swarm: SheetSwarm.make(this),
+        model: SheetModel.make(this),
+      };
       this.shown();
       requestAnimationFrame((now) => this.frame(now));
     }
@@ -47,7 +51,9 @@ const Lab = (() => {
     /* A method of fixed step that is given none takes a hundredth of a swing. */
     stepOf({ method, step }) {
       if (step) return step;
-      return (this.model.methodNamed.get(method) || {}).adaptive ? null : Ranges.nice(this.natural / 100);
+      return (this.model.methodNamed.get(method) || {}).adaptive
+        ? null
+        : Ranges.nice(this.natural / 100);
     }
 
     look() {
@@ -78,9 +84,11 @@ const Lab = (() => {
 
     startFrom(state) {
       for (const c of this.model.description.coordinates)
-        if (this.model.byKey.has("q" + c.index)) this.settings.values.set("q" + c.index, state.q[c.index]);
+        if (this.model.byKey.has("q" + c.index))
+          this.settings.values.set("q" + c.index, state.q[c.index]);
       for (const s of this.model.description.states || [])
-        if (this.model.isQuaternion(s.name)) this.settings.values.set("v" + s.index, state.v[s.index]);
+        if (this.model.isQuaternion(s.name))
+          this.settings.values.set("v" + s.index, state.v[s.index]);
       for (const key of [...this.settings.values.keys()])
         if (key.startsWith("r")) this.settings.values.delete(key);
       this.restart();
@@ -88,7 +96,11 @@ const Lab = (() => {
 
     enter(scene) {
       const { speed, panels, view, reference } = this.settings;
-      this.settings = Settings.enter(this.model, { ...Settings.fresh(), speed, panels, view, reference }, scene);
+      this.settings = Settings.enter(
+        this.model,
+        { ...Settings.fresh(), speed, panels, view, reference },
+        scene,
+      );
       this.restart();
       this.look();
       this.restart();
@@ -120,7 +132,10 @@ const Lab = (() => {
       $("hint").hidden = view === "swarm";
       $("fit").hidden = view === "swarm" || this.stage.graph;
       $("scene").value = this.settings.scene || "";
-      say($("speed-is"), this.model.time ? `${Text.number(this.speed())}×` : `${Text.number(this.speed())} /s`);
+      say(
+        $("speed-is"),
+        this.model.time ? `${Text.number(this.speed())}×` : `${Text.number(this.speed())} /s`,
+      );
       $("speed").value = this.settings.speed;
       say($("note"), this.runs.error || this.stage.failed || "");
       this.legend();
@@ -130,12 +145,22 @@ const Lab = (() => {
     legend() {
       const { list, reference } = this.runs;
       const rows = [...list, ...(reference ? [reference] : [])];
-      Dom.fill($("legend"), ...(rows.length > 1 ? rows.map((run) => Dom.h("li",
-        { class: run.index < 0 ? "m-ref" : "m" + run.index },
-        Dom.h("span", { class: "swatch", "aria-hidden": "true" }),
-        run.spec.method + (run.spec.step ? `, step ${Text.number(run.spec.step)}` : "")
-          + (run.index < 0 ? " (reference)" : ""),
-        run.status ? Dom.h("em", null, " stopped") : null)) : []));
+      Dom.fill(
+        $("legend"),
+        ...(rows.length > 1
+          ? rows.map((run) =>
+              Dom.h(
+                "li",
+                { class: run.index < 0 ? "m-ref" : "m" + run.index },
+                Dom.h("span", { class: "swatch", "aria-hidden": "true" }),
+                run.spec.method +
+                  (run.spec.step ? `, step ${Text.number(run.spec.step)}` : "") +
+                  (run.index < 0 ? " (reference)" : ""),
+                run.status ? Dom.h("em", null, " stopped") : null,
+              ),
+            )
+          : []),
+      );
       this.stopped = rows.map((run) => run.status).join();
     }
 
@@ -202,7 +227,13 @@ const Lab = (() => {
       else this.stage.draw();
       say($("time"), time(this.runs.t, this.natural, this.model.time));
       if (now - (this.panelled || 0) > PANELS_EVERY) this.slowly(now);
-      else this.due = this.due || setTimeout(() => { this.due = 0; this.slowly(performance.now()); }, PANELS_EVERY);
+      else
+        this.due =
+          this.due ||
+          setTimeout(() => {
+            this.due = 0;
+            this.slowly(performance.now());
+          }, PANELS_EVERY);
     }
 
     slowly(now) {
@@ -210,11 +241,25 @@ const Lab = (() => {
       this.panels.update();
       this.sheets.methods.counts();
       this.sheets.swarm.refresh();
-      if (this.runs.all().map((run) => run.status).join() !== this.stopped) this.legend();
-      const words = this.runs.error || this.stage.failed
-        || (this.playing && this.slow < 0.8 ? "Slower than asked: this machine does not keep up." : "")
-        || this.runs.list.filter((run) => run.status && !run.refused)
-          .map((run) => (this.runs.list.length > 1 ? `${run.spec.method}: ` : "") + run.status)[0] || "";
+      if (
+        this.runs
+          .all()
+          .map((run) => run.status)
+          .join() !== this.stopped
+      )
+        this.legend();
+      const words =
+        this.runs.error ||
+        this.stage.failed ||
+        (this.playing && this.slow < 0.8
+          ? "Slower than asked: this machine does not keep up."
+          : "") ||
+        this.runs.list
+          .filter((run) => run.status && !run.refused)
+          .map(
+            (run) => (this.runs.list.length > 1 ? `${run.spec.method}: ` : "") + run.status,
+          )[0] ||
+        "";
       say($("note"), words);
     }
   }

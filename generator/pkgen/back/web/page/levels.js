@@ -7,7 +7,7 @@ const Levels = (() => {
 
   class Contours {
     constructor(shape, axes) {
-      this.shape = shape;        /* resolved: value, x, y */
+      this.shape = shape; /* resolved: value, x, y */
       this.axes = axes;
       this.key = "";
       this.lines = [];
@@ -16,7 +16,10 @@ const Levels = (() => {
     /* The values of a view; q and v are those of the start. */
     update(engine, start, camera) {
       const wide = 1.15;
-      const half = [(camera.width / camera.scale) * wide / 2, (camera.height / camera.scale) * wide / 2];
+      const half = [
+        ((camera.width / camera.scale) * wide) / 2,
+        ((camera.height / camera.scale) * wide) / 2,
+      ];
       const key = [...start.params, ...camera.centre, ...half].map((x) => x.toPrecision(4)).join();
       if (key === this.key) return;
       this.key = key;
@@ -33,13 +36,17 @@ const Levels = (() => {
         }
         grid.push(row);
       }
-      const sorted = grid.flatMap((row) => Array.from(row).filter(Number.isFinite))
+      const sorted = grid
+        .flatMap((row) => Array.from(row).filter(Number.isFinite))
         .sort((a, b) => a - b);
       if (!sorted.length) return;
-      const [low, high] = [sorted[Math.floor(sorted.length * 0.01)],
-        sorted[Math.floor(sorted.length * 0.9)]];
+      const [low, high] = [
+        sorted[Math.floor(sorted.length * 0.01)],
+        sorted[Math.floor(sorted.length * 0.9)],
+      ];
       this.lines = Array.from({ length: LEVELS }, (_, k) =>
-        march(grid, low + (high - low) * ((k + 0.5) / LEVELS) ** 1.6, at));
+        march(grid, low + (high - low) * ((k + 0.5) / LEVELS) ** 1.6, at),
+      );
     }
 
     draw(g, camera) {
@@ -71,7 +78,12 @@ const Levels = (() => {
     const segments = [];
     for (let j = 0; j + 1 < grid.length; j++)
       for (let i = 0; i + 1 < grid[j].length; i++) {
-        const corner = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+        const corner = [
+          [i, j],
+          [i + 1, j],
+          [i + 1, j + 1],
+          [i, j + 1],
+        ];
         const z = corner.map(([a, b]) => grid[b][a] - level);
         const cuts = [];
         for (let k = 0; k < 4; k++) {

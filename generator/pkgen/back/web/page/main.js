@@ -3,10 +3,22 @@
  * hands. */
 const Main = (() => {
   const { $, h, say } = Dom;
-  const KEYS = [["space", "play or pause"], ["→", "one frame on"], ["R", "back to the start"],
-    ["+ −", "faster, slower"], ["F", "fit all in"], ["S", "scene or swarm"], ["D", "dark or light"],
-    ["?", "these keys"]];
-  const TABS = [["values", "Values"], ["methods", "Methods"], ["swarm", "Swarm"], ["model", "Model"]];
+  const KEYS = [
+    ["space", "play or pause"],
+    ["→", "one frame on"],
+    ["R", "back to the start"],
+    ["+ −", "faster, slower"],
+    ["F", "fit all in"],
+    ["S", "scene or swarm"],
+    ["D", "dark or light"],
+    ["?", "these keys"],
+  ];
+  const TABS = [
+    ["values", "Values"],
+    ["methods", "Methods"],
+    ["swarm", "Swarm"],
+    ["model", "Model"],
+  ];
 
   async function bytes() {
     const text = $("wasm").textContent.trim();
@@ -27,16 +39,29 @@ const Main = (() => {
       }
     };
     TABS.forEach(([key, title], k) => {
-      list.append(h("button", { type: "button", role: "tab", id: "tab-" + key, class: "tab",
-        "aria-controls": "sheet-" + key, onclick: () => choose(key), onkeydown: (event) => {
-          const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-          if (!by) return;
-          event.stopPropagation();
-          event.preventDefault();
-          const [next] = TABS[(k + by + TABS.length) % TABS.length];
-          choose(next);
-          $("tab-" + next).focus();
-        } }, title));
+      list.append(
+        h(
+          "button",
+          {
+            type: "button",
+            role: "tab",
+            id: "tab-" + key,
+            class: "tab",
+            "aria-controls": "sheet-" + key,
+            onclick: () => choose(key),
+            onkeydown: (event) => {
+              const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+              if (!by) return;
+              event.stopPropagation();
+              event.preventDefault();
+              const [next] = TABS[(k + by + TABS.length) % TABS.length];
+              choose(next);
+              $("tab-" + next).focus();
+            },
+          },
+          title,
+        ),
+      );
       $("sheet-" + key).setAttribute("aria-labelledby", "tab-" + key);
     });
     choose("values");
@@ -44,14 +69,25 @@ const Main = (() => {
 
   function controls(lab) {
     $("play").addEventListener("click", () => lab.toggle());
-    const step = () => { lab.pause(); lab.tick(); };
-    const reset = () => { lab.restart(); };
+    const step = () => {
+      lab.pause();
+      lab.tick();
+    };
+    const reset = () => {
+      lab.restart();
+    };
     $("step").addEventListener("click", step);
     $("reset").addEventListener("click", reset);
     $("speed").addEventListener("input", () => lab.setSpeed(Number($("speed").value)));
-    const theme = () => { Theme.toggle(); lab.shown(); };
+    const theme = () => {
+      Theme.toggle();
+      lab.shown();
+    };
     $("theme").addEventListener("click", theme);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { Theme.read(); lab.shown(); });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+      Theme.read();
+      lab.shown();
+    });
     $("view-scene").addEventListener("click", () => lab.show("scene"));
     $("view-swarm").addEventListener("click", () => lab.show("swarm"));
     $("view-swarm").hidden = !lab.swarm.can();
@@ -67,14 +103,41 @@ const Main = (() => {
     });
     const help = () => $("keys").showModal();
     $("help").addEventListener("click", help);
-    $("keys").append(h("form", { method: "dialog" }, h("h2", null, "Keys"),
-      h("dl", null, ...KEYS.flatMap(([key, what]) => [h("dt", null, h("kbd", null, key)), h("dd", null, what)])),
-      h("p", null, "Drag a body to set the start; drag beside it to move the view; wheel or pinch to zoom."),
-      h("button", { class: "wide" }, "Close")));
-    const keys = { " ": () => lab.toggle(), ArrowRight: step, r: reset, f: () => lab.stage.fit(),
-      d: theme, "?": help, "+": () => lab.setSpeed(lab.settings.speed + 1),
-      "=": () => lab.setSpeed(lab.settings.speed + 1), "-": () => lab.setSpeed(lab.settings.speed - 1),
-      s: () => { if (lab.swarm.can()) lab.show(lab.settings.view === "swarm" ? "scene" : "swarm"); } };
+    $("keys").append(
+      h(
+        "form",
+        { method: "dialog" },
+        h("h2", null, "Keys"),
+        h(
+          "dl",
+          null,
+          ...KEYS.flatMap(([key, what]) => [
+            h("dt", null, h("kbd", null, key)),
+            h("dd", null, what),
+          ]),
+        ),
+        h(
+          "p",
+          null,
+          "Drag a body to set the start; drag beside it to move the view; wheel or pinch to zoom.",
+        ),
+        h("button", { class: "wide" }, "Close"),
+      ),
+    );
+    const keys = {
+      " ": () => lab.toggle(),
+      ArrowRight: step,
+      r: reset,
+      f: () => lab.stage.fit(),
+      d: theme,
+      "?": help,
+      "+": () => lab.setSpeed(lab.settings.speed + 1),
+      "=": () => lab.setSpeed(lab.settings.speed + 1),
+      "-": () => lab.setSpeed(lab.settings.speed - 1),
+      s: () => {
+        if (lab.swarm.can()) lab.show(lab.settings.view === "swarm" ? "scene" : "swarm");
+      },
+    };
     document.addEventListener("keydown", (event) => {
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       if (event.target.closest("input, select, textarea, dialog, summary")) return;
@@ -98,7 +161,10 @@ const Main = (() => {
     say($("subtitle"), description.description || "");
     $("subtitle").title = description.description || "";
     const scenes = description.scenes || [];
-    const rows = [["", "as the model says"], ...scenes.map((s) => [s.name, s.name.replace(/_/g, " ")])];
+    const rows = [
+      ["", "as the model says"],
+      ...scenes.map((s) => [s.name, s.name.replace(/_/g, " ")]),
+    ];
     for (const [value, text] of rows) $("scene").append(h("option", { value }, text));
     $("scene-field").hidden = !scenes.length;
     $("scene").addEventListener("change", () => lab.enter($("scene").value || null));
@@ -120,10 +186,13 @@ const Main = (() => {
     document.documentElement.dataset.ready = "yes";
   }
 
-  return { open: () => open().catch((error) => {
-    say($("note"), "The page could not start: " + (error.message || error));
-    document.documentElement.dataset.ready = "no";
-    throw error;
-  }) };
+  return {
+    open: () =>
+      open().catch((error) => {
+        say($("note"), "The page could not start: " + (error.message || error));
+        document.documentElement.dataset.ready = "no";
+        throw error;
+      }),
+  };
 })();
 Main.open();

@@ -16,8 +16,15 @@ const Solids = (() => {
           position.push(r * Math.cos(angle), r * Math.sin(angle), z);
           normal.push(mr * Math.cos(angle), mr * Math.sin(angle), mz);
         };
-        for (const [r, z, angle] of [[r0, z0, a], [r0, z0, b], [r1, z1, b],
-          [r0, z0, a], [r1, z1, b], [r1, z1, a]]) corner(r, z, angle);
+        for (const [r, z, angle] of [
+          [r0, z0, a],
+          [r0, z0, b],
+          [r1, z1, b],
+          [r0, z0, a],
+          [r1, z1, b],
+          [r1, z1, a],
+        ])
+          corner(r, z, angle);
       }
     }
     return { position: new Float32Array(position), normal: new Float32Array(normal) };
@@ -28,7 +35,14 @@ const Solids = (() => {
     const normal = [];
     for (let k = 0; k < 3; k++)
       for (const side of [-0.5, 0.5])
-        for (const [a, b] of [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) {
+        for (const [a, b] of [
+          [-0.5, -0.5],
+          [0.5, -0.5],
+          [0.5, 0.5],
+          [-0.5, -0.5],
+          [0.5, 0.5],
+          [-0.5, 0.5],
+        ]) {
           const p = [0, 0, 0];
           p[k] = side;
           p[(k + 1) % 3] = a;
@@ -42,18 +56,57 @@ const Solids = (() => {
   }
 
   function all() {
-    const ball = Array.from({ length: 17 }, (_, k) =>
-      [Math.sin((Math.PI * k) / 16), -Math.cos((Math.PI * k) / 16)]);
+    const ball = Array.from({ length: 17 }, (_, k) => [
+      Math.sin((Math.PI * k) / 16),
+      -Math.cos((Math.PI * k) / 16),
+    ]);
     return {
       ball: revolve(ball, 32, true),
       /* radius 1, from z = −1/2 to 1/2, with its ends */
-      drum: revolve([[0, -0.5], [1, -0.5], [1, 0.5], [0, 0.5]], 48, false),
+      drum: revolve(
+        [
+          [0, -0.5],
+          [1, -0.5],
+          [1, 0.5],
+          [0, 0.5],
+        ],
+        48,
+        false,
+      ),
       /* the rod's side alone, from z = 0 to 1 */
-      tube: revolve([[1, 0], [1, 1]], 20, false),
+      tube: revolve(
+        [
+          [1, 0],
+          [1, 1],
+        ],
+        20,
+        false,
+      ),
       /* tip at the origin: a spinning top with its stem */
-      top: revolve([[0, 0], [0.16, 0.12], [0.75, 0.62], [1, 0.74], [1, 0.84], [0.3, 0.92], [0.1, 1],
-        [0.1, 1.28], [0, 1.3]], 48, false),
-      tip: revolve([[0, 0], [1, 0], [0, 1]], 20, false),
+      top: revolve(
+        [
+          [0, 0],
+          [0.16, 0.12],
+          [0.75, 0.62],
+          [1, 0.74],
+          [1, 0.84],
+          [0.3, 0.92],
+          [0.1, 1],
+          [0.1, 1.28],
+          [0, 1.3],
+        ],
+        48,
+        false,
+      ),
+      tip: revolve(
+        [
+          [0, 0],
+          [1, 0],
+          [0, 1],
+        ],
+        20,
+        false,
+      ),
       box: cube(),
     };
   }
@@ -63,8 +116,12 @@ const Solids = (() => {
   const times = (a, k) => a.map((x) => x * k);
 
   function turned(turn, sizes, at) {
-    return matrix(Shapes.axis(turn, 0, sizes[0]), Shapes.axis(turn, 1, sizes[1]),
-      Shapes.axis(turn, 2, sizes[2]), at);
+    return matrix(
+      Shapes.axis(turn, 0, sizes[0]),
+      Shapes.axis(turn, 1, sizes[1]),
+      Shapes.axis(turn, 2, sizes[2]),
+      at,
+    );
   }
 
   /* From a to b, of this radius. */
@@ -79,10 +136,14 @@ const Solids = (() => {
   function place({ form, sizes, at, turn }) {
     const [a, b, c] = sizes;
     switch (form) {
-      case "box": return ["box", turned(turn, [a, b, c], at)];
-      case "ellipsoid": return ["ball", turned(turn, [a, b, c], at)];
-      case "top": return ["top", turned(turn, [a, a, b], at)];
-      default: return ["drum", turned(turn, [a, a, b || a * 0.04], at)];
+      case "box":
+        return ["box", turned(turn, [a, b, c], at)];
+      case "ellipsoid":
+        return ["ball", turned(turn, [a, b, c], at)];
+      case "top":
+        return ["top", turned(turn, [a, a, b], at)];
+      default:
+        return ["drum", turned(turn, [a, a, b || a * 0.04], at)];
     }
   }
 

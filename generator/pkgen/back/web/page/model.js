@@ -1,44 +1,102 @@
 "use strict";
 /* The description, with what the page asks of it: things by key.
  *
- * A key is a letter and an index: p3 is a parameter, u0 an input, q0 a coordinate, v1 a rate or, behind the
- * rates, a first-order variable. Names only stand in menus and in the address; they are looked up
+ * A key is a letter and an index: p3 is a parameter, u0 an input, q0 a coordinate, v1 a rate or,
+ * behind the rates, a first-order variable. Names only stand in menus and in the address; they are looked up
  * in Maps, so that a parameter may be called __proto__. */
 const Model = (() => {
   function entries(description) {
     const list = [];
-    for (const p of description.parameters)
-      list.push({ ...p, key: "p" + p.index, kind: "p" });
+    for (const p of description.parameters) list.push({ ...p, key: "p" + p.index, kind: "p" });
     for (const u of description.inputs || [])
-      list.push({ name: u.name, key: "u" + u.index, kind: "u", index: u.index, unit: u.unit,
-        description: u.description || "an input, held", value: 0, lo: null, hi: null });
+      list.push({
+        name: u.name,
+        key: "u" + u.index,
+        kind: "u",
+        index: u.index,
+        unit: u.unit,
+        description: u.description || "an input, held",
+        value: 0,
+        lo: null,
+        hi: null,
+      });
     for (const c of description.coordinates) {
-      list.push({ name: c.name, key: "q" + c.index, kind: "q", index: c.index, unit: c.unit,
-        description: c.description, value: c.q, lo: null, hi: null, periodic: c.periodic,
-        coordinate: c });
-      list.push({ name: c.rate, key: "v" + c.index, kind: "v", index: c.index, unit: c.rate_unit,
-        description: "", value: c.v, lo: null, hi: null, coordinate: c });
+      list.push({
+        name: c.name,
+        key: "q" + c.index,
+        kind: "q",
+        index: c.index,
+        unit: c.unit,
+        description: c.description,
+        value: c.q,
+        lo: null,
+        hi: null,
+        periodic: c.periodic,
+        coordinate: c,
+      });
+      list.push({
+        name: c.rate,
+        key: "v" + c.index,
+        kind: "v",
+        index: c.index,
+        unit: c.rate_unit,
+        description: "",
+        value: c.v,
+        lo: null,
+        hi: null,
+        coordinate: c,
+      });
     }
     for (const s of description.states || [])
-      list.push({ name: s.name, key: "v" + s.index, kind: "v", index: s.index, unit: s.unit,
-        description: s.description, value: s.value, lo: null, hi: null, state: s });
+      list.push({
+        name: s.name,
+        key: "v" + s.index,
+        kind: "v",
+        index: s.index,
+        unit: s.unit,
+        description: s.description,
+        value: s.value,
+        lo: null,
+        hi: null,
+        state: s,
+      });
     /* The rates of a body are along its own axes: of no coordinate. */
     for (const r of description.rotations || [])
       (r.rate_indices || []).forEach((index, k) => {
         if (index !== null)
-          list.push({ name: r.rates[k], key: "v" + index, kind: "v", index, unit: r.rate_unit,
-            description: `${r.name}: about the body's ${"xyz"[k]}`, value: r.rate_values[k],
-            lo: null, hi: null });
+          list.push({
+            name: r.rates[k],
+            key: "v" + index,
+            kind: "v",
+            index,
+            unit: r.rate_unit,
+            description: `${r.name}: about the body's ${"xyz"[k]}`,
+            value: r.rate_values[k],
+            lo: null,
+            hi: null,
+          });
       });
     return list;
   }
 
   function make(description) {
     const list = entries(description);
-    /* Outputs that the author asks for are looked at like the state: o0, o1, ... in the order here. */
+    /* Outputs that the author asks for are looked at like the state: o0, o1, ... in this order. */
     const outputs = (description.outputs || []).filter((o) => !o.hidden).slice(0, 200);
-    outputs.forEach((o, k) => list.push({ name: o.name, key: "o" + k, kind: "o", index: k,
-      unit: o.unit, description: o.description, value: null, lo: null, hi: null, output: o.index }));
+    outputs.forEach((o, k) =>
+      list.push({
+        name: o.name,
+        key: "o" + k,
+        kind: "o",
+        index: k,
+        unit: o.unit,
+        description: o.description,
+        value: null,
+        lo: null,
+        hi: null,
+        output: o.index,
+      }),
+    );
     const byKey = new Map(list.map((entry) => [entry.key, entry]));
     const byName = new Map(list.map((entry) => [entry.name, entry]));
     const turned = new Set();
@@ -49,7 +107,13 @@ const Model = (() => {
     const applying = offered.filter((method) => method.applies);
     const preferred = applying.find((method) => method.default) || applying[0];
     return {
-      description, list, byKey, byName, offered, applying, outputs,
+      description,
+      list,
+      byKey,
+      byName,
+      offered,
+      applying,
+      outputs,
       method: preferred ? preferred.name : null,
       methodNamed: new Map(offered.map((method) => [method.name, method])),
       sceneNamed: new Map((description.scenes || []).map((scene) => [scene.name, scene])),

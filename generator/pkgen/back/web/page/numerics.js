@@ -126,10 +126,26 @@ const Numerics = (() => {
       for (const [k, d] of moves) out[k] += d;
       return out;
     };
-    const second = (f, i, j, step) => i === j
-      ? (f([[i, step]]) - 2 * f([]) + f([[i, -step]])) / step ** 2
-      : (f([[i, step], [j, step]]) - f([[i, step], [j, -step]]) - f([[i, -step], [j, step]])
-        + f([[i, -step], [j, -step]])) / (4 * step ** 2);
+    const second = (f, i, j, step) =>
+      i === j
+        ? (f([[i, step]]) - 2 * f([]) + f([[i, -step]])) / step ** 2
+        : (f([
+            [i, step],
+            [j, step],
+          ]) -
+            f([
+              [i, step],
+              [j, -step],
+            ]) -
+            f([
+              [i, -step],
+              [j, step],
+            ]) +
+            f([
+              [i, -step],
+              [j, -step],
+            ])) /
+          (4 * step ** 2);
     const V = (moves) => energy(at(q0, moves), zero);
     const T = (moves) => energy(q0, at(zero, moves));
     const fill = (f, step) => {
@@ -149,12 +165,14 @@ const Numerics = (() => {
     const most = Math.max(...values.map(Math.abs));
     if (values[0] < -1e-3 * most) return null;
     /* y = Lᵀ dq is orthonormal: a mode's amplitude is vector · Lᵀ dq. */
-    return values.map((w2, k) => ({ w2: Math.max(w2, 0),
+    return values.map((w2, k) => ({
+      w2: Math.max(w2, 0),
       row: zero.map((_, j) => {
         let sum = 0;
         for (let i = 0; i <= j; i++) sum += L[j][i] * vectors[k][i];
         return sum;
-      }) }));
+      }),
+    }));
   }
 
   const transpose = (A) => A.map((_, i) => Float64Array.from(A, (row) => row[i]));

@@ -3,12 +3,20 @@
 const Panels = (() => {
   const PLACES = 3;
   const KINDS = new Map([
-    ["drift", { title: "Drift", make: PanelsTime.drift,
-      suits: (m) => m.description.constants.length > 0 }],
+    [
+      "drift",
+      { title: "Drift", make: PanelsTime.drift, suits: (m) => m.description.constants.length > 0 },
+    ],
     ["time", { title: "Over time", make: PanelsTime.time, suits: () => true }],
     ["phase", { title: "Phase plane", make: PanelsPlane.phase, suits: () => true }],
-    ["section", { title: "Section", make: PanelsPlane.section,
-      suits: (m) => m.description.events.length > 0 }],
+    [
+      "section",
+      {
+        title: "Section",
+        make: PanelsPlane.section,
+        suits: (m) => m.description.events.length > 0,
+      },
+    ],
     ["spectrum", { title: "Spectrum", make: PanelsPlane.spectrum, suits: () => true }],
     ["modes", { title: "Modes", make: PanelsModes.modes, suits: PanelsModes.suits }],
     ["distance", { title: "Error", make: PanelsTime.distance, suits: () => true }],
@@ -29,9 +37,11 @@ const Panels = (() => {
     constructor(lab) {
       this.lab = lab;
       this.element = Dom.$("panels");
-      const wanted = (lab.settings.panels || usual(lab.model))
-        .filter((name) => KINDS.has(name) && KINDS.get(name).suits(lab.model));
-      for (const name of ["time", "phase", "spectrum"]) if (!wanted.includes(name)) wanted.push(name);
+      const wanted = (lab.settings.panels || usual(lab.model)).filter(
+        (name) => KINDS.has(name) && KINDS.get(name).suits(lab.model),
+      );
+      for (const name of ["time", "phase", "spectrum"])
+        if (!wanted.includes(name)) wanted.push(name);
       this.places = wanted.slice(0, PLACES).map((name) => this.place(name));
     }
 
@@ -40,13 +50,22 @@ const Panels = (() => {
       const tools = Dom.h("div", { class: "panel-tools" });
       const body = Dom.h("div", { class: "panel-body" });
       const place = { name, body, tools, panel: null };
-      const choices = [...KINDS].filter(([, kind]) => kind.suits(this.lab.model))
+      const choices = [...KINDS]
+        .filter(([, kind]) => kind.suits(this.lab.model))
         .map(([key, kind]) => [key, kind.title]);
-      head.append(Dom.select(choices, name, (value) => {
-        this.show(place, value);
-        this.lab.settings.panels = this.places.map((p) => p.name);
-        this.lab.changed();
-      }, { class: "panel-title", "aria-label": "Panel" }), tools);
+      head.append(
+        Dom.select(
+          choices,
+          name,
+          (value) => {
+            this.show(place, value);
+            this.lab.settings.panels = this.places.map((p) => p.name);
+            this.lab.changed();
+          },
+          { class: "panel-title", "aria-label": "Panel" },
+        ),
+        tools,
+      );
       this.element.append(Dom.h("section", { class: "panel" }, head, body));
       this.show(place, name);
       return place;

@@ -2,7 +2,7 @@
 /* Energies of the normal modes of small motions, over time. Of a chain these are the modal energies
  * of Fermi, Pasta, Ulam and Tsingou. M and K come from differences of the energy about rest. */
 const PanelsModes = (() => {
-  const MOST = 130;      /* coordinates: the eigenproblem is solved here */
+  const MOST = 130; /* coordinates: the eigenproblem is solved here */
   const SHOWN = 5;
 
   function energyOf(lab) {
@@ -20,15 +20,25 @@ const PanelsModes = (() => {
 
   function suits(model) {
     const { coordinates, states, constraints, rotations, constants } = model.description;
-    return coordinates.length > 1 && coordinates.length <= MOST && !(states || []).length
-      && !(constraints || []).length && !(rotations || []).length
-      && constants.some((c) => c.kind === "energy");
+    return (
+      coordinates.length > 1 &&
+      coordinates.length <= MOST &&
+      !(states || []).length &&
+      !(constraints || []).length &&
+      !(rotations || []).length &&
+      constants.some((c) => c.kind === "energy")
+    );
   }
 
   /* The energies from the start on; where there are too many every second one goes. */
   const ROWS = 1400;
-  const fresh = (run, n) =>
-    ({ run, t: [], energies: Array.from({ length: n }, () => []), every: 0, next: -Infinity });
+  const fresh = (run, n) => ({
+    run,
+    t: [],
+    energies: Array.from({ length: n }, () => []),
+    every: 0,
+    next: -Infinity,
+  });
 
   function gather(kept, recent, found) {
     let k = recent.size - 1;
@@ -87,20 +97,29 @@ const PanelsModes = (() => {
         if (kept.run !== run) kept = fresh(run, found.length);
         gather(kept, run.recent, found);
         const { t, energies } = kept;
-        const most = energies.map((list, m) => [list.reduce((x, y) => Math.max(x, y), 0), m]).sort((a, b) => b[0] - a[0])
-          .slice(0, SHOWN).map(([, m]) => m).sort((a, b) => a - b);
+        const most = energies
+          .map((list, m) => [list.reduce((x, y) => Math.max(x, y), 0), m])
+          .sort((a, b) => b[0] - a[0])
+          .slice(0, SHOWN)
+          .map(([, m]) => m)
+          .sort((a, b) => a - b);
         const theme = Theme.now();
         const colours = [...theme.methods, theme.ink];
-        chart.set(most.map((m, k) => ({ x: t, y: energies[m], colour: colours[k] })),
-          { x: [t[0] || 0, Math.max(t[t.length - 1] || 0, (t[0] || 0) + lab.natural * 6)] });
+        chart.set(
+          most.map((m, k) => ({ x: t, y: energies[m], colour: colours[k] })),
+          { x: [t[0] || 0, Math.max(t[t.length - 1] || 0, (t[0] || 0) + lab.natural * 6)] },
+        );
         const text = most.map((m) => m + 1).join(",");
         if (key.dataset.modes !== text) {
           key.dataset.modes = text;
-          Dom.fill(key, ...most.map((m, k) => {
-            const mark = Dom.h("span", { class: "mode" }, String(m + 1));
-            mark.style.borderColor = colours[k];
-            return mark;
-          }));
+          Dom.fill(
+            key,
+            ...most.map((m, k) => {
+              const mark = Dom.h("span", { class: "mode" }, String(m + 1));
+              mark.style.borderColor = colours[k];
+              return mark;
+            }),
+          );
         }
       },
     };

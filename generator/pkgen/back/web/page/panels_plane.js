@@ -3,7 +3,12 @@
 const PanelsPlane = (() => {
   const { quantitiesOf, columnOf } = PanelsTime;
   const menu = (list, value, onchange, label) =>
-    Dom.select(list.map((e) => [e.key, Text.plain(e.name)]), value.key, onchange, { "aria-label": label });
+    Dom.select(
+      list.map((e) => [e.key, Text.plain(e.name)]),
+      value.key,
+      onchange,
+      { "aria-label": label },
+    );
 
   /* Angles are shown within a turn. */
   const TURN = 2 * Math.PI;
@@ -23,20 +28,56 @@ const PanelsPlane = (() => {
     let y = list.find((e) => e.kind === "v" && e.index === x.index && e !== x) || list[1] || x;
     const chart = Chart.make(body, { x: "", y: "" });
     if (list.length > 2)
-      tools.append(menu(list, y, (key) => { y = lab.model.byKey.get(key); lab.dirty = true; }, "Upwards"),
-        "over", menu(list, x, (key) => { x = lab.model.byKey.get(key); lab.dirty = true; }, "To the right"));
+      tools.append(
+        menu(
+          list,
+          y,
+          (key) => {
+            y = lab.model.byKey.get(key);
+            lab.dirty = true;
+          },
+          "Upwards",
+        ),
+        "over",
+        menu(
+          list,
+          x,
+          (key) => {
+            x = lab.model.byKey.get(key);
+            lab.dirty = true;
+          },
+          "To the right",
+        ),
+      );
     return {
       free: () => chart.free(),
       update(runs) {
         chart.options.x = Text.axis(x.name, x.unit);
         chart.options.y = Text.axis(y.name, y.unit);
-        chart.set(runs.map((run) => {
-          const from = Math.max(0, run.recent.size - 3000);
-          const [xs, ys] = gaps(x, folded(x, run.recent.column(columnOf(lab, x), from)),
-            run.recent.column(columnOf(lab, y), from));
-          return { x: xs, y: ys, colour: Theme.ofRun(run), head: run.index >= 0, width: 1.2 };
-        }), { x: Chart.padded(Chart.extent(runs.map((run) =>
-          folded(x, run.recent.column(columnOf(lab, x), Math.max(0, run.recent.size - 3000))))), 0.06) });
+        chart.set(
+          runs.map((run) => {
+            const from = Math.max(0, run.recent.size - 3000);
+            const [xs, ys] = gaps(
+              x,
+              folded(x, run.recent.column(columnOf(lab, x), from)),
+              run.recent.column(columnOf(lab, y), from),
+            );
+            return { x: xs, y: ys, colour: Theme.ofRun(run), head: run.index >= 0, width: 1.2 };
+          }),
+          {
+            x: Chart.padded(
+              Chart.extent(
+                runs.map((run) =>
+                  folded(
+                    x,
+                    run.recent.column(columnOf(lab, x), Math.max(0, run.recent.size - 3000)),
+                  ),
+                ),
+              ),
+              0.06,
+            ),
+          },
+        );
       },
     };
   }
@@ -50,18 +91,62 @@ const PanelsPlane = (() => {
     let x = list.find((e) => e.kind === "q" && e.index === Math.min(1, lab.nq - 1)) || list[0];
     let y = list.find((e) => e.kind === "v" && e.index === x.index) || list[0];
     const chart = Chart.make(body, { x: "", y: "" });
-    const again = () => { lab.dirty = true; };
+    const again = () => {
+      lab.dirty = true;
+    };
     if (events.length > 1)
-      tools.append(Dom.select(events.map((e) => [e.index, Text.plain(e.name)]), event,
-        (k) => { event = Number(k); again(); }, { "aria-label": "Which event" }));
-    tools.append(menu(list, y, (key) => { y = lab.model.byKey.get(key); again(); }, "Upwards"),
-      "over", menu(list, x, (key) => { x = lab.model.byKey.get(key); again(); }, "To the right"),
-      Dom.h("button", { type: "button", class: "quiet small-button", title: "Run ahead for more points",
-        onclick: () => { fill = !fill; again(); } }, "Fill"));
+      tools.append(
+        Dom.select(
+          events.map((e) => [e.index, Text.plain(e.name)]),
+          event,
+          (k) => {
+            event = Number(k);
+            again();
+          },
+          { "aria-label": "Which event" },
+        ),
+      );
+    tools.append(
+      menu(
+        list,
+        y,
+        (key) => {
+          y = lab.model.byKey.get(key);
+          again();
+        },
+        "Upwards",
+      ),
+      "over",
+      menu(
+        list,
+        x,
+        (key) => {
+          x = lab.model.byKey.get(key);
+          again();
+        },
+        "To the right",
+      ),
+      Dom.h(
+        "button",
+        {
+          type: "button",
+          class: "quiet small-button",
+          title: "Run ahead for more points",
+          onclick: () => {
+            fill = !fill;
+            again();
+          },
+        },
+        "Fill",
+      ),
+    );
     let fill = false;
     const ahead = Ahead.make(lab);
-    const read = (entry, states) => folded(entry, states.map(([q, v]) =>
-      (entry.kind === "q" ? q : v)[entry.index]));
+    const read = (entry, states) =>
+      folded(
+        entry,
+        states.map(([q, v]) => (entry.kind === "q" ? q : v)[entry.index]),
+      );
     return {
       free() {
         ahead.free();
@@ -70,14 +155,22 @@ const PanelsPlane = (() => {
       update(runs) {
         chart.options.x = Text.axis(x.name, x.unit);
         chart.options.y = Text.axis(y.name, y.unit);
-        const shown = runs.filter((run) => run.index >= 0).map((run) => [run, run.sections[event].states]);
+        const shown = runs
+          .filter((run) => run.index >= 0)
+          .map((run) => [run, run.sections[event].states]);
         if (fill && shown.length) {
           if (ahead.more(event, 24)) setTimeout(again, 0);
           if (ahead.run) shown[0] = [shown[0][0], ahead.run.sections[event].states];
         }
-        chart.set(shown.map(([run, states]) => ({ x: read(x, states), y: read(y, states),
-          colour: Theme.ofRun(run), points: states.length > 400 ? 1.6 : 2.6 })),
-        { x: Chart.padded(Chart.extent(shown.map(([, states]) => read(x, states))), 0.08) });
+        chart.set(
+          shown.map(([run, states]) => ({
+            x: read(x, states),
+            y: read(y, states),
+            colour: Theme.ofRun(run),
+            points: states.length > 400 ? 1.6 : 2.6,
+          })),
+          { x: Chart.padded(Chart.extent(shown.map(([, states]) => read(x, states))), 0.08) },
+        );
       },
     };
   }
@@ -85,10 +178,23 @@ const PanelsPlane = (() => {
   function spectrum(lab, body, tools) {
     const list = quantitiesOf(lab.model);
     let which = lab.first || list[0];
-    const chart = Chart.make(body, { x: lab.model.time ? "frequency [Hz]" : "frequency", y: "", log: true });
+    const chart = Chart.make(body, {
+      x: lab.model.time ? "frequency [Hz]" : "frequency",
+      y: "",
+      log: true,
+    });
     if (list.length > 1)
-      tools.append(menu(list, which, (key) => { which = lab.model.byKey.get(key); lab.dirty = true; },
-        "Which quantity"));
+      tools.append(
+        menu(
+          list,
+          which,
+          (key) => {
+            which = lab.model.byKey.get(key);
+            lab.dirty = true;
+          },
+          "Which quantity",
+        ),
+      );
     return {
       free: () => chart.free(),
       update(runs) {
@@ -104,8 +210,13 @@ const PanelsPlane = (() => {
           let end = found.a.length - 1;
           while (end > 16 && found.a[end] < 1e-3 * top) end--;
           most = Math.max(most, found.f[Math.min(found.f.length - 1, Math.round(end * 1.25))]);
-          lines.push({ x: found.f, y: found.a, colour: Theme.ofRun(run), dash: Theme.dashOf(run),
-            width: 1.2 });
+          lines.push({
+            x: found.f,
+            y: found.a,
+            colour: Theme.ofRun(run),
+            dash: Theme.dashOf(run),
+            width: 1.2,
+          });
         }
         chart.set(lines, { x: [0, most || 1] });
       },

@@ -1,7 +1,7 @@
 "use strict";
 /* Panels over time: drifts, coordinates, distance from the reference. */
 const PanelsTime = (() => {
-  const WINDOW = 1200;     /* samples of coordinates on show */
+  const WINDOW = 1200; /* samples of coordinates on show */
 
   /* How far what is constant has come from its start; of several constants one is chosen. */
   function drift(lab, body, tools) {
@@ -9,30 +9,56 @@ const PanelsTime = (() => {
     let which = 0;
     const chart = Chart.make(body, { x: Text.axis("t", lab.model.time), y: "", log: true });
     if (constants.length > 1)
-      tools.append(Dom.select(constants.map((c, k) => [k, Text.plain(c.name)]), 0,
-        (k) => { which = Number(k); lab.dirty = true; }, { "aria-label": "Which constant" }));
+      tools.append(
+        Dom.select(
+          constants.map((c, k) => [k, Text.plain(c.name)]),
+          0,
+          (k) => {
+            which = Number(k);
+            lab.dirty = true;
+          },
+          { "aria-label": "Which constant" },
+        ),
+      );
     return {
       free: () => chart.free(),
       update(runs) {
         const c = constants[which];
         chart.options.y = `drift of ${Text.plain(c.name)}, relative`;
-        chart.set(runs.map((run) => ({ x: run.drifts.t,
-          y: run.drifts.columns[which].map((d) => d / (run.sizes[which] || 1)),
-          colour: Theme.ofRun(run), dash: Theme.dashOf(run) })), { x: whole(runs, lab) });
+        chart.set(
+          runs.map((run) => ({
+            x: run.drifts.t,
+            y: run.drifts.columns[which].map((d) => d / (run.sizes[which] || 1)),
+            colour: Theme.ofRun(run),
+            dash: Theme.dashOf(run),
+          })),
+          { x: whole(runs, lab) },
+        );
       },
     };
   }
 
   function distance(lab, body) {
-    const chart = Chart.make(body, { x: Text.axis("t", lab.model.time),
-      y: "distance from the reference", log: true });
+    const chart = Chart.make(body, {
+      x: Text.axis("t", lab.model.time),
+      y: "distance from the reference",
+      log: true,
+    });
     const column = lab.model.description.constants.length;
     return {
       free: () => chart.free(),
       update(runs) {
-        chart.set(runs.filter((run) => run.index >= 0).map((run) => ({ x: run.drifts.t,
-          y: run.drifts.columns[column], colour: Theme.ofRun(run), dash: Theme.dashOf(run) })),
-        { x: whole(runs, lab) });
+        chart.set(
+          runs
+            .filter((run) => run.index >= 0)
+            .map((run) => ({
+              x: run.drifts.t,
+              y: run.drifts.columns[column],
+              colour: Theme.ofRun(run),
+              dash: Theme.dashOf(run),
+            })),
+          { x: whole(runs, lab) },
+        );
       },
     };
   }
@@ -45,17 +71,30 @@ const PanelsTime = (() => {
     let which = lab.first || quantities[0];
     const chart = Chart.make(body, { x: Text.axis("t", lab.model.time), y: "" });
     if (quantities.length > 1)
-      tools.append(Dom.select(quantities.map((e) => [e.key, Text.plain(e.name)]), which.key,
-        (key) => { which = lab.model.byKey.get(key); lab.dirty = true; },
-        { "aria-label": "Which quantity" }));
+      tools.append(
+        Dom.select(
+          quantities.map((e) => [e.key, Text.plain(e.name)]),
+          which.key,
+          (key) => {
+            which = lab.model.byKey.get(key);
+            lab.dirty = true;
+          },
+          { "aria-label": "Which quantity" },
+        ),
+      );
     return {
       free: () => chart.free(),
       update(runs) {
         chart.options.y = Text.axis(which.name, which.unit);
         const lines = runs.map((run) => {
           const from = Math.max(0, run.recent.size - WINDOW);
-          return { x: run.recent.column(0, from), y: run.recent.column(columnOf(lab, which), from),
-            colour: Theme.ofRun(run), dash: Theme.dashOf(run), head: run.index >= 0 };
+          return {
+            x: run.recent.column(0, from),
+            y: run.recent.column(columnOf(lab, which), from),
+            colour: Theme.ofRun(run),
+            dash: Theme.dashOf(run),
+            head: run.index >= 0,
+          };
         });
         const last = Math.max(...runs.map((run) => run.t || 0));
         const first = Math.min(...lines.map((l) => (l.x.length ? l.x[0] : 0)));

@@ -2,8 +2,8 @@
 /* A plane scene on a 2D canvas. What a run draws is in its colour where several are shown; alone,
  * the mechanism is dark and its bodies are coloured. */
 const PlaneView = (() => {
-  const BOB = 9;         /* pixels, where no radius is given */
-  const TAIL = 28;       /* pieces of a trail, each a little fainter */
+  const BOB = 9; /* pixels, where no radius is given */
+  const TAIL = 28; /* pieces of a trail, each a little fainter */
 
   class View {
     constructor(canvas, camera) {
@@ -47,8 +47,12 @@ const PlaneView = (() => {
     }
 
     note(shape, points, run) {
-      this.drawn.push({ kind: shape.kind, name: shape.name || shape.label || "", run: run.index,
-        points: points.map((p) => [p[0], p[1]]) });
+      this.drawn.push({
+        kind: shape.kind,
+        name: shape.name || shape.label || "",
+        run: run.index,
+        points: points.map((p) => [p[0], p[1]]),
+      });
     }
 
     /* A quiet grid of round lengths, and one of them written at the corner. */
@@ -58,14 +62,22 @@ const PlaneView = (() => {
       g.strokeStyle = Theme.now().faint;
       g.lineWidth = 1;
       g.beginPath();
-      for (const [k, size] of [[0, width], [1, height]]) {
+      for (const [k, size] of [
+        [0, width],
+        [1, height],
+      ]) {
         const half = size / 2 / camera.scale;
         const from = Math.ceil((camera.centre[k] - half) / step);
         for (let n = from; n * step <= camera.centre[k] + half && n < from + 200; n++) {
           const off = (n * step - camera.centre[k]) * camera.scale;
           const x = Math.round(k === 0 ? width / 2 + off : height / 2 - off) + 0.5;
-          if (k === 0) { g.moveTo(x, 0); g.lineTo(x, height); }
-          else { g.moveTo(0, x); g.lineTo(width, x); }
+          if (k === 0) {
+            g.moveTo(x, 0);
+            g.lineTo(x, height);
+          } else {
+            g.moveTo(0, x);
+            g.lineTo(width, x);
+          }
         }
       }
       g.stroke();
@@ -106,7 +118,7 @@ const PlaneView = (() => {
         this.note(shape, ends, run);
       } else if (kind === "spring") {
         const ends = [this.px(shape.from), this.px(shape.to)];
-        this.line(coil(ends, shape.turns), style.metal, 2, style.dash);
+        this.line(Outlines.coil(ends, shape.turns), style.metal, 2, style.dash);
         this.note(shape, ends, run);
       } else if (kind === "arrow") {
         const ends = [this.px(shape.from), this.px(shape.to)];
@@ -127,7 +139,7 @@ const PlaneView = (() => {
         this.label(shape, at, radius);
         this.note(shape, [at], run);
       } else if (kind === "circle") {
-        const ring = circle(shape).map((p) => this.px(p));
+        const ring = Outlines.circle(shape).map((p) => this.px(p));
         this.line(ring, style.thin, 1.5);
         this.note(shape, [this.px(shape.at)], run);
       } else if (kind === "curve") {
@@ -183,14 +195,25 @@ const PlaneView = (() => {
       g.fillStyle = Theme.now().faint;
       if (flat) g.fillRect(0, y, camera.width, Math.max(0, camera.height - y));
       else g.fillRect(0, 0, Math.max(0, x), camera.height);
-      this.line(flat ? [[0, y], [camera.width, y]] : [[x, 0], [x, camera.height]],
-        Theme.now().soft, 1.5);
+      this.line(
+        flat
+          ? [
+              [0, y],
+              [camera.width, y],
+            ]
+          : [
+              [x, 0],
+              [x, camera.height],
+            ],
+        Theme.now().soft,
+        1.5,
+      );
       this.drawn.push({ kind: "ground", name: "", run: 0, points: [[x, y]] });
     }
 
     body(shape, colour, run) {
       const { g } = this;
-      const outline = hull(Solids.points(shape).map((p) => this.px(p)));
+      const outline = Outlines.hull(Solids.points(shape).map((p) => this.px(p)));
       g.fillStyle = colour;
       g.strokeStyle = Theme.now().stage;
       g.lineWidth = 1.5;
@@ -200,8 +223,15 @@ const PlaneView = (() => {
       g.fill();
       g.stroke();
       const at = this.px(shape.at);
-      const mark = this.px(shape.at.map((x, k) => x + Shapes.axis(shape.turn, 0,
-        shape.form === "box" ? shape.sizes[0] / 2 : shape.sizes[0])[k]));
+      const mark = this.px(
+        shape.at.map(
+          (x, k) =>
+            x +
+            Shapes.axis(shape.turn, 0, shape.form === "box" ? shape.sizes[0] / 2 : shape.sizes[0])[
+              k
+            ],
+        ),
+      );
       this.line([at, mark], Theme.now().stage, 2);
       this.note(shape, [at], run);
     }
@@ -232,50 +262,5 @@ const PlaneView = (() => {
     }
   }
 
-  /* A spring seen from the side. */
-  function coil([a, b], turns) {
-    const length = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
-    const [c, s] = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
-    const ends = Math.min(14, length * 0.12);
-    const width = Math.max(4, Math.min(11, 5 + 40 / turns));
-    const points = [a];
-    const n = turns * 12;
-    for (let k = 0; k <= n; k++) {
-      const x = ends + ((length - 2 * ends) * k) / n;
-      const y = width * Math.sin((2 * Math.PI * turns * k) / n);
-      points.push([a[0] + c * x - s * y, a[1] + s * x + c * y]);
-    }
-    points.push(b);
-    return points;
-  }
-
-  function circle({ at, radius, normal }) {
-    const n = Camera.unit(normal);
-    const u = Camera.unit(Camera.cross(n, Math.abs(n[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0]));
-    const v = Camera.cross(n, u);
-    return Array.from({ length: 73 }, (_, k) => {
-      const [c, s] = [Math.cos((k * Math.PI) / 36) * radius, Math.sin((k * Math.PI) / 36) * radius];
-      return at.map((x, i) => x + c * u[i] + s * v[i]);
-    });
-  }
-
-  /* The convex hull, by Andrew's monotone chain. */
-  function hull(points) {
-    const sorted = [...points].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
-    const half = (list) => {
-      const out = [];
-      for (const p of list) {
-        while (out.length > 1) {
-          const [a, b] = [out[out.length - 2], out[out.length - 1]];
-          if ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0) break;
-          out.pop();
-        }
-        out.push(p);
-      }
-      return out.slice(0, -1);
-    };
-    return [...half(sorted), ...half(sorted.reverse())];
-  }
-
-  return { View, circle, coil };
+  return { View };
 })();

@@ -27,15 +27,15 @@ const Ranges = (() => {
       return { lo, hi: nice(lo + 3 * (value - lo)), log: false };
     }
     const angle = entry.unit === "rad" || entry.periodic;
-    const reach = angle ? Math.max(Math.PI, size)
-      : nice(3 * size || 3 * (peers || 0) || 1);
+    const reach = angle ? Math.max(Math.PI, size) : nice(3 * size || 3 * (peers || 0) || 1);
     return { lo: lo === null ? -reach : lo, hi: hi === null ? reach : hi, log: false };
   }
 
   /* A slider has 1000 places; its value is rounded to what a place can tell apart. */
   const STEPS = 1000;
   function toPlace(range, value) {
-    const [a, b, x] = range.log ? [range.lo, range.hi, value].map(Math.log)
+    const [a, b, x] = range.log
+      ? [range.lo, range.hi, value].map(Math.log)
       : [range.lo, range.hi, value];
     return Math.round(STEPS * Math.min(1, Math.max(0, (x - a) / (b - a || 1))));
   }
@@ -43,7 +43,8 @@ const Ranges = (() => {
     const s = place / STEPS;
     if (place <= 0) return range.lo;
     if (place >= STEPS) return range.hi;
-    const x = range.log ? range.lo * (range.hi / range.lo) ** s
+    const x = range.log
+      ? range.lo * (range.hi / range.lo) ** s
       : range.lo + s * (range.hi - range.lo);
     const grain = range.log ? x / 300 : (range.hi - range.lo) / STEPS;
     const power = 10 ** Math.floor(Math.log10(grain));

@@ -25,7 +25,10 @@ const Runs = (() => {
       const entry = model.byKey.get(key);
       if (entry && "qv".includes(entry.kind)) all[entry.kind][entry.index] = value;
     }
-    all.inputs = Float64Array.from(model.description.inputs || [], (_, k) => values.get("u" + k) || 0);
+    all.inputs = Float64Array.from(
+      model.description.inputs || [],
+      (_, k) => values.get("u" + k) || 0,
+    );
     turn(model, settings, all.v);
     return all;
   }
@@ -41,9 +44,14 @@ const Runs = (() => {
       const s = Math.sin(angle / 2) / angle;
       const [a, b, c, d] = [Math.cos(angle / 2), ...turned.map((x) => x * s)];
       const [e, f, g, h] = at.map((index) => v[index]);
-      [a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e]
-        .forEach((x, i) => { v[at[i]] = x; });
+      [
+        a * e - b * f - c * g - d * h,
+        a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f,
+        a * h + b * g - c * f + d * e,
+      ].forEach((x, i) => {
+        v[at[i]] = x;
+      });
     });
   }
 
@@ -52,10 +60,18 @@ const Runs = (() => {
       const { engine, model } = lab;
       this.lab = lab;
       this.spec = spec;
-      this.index = index;              /* its colour; −1 is the reference */
+      this.index = index; /* its colour; −1 is the reference */
       this.status = "";
-      this.motion = engine.motion({ method: spec.method, step: lab.stepOf(spec), rtol: spec.rtol ?? lab.rtol,
-        params: start.params, q: start.q, v: start.v, t: 0, inputs: start.inputs });
+      this.motion = engine.motion({
+        method: spec.method,
+        step: lab.stepOf(spec),
+        rtol: spec.rtol ?? lab.rtol,
+        params: start.params,
+        q: start.q,
+        v: start.v,
+        t: 0,
+        inputs: start.inputs,
+      });
       this.params = start.params;
       this.seen = model.outputs.map((o) => o.index);
       const width = 1 + start.q.length + start.v.length + this.seen.length;
@@ -63,9 +79,14 @@ const Runs = (() => {
       this.recent = new History.Recent(width, rows);
       this.row = new Float64Array(width);
       this.drifts = new History.Whole(model.description.constants.length + 1);
-      this.trails = model.shapes.filter((shape) => shape.kind === "trail")
-        .map((shape) => ({ shape, trail: new History.Trail(
-          Shapes.value(shape.lasting ?? Infinity, this.motion.outputs()) ?? Infinity) }));
+      this.trails = model.shapes
+        .filter((shape) => shape.kind === "trail")
+        .map((shape) => ({
+          shape,
+          trail: new History.Trail(
+            Shapes.value(shape.lasting ?? Infinity, this.motion.outputs()) ?? Infinity,
+          ),
+        }));
       this.sections = model.description.events.map(() => ({ t: [], states: [] }));
       this.start = null;
       this.sample(model, null);
@@ -83,7 +104,9 @@ const Runs = (() => {
       this.row[0] = this.t;
       this.row.set(this.q, 1);
       this.row.set(this.v, 1 + this.q.length);
-      this.seen.forEach((index, k) => { this.row[1 + this.q.length + this.v.length + k] = this.out[index]; });
+      this.seen.forEach((index, k) => {
+        this.row[1 + this.q.length + this.v.length + k] = this.out[index];
+      });
       this.recent.push(this.row);
       this.size(model);
       const drifts = Array.from(this.constants, (c, k) => Math.abs(c - this.start[k]));
@@ -94,23 +117,27 @@ const Runs = (() => {
       for (const crossing of motion.events()) this.cross(crossing);
     }
 
-    /* What a drift is small beside: the constant itself or, as that may vanish, of an energy half of
-     * v.p, of a momentum the largest of its unit, of a claim the largest constant of its unit. */
+    /* What a drift is small beside: the constant itself or, as that may vanish, of an energy half
+     * of v.p, of a momentum or a claim the largest of its unit. */
     size(model) {
       const { constants, coordinates } = model.description;
       const { engine } = this.lab;
       if (!this.sizes) this.sizes = Array.from(this.start, Math.abs);
-      const p = engine.momenta && constants.some((c) => c.kind !== "claim")
-        ? engine.momenta(this.params, this.t, this.q, this.v) : null;
+      const p =
+        engine.momenta && constants.some((c) => c.kind !== "claim")
+          ? engine.momenta(this.params, this.t, this.q, this.v)
+          : null;
       constants.forEach((c, k) => {
         let other = 0;
-        if (c.kind === "energy" && p) other = Math.abs(this.v.reduce((s, v, i) => s + (v * p[i] || 0), 0)) / 2;
+        if (c.kind === "energy" && p)
+          other = Math.abs(this.v.reduce((s, v, i) => s + (v * p[i] || 0), 0)) / 2;
         else if (c.kind === "momentum" && p) {
           for (const q of coordinates)
             if (q.momentum_unit === c.unit) other = Math.max(other, Math.abs(p[q.index]) || 0);
         }
         constants.forEach((d, j) => {
-          if (c.kind === "claim" && d.unit === c.unit) other = Math.max(other, Math.abs(this.start[j]));
+          if (c.kind === "claim" && d.unit === c.unit)
+            other = Math.max(other, Math.abs(this.start[j]));
         });
         if (other > this.sizes[k]) this.sizes[k] = other;
       });
@@ -142,8 +169,10 @@ const Runs = (() => {
         const [p, r] = [s * s * (3 - 2 * s), s * (1 - s)];
         return qa + (qb - qa) * p + h * r * ((1 - s) * va - s * vb);
       });
-      const v = Array.from({ length: this.v.length }, (_, k) =>
-        recent.get(a, 1 + n + k) * (1 - s) + recent.get(b, 1 + n + k) * s);
+      const v = Array.from(
+        { length: this.v.length },
+        (_, k) => recent.get(a, 1 + n + k) * (1 - s) + recent.get(b, 1 + n + k) * s,
+      );
       return [q, v];
     }
 
@@ -196,8 +225,13 @@ const Runs = (() => {
         try {
           return new Run(this.lab, spec, this.start, index);
         } catch (error) {
-          return { spec, index, refused: String(error.message || error),
-            status: String(error.message || error), free() {} };
+          return {
+            spec,
+            index,
+            refused: String(error.message || error),
+            status: String(error.message || error),
+            free() {},
+          };
         }
       };
       this.list = settings.methods.map(begin);
@@ -235,5 +269,9 @@ const Runs = (() => {
     }
   }
 
-  return { given, make: (lab) => new Runs_(lab), one: (lab, spec, start) => new Run(lab, spec, start, 0) };
+  return {
+    given,
+    make: (lab) => new Runs_(lab),
+    one: (lab, spec, start) => new Run(lab, spec, start, 0),
+  };
 })();

@@ -1,18 +1,18 @@
 "use strict";
 /* What the user has chosen, and its form in the address after #: a link shows the same thing.
  *
- *     #scene=slow&p.l1=2&q.theta1=0.5&v.theta1=0&m=verlet:0.01&m=gauss&ref=1&speed=3&panels=drift,phase
+ *     #scene=slow&p.l1=2&q.theta1=0.5&v.theta1=0&m=verlet:0.01&m=gauss&ref=1&speed=3
  */
 const Settings = (() => {
   const MOST_METHODS = 4;
 
   const fresh = () => ({
     scene: null,
-    values: new Map(),     /* key → number: what differs from the defaults */
-    methods: [],           /* {method, step, rtol}; null: the method's own */
+    values: new Map() /* key → number: what differs from the defaults */,
+    methods: [] /* {method, step, rtol}; null: the method's own */,
     reference: false,
-    speed: 0,              /* tenths of decades about the natural speed, by 1-2-5: see lab.js */
-    panels: null,          /* names, null: those that suit the model */
+    speed: 0 /* tenths of decades about the natural speed, by 1-2-5: see lab.js */,
+    panels: null /* names, null: those that suit the model */,
     view: "scene",
   });
 
@@ -23,8 +23,10 @@ const Settings = (() => {
 
   function chosen(model, scene) {
     const row = scene ? model.sceneNamed.get(scene) : null;
-    const method = row && row.method && (model.methodNamed.get(row.method) || {}).applies
-      ? row.method : model.method;
+    const method =
+      row && row.method && (model.methodNamed.get(row.method) || {}).applies
+        ? row.method
+        : model.method;
     return { method, step: row ? row.step : null, rtol: row ? row.rtol : null };
   }
 
@@ -55,8 +57,13 @@ const Settings = (() => {
     if (settings.scene) put("scene", settings.scene);
     for (const [key, value] of settings.values) {
       const entry = model.byKey.get(key);
-      if (entry) put(`${entry.kind}.${entry.kind === "v" && entry.coordinate
-        ? entry.coordinate.name : entry.name}`, value);
+      if (entry)
+        put(
+          `${entry.kind}.${
+            entry.kind === "v" && entry.coordinate ? entry.coordinate.name : entry.name
+          }`,
+          value,
+        );
       else if (key.startsWith("r")) put(key, value);
     }
     const usual = JSON.stringify([chosen(model, settings.scene)]);
@@ -75,18 +82,25 @@ const Settings = (() => {
     const settings = fresh();
     const query = new URLSearchParams(fragment.replace(/^#/, ""));
     const scene = query.get("scene");
-    enter(model, settings, scene !== null && model.sceneNamed.has(scene) ? scene
-      : model.description.scene);
+    enter(
+      model,
+      settings,
+      scene !== null && model.sceneNamed.has(scene) ? scene : model.description.scene,
+    );
     for (const [name, text] of query) {
       const found = /^([pquv])\.(.+)$/s.exec(name);
       const value = number(text);
       if (value === null) continue;
       if (/^r\d+[xyz]$/.test(name)) settings.values.set(name, value);
       if (!found) continue;
-      const entry = found[1] === "v"
-        ? model.list.find((e) => e.kind === "v" && (e.coordinate ? e.coordinate.name === found[2]
-          : e.name === found[2]))
-        : model.byName.get(found[2]);
+      const entry =
+        found[1] === "v"
+          ? model.list.find(
+              (e) =>
+                e.kind === "v" &&
+                (e.coordinate ? e.coordinate.name === found[2] : e.name === found[2]),
+            )
+          : model.byName.get(found[2]);
       if (entry && entry.kind === found[1] && !Ranges.refuse(entry, value))
         settings.values.set(entry.key, value);
     }

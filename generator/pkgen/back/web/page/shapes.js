@@ -12,7 +12,9 @@ const Shapes = (() => {
     const { kind, name, label } = shape;
     const made = { kind, name, label, shape };
     switch (kind) {
-      case "rod": case "spring": case "line":
+      case "rod":
+      case "spring":
+      case "line":
         made.from = point(shape.from, out);
         made.to = point(shape.to, out);
         made.turns = shape.turns || 8;
@@ -21,7 +23,8 @@ const Shapes = (() => {
         made.from = point(shape.at, out);
         made.to = plus(made.from, point(shape.vector, out));
         break;
-      case "bob": case "trail":
+      case "bob":
+      case "trail":
         made.at = point(shape.at, out);
         made.radius = value(shape.radius ?? null, out);
         break;
@@ -40,7 +43,8 @@ const Shapes = (() => {
         made.axis = shape.axis;
         made.height = value(shape.at, out);
         break;
-      case "curve": case "graph":
+      case "curve":
+      case "graph":
         made.points = (shape.points || []).map((p) => point(p, out));
         made.columns = shape.columns || [];
         break;
@@ -58,25 +62,45 @@ const Shapes = (() => {
   /* The points that a shape reaches to; a body's box stands for it. */
   function reach(made) {
     switch (made.kind) {
-      case "rod": case "spring": case "line": case "arrow": return [made.from, made.to];
-      case "bob": return around(made.at, made.radius || 0);
-      case "trail": return [made.at];
-      case "circle": return flat(made);
-      case "curve": case "graph": return made.points;
+      case "rod":
+      case "spring":
+      case "line":
+      case "arrow":
+        return [made.from, made.to];
+      case "bob":
+        return around(made.at, made.radius || 0);
+      case "trail":
+        return [made.at];
+      case "circle":
+        return flat(made);
+      case "curve":
+      case "graph":
+        return made.points;
       case "body": {
         const [a, b = a, c = a] = made.sizes;
         if (made.form === "top") return [made.at, plus(made.at, axis(made.turn, 2, b * 1.1))];
-        const half = made.form === "box" ? Math.hypot(a, b, c) / 2
-          : made.form === "ellipsoid" ? Math.max(a, b, c) : Math.hypot(a, b / 2);
+        const half =
+          made.form === "box"
+            ? Math.hypot(a, b, c) / 2
+            : made.form === "ellipsoid"
+              ? Math.max(a, b, c)
+              : Math.hypot(a, b / 2);
         return around(made.at, half);
       }
-      default: return [];
+      default:
+        return [];
     }
   }
 
-  const axis = (turn, k, length) =>
-    [turn[3 * k] * length, turn[3 * k + 1] * length, turn[3 * k + 2] * length];
-  const around = (p, r) => [[p[0] - r, p[1] - r, p[2] - r], [p[0] + r, p[1] + r, p[2] + r]];
+  const axis = (turn, k, length) => [
+    turn[3 * k] * length,
+    turn[3 * k + 1] * length,
+    turn[3 * k + 2] * length,
+  ];
+  const around = (p, r) => [
+    [p[0] - r, p[1] - r, p[2] - r],
+    [p[0] + r, p[1] + r, p[2] + r],
+  ];
 
   const flat = ({ at, radius, normal }) => {
     const size = Math.hypot(...normal) || 1;
@@ -111,7 +135,8 @@ const Shapes = (() => {
     for (const shape of made) {
       const { kind } = shape;
       const source = shape.shape;
-      if (kind === "body" && shape.form === "top") add(head(shape), shape, (out) => head(resolve(source, out)));
+      if (kind === "body" && shape.form === "top")
+        add(head(shape), shape, (out) => head(resolve(source, out)));
       else if (kind === "bob" || kind === "body")
         add(shape.at, shape, (out) => point_(source.at, out));
       else if (kind === "rod" || kind === "spring")

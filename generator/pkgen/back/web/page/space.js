@@ -50,7 +50,10 @@ const SpaceView = (() => {
       const n = 10;
       const strength = ground ? 0.55 : 0.3;
       for (let a = -n; a <= n; a++) {
-        for (const [along, across] of [[i, j], [j, i]]) {
+        for (const [along, across] of [
+          [i, j],
+          [j, i],
+        ]) {
           const m = along === i ? middle : [middle[1], middle[0]];
           const points = [];
           for (let b = -n; b <= n; b++) {
@@ -60,8 +63,7 @@ const SpaceView = (() => {
             at[across] = (m[1] + a) * step;
             points.push(at);
           }
-          p.line(points, 1, colour, (k) =>
-            strength * Math.max(0, 1 - Math.hypot(a, k - n) / n));
+          p.line(points, 1, colour, (k) => strength * Math.max(0, 1 - Math.hypot(a, k - n) / n));
         }
       }
       if (ground) this.drawn.push({ kind: "ground", name: "", run: 0, points: [] });
@@ -70,12 +72,25 @@ const SpaceView = (() => {
     levels(contours) {
       const colour = Theme.rgb(Theme.now().soft);
       for (const segments of contours.lines)
-        for (const [a, b] of segments) this.painter.line([[...a, 0], [...b, 0]], 1, colour, () => 0.4);
+        for (const [a, b] of segments)
+          this.painter.line(
+            [
+              [...a, 0],
+              [...b, 0],
+            ],
+            1,
+            colour,
+            () => 0.4,
+          );
     }
 
     note(shape, points, run) {
-      this.drawn.push({ kind: shape.kind, name: shape.name || shape.label || "", run: run.index,
-        points: points.map((p) => this.camera.project(p).slice(0, 2)) });
+      this.drawn.push({
+        kind: shape.kind,
+        name: shape.name || shape.label || "",
+        run: run.index,
+        points: points.map((p) => this.camera.project(p).slice(0, 2)),
+      });
     }
 
     shape(shape, colour, run) {
@@ -101,12 +116,17 @@ const SpaceView = (() => {
           break;
         case "bob": {
           const r = (shape.radius || unit * 0.045) * style.size;
-          p.put("ball", Solids.turned([1, 0, 0, 0, 1, 0, 0, 0, 1], [r, r, r], shape.at), colour, alpha);
+          p.put(
+            "ball",
+            Solids.turned([1, 0, 0, 0, 1, 0, 0, 0, 1], [r, r, r], shape.at),
+            colour,
+            alpha,
+          );
           this.note(shape, [shape.at], run);
           break;
         }
         case "circle":
-          p.line(PlaneView.circle(shape), 1.6, Theme.rgb(style.thin), () => 0.8 * alpha);
+          p.line(Outlines.circle(shape), 1.6, Theme.rgb(style.thin), () => 0.8 * alpha);
           this.note(shape, [shape.at], run);
           break;
         case "curve": {
@@ -141,10 +161,18 @@ const SpaceView = (() => {
       for (let k = (n - 1) % skip; k < n; k += skip)
         points.push([trail.get(k, 1), trail.get(k, 2), trail.get(k, 3)]);
       const fades = Number.isFinite(trail.lasting);
-      this.painter.line(points, style.trailWidth, Theme.rgb(colour || style.trail), (k) =>
-        style.alpha * (fades ? 0.08 + (0.8 * k) / points.length : 0.65));
-      this.drawn.push({ kind: "trail", name: "", run: 0,
-        points: [this.camera.project(points[points.length - 1]).slice(0, 2)] });
+      this.painter.line(
+        points,
+        style.trailWidth,
+        Theme.rgb(colour || style.trail),
+        (k) => style.alpha * (fades ? 0.08 + (0.8 * k) / points.length : 0.65),
+      );
+      this.drawn.push({
+        kind: "trail",
+        name: "",
+        run: 0,
+        points: [this.camera.project(points[points.length - 1]).slice(0, 2)],
+      });
     }
   }
 
@@ -158,8 +186,9 @@ const SpaceView = (() => {
     const points = [from];
     for (let k = 0; k <= turns * 14; k++) {
       const s = k / (turns * 14);
-      const [c, e] = [Math.cos(2 * Math.PI * turns * s), Math.sin(2 * Math.PI * turns * s)]
-        .map((x) => x * radius);
+      const [c, e] = [Math.cos(2 * Math.PI * turns * s), Math.sin(2 * Math.PI * turns * s)].map(
+        (x) => x * radius,
+      );
       points.push(from.map((x, i) => x + d[i] * (0.08 + 0.84 * s) + c * u[i] + e * v[i]));
     }
     points.push(to);

@@ -8,21 +8,51 @@ const Stage = (() => {
     const theme = Theme.now();
     const colour = Theme.ofRun(run);
     const reference = run.index < 0;
-    const base = { alpha: run.status ? 0.35 : 1, dash: [], hollow: false, size: 1, rod: 5,
-      thin: theme.soft, arrow: theme.shapes[1], trail: colour, trailWidth: 1.8, labels: false,
-      metal: theme.metal, of: () => colour };
+    const base = {
+      alpha: run.status ? 0.35 : 1,
+      dash: [],
+      hollow: false,
+      size: 1,
+      rod: 5,
+      thin: theme.soft,
+      arrow: theme.shapes[1],
+      trail: colour,
+      trailWidth: 1.8,
+      labels: false,
+      metal: theme.metal,
+      of: () => colour,
+    };
     if (reference)
-      return { ...base, hollow: true, dash: [5, 5], rod: 2, metal: colour, size: 1.25, trailWidth: 1.2 };
+      return {
+        ...base,
+        hollow: true,
+        dash: [5, 5],
+        rod: 2,
+        metal: colour,
+        size: 1.25,
+        trailWidth: 1.2,
+      };
     if (several)
-      return { ...base, rod: 3.5, metal: colour, arrow: colour, size: 0.92, alpha: base.alpha * 0.92,
-        labels: false };
-    return { ...base, labels: true,
-      of: (shape, k) => (distinct ? theme.shapes[k % theme.shapes.length] : colour) };
+      return {
+        ...base,
+        rod: 3.5,
+        metal: colour,
+        arrow: colour,
+        size: 0.92,
+        alpha: base.alpha * 0.92,
+        labels: false,
+      };
+    return {
+      ...base,
+      labels: true,
+      of: (shape, k) => (distinct ? theme.shapes[k % theme.shapes.length] : colour),
+    };
   }
 
   /* Loose bodies, such as planets, have colours of their own; parts of a mechanism have one. */
-  const loose = (shapes) => shapes.filter((s) => s.kind === "bob").length > 1
-    && !shapes.some((s) => ["rod", "spring", "curve", "body"].includes(s.kind));
+  const loose = (shapes) =>
+    shapes.filter((s) => s.kind === "bob").length > 1 &&
+    !shapes.some((s) => ["rod", "spring", "curve", "body"].includes(s.kind));
 
   class Stage_ {
     constructor(lab) {
@@ -35,13 +65,16 @@ const Stage = (() => {
       this.box = Shapes.box();
       const level = model.shapes.find((shape) => shape.kind === "level");
       this.levels = level ? new Levels.Contours(Shapes.resolve(level, [])) : null;
-      this.graph = model.shapes.length > 0 && model.shapes.every((s) => s.kind === "graph")
-        || model.shapes.length === 0;
+      this.graph =
+        (model.shapes.length > 0 && model.shapes.every((s) => s.kind === "graph")) ||
+        model.shapes.length === 0;
       this.failed = "";
       try {
         this.canvas = space ? $("space") : $("plane");
-        this.view = this.graph ? new GraphView.View($("plane"), lab)
-          : space ? new SpaceView.View(this.canvas, this.camera)
+        this.view = this.graph
+          ? new GraphView.View($("plane"), lab)
+          : space
+            ? new SpaceView.View(this.canvas, this.camera)
             : new PlaneView.View(this.canvas, this.camera);
       } catch (error) {
         this.failed = error.message;
@@ -92,8 +125,10 @@ const Stage = (() => {
         run,
         made: run.made && run.madeAt === run.out ? run.made : this.resolve(run),
         style: styleOf(run, several, this.distinct),
-        trails: run.trails.map(({ shape, trail }) => ({ trail,
-          colour: !several && this.distinct ? this.colourAt(shape.at) : null })),
+        trails: run.trails.map(({ shape, trail }) => ({
+          trail,
+          colour: !several && this.distinct ? this.colourAt(shape.at) : null,
+        })),
       }));
     }
 
@@ -113,17 +148,31 @@ const Stage = (() => {
     draw() {
       const { lab } = this;
       if (!this.width || lab.settings.view !== "scene") return;
-      if (this.levels && !lab.runs.error) this.levels.update(lab.engine, lab.runs.start,
-        this.camera.scale ? this.camera : this.flat());
-      this.view.draw({ width: this.width, height: this.height, runs: this.layers(),
-        levels: this.levels, unit: lab.model.time ? "m" : "", box: this.box });
+      if (this.levels && !lab.runs.error)
+        this.levels.update(
+          lab.engine,
+          lab.runs.start,
+          this.camera.scale ? this.camera : this.flat(),
+        );
+      this.view.draw({
+        width: this.width,
+        height: this.height,
+        runs: this.layers(),
+        levels: this.levels,
+        unit: lab.model.time ? "m" : "",
+        box: this.box,
+      });
     }
 
     /* What a view in space is for the lattice of a level: the plane z = 0 about the target. */
     flat() {
       const { target, distance, angle } = this.camera;
-      return { centre: target.slice(0, 2), width: 2, height: 2,
-        scale: 1 / (distance * Math.tan(angle / 2)) };
+      return {
+        centre: target.slice(0, 2),
+        width: 2,
+        height: 2,
+        scale: 1 / (distance * Math.tan(angle / 2)),
+      };
     }
 
     drawn() {

@@ -57,9 +57,19 @@ const Swarm = (() => {
       }
       this.loop = loop;
       try {
-        this.swarm = engine.swarm({ method: this.method, step: this.step(), params: start.params,
-          table: { columns: [{ kind: "q", index }, { kind: "v", index }], values },
-          members: this.members });
+        this.swarm = engine.swarm({
+          method: this.method,
+          step: this.step(),
+          params: start.params,
+          table: {
+            columns: [
+              { kind: "q", index },
+              { kind: "v", index },
+            ],
+            values,
+          },
+          members: this.members,
+        });
         this.width = start.q.length + start.v.length;
         this.states = this.swarm.states();
         this.box = null;
@@ -98,7 +108,12 @@ const Swarm = (() => {
       const p = Array.from({ length: nq }, () => new Float64Array(loop));
       for (let k = 0; k < loop; k++) {
         const row = states.subarray(k * width, (k + 1) * width);
-        const momenta = engine.momenta(runs.start.params, this.lab.runs.t, row.slice(0, nq), row.slice(nq));
+        const momenta = engine.momenta(
+          runs.start.params,
+          this.lab.runs.t,
+          row.slice(0, nq),
+          row.slice(nq),
+        );
         for (let j = 0; j < nq; j++) p[j][k] = momenta[j];
       }
       this.area = 0;
@@ -111,7 +126,10 @@ const Swarm = (() => {
       const now = [Chart.extent([xs]), Chart.extent([ys])].map((e) => Chart.padded(e, 0.12));
       if (!this.box) this.box = now;
       else
-        this.box = this.box.map(([lo, hi], k) => [Math.min(lo, now[k][0]), Math.max(hi, now[k][1])]);
+        this.box = this.box.map(([lo, hi], k) => [
+          Math.min(lo, now[k][0]),
+          Math.max(hi, now[k][1]),
+        ]);
     }
 
     draw(width, height) {
@@ -137,8 +155,18 @@ const Swarm = (() => {
       const X = (x) => left + ((x - x0) / (x1 - x0)) * (right - left);
       const Y = (y) => bottom - ((y - y0) / (y1 - y0)) * (bottom - top);
       const { coordinate } = this.x;
-      Axes.draw(g, { left, right, top, bottom, X, Y, x: [x0, x1], y: [y0, y1],
-        below: Text.axis(this.x.name, this.x.unit), beside: Text.axis(coordinate.rate, coordinate.rate_unit) });
+      Axes.draw(g, {
+        left,
+        right,
+        top,
+        bottom,
+        X,
+        Y,
+        x: [x0, x1],
+        y: [y0, y1],
+        below: Text.axis(this.x.name, this.x.unit),
+        beside: Text.axis(coordinate.rate, coordinate.rate_unit),
+      });
       const size = members > 20000 ? 1 : 1.4;
       g.fillStyle = theme.methods[0];
       g.globalAlpha = 0.55;

@@ -1,12 +1,40 @@
 "use strict";
 /* Names, units and numbers as people read them. */
 const Text = (() => {
-  const GREEK = new Map(Object.entries({
-    alpha: "α", beta: "β", gamma: "γ", delta: "δ", epsilon: "ε", zeta: "ζ", eta: "η",
-    theta: "θ", iota: "ι", kappa: "κ", lambda: "λ", mu: "μ", nu: "ν", xi: "ξ", pi: "π", rho: "ρ",
-    sigma: "σ", tau: "τ", phi: "φ", chi: "χ", psi: "ψ", omega: "ω", Gamma: "Γ", Delta: "Δ",
-    Theta: "Θ", Lambda: "Λ", Sigma: "Σ", Phi: "Φ", Psi: "Ψ", Omega: "Ω",
-  }));
+  const GREEK = new Map(
+    Object.entries({
+      alpha: "α",
+      beta: "β",
+      gamma: "γ",
+      delta: "δ",
+      epsilon: "ε",
+      zeta: "ζ",
+      eta: "η",
+      theta: "θ",
+      iota: "ι",
+      kappa: "κ",
+      lambda: "λ",
+      mu: "μ",
+      nu: "ν",
+      xi: "ξ",
+      pi: "π",
+      rho: "ρ",
+      sigma: "σ",
+      tau: "τ",
+      phi: "φ",
+      chi: "χ",
+      psi: "ψ",
+      omega: "ω",
+      Gamma: "Γ",
+      Delta: "Δ",
+      Theta: "Θ",
+      Lambda: "Λ",
+      Sigma: "Σ",
+      Phi: "Φ",
+      Psi: "Ψ",
+      Omega: "Ω",
+    }),
+  );
   const SUPER = new Map([..."0123456789-"].map((c, k) => [c, "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"[k]]));
   const SUB = [..."₀₁₂₃₄₅₆₇₈₉"];
   const superscript = (text) => [...text].map((c) => SUPER.get(c) || c).join("");
@@ -16,7 +44,8 @@ const Text = (() => {
   /* theta1' → {letter "θ", sub "1", tail "′"}; a word of more than one letter stays a word. */
   function parts(name) {
     const rate = /^omega\((\w+)\)\.([xyz])$/.exec(name);
-    if (rate) return { letter: "ω", sub: (rate[1] === "R" ? "" : rate[1] + ",") + rate[2], tail: "" };
+    if (rate)
+      return { letter: "ω", sub: (rate[1] === "R" ? "" : rate[1] + ",") + rate[2], tail: "" };
     const found = /^(.*?)('*)((?:\.[A-Za-z]\w*)?)$/s.exec(name);
     let [, body, primes, member] = found;
     let index = "";
@@ -29,7 +58,11 @@ const Text = (() => {
     else if (digits && (GREEK.has(digits[1]) || digits[1].length <= 2)) [, body, sub] = digits;
     const letter = GREEK.get(body) || body;
     sub = GREEK.get(sub) || sub;
-    return { letter, sub: [sub, index].filter(Boolean).join(","), tail: "′".repeat(primes.length) + member };
+    return {
+      letter,
+      sub: [sub, index].filter(Boolean).join(","),
+      tail: "′".repeat(primes.length) + member,
+    };
   }
 
   /* For menus and canvases, which have no markup: digits become small ones. */
@@ -49,8 +82,11 @@ const Text = (() => {
 
   function unit(text) {
     if (!text || text === "1") return "";
-    return text.replace(/\*/g, "·").replace(/\^\(?(-?\d+)\)?/g, (_, n) => superscript(n))
-      .replace(/\bdeg\b/g, "°").replace(/-/g, "−");
+    return text
+      .replace(/\*/g, "·")
+      .replace(/\^\(?(-?\d+)\)?/g, (_, n) => superscript(n))
+      .replace(/\bdeg\b/g, "°")
+      .replace(/-/g, "−");
   }
 
   const minus = (text) => text.replace(/-/g, "−");
@@ -60,8 +96,7 @@ const Text = (() => {
     if (!Number.isFinite(x)) return x > 0 ? "∞" : "−∞";
     if (x === 0) return "0";
     const size = Math.abs(x);
-    if (size >= 1e-3 && size < 1e5)
-      return minus(String(Number(x.toPrecision(digits))));
+    if (size >= 1e-3 && size < 1e5) return minus(String(Number(x.toPrecision(digits))));
     const [mantissa, exponent] = x.toExponential(Math.max(0, Math.min(digits, 3) - 1)).split("e");
     const head = Number(mantissa);
     const power = "10" + superscript(String(Number(exponent)));

@@ -10,13 +10,22 @@ const Theme = (() => {
     const style = getComputedStyle(document.documentElement);
     const of = (name) => style.getPropertyValue(name).trim();
     colours = {
-      ink: of("--ink"), soft: of("--soft"), faint: of("--faint"), line: of("--line"),
-      page: of("--page"), stage: of("--stage"), body: of("--body"), metal: of("--metal"),
-      methods: [of("--m0"), of("--m1"), of("--m2"), of("--m3")], reference: of("--reference"),
+      ink: of("--ink"),
+      soft: of("--soft"),
+      faint: of("--faint"),
+      line: of("--line"),
+      page: of("--page"),
+      stage: of("--stage"),
+      body: of("--body"),
+      metal: of("--metal"),
+      methods: [of("--m0"), of("--m1"), of("--m2"), of("--m3")],
+      reference: of("--reference"),
       shapes: [of("--s0"), of("--s1"), of("--s2"), of("--s3")],
-      font: of("--font"), dark: document.documentElement.dataset.theme === "dark"
-        || (!document.documentElement.dataset.theme
-          && matchMedia("(prefers-color-scheme: dark)").matches),
+      font: of("--font"),
+      dark:
+        document.documentElement.dataset.theme === "dark" ||
+        (!document.documentElement.dataset.theme &&
+          matchMedia("(prefers-color-scheme: dark)").matches),
     };
     return colours;
   }

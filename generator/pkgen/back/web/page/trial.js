@@ -3,8 +3,8 @@
  * first frame. It gives the natural speed, simulated time a second, and the box to fit in. */
 const Trial = (() => {
   const POINTS = 240;
-  const BUDGET = 120;    /* ms */
-  const SWING = 2.4;     /* s: how long a swing should last on the screen */
+  const BUDGET = 120; /* ms */
+  const SWING = 2.4; /* s: how long a swing should last on the screen */
 
   /* How often the coordinates turn round, as the mean of the three that do so most. */
   function turns(rows, n) {
@@ -21,8 +21,16 @@ const Trial = (() => {
   }
 
   function run(lab, start, method, span, deadline) {
-    const motion = lab.engine.motion({ method, step: null, rtol: null, params: start.params,
-      q: start.q, v: start.v, t: 0, inputs: start.inputs });
+    const motion = lab.engine.motion({
+      method,
+      step: null,
+      rtol: null,
+      params: start.params,
+      q: start.q,
+      v: start.v,
+      t: 0,
+      inputs: start.inputs,
+    });
     const rows = [];
     const box = Shapes.box();
     try {
@@ -48,7 +56,10 @@ const Trial = (() => {
   function moving(lab, rows) {
     const spans = rows[0].map((_, k) => {
       const column = rows.map((row) => row[k]).filter(Number.isFinite);
-      return column.reduce((a, b) => Math.max(a, b), -Infinity) - column.reduce((a, b) => Math.min(a, b), Infinity);
+      return (
+        column.reduce((a, b) => Math.max(a, b), -Infinity) -
+        column.reduce((a, b) => Math.min(a, b), Infinity)
+      );
     });
     const pick = (from, to, kind) => {
       const part = spans.slice(from, to);
