@@ -72,9 +72,7 @@ enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, si
     if (!block || block_size < pk_gsl_spectrum_size(count) || (size_t)block % _Alignof(double))
         return PK_BLOCK_TOO_SMALL;
     memset(spectrum, 0, sizeof *spectrum);
-    enum pk_status status = pk_spectrum_fit(spectrum, x, count, dt, left);
-    if (status < 0)
-        return status;
+    PK_TRY(pk_spectrum_fit(spectrum, x, count, dt, left));
     while (spectrum->count < lines) {
         struct pk_spectrum more = *spectrum;
         double lo = 0, hi = 0;

@@ -54,9 +54,9 @@ enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real
                                        struct pk_residuals *found, void *block, size_t size)
 {
     struct pk_projection w;
-    const enum pk_status status = begin(&w, problem, t, q, v, block, size);
-    if (status < 0 || !found)
-        return status < 0 ? status : PK_BAD_ARGUMENT;
+    PK_TRY(begin(&w, problem, t, q, v, block, size));
+    if (!found)
+        return PK_BAD_ARGUMENT;
     memset(found, 0, sizeof *found);
     for (size_t r = 0; r < w.system->n_rotations; r++)
         if (norm_error(&w, v, r) > found->norm)
@@ -79,9 +79,9 @@ enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_re
                                          void *block, size_t size)
 {
     struct pk_projection w;
-    const enum pk_status status = begin(&w, problem, t, q, v, block, size);
-    if (status < 0 || !lambda)
-        return status < 0 ? status : PK_BAD_ARGUMENT;
+    PK_TRY(begin(&w, problem, t, q, v, block, size));
+    if (!lambda)
+        return PK_BAD_ARGUMENT;
     if (!w.c || !w.system->constraints.multipliers)
         return PK_REFUSED;
     w.system->constraints.multipliers(w.params, t, q, v, w.u, lambda);

@@ -224,8 +224,8 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
     if (singular)
         return pk_eval_failed(it, t, q, v, (int)singular);
     pk_project_terms(&w, q, v);
-    const enum pk_status status = positions(it, &w, q, v, low_q, low_v, moved);
-    return status < 0 ? status : rates(it, &w, q, v, low_v, moved);
+    PK_TRY(positions(it, &w, q, v, low_q, low_v, moved));
+    return rates(it, &w, q, v, low_v, moved);
 }
 
 enum pk_status pk_project_step(struct pk_integrator *it)
@@ -237,10 +237,9 @@ enum pk_status pk_project_step(struct pk_integrator *it)
     int moved = 0;
     if (!it->own->project || it->method->traits & PK_HOLONOMIC) /* which sees to it itself */
         return PK_DONE;
-    const enum pk_status status =
-        pk_project(it, it->own->next_t, q, v, low_q, it->p ? NULL : low_v, &moved);
-    if (status < 0 || !moved || !it->p)
-        return status;
+    PK_TRY(pk_project(it, it->own->next_t, q, v, low_q, it->p ? NULL : low_v, &moved));
+    if (!moved || !it->p)
+        return PK_DONE;
     pk_eval_canonical(it, it->own->next_t, q, v, pk_part(it->own->next, n, PK_P),
                       it->own->project + n);
     memset(low_v, 0, n * sizeof *low_v);

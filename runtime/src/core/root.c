@@ -30,9 +30,7 @@ enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_
         if (!(x > *a && x < *b))
             break; /* no number between them */
         pk_real y;
-        const enum pk_status status = f(context, x, &y);
-        if (status < 0)
-            return status;
+        PK_TRY(f(context, x, &y));
         if ((y > 0 && fa > 0) || (y < 0 && fa < 0)) {
             *a = x;
             fa = y;

@@ -162,10 +162,8 @@ static enum pk_status conjugate(struct search *s, pk_real before, pk_real det)
     struct pk_least_action *found = s->found;
     const pk_real now = found->it.t;
     pk_real a = s->from, b = now;
-    enum pk_status status =
-        pk_root(determinant_at, s, &a, before, &b, det, 4 * PK_EPS * (pk_abs(now) + found->time));
-    if (status < 0)
-        return status;
+    PK_TRY(
+        pk_root(determinant_at, s, &a, before, &b, det, 4 * PK_EPS * (pk_abs(now) + found->time)));
     if (found->n_conjugate < PK_CONJUGATE_MOST)
         found->conjugate[found->n_conjugate] = b;
     found->n_conjugate++;
@@ -190,12 +188,10 @@ static enum pk_status along(struct pk_least_action *found, pk_real *path, pk_rea
         search.from = it->t;
         memcpy(q, it->q, wide * sizeof *q);
         memcpy(v, it->v, wide * sizeof *v);
-        enum pk_status status = pk_integrator_to(it, t);
-        if (status < 0)
-            return status;
+        PK_TRY(pk_integrator_to(it, t));
         const pk_real det = determinant(found, J, pivot);
-        if (before * det < 0 && (status = conjugate(&search, before, det)) < 0)
-            return status;
+        if (before * det < 0)
+            PK_TRY(conjugate(&search, before, det));
         before = det;
         if (end)
             break;
@@ -232,10 +228,7 @@ enum pk_status pk_least_action_find(struct pk_least_action *found, const struct 
     found->nodes = panels * NODES;
     found->t0 = t0;
     found->time = time;
-    enum pk_status status =
-        pk_variation_init(&found->variation, problem, found->n, at, x.variation * sizeof *at);
-    if (status < 0)
-        return status;
+    PK_TRY(pk_variation_init(&found->variation, problem, found->n, at, x.variation * sizeof *at));
     pk_real *integrator = at + x.variation, *path = integrator + x.integrator;
     pk_real *B = path + x.path, *C = B + x.matrix;
     found->path = path, found->B = B, found->C = C;
@@ -246,8 +239,9 @@ enum pk_status pk_least_action_find(struct pk_least_action *found, const struct 
     memcpy(v, v0, n * sizeof *v);
     for (size_t i = 0; i < n; i++)
         v[n + i * n + i] = 1;
-    status = pk_integrator_init(&found->it, &found->variation.problem, method, options, t0, q, v,
-                                integrator, x.integrator * sizeof *at);
+    const enum pk_status status = pk_integrator_init(&found->it, &found->variation.problem, method,
+                                                     options, t0, q, v, integrator,
+                                                     x.integrator * sizeof *at);
     memset(found->scratch, 0, x.scratch * sizeof *at);
     return status < 0 ? status : along(found, path, B, C);
 }

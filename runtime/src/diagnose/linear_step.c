@@ -164,9 +164,7 @@ enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffnes
         return PK_REFUSED;
     for (int column = 0; column < 2; column++) {
         pk_real q = column == 0, v = column == 1;
-        const enum pk_status status = run(f, params, h, &q, &v);
-        if (status < 0)
-            return status;
+        PK_TRY(run(f, params, h, &q, &v));
         map[column] = q;
         map[2 + column] = v;
     }

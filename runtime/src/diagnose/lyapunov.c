@@ -60,9 +60,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
     const size_t n = pk_system_count(problem->system, problem->params);
     pk_real *x = (pk_real *)memory;
     const size_t variation_size = pk_variation_size(problem, 1);
-    enum pk_status status = pk_variation_init(&l->variation, problem, 1, x, variation_size);
-    if (status < 0)
-        return status;
+    PK_TRY(pk_variation_init(&l->variation, problem, 1, x, variation_size));
     x += variation_size / sizeof *x;
 
     struct pk_metric metric;
@@ -73,9 +71,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
     memset(u, 0, problem->system->n_inputs * sizeof *u);
     if (problem->input && problem->system->n_inputs)
         problem->input(problem->context, t0, u);
-    status = pk_metric_init(&metric, &l->variation, t0, q0, v0, u, block, l->metric_L);
-    if (status < 0)
-        return status;
+    PK_TRY(pk_metric_init(&metric, &l->variation, t0, q0, v0, u, block, l->metric_L));
     l->metric_n = n;
     l->metric_tau = metric.tau;
 
@@ -138,19 +134,14 @@ enum pk_status pk_lyapunov_step(struct pk_lyapunov *l)
 {
     const pk_real before = l->growth, Y = l->Y;
     const pk_real end = l->t0 + (pk_real)(l->blocks + 1) * l->block;
-    enum pk_status status = PK_DONE;
     if (!pk_ready(&l->it))
         return l->it.status < 0 ? l->it.status : PK_BAD_ARGUMENT;
     while (l->it.t < end) {
-        status = pk_integrator_step(&l->it, end);
-        if (status >= 0 && l->it.t < end && large(l))
-            status = renew(l);
-        if (status < 0)
-            return status;
+        PK_TRY(pk_integrator_step(&l->it, end));
+        if (l->it.t < end && large(l))
+            PK_TRY(renew(l));
     }
-    status = renew(l);
-    if (status < 0)
-        return status;
+    PK_TRY(renew(l));
     l->blocks++;
     const pk_real T = (pk_real)l->blocks * l->block;
     l->sum_G += l->block * (before + l->growth) / 2;

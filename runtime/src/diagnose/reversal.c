@@ -47,24 +47,20 @@ static enum pk_status begin(struct trial *w)
 /* The scale of all errors: how far the whole motion comes. */
 static enum pk_status measure(struct trial *w, pk_real t)
 {
-    enum pk_status status = begin(w);
-    while (status >= 0 && w->it->t < w->t0 + t) {
-        status = pk_integrator_step(w->it, w->t0 + t);
+    PK_TRY(begin(w));
+    while (w->it->t < w->t0 + t) {
+        PK_TRY(pk_integrator_step(w->it, w->t0 + t));
         for (size_t i = 0; i < 2 * w->it->n; i++)
             w->reach[i] = pk_max(w->reach[i], off(w, i));
     }
-    return status;
+    return PK_DONE;
 }
 
 static enum pk_status there_and_back(struct trial *w, struct pk_reversal *reversal, pk_real t)
 {
-    enum pk_status status = begin(w);
-    if (status >= 0)
-        status = pk_integrator_to(w->it, w->t0 + t);
-    if (status >= 0)
-        status = pk_integrator_to(w->it, w->t0);
-    if (status < 0)
-        return status;
+    PK_TRY(begin(w));
+    PK_TRY(pk_integrator_to(w->it, w->t0 + t));
+    PK_TRY(pk_integrator_to(w->it, w->t0));
     const size_t at = reversal->count++;
     reversal->at[at].t = t;
     reversal->at[at].error = reversal->at[at].absolute = 0;

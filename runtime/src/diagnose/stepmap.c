@@ -184,15 +184,12 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
         one.rtol = one.atol = PK_C(1e10);
         one.newton_tol = 8 * PK_EPSILON;
     }
-    enum pk_status status = pk_variation_init(&w.variation, problem, 1, w.variation_block,
-                                              pk_variation_size(problem, 1));
-    if (status >= 0)
-        status = pk_metric_init(&w.metric, &w.variation, t0, q0, v0, inputs(&w, t0), h,
-                                (pk_real *)w.metric_block);
-    for (size_t j = 0; status >= 0 && j < 2 * w.n; j++)
-        status = column(&w, method, &one, t0, q0, v0, j);
-    if (status < 0)
-        return status;
+    PK_TRY(pk_variation_init(&w.variation, problem, 1, w.variation_block,
+                             pk_variation_size(problem, 1)));
+    PK_TRY(pk_metric_init(&w.metric, &w.variation, t0, q0, v0, inputs(&w, t0), h,
+                          (pk_real *)w.metric_block));
+    for (size_t j = 0; j < 2 * w.n; j++)
+        PK_TRY(column(&w, method, &one, t0, q0, v0, j));
     measure(&w, map);
     if (S)
         memcpy(S, w.S, 4 * w.n * w.n * sizeof *S);

@@ -143,9 +143,7 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
     if (block_size < pk_variation_size(of, columns) || (size_t)block % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;
     struct pk_integrator checked = {.problem = *of};
-    const enum pk_status status = pk_check_params(&checked, (pk_real *)block);
-    if (status < 0)
-        return status;
+    PK_TRY(pk_check_params(&checked, (pk_real *)block));
 
     memset(variation, 0, sizeof *variation);
     variation->of = *of;

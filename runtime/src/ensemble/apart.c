@@ -208,13 +208,11 @@ enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
         part->quadratures = part->inputs + parts[k].system->n_inputs;
         at += own_size(parts[k].system);
     }
-    if (check_parts(a) < 0)
-        return a->status;
+    PK_TRY(check_parts(a));
     for (size_t k = 0; k < count; k++) {
         const struct pk_problem problem = {.system = parts[k].system};
         const size_t own = pk_integrator_size(&problem, choices[k].method);
-        if (start(a, k, &choices[k], t0, q0, v0, at, own) < 0)
-            return a->status;
+        PK_TRY(start(a, k, &choices[k], t0, q0, v0, at, own));
         at += 2 * padded(own);
     }
     assemble(a);

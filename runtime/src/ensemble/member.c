@@ -83,9 +83,7 @@ enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *c
         pk_part(it->own->next, n, PK_Q)[i] = next[i * W];
         pk_part(it->own->next, n, PK_V)[i] = next[(PK_V * n + i) * W];
     }
-    status = pk_singularity_step(it);
-    if (status < 0)
-        return status;
+    PK_TRY(pk_singularity_step(it));
     pk_real *left_behind = it->own->state;
     it->own->state = it->own->next;
     it->own->next = left_behind;

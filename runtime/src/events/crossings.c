@@ -44,8 +44,7 @@ static enum pk_status truth(void *context, pk_real x, pk_real *y)
         *y = pk_events_end(e, 1)[a->k];
         return PK_DONE;
     }
-    if (pk_events_reach(e, a->it, t) < 0)
-        return a->it->status;
+    PK_TRY(pk_events_reach(e, a->it, t));
     pk_events_functions(e, a->it, t, e->trial, e->trial + e->n, g);
     *y = g[a->k];
     return pk_finite(*y) ? PK_DONE : pk_events_not_finite(a->it, a->k);
@@ -67,8 +66,7 @@ static enum pk_status settle(struct along *a, pk_real x)
     pk_real g;
     if (!(x > a->x[a->count - 1]))
         return PK_DONE;
-    if (truth(a, x, &g) < 0)
-        return a->it->status;
+    PK_TRY(truth(a, x, &g));
     append(a, x, g);
     return PK_DONE;
 }
@@ -110,14 +108,13 @@ static int may_cross(const pk_real *x, const pk_real *g)
 static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real right)
 {
     pk_real x[3] = {left, at, right}, g[3];
-    if (settle(a, left) < 0)
-        return a->it->status;
+    PK_TRY(settle(a, left));
     x[0] = a->x[a->count - 1];
     g[0] = a->g[a->count - 1];
     if (!(at > x[0]) || !(right > at))
         return PK_DONE;
-    if (truth(a, at, &g[1]) < 0 || truth(a, right, &g[2]) < 0)
-        return a->it->status;
+    PK_TRY(truth(a, at, &g[1]));
+    PK_TRY(truth(a, right, &g[2]));
     for (int l = 0; l < REFINEMENTS && !opposite(g[0], g[1]) && may_cross(x, g); l++) {
         const pk_real longer = x[2] - x[1] > x[1] - x[0] ? x[2] : x[0];
         pk_real next = l % 3 < 2 ? vertex(x, g) : x[1] + (longer - x[1]) * PK_C(0.382), y;
@@ -125,8 +122,7 @@ static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real
             next = x[1] + (longer - x[1]) * PK_C(0.382);
         if (!(next > x[0] && next < x[2]) || !(next < x[1] || next > x[1]))
             break;
-        if (truth(a, next, &y) < 0)
-            return a->it->status;
+        PK_TRY(truth(a, next, &y));
         const int outer = next < x[1] ? 2 : 0; /* the end that the new point replaces */
         if (opposite(y, g[1]) || pk_abs(y) < pk_abs(g[1])) {
             x[outer] = x[1];
@@ -208,8 +204,7 @@ static enum pk_status interval(struct along *a, int j)
             r.g = right;
             r.x = pk_events_node(a->e, (j + 1) * stride);
         }
-        if (piece(a, start, end, l, r, bow / (PIECES * PIECES)) < 0)
-            return a->it->status;
+        PK_TRY(piece(a, start, end, l, r, bow / (PIECES * PIECES)));
         l = r;
     }
     return PK_DONE;
@@ -230,17 +225,16 @@ static enum pk_status nodes(struct along *a)
         const pk_real right = pk_events_sample(e, (j + 1) * stride)[a->k];
         if (!pk_finite(left) || !pk_finite(right))
             continue; /* the interpolant is outside of where g has values */
-        if (shape->clear && interval(a, j) < 0)
-            return a->it->status;
-        if (!shape->clear && opposite(left, right) &&
-            (settle(a, pk_events_node(e, j * stride)) < 0 ||
-             settle(a, pk_events_node(e, (j + 1) * stride)) < 0))
-            return a->it->status;
+        if (shape->clear) {
+            PK_TRY(interval(a, j));
+        } else if (opposite(left, right)) {
+            PK_TRY(settle(a, pk_events_node(e, j * stride)));
+            PK_TRY(settle(a, pk_events_node(e, (j + 1) * stride)));
+        }
     }
     if (!(end < h) || (pk_finite(last) && (opposite(last, a->g[a->count - 1]) ||
                                            pk_abs(last) <= MARGIN * shape->range))) {
-        if (settle(a, end) < 0)
-            return a->it->status;
+        PK_TRY(settle(a, end));
         if (end < h && a->count > 1 && !(a->g[a->count - 1] > 0 || a->g[a->count - 1] < 0))
             a->count--; /* what it does behind is seen in the next window */
     }
@@ -268,8 +262,7 @@ enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, siz
 {
     struct along a = {.e = e, .it = it, .k = k, .shape = &e->shapes[k]};
     const pk_real width = pk_events_width(e, it);
-    if (nodes(&a) < 0)
-        return it->status;
+    PK_TRY(nodes(&a));
     for (int j = 1; j < a.count; j++) {
         pk_real lo = a.x[j - 1], hi = a.x[j];
         const pk_real before = a.g[j - 1], after = a.g[j];
@@ -277,8 +270,8 @@ enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, siz
             continue; /* from zero nothing crosses it */
         if (!(after > 0 || after < 0) && j + 1 < a.count && !opposite(before, a.g[j + 1]))
             continue; /* a touch */
-        if ((after > 0 || after < 0) && pk_root(truth, &a, &lo, before, &hi, after, width) < 0)
-            return it->status;
+        if (after > 0 || after < 0)
+            PK_TRY(pk_root(truth, &a, &lo, before, &hi, after, width));
         enlist(e, &a, hi, before < 0 ? it->own->direction : -it->own->direction);
     }
     e->shapes[k].last_x = a.x[a.count - 1];

@@ -78,8 +78,7 @@ static enum pk_status sample(struct pk_events *e, struct pk_integrator *it, int 
         return PK_DONE;
     }
     if (e->proposes) {
-        if (pk_integrator_dense(it, t, e->trial, e->trial + e->n) < 0)
-            return it->status;
+        PK_TRY(pk_integrator_dense(it, t, e->trial, e->trial + e->n));
     } else if (!(e->by_steps && reach_sample(e, it, t))) {
         hermite(e, it, x / length);
     }
@@ -195,8 +194,7 @@ enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
             doubt(e, it);
         e->listed = 0;
         for (size_t k = 0; k < pk_events_count(e); k++)
-            if (pk_events_seek(e, it, k) < 0)
-                return it->status;
+            PK_TRY(pk_events_seek(e, it, k));
         if (pk_events_report(e, it) != PK_DONE || e->again || e->cut)
             return it->status;
         part++;

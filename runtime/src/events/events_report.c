@@ -30,8 +30,7 @@ static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, cons
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
     for (int tries = 0; tries < 4; tries++) {
         e->t = pk_events_time(e, it, entry[0] + (pk_real)tries * width);
-        if (pk_events_reach(e, it, e->t) < 0)
-            return it->status;
+        PK_TRY(pk_events_reach(e, it, e->t));
         pk_events_functions(e, it, e->t, e->trial, e->trial + e->n, g);
         if (side * g[k] >= 0)
             break;
@@ -97,10 +96,10 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
         return it->status = PK_DONE;
     e->cut = 1;
     hold(e);
-    if (passed && pk_switches_pass(e, it, last, attempted) < 0)
-        return it->status;
-    if ((passed || e->t < it->t || e->t > it->t) && pk_integrator_reset(it, e->t, e->q, e->v) < 0)
-        return it->status;
+    if (passed)
+        PK_TRY(pk_switches_pass(e, it, last, attempted));
+    if (passed || e->t < it->t || e->t > it->t)
+        PK_TRY(pk_integrator_reset(it, e->t, e->q, e->v));
     if (e->z)
         pk_integrator_set_quadratures(it, e->z);
     it->event = stopped;

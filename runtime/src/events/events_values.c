@@ -76,8 +76,7 @@ enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk
     e->tries++;
     if (e->dense)
         return pk_integrator_dense(it, t, e->trial, e->trial + e->n);
-    if (pk_integrator_aside(it, scout, t) < 0)
-        return it->status;
+    PK_TRY(pk_integrator_aside(it, scout, t));
     memcpy(e->trial, scout->q, bytes);
     memcpy(e->trial + e->n, scout->v, bytes);
     return PK_DONE;

@@ -109,9 +109,9 @@ static enum pk_status one(struct corner *x, size_t k, pk_real side)
         memcpy(x->phi, w->phi, w->h * sizeof *x->phi);
     }
     turn(x, k, side);
-    const enum pk_status status = compare(x, k, &found);
-    if (status < 0 || !found)
-        return status;
+    PK_TRY(compare(x, k, &found));
+    if (!found)
+        return PK_DONE;
     if (of_place && found == (PK_IMPULSE_ENERGY | PK_IMPULSE_ROLLING))
         return refuse(x, k, BOTH_JUMP, 0);
     const int free = of_place && found == PK_IMPULSE_ENERGY;

@@ -105,9 +105,7 @@ static enum pk_status begin(struct pk_integrator *it, const struct work *w)
 {
     const struct pk_options *o = &it->options;
     pk_real omega;
-    const enum pk_status status = frequency(it, w, it->q, it->v, &omega);
-    if (status < 0)
-        return status;
+    PK_TRY(frequency(it, w, it->q, it->v, &omega));
     if (!(omega > 0) && (o->h > 0 || !(o->h_max > 0))) {
         it->where = BAD_SCALE;
         return PK_BAD_ARGUMENT;
@@ -159,9 +157,7 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     pk_real *number = w->number, omega;
     const pk_real half = number[EPS] / 2;
     drift(it, w, (pk_real)it->own->direction * half / number[RHO], it->own->next);
-    const enum pk_status status = frequency(it, w, it->own->next, w->base + it->n, &omega);
-    if (status < 0)
-        return status;
+    PK_TRY(frequency(it, w, it->own->next, w->base + it->n, &omega));
     const pk_real next = 2 * raised(w, omega) - number[RHO];
     if (!(next > number[RHO] / 4 && next < 4 * number[RHO])) {
         it->detail = -1; /* no length: see pk_integrator_reason() */

@@ -81,9 +81,7 @@ enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit)
 {
     const struct pk_embedded_work w = parts_of(it);
     if (!(it->own->flags & (PK_HAVE_STEP | PK_HAVE_A))) {
-        const enum pk_status status = generic_slope(it, it->t, it->own->state, w.k);
-        if (status < 0)
-            return status;
+        PK_TRY(generic_slope(it, it->t, it->own->state, w.k));
         if (!pk_all_finite(w.k, w.m))
             return PK_NOT_FINITE;
     }
@@ -130,10 +128,7 @@ static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_em
         pk_real *k = w->last + (size_t)(i + 1) * w->m;
         pk_erk_combine(w->y, old, h, a, table->stages + 1 + i, w->k, w->m);
         a += table->stages + 1 + i;
-        const enum pk_status status =
-            generic_slope(it, it->last_t + table->c[table->stages + i] * h, w->y, k);
-        if (status < 0)
-            return status;
+        PK_TRY(generic_slope(it, it->last_t + table->c[table->stages + i] * h, w->y, k));
     }
     for (size_t i = 0; i < w->m; i++) {
         const pk_real rise = it->own->state[i] - old[i], bend = h * w->k[i] - rise;
@@ -151,11 +146,8 @@ static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_em
 static enum pk_status embedded_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct pk_embedded_work w = parts_of(it);
-    if (!(it->own->flags & PK_HAVE_DENSE)) {
-        const enum pk_status status = prepare_dense(it, &w);
-        if (status < 0)
-            return status;
-    }
+    if (!(it->own->flags & PK_HAVE_DENSE))
+        PK_TRY(prepare_dense(it, &w));
     const pk_real s = (t - it->last_t) / *w.h_made;
     for (size_t i = 0; i < w.m; i++) {
         pk_real y = 0;

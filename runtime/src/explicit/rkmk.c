@@ -72,9 +72,7 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
     for (int i = 0; i < table->stages; i++) {
         const pk_real *at = argument(it, table, i, y);
         pk_real *k = it->own->work + (size_t)i * m;
-        const enum pk_status status = generic_slope(it, it->t + table->c[i] * it->own->h, at, k);
-        if (status < 0)
-            return status;
+        PK_TRY(generic_slope(it, it->t + table->c[i] * it->own->h, at, k));
         for (size_t r = 0; r < turned; r++) {
             rotation_vector(it, table->a + i * (i - 1) / 2, i, r, theta);
             pk_dexp_inverse(theta, at + rates(it, r), k + quaternion(it, r));

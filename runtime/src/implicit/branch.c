@@ -141,9 +141,7 @@ static enum pk_status advance(struct pk_integrator *it, struct pk_gauss_work *w,
     if (!pk_gauss_iterate(it, w, PK_FULL) || w->kept->first_rate > NEWTON_RATE)
         return PK_AMBIGUOUS_STEP;
     pk_gauss_stage_derivatives(it, w);
-    const enum pk_status status = check_mass(it, w);
-    if (status < 0)
-        return status;
+    PK_TRY(check_mass(it, w));
     return factor(it, w, w->old_J, stride, at / to) &&
                    leap(it, w, w->old_J, stride, at / to, w->jacobian, stride, 1)
                ? PK_DONE
@@ -213,9 +211,7 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
     if (ratio > 0)
         pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
     w->kept->contraction = pk_gauss_contraction(it, w, w->jacobian, w->s);
-    const enum pk_status status = check_mass(it, w);
-    if (status < 0)
-        return status;
+    PK_TRY(check_mass(it, w));
     w->kept->lu_h = it->own->h;
     it->own->flags |= PK_HAVE_LU;
     if (w->kept->contraction <= PK_GAUSS_SURE_ONCE &&

@@ -90,9 +90,7 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
     pk_real *M = w->room, *factors = M + n * n, *r_q = factors + n * n, *r_v = r_q + n * n;
     pk_real *zero = r_v + n * n, *c = w->L.hi + 2 * n * m + n, *r_t = zero + 2 * n, *room = r_t + n;
     memset(zero, 0, 2 * n * sizeof *zero);
-    const enum pk_status status = pk_eval_acceleration(it, it->t, zero, zero + n, c);
-    if (status < 0)
-        return status;
+    PK_TRY(pk_eval_acceleration(it, it->t, zero, zero + n, c));
     system->mass(params, it->t, zero, zero + n, it->own->u, M);
     system->linear(params, it->t, zero, zero + n, it->own->u, c, r_q, r_v, r_t);
     memcpy(factors, M, n * n * sizeof *M);
@@ -186,10 +184,7 @@ static enum pk_status exponential_init(struct pk_integrator *it)
     memset(w.L.lo, 0, m * m * sizeof *w.L.lo);
     memset(w.h, 0, KEPT * sizeof *w.h);
     *w.last = 0;
-    const enum pk_status status = system->linear && system->mass ? from_linear(it, &w)
-                                                                 : from_accelerations(it, &w);
-    if (status < 0)
-        return status;
+    PK_TRY(system->linear && system->mass ? from_linear(it, &w) : from_accelerations(it, &w));
     for (size_t j = 0; j < n; j++)
         w.L.hi[(n + j) * m + j] = 1;
     if (!pk_all_finite(w.L.hi, m * m))
@@ -211,10 +206,8 @@ static enum pk_status matrix(struct pk_integrator *it, const struct work *w, pk_
     const int k = (int)(*w->last + 1) % KEPT;
     const struct pk_pairs E = w->E[k];
     w->h[k] = 0;
-    const enum pk_status status = pk_expm(E, w->L, *w->norm, h, m, w->room);
     it->count.factorisations++;
-    if (status < 0)
-        return status;
+    PK_TRY(pk_expm(E, w->L, *w->norm, h, m, w->room));
     for (size_t i = 0; i < m; i++)
         for (size_t j = 0; j < m; j++) {
             const pk_real back = w->scale[i] / w->scale[j];
@@ -245,9 +238,7 @@ static enum pk_status exponential_step(struct pk_integrator *it, pk_real limit)
     const size_t n = w.n, bytes = 2 * n * sizeof *w.y.hi;
     int k = 0;
     (void)limit;
-    const enum pk_status status = matrix(it, &w, it->own->h, &k);
-    if (status < 0)
-        return status;
+    PK_TRY(matrix(it, &w, it->own->h, &k));
     load(&w, it->own->state);
     pk_pairs_multiply(w.y, w.x, w.E[k], 1, w.m);
     memcpy(it->own->next, w.y.hi, bytes);

@@ -134,7 +134,6 @@ enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit)
 enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, s = w->s;
-    enum pk_status status = PK_DONE;
     memcpy(it->own->next, it->own->state, PK_PARTS * n * sizeof *w->V);
     pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
     pk_real *p = pk_part(it->own->next, n, PK_P);
@@ -153,11 +152,11 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
     if (!pk_all_finite(it->own->next, PK_LOW_Q * n))
         return PK_NOT_FINITE;
     if (w->c[s - 1] < 1 || w->table->conjugate)
-        status = recover_rates(it, w, it->own->next_t, q, p, v);
+        PK_TRY(recover_rates(it, w, it->own->next_t, q, p, v));
     else /* p0 + h sum b_i pdot_i would multiply what V errs by with a stiff h pdot_v */
         memcpy(p, w->P + (s - 1) * n, n * sizeof *p), memset(low_p, 0, n * sizeof *p);
-    if (status < 0 || !pk_all_finite(v, n))
-        return status < 0 ? status : PK_NOT_FINITE;
+    if (!pk_all_finite(v, n))
+        return PK_NOT_FINITE;
     memcpy(w->last_V, w->V, s * n * sizeof *w->V);
     w->kept->last_h = it->own->h;
     w->kept->last_contraction = w->kept->contraction;

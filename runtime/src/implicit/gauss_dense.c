@@ -156,11 +156,8 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
     collocate(it, w, d);
     for (int count = 0; count < 30; count++) {
         memcpy(d->b, d->a, NODES * n * sizeof *d->a);
-        enum pk_status status = evaluate(it, w, d, 0);
-        if (status >= 0)
-            status = evaluate(it, w, d, 1);
-        if (status < 0)
-            return status;
+        PK_TRY(evaluate(it, w, d, 0));
+        PK_TRY(evaluate(it, w, d, 1));
         pk_real change2 = 0, size2 = 0;
         for (size_t i = 0; i < n; i++)
             for (size_t l = 0; l < NODES; l++) {
@@ -248,9 +245,7 @@ enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, p
         memcpy(v, it->v, n * sizeof *v);
         return PK_DONE;
     }
-    const enum pk_status status = reach(it, &w, &d, x);
-    if (status < 0)
-        return status;
+    PK_TRY(reach(it, &w, &d, x));
     values(&d, n, (x - *d.at) / *d.width, q, v);
     return pk_all_finite(q, n) && pk_all_finite(v, n) ? PK_DONE : PK_NOT_FINITE;
 }

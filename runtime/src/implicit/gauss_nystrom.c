@@ -75,12 +75,10 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
     y.h = it->own->h;
     for (int l = 0; l < PK_GAUSS_S; l++)
         y.t[l] = it->t + y.h * pk_gauss8_c[l];
-    enum pk_status status = generic_gauss_predict(it, &w, &y);
-    for (int count = 0; status >= 0; count++) {
+    PK_TRY(generic_gauss_predict(it, &w, &y));
+    for (int count = 0;; count++) {
         stages(it, &w, of, L, P);
-        status = generic_gauss_evaluate(it, y.t, w.q, w.v, w.u, w.next_a);
-        if (status < 0)
-            break;
+        PK_TRY(generic_gauss_evaluate(it, y.t, w.q, w.v, w.u, w.next_a));
         const pk_real change = take_over(&w, n);
         if (!pk_finite(change))
             return PK_NO_CONVERGENCE; /* unless Newton's iteration says that there is no number */
@@ -99,8 +97,6 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
             return PK_NO_CONVERGENCE;
         }
     }
-    if (status < 0)
-        return status;
     stages(it, &w, of, L, P);
     for (size_t i = 0; i < n; i++) {
         const pk_real dv = L[i], dq = P[i];

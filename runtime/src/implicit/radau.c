@@ -154,9 +154,7 @@ static enum pk_status first_step(struct pk_integrator *it, const struct pk_radau
     r->kept->left = 1;
     r->kept->h = 0;
     if (!(h > 0)) {
-        const enum pk_status status = pk_eval_acceleration(it, it->t, it->q, it->v, r->x);
-        if (status < 0)
-            return status;
+        PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, r->x));
         pk_radau_tolerances(it, r, it->q, it->v);
         for (size_t k = 0; k < it->n; k++) {
             const pk_real q = it->q[k], of_q = pk_scale_shown(r->of_q[k]);
@@ -194,11 +192,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
     const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     int rejected = 0, lands, count = 0;
-    enum pk_status status = PK_DONE;
     if (!(pk_abs(it->own->h) > 0))
-        status = first_step(it, &r, limit);
-    if (status < 0)
-        return status;
+        PK_TRY(first_step(it, &r, limit));
     pk_eval_canonical(it, it->t, it->q, it->v, w.G, r.pdot);
     pk_real planned = pk_abs(it->own->h);
     for (;;) {
@@ -210,7 +205,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         it->own->next_t = lands ? limit : it->t + sign * planned;
         it->own->h = it->own->next_t - it->t;
         pk_scale_attempt(it, it->own->h);
-        status = attempt(it, &w, &r, rejected || !(it->own->flags & PK_HAVE_STEP), &count);
+        enum pk_status status =
+            attempt(it, &w, &r, rejected || !(it->own->flags & PK_HAVE_STEP), &count);
         if (status >= 0 && it->own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)

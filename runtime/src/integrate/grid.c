@@ -74,9 +74,7 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
 
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed)
 {
-    const enum pk_status status = check_step(it, limit, fixed);
-    if (status < 0)
-        return status;
+    PK_TRY(check_step(it, limit, fixed));
     const int direction = limit > it->t ? 1 : -1;
     if (direction != it->own->direction) {
         it->own->direction = direction;

@@ -159,8 +159,7 @@ static enum pk_status make_series(struct pk_integrator *it)
         const pk_real x = nodes(it)[j], weight = nodes(it)[TERMS + j], t = it->last_t + h * x;
         pk_real P[TERMS];
         pk_legendre(x, 1 - x, TERMS, P, NULL);
-        if (pk_integrator_dense(it, t, q, v) < 0)
-            return it->status;
+        PK_TRY(pk_integrator_dense(it, t, q, v));
         system->quadratures.rates(it->problem.params, t, q, v, pk_eval_input(it, t), rate);
         for (int k = 0; k < TERMS; k++)
             for (size_t i = 0; i < m; i++)

@@ -117,17 +117,13 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     const size_t n = w->n;
     pk_real *q = pk_part(w->to, n, PK_Q), *v = pk_part(w->to, n, PK_V);
     pk_real *p = pk_part(w->to, n, PK_P), *low_p = pk_part(w->to, n, PK_LOW_X);
-    enum pk_status status = PK_DONE;
     guess(it, w, v);
     if (!(it->own->flags & PK_HAVE_A)) { /* here: that M and the forces are of this state */
         pk_variational_momenta(it, w->t, q, v, w->spare, w->f_start);
-        status = pk_variational_mass(it, w, w->t, q, v);
+        PK_TRY(pk_variational_mass(it, w, w->t, q, v));
     }
     it->own->flags &= ~PK_HAVE_A;
-    if (status >= 0)
-        status = pk_variational_solve(it, w);
-    if (status < 0)
-        return status;
+    PK_TRY(pk_variational_solve(it, w));
     keep_stages(w, which, q, v);
     add_momenta(w, p, low_p);
     for (size_t k = w->rotation; k < n; k++) { /* integrals, for interpolation alone */
@@ -145,7 +141,7 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     if (!pk_all_finite(q, w->rotation) || !pk_all_finite(p, n))
         return PK_NOT_FINITE;
     memcpy(v, w->V, w->m * sizeof *v); /* a guess again */
-    status = pk_variational_rates(it, w, p, low_p);
+    const enum pk_status status = pk_variational_rates(it, w, p, low_p);
     memcpy(w->last_V, w->V, n * sizeof *w->V);
     *w->last_h = w->h;
     it->own->flags |= status < 0 ? 0 : PK_HAVE_STEP | PK_HAVE_A;

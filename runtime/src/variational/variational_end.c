@@ -47,9 +47,9 @@ static pk_real tangent(struct pk_variational_work *w, const pk_real *q, pk_real 
 static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_work *w,
                                const pk_real *q, const pk_real *v)
 {
-    const enum pk_status status = pk_variational_mass(it, w, w->end, q, v);
-    if (status < 0 || !w->c)
-        return status;
+    PK_TRY(pk_variational_mass(it, w, w->end, q, v));
+    if (!w->c)
+        return PK_DONE;
     pk_project_rows(&w->at, q, v);
     const size_t singular = pk_project_factor(&w->at, w->c);
     it->where = singular ? singular - 1 : 0;
@@ -66,11 +66,8 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
         pk_variational_momenta(it, w->end, q, v, w->p, w->f_start);
         if (!pk_all_finite(w->p, w->m))
             return PK_NOT_FINITE;
-        if (count == 0 || !quadratic) { /* else M is the same */
-            const enum pk_status status = matrices(it, w, q, v);
-            if (status < 0)
-                return status;
-        }
+        if (count == 0 || !quadratic) /* else M is the same */
+            PK_TRY(matrices(it, w, q, v));
         left = 0;
         for (size_t k = 0; k < w->m; k++)
             w->dV[k] = p[k] - w->p[k];

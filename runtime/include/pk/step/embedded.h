@@ -76,32 +76,24 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
                                                     const struct pk_tableau *table,
                                                     const struct pk_embedded_work *w, pk_real h)
 {
-    enum pk_status status;
     pk_real *y = it->own->next;
-#define PK_EMBEDDED_STAGE(i)                                                                   \
-    if ((i) < table->stages) {                                                                 \
-        pk_erk_combine(y, it->own->state, h, table->a + (i) * ((i) - 1) / 2, i, w->k, w->m);   \
-        status = PK_STEPPER(slope)(it, it->t + table->c[i] * h, y, w->k + (size_t)(i) * w->m); \
-        if (status < 0)                                                                        \
-            return status;                                                                     \
+#define PK_EMBEDDED_STAGE(i)                                                                  \
+    if ((i) < table->stages) {                                                                \
+        pk_erk_combine(y, it->own->state, h, table->a + (i) * ((i) - 1) / 2, i, w->k, w->m);  \
+        PK_TRY(PK_STEPPER(slope)(it, it->t + table->c[i] * h, y, w->k + (size_t)(i) * w->m)); \
     }
     PK_EACH_STAGE(PK_EMBEDDED_STAGE)
 #undef PK_EMBEDDED_STAGE
     pk_erk_combine(y, it->own->state, h, table->b, table->stages, w->k, w->m);
     if (!pk_all_finite(y, w->m))
         return PK_NOT_FINITE;
-    if (!table->e3) {
-        status = PK_STEPPER(slope)(it, it->own->next_t, y, w->last);
-        if (status < 0)
-            return status;
-    }
+    if (!table->e3)
+        PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));
     it->own->error = pk_embedded_error(it, table, w, h);
     if (!pk_finite(it->own->error)) /* the state is finite: its tolerance is all but zero */
         it->own->error = PK_C(1e30);
     if (table->e3 && it->own->error <= PK_C(1.0)) {
-        status = PK_STEPPER(slope)(it, it->own->next_t, y, w->last);
-        if (status < 0)
-            return status;
+        PK_TRY(PK_STEPPER(slope)(it, it->own->next_t, y, w->last));
         if (!pk_all_finite(w->last, w->m))
             return PK_NOT_FINITE;
     }
@@ -117,14 +109,11 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
     const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     const pk_real alpha = PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
     const pk_real safety = PK_C(0.9);
-    enum pk_status status = PK_DONE;
     if (it->own->flags & PK_HAVE_STEP)
         for (size_t i = 0; i < w.m; i++) /* the derivative at the last step's end */
             w.k[i] = w.last[i];
     if (!(it->own->flags & (PK_HAVE_STEP | PK_HAVE_A)) || !(pk_abs(it->own->h) > 0))
-        status = pk_embedded_begin(it, limit);
-    if (status < 0)
-        return status;
+        PK_TRY(pk_embedded_begin(it, limit));
     it->own->flags = PK_HAVE_A; /* and the last step's stages are gone, its dense output too */
 
     pk_real planned = pk_abs(it->own->h);
@@ -139,7 +128,7 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
         const pk_real h = lands ? left : planned;
         it->own->next_t = lands ? limit : it->t + sign * h;
         pk_scale_attempt(it, h);
-        status = PK_STEPPER(attempt)(it, table, &w, sign * h);
+        const enum pk_status status = PK_STEPPER(attempt)(it, table, &w, sign * h);
         if (status < 0) {
             pk_trouble(it, status, it->own->next_t);
             planned = h * PK_C(0.2);

@@ -26,14 +26,10 @@ static PK_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
                   *low0 = pk_part(it->own->state, n, PK_LOW_Q);
     pk_real *k = it->own->work, *y = it->own->next, *low = pk_part(it->own->next, n, PK_LOW_Q);
 
-    enum pk_status status = PK_STEPPER(slope)(it, it->t, y0, k);
-    if (status < 0)
-        return status;
-#define PK_ERK_STAGE(i)                               \
-    if ((i) < table->stages) {                        \
-        status = PK_STEPPER(erk_stage)(it, table, i); \
-        if (status < 0)                               \
-            return status;                            \
+    PK_TRY(PK_STEPPER(slope)(it, it->t, y0, k));
+#define PK_ERK_STAGE(i)                              \
+    if ((i) < table->stages) {                       \
+        PK_TRY(PK_STEPPER(erk_stage)(it, table, i)); \
     }
     PK_EACH_STAGE(PK_ERK_STAGE)
 #undef PK_ERK_STAGE

@@ -74,12 +74,10 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
         y->hc[l] = y->h * pk_gauss8_c[l];
         y->t[l] = it->t + y->hc[l];
     }
-    enum pk_status status = PK_STEPPER(gauss_predict)(it, w, y);
-    for (y->count = 0; status >= 0; y->count++) {
+    PK_TRY(PK_STEPPER(gauss_predict)(it, w, y));
+    for (y->count = 0;; y->count++) {
         PK_STEPPER(gauss_stages)(it, w, y, with_v);
-        status = PK_STEPPER(gauss_evaluate)(it, y->t, w->q, w->v, w->u, w->next_a);
-        if (status < 0)
-            break;
+        PK_TRY(PK_STEPPER(gauss_evaluate)(it, y->t, w->q, w->v, w->u, w->next_a));
         if (y->count == 0)
             PK_STEPPER(gauss_weights)(it, w, y);
         if (!PK_STEPPER(gauss_compare)(it, w, y))
@@ -109,7 +107,6 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it
             return PK_NO_CONVERGENCE;
         }
     }
-    return status;
 }
 
 /* The new state, and what the next step is predicted from. */
@@ -155,10 +152,7 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
 
     if (!(it->own->h > 0) && !(it->own->h < 0)) {
         it->own->flags = 0; /* a first step, or one that turns back: nothing to predict it from */
-        const enum pk_status status =
-            PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_part(it->own->next, n, PK_A));
-        if (status < 0)
-            return status;
+        PK_TRY(PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_part(it->own->next, n, PK_A)));
         if (!pk_all_finite(pk_part(it->own->next, n, PK_A), n))
             return PK_NOT_FINITE;
         it->own->h = sign * PK_STEPPER(gauss_first)(it, limit);

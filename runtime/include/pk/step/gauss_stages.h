@@ -248,9 +248,7 @@ static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it
                 q1[i] = q[i * PK_GAUSS_S + l];
                 v1[i] = v[i * PK_GAUSS_S + l];
             }
-            const enum pk_status status = PK_STEPPER(acceleration)(it, t[l], q1, v1, a1);
-            if (status < 0)
-                return status;
+            PK_TRY(PK_STEPPER(acceleration)(it, t[l], q1, v1, a1));
             for (size_t i = 0; i < n; i++)
                 a[i * PK_GAUSS_S + l] = a1[i];
         }

@@ -19,14 +19,11 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
     pk_real *to = it->own->next, *a1 = to + PK_A * n;
     pk_real done = 0; /* fraction of the step drifted so far */
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
-    enum pk_status status;
 
     PK_UNROLL_FEW
     for (int i = 0; i < s; i++) {
         if (i > 0 || !(it->own->flags & PK_HAVE_A)) {
-            status = PK_STEPPER(acceleration)(it, it->t + done * h, from, from + n, a1);
-            if (status < 0)
-                return status;
+            PK_TRY(PK_STEPPER(acceleration)(it, it->t + done * h, from, from + n, a1));
             a = a1;
         }
         pk_kick_drift(n, table->kick[i] * h, a, table->drift[i] * h, from, to);
@@ -34,9 +31,7 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
         from = to;
     }
     if (ends) {
-        status = PK_STEPPER(acceleration)(it, it->own->next_t, to, to + n, a1);
-        if (status < 0)
-            return status;
+        PK_TRY(PK_STEPPER(acceleration)(it, it->own->next_t, to, to + n, a1));
         pk_kick(n, table->kick[s] * h, a1, to);
     }
     /* The last acceleration travels with the state, so a failure here cannot spoil it. */

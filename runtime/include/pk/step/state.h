@@ -109,6 +109,14 @@ static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
     return sum;
 }
 
+/* What fails ends the function, with its status. */
+#define PK_TRY(call)                           \
+    do {                                       \
+        const enum pk_status of_call = (call); \
+        if (of_call < 0)                       \
+            return of_call;                    \
+    } while (0)
+
 /* A trial step up to t broke down. */
 static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, pk_real t)
 {
