@@ -11,42 +11,32 @@ struct parts {
     struct pk_variation variation;
     struct pk_metric metric;
     struct pk_integrator it;
-    pk_real *S, *Q, *V, *J, *dp, *u, *LU, *pivot;
-    void *block, *variation_block, *metric_block;
+    pk_real *S, *Q, *V, *J, *dp, *u, *LU, *pivot, *block, *variation_block, *metric_block;
     size_t block_size, n;
 };
 
-static size_t own_reals(size_t n, size_t inputs)
+static size_t lay_out(struct parts *w, const struct pk_problem *problem,
+                      const struct pk_method *method, pk_real *base)
 {
-    const size_t m = 2 * n;
-    return 2 * m * m + 2 * m + 3 * n * n + n + m + inputs;
+    const size_t n = pk_system_count(problem->system, problem->params), m = 2 * n;
+    w->n = n;
+    w->block_size = pk_variation_integrator_size(problem, 1, method);
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&w->variation_block, pk_variation_size(problem, 1) / sizeof *base},
+        {&w->metric_block, pk_metric_reals(n)}, {&w->S, m * m}, {&w->LU, m * m}, {&w->Q, m},
+        {&w->V, m}, {&w->J, 3 * n * n}, {&w->dp, n}, {&w->pivot, m},
+        {&w->u, problem->system->n_inputs}, {&w->block, 0}};
+    /* clang-format on */
+    return PK_LAY_OUT(base, slots) * sizeof *base + w->block_size;
 }
 
 size_t pk_stepmap_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     if (!problem || !method || !pk_variation_size(problem, 1))
         return 0;
-    const size_t n = pk_system_count(problem->system, problem->params);
-    return pk_variation_size(problem, 1) + pk_variation_integrator_size(problem, 1, method) +
-           (pk_metric_reals(n) + own_reals(n, problem->system->n_inputs)) * sizeof(pk_real);
-}
-
-static void set_parts(struct parts *w, const struct pk_problem *problem,
-                      const struct pk_method *method, pk_real *x)
-{
-    const size_t n = w->n, m = 2 * n;
-    w->variation_block = x, x += pk_variation_size(problem, 1) / sizeof *x;
-    w->metric_block = x, x += pk_metric_reals(n);
-    w->S = x, x += m * m;
-    w->LU = x, x += m * m;
-    w->Q = x, x += m;
-    w->V = x, x += m;
-    w->J = x, x += 3 * n * n;
-    w->dp = x, x += n;
-    w->pivot = x, x += m;
-    w->u = x, x += problem->system->n_inputs;
-    w->block = x;
-    w->block_size = pk_variation_integrator_size(problem, 1, method);
+    struct parts w;
+    return lay_out(&w, problem, method, NULL);
 }
 
 static const pk_real *inputs(struct parts *w, pk_real t)
@@ -172,8 +162,8 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
         return PK_BAD_ARGUMENT;
     if (!block || block_size < size || (size_t)block % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;
-    struct parts w = {.n = pk_system_count(problem->system, problem->params)};
-    set_parts(&w, problem, method, (pk_real *)block);
+    struct parts w;
+    lay_out(&w, problem, method, (pk_real *)block);
     memset(map, 0, sizeof *map);
     map->h = h;
 
@@ -186,8 +176,7 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
     }
     PK_TRY(pk_variation_init(&w.variation, problem, 1, w.variation_block,
                              pk_variation_size(problem, 1)));
-    PK_TRY(pk_metric_init(&w.metric, &w.variation, t0, q0, v0, inputs(&w, t0), h,
-                          (pk_real *)w.metric_block));
+    PK_TRY(pk_metric_init(&w.metric, &w.variation, t0, q0, v0, inputs(&w, t0), h, w.metric_block));
     for (size_t j = 0; j < 2 * w.n; j++)
         PK_TRY(column(&w, method, &one, t0, q0, v0, j));
     measure(&w, map);

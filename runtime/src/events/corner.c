@@ -22,25 +22,33 @@
 
 enum { MOST = 60 }; /* corrections */
 
+static size_t lay_out(struct corner *x, const struct pk_system *system, size_t n, pk_real **w,
+                      pk_real *base)
+{
+    const size_t c = system->constraints.n, k = system->switches.n;
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {w, pk_project_room(system, n)}, {&x->p0, n}, {&x->p, 2 * n}, {&x->v, n}, {&x->along, n},
+        {&x->first, 2 * n}, {&x->lambda, c}, {&x->by, c}, {&x->phi, c}, {&x->J, c * n},
+        {&x->before, 2 * k}, {&x->sides, 2 * k}, {&x->slopes, (n + 1) * k}};
+    /* clang-format on */
+    return PK_LAY_OUT(base, slots);
+}
+
+size_t pk_impulse_size(const struct pk_system *system, size_t n)
+{
+    struct corner x;
+    pk_real *w;
+    return system->switches.impulses ? lay_out(&x, system, n, &w, NULL) : 0;
+}
+
 struct corner pk_corner_of(struct pk_events *e, struct pk_integrator *it)
 {
     struct corner x = {.e = e, .it = it, .q = e->trial, .start = e->trial + e->n};
-    const size_t n = e->n, c = it->problem.system->constraints.n, k = e->n_switches;
-    pk_real *at = e->room;
-    x.w = pk_project_layout(&it->problem, n, at), at += pk_project_room(it->problem.system, n);
+    pk_real *w;
+    lay_out(&x, it->problem.system, e->n, &w, e->room);
+    x.w = pk_project_layout(&it->problem, e->n, w);
     x.w.t = e->t;
-    x.p0 = at, at += n;
-    x.p = at, at += 2 * n; /* and pdot */
-    x.v = at, at += n;
-    x.along = at, at += n;
-    x.first = at, at += 2 * n;
-    x.lambda = at, at += c;
-    x.by = at, at += c;
-    x.phi = at, at += c;
-    x.J = at, at += c * n;
-    x.before = at, at += 2 * k;
-    x.sides = at, at += 2 * k;
-    x.slopes = at;
     return x;
 }
 

@@ -16,7 +16,8 @@ struct corner {
     struct pk_projection w;
     const pk_real *q, *slope; /* s_q */
     pk_real slope_t, h0;
-    pk_real *p0, *p, *v, *start, *along, *lambda, *by; /* along = dv/dalpha, by = dLambda/dalpha */
+    pk_real *p0, *p, *v, *start;  /* behind p: pdot */
+    pk_real *along, *lambda, *by; /* along = dv/dalpha, by = dLambda/dalpha */
     pk_real *slopes, *J, *phi, *before, *sides, *first;
 };
 

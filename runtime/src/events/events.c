@@ -14,24 +14,33 @@
 
 enum { HALVINGS = 20 }; /* of what is left to a singularity: to a millionth of a step */
 
-static size_t shapes(size_t count)
+static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_real *base)
 {
-    return (count * sizeof(struct pk_shape) + sizeof(pk_real) - 1) / sizeof(pk_real);
-}
-
-static size_t reals(const struct pk_problem *problem)
-{
-    const size_t n = pk_system_count(problem->system, problem->params);
-    const size_t switches = problem->system->switches.n, m = problem->system->events.n + switches;
-    return 6 * n + problem->system->n_inputs + 2 * problem->system->quadratures.n + m + shapes(m) +
-           m * (size_t)(PK_MOST_SAMPLES + 4 + PK_EVENT_ENTRY * PK_MOST_NODES) +
-           (switches ? pk_params_reals(problem->system) : 0) + pk_impulse_size(problem->system, n);
+    const struct pk_system *system = problem->system;
+    const size_t n = pk_system_count(system, problem->params),
+                 m = system->events.n + system->switches.n;
+    pk_real *shapes, *params;
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&shapes, (m * sizeof(struct pk_shape) + sizeof(pk_real) - 1) / sizeof(pk_real)},
+        {&e->q0, n}, {&e->v0, n}, {&e->bend, 2 * n}, {&e->trial, 2 * n}, {&e->u, system->n_inputs},
+        {&e->g, m * (PK_MOST_SAMPLES + 2)}, {&e->ends, 2 * m},
+        {&e->list, m * PK_EVENT_ENTRY * PK_MOST_NODES}, {&e->z0, 2 * system->quadratures.n},
+        {&e->held, system->events.n}, {&e->fresh, system->switches.n},
+        {&params, system->switches.n ? pk_params_reals(system) : 0},
+        {&e->room, pk_impulse_size(system, n)}};
+    /* clang-format on */
+    const size_t size = PK_LAY_OUT(base, slots);
+    e->shapes = (struct pk_shape *)(void *)shapes;
+    e->params = params;
+    return size * sizeof *base;
 }
 
 size_t pk_events_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     const size_t scout = pk_integrator_size(problem, method);
-    return scout ? scout + reals(problem) * sizeof(pk_real) : 0;
+    struct pk_events e;
+    return scout ? scout + lay_out(&e, problem, NULL) : 0;
 }
 
 enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrator *it, void *block,
@@ -55,25 +64,12 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     const size_t scout = pk_integrator_size(problem, it->method);
     events->proposes = (it->method->traits & PK_DENSE) != 0;
     events->dense = events->proposes && it->method->dense_order >= it->method->order;
-    events->shapes = (struct pk_shape *)(void *)((pk_real *)block + scout / sizeof(pk_real));
-    events->q0 = (pk_real *)(void *)events->shapes + shapes(pk_events_count(events));
-    events->v0 = events->q0 + it->n;
-    events->bend = events->v0 + it->n;
-    events->trial = events->bend + 2 * it->n;
-    events->u = events->trial + 2 * it->n;
-    events->g = events->u + problem->system->n_inputs;
-    events->ends = events->g + pk_events_count(events) * (size_t)(PK_MOST_SAMPLES + 2);
-    events->list = events->ends + 2 * pk_events_count(events);
-    events->z0 = events->list + pk_events_count(events) * (size_t)(PK_EVENT_ENTRY * PK_MOST_NODES);
-    events->held = events->z0 + 2 * problem->system->quadratures.n;
-    events->fresh = events->held + events->n_events;
-    memset(events->shapes, 0, reals(problem) * sizeof(pk_real));
+    pk_real *const own_block = (pk_real *)block + scout / sizeof(pk_real);
+    memset(own_block, 0, lay_out(events, problem, own_block));
     if (events->n_switches) {
-        events->params = events->fresh + events->n_switches;
         events->sides =
             (pk_real *)(void *)((char *)events->params + problem->system->switches.sides);
         memcpy(events->params, own.params, problem->system->params_size);
-        events->room = (pk_real *)events->params + pk_params_reals(problem->system);
         own.params = events->params;
     }
     return pk_integrator_init(&events->scout, problem, it->method, &options, it->t, it->q, it->v,

@@ -14,14 +14,6 @@
 /* it->detail of PK_NO_IMPULSE; it->where is the switch, it->own->condition the row. */
 enum { POSITION, ROLLING, BOTH_JUMP, TURNS, ORDER, NEITHER };
 
-size_t pk_impulse_size(const struct pk_system *system, size_t n)
-{
-    const size_t c = system->constraints.n, k = system->switches.n;
-    return system->switches.impulses
-               ? pk_project_room(system, n) + 7 * n + (n + 3) * c + (n + 5) * k
-               : 0;
-}
-
 /* To the other side of one, and of those in whose arguments it stands. */
 static void turn(struct corner *x, size_t k, pk_real side)
 {

@@ -24,49 +24,45 @@
 #include "../core/generic.h"
 #include "../core/tableau.h"
 
-/* Numbers that a step leaves to the next: of the base, its time and density; of the step from it,
- * where PLANNED, its length and what it ends with; WHOLE, that it was made. */
-enum {
-    EPS,
-    FLOOR,
-    GIVEN,
-    DIRECTION,
-    RHO,
-    T,
-    T_LOW,
-    PLANNED,
-    LENGTH,
-    RHO_NEXT,
-    END,
-    END_LOW,
-    WHOLE,
-    NUMBERS
+/* What a step leaves to the next. */
+struct kept {
+    pk_real eps, floor, given, direction;
+    pk_real rho, t, t_low; /* of the base: its density and time */
+    int planned, whole;    /* the step from there is planned; and was made */
+    pk_real length, rho_next, end, end_low;
 };
 
 struct work {
-    pk_real *number;
+    struct kept *kept;
     pk_real *base; /* the point of the sequence that steps begin at: q, v and their low parts */
     pk_real *a, *a_q, *a_v, *a_t, *linear; /* a is the acceleration of the step that is planned */
 };
 
+static size_t lay_out(struct work *w, size_t n, pk_real *base)
+{
+    pk_real *kept;
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&kept, PK_REALS_OF(struct kept)}, {&w->base, 4 * n}, {&w->a, n}, {&w->a_q, n * n},
+        {&w->a_v, n * n}, {&w->a_t, n}, {&w->linear, n * n + n}}; /* no inputs */
+    /* clang-format on */
+    const size_t size = PK_LAY_OUT(base, slots);
+    w->kept = (struct kept *)(void *)kept;
+    return size;
+}
+
 static struct work parts(const struct pk_integrator *it)
 {
-    const size_t n = it->n;
     struct work w;
-    w.number = it->own->work;
-    w.base = w.number + NUMBERS;
-    w.a = w.base + 4 * n;
-    w.a_q = w.a + n;
-    w.a_v = w.a_q + n * n;
-    w.a_t = w.a_v + n * n;
-    w.linear = w.a_t + n;
+    lay_out(&w, it->n, it->own->work);
     return w;
 }
 
 static size_t size(const struct pk_method *method, size_t n)
 {
+    struct work w;
     (void)method;
-    return NUMBERS + 4 * n + (2 * n + 2 * n * n) + (n * n + n); /* no inputs */
+    return lay_out(&w, n, NULL);
 }
 
 /* The square root of ||da/dq||; the acceleration is left in w->a. */
@@ -87,7 +83,7 @@ static enum pk_status frequency(struct pk_integrator *it, const struct work *w, 
 
 static pk_real raised(const struct work *w, pk_real omega)
 {
-    const pk_real a = omega * omega, b = w->number[FLOOR] * w->number[FLOOR];
+    const pk_real a = omega * omega, b = w->kept->floor * w->kept->floor;
     return PK_F(sqrt)(PK_F(sqrt)(a * a + b * b));
 }
 
@@ -97,7 +93,7 @@ static void take_base(struct pk_integrator *it, const struct work *w)
     const size_t n = it->n;
     memcpy(w->base, it->own->state, 2 * n * sizeof *w->base);
     memcpy(w->base + 2 * n, pk_part(it->own->state, n, PK_LOW_Q), 2 * n * sizeof *w->base);
-    w->number[PLANNED] = w->number[WHOLE] = 0;
+    w->kept->planned = w->kept->whole = 0;
 }
 
 /* A sequence that begins where the integrator is now. */
@@ -111,12 +107,12 @@ static enum pk_status begin(struct pk_integrator *it, const struct work *w)
         return PK_BAD_ARGUMENT;
     }
     const pk_real tolerance = o->rtol > 0 ? o->rtol : o->atol;
-    w->number[EPS] = o->h > 0 ? o->h * omega : PK_F(sqrt)(24 * tolerance);
-    w->number[FLOOR] = o->h_max > 0 ? w->number[EPS] / o->h_max : 0;
-    w->number[RHO] = raised(w, omega);
-    w->number[T] = it->t;
-    w->number[T_LOW] = 0;
-    w->number[GIVEN] = o->h;
+    w->kept->eps = o->h > 0 ? o->h * omega : PK_F(sqrt)(24 * tolerance);
+    w->kept->floor = o->h_max > 0 ? w->kept->eps / o->h_max : 0;
+    w->kept->rho = raised(w, omega);
+    w->kept->t = it->t;
+    w->kept->t_low = 0;
+    w->kept->given = o->h;
     take_base(it, w);
     return PK_DONE;
 }
@@ -124,7 +120,7 @@ static enum pk_status begin(struct pk_integrator *it, const struct work *w)
 static enum pk_status init(struct pk_integrator *it)
 {
     const struct work w = parts(it);
-    memset(w.number, 0, NUMBERS * sizeof *w.number);
+    memset(w.kept, 0, sizeof *w.kept);
     return begin(it, &w);
 }
 
@@ -154,18 +150,19 @@ static void kick_drift(const struct pk_integrator *it, const struct work *w, pk_
 /* The sequence's next density and the length of its next step. */
 static enum pk_status plan(struct pk_integrator *it, const struct work *w)
 {
-    pk_real *number = w->number, omega;
-    const pk_real half = number[EPS] / 2;
-    drift(it, w, (pk_real)it->own->direction * half / number[RHO], it->own->next);
+    struct kept *kept = w->kept;
+    pk_real omega;
+    const pk_real half = kept->eps / 2;
+    drift(it, w, (pk_real)it->own->direction * half / kept->rho, it->own->next);
     PK_TRY(frequency(it, w, it->own->next, w->base + it->n, &omega));
-    const pk_real next = 2 * raised(w, omega) - number[RHO];
-    if (!(next > number[RHO] / 4 && next < 4 * number[RHO])) {
+    const pk_real next = 2 * raised(w, omega) - kept->rho;
+    if (!(next > kept->rho / 4 && next < 4 * kept->rho)) {
         it->detail = -1; /* no length: see pk_integrator_reason() */
         return PK_STEP_UNDERFLOW;
     }
-    number[RHO_NEXT] = next;
-    number[LENGTH] = half / number[RHO] + half / next;
-    number[PLANNED] = 1;
+    kept->rho_next = next;
+    kept->length = half / kept->rho + half / next;
+    kept->planned = 1;
     return PK_DONE;
 }
 
@@ -173,8 +170,8 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
 static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_real length,
                             pk_real *to)
 {
-    const pk_real *number = w->number;
-    const pk_real first = length * (number[EPS] / 2 / number[RHO]) / number[LENGTH];
+    const struct kept *kept = w->kept;
+    const pk_real first = length * (kept->eps / 2 / kept->rho) / kept->length;
     drift(it, w, first, to);
     const enum pk_status status = pk_eval_acceleration(it, it->t, to, w->base + it->n, w->a_t);
     kick_drift(it, w, length, length - first, w->a_t, to);
@@ -184,60 +181,57 @@ static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_r
 static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
     const struct work w = parts(it);
-    pk_real *number = w.number;
+    struct kept *kept = w.kept;
     const pk_real sign = (pk_real)it->own->direction;
-    enum pk_status status = PK_DONE;
-    if (number[WHOLE] > 0 && !(it->own->flags & PK_HAVE_STEP)) { /* it was made, and refused */
-        number[WHOLE] = number[PLANNED] = 0;
-    } else if (number[WHOLE] > 0) { /* it was accepted: the sequence goes on from its end */
+    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) { /* it was made, and refused */
+        kept->whole = kept->planned = 0;
+    } else if (kept->whole) { /* it was accepted: the sequence goes on from its end */
         take_base(it, &w);
-        number[RHO] = number[RHO_NEXT];
-        number[T] = number[END];
-        number[T_LOW] = number[END_LOW];
+        kept->rho = kept->rho_next;
+        kept->t = kept->end;
+        kept->t_low = kept->end_low;
     }
-    const int there = !(it->t < number[T] || it->t > number[T]);
-    const int turned = sign * number[DIRECTION] < 0;
-    if ((turned && !there) || number[GIVEN] < it->options.h || number[GIVEN] > it->options.h)
-        status = begin(it, &w);
+    const int there = !(it->t < kept->t || it->t > kept->t);
+    const int turned = sign * kept->direction < 0;
+    if ((turned && !there) || kept->given < it->options.h || kept->given > it->options.h)
+        PK_TRY(begin(it, &w));
     if (turned)
-        number[PLANNED] = 0;
-    number[DIRECTION] = sign;
+        kept->planned = 0;
+    kept->direction = sign;
     it->own->flags = 0;
-    if (status >= 0 && !(number[PLANNED] > 0))
-        status = plan(it, &w);
-    if (status < 0)
-        return status;
+    if (!kept->planned)
+        PK_TRY(plan(it, &w));
 
     const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
-    pk_real low = number[T_LOW];
-    const pk_real end = pk_sum(number[T], sign * number[LENGTH], &low);
-    if (!(number[LENGTH] > least))
-        return pk_underflow(it, number[LENGTH]);
+    pk_real low = kept->t_low;
+    const pk_real end = pk_sum(kept->t, sign * kept->length, &low);
+    if (!(kept->length > least))
+        return pk_underflow(it, kept->length);
     if (sign * (end - limit) > close) {
         it->own->next_t = limit;
-        status = aside(it, &w, limit - number[T], it->own->next);
+        PK_TRY(aside(it, &w, limit - kept->t, it->own->next));
     } else {
-        const pk_real half = sign * number[EPS] / 2;
+        const pk_real half = sign * kept->eps / 2;
         it->own->next_t = pk_abs(end - limit) <= close ? limit : end;
-        drift(it, &w, half / number[RHO], it->own->next);
-        kick_drift(it, &w, sign * number[LENGTH], half / number[RHO_NEXT], w.a, it->own->next);
+        drift(it, &w, half / kept->rho, it->own->next);
+        kick_drift(it, &w, sign * kept->length, half / kept->rho_next, w.a, it->own->next);
         if (!pk_all_finite(it->own->next, 2 * it->n))
             return PK_NOT_FINITE;
-        number[END] = it->own->next_t;
-        number[END_LOW] = it->own->next_t < end || it->own->next_t > end ? 0 : low;
-        number[WHOLE] = 1;
+        kept->end = it->own->next_t;
+        kept->end_low = it->own->next_t < end || it->own->next_t > end ? 0 : low;
+        kept->whole = 1;
     }
-    it->own->h = sign * number[LENGTH];
-    it->own->flags = status < 0 ? 0 : PK_HAVE_STEP;
-    return status;
+    it->own->h = sign * kept->length;
+    it->own->flags = PK_HAVE_STEP;
+    return PK_DONE;
 }
 
 static enum pk_status dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct work w = parts(it);
     const size_t n = it->n;
-    const enum pk_status status = aside(it, &w, t - w.number[T], it->own->next);
+    const enum pk_status status = aside(it, &w, t - w.kept->t, it->own->next);
     memcpy(q, it->own->next, n * sizeof *q);
     memcpy(v, it->own->next + n, n * sizeof *v);
     return status < 0 || (pk_all_finite(q, n) && pk_all_finite(v, n)) ? status : PK_NOT_FINITE;

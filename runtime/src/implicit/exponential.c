@@ -38,27 +38,30 @@ static size_t room_size(size_t n)
     return for_expm > for_linear ? for_expm : for_linear;
 }
 
+static size_t lay_out(struct work *w, size_t n, pk_real *base)
+{
+    const size_t m = 2 * n + 1, mm = m * m;
+    const struct pk_slot slots[] = {{&w->L.hi, mm},    {&w->L.lo, mm},    {&w->E[0].hi, mm},
+                                    {&w->E[0].lo, mm}, {&w->E[1].hi, mm}, {&w->E[1].lo, mm},
+                                    {&w->x.hi, m},     {&w->x.lo, m},     {&w->y.hi, m},
+                                    {&w->y.lo, m},     {&w->scale, m},    {&w->h, KEPT},
+                                    {&w->norm, 1},     {&w->last, 1},     {&w->room, room_size(n)}};
+    w->n = n;
+    w->m = m;
+    return PK_LAY_OUT(base, slots);
+}
+
 static size_t exponential_size(const struct pk_method *method, size_t n)
 {
-    const size_t m = 2 * n + 1;
+    struct work w;
     (void)method;
-    return n > PK_EXPONENTIAL_MOST ? 0 : 2 * m * m * (1 + KEPT) + 5 * m + KEPT + 2 + room_size(n);
+    return n > PK_EXPONENTIAL_MOST ? 0 : lay_out(&w, n, NULL);
 }
 
 static struct work work_of(const struct pk_integrator *it)
 {
-    struct work w = {.n = it->n, .m = 2 * it->n + 1};
-    const size_t m = w.m, mm = m * m;
-    pk_real *x = it->own->work;
-    w.L.hi = x, w.L.lo = x + mm, x += 2 * mm;
-    for (int k = 0; k < KEPT; k++)
-        w.E[k].hi = x, w.E[k].lo = x + mm, x += 2 * mm;
-    w.x.hi = x, w.x.lo = x + m, x += 2 * m;
-    w.y.hi = x, w.y.lo = x + m, x += 2 * m;
-    w.scale = x, x += m;
-    w.h = x, x += KEPT;
-    w.norm = x++, w.last = x++;
-    w.room = x;
+    struct work w;
+    lay_out(&w, it->n, it->own->work);
     return w;
 }
 

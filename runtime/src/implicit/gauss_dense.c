@@ -39,27 +39,28 @@ struct parts {
     pk_real *at, *width;    /* which is there, and as long, in steps */
 };
 
+static size_t lay_out(struct parts *d, size_t n, pk_real *base)
+{
+    /* clang-format off */
+    const struct pk_slot slots[] = {
+        {&d->node, NODES}, {&d->weight, NODES}, {&d->P, TERMS * NODES},
+        {&d->to_alpha, NODES * NODES}, {&d->q, NODES * n}, {&d->v, NODES * n}, {&d->a, NODES * n},
+        {&d->b, NODES * n}, {&d->series, 3 * TERMS * n}, {&d->from, 2 * n}, {&d->at, 1},
+        {&d->width, 1}};
+    /* clang-format on */
+    return PK_LAY_OUT(base, slots);
+}
+
 size_t pk_gauss_dense_size(size_t n)
 {
-    return (size_t)(TERMS + NODES + 2) * NODES + n * (4 * NODES + 3 * TERMS + 2) + 2;
+    struct parts d;
+    return lay_out(&d, n, NULL);
 }
 
 static struct parts parts_of(struct pk_integrator *it)
 {
-    const size_t n = it->n;
     struct parts d;
-    pk_real *x = pk_gauss_lanes(it, n, it->own->work).dense;
-    d.node = x, x += NODES;
-    d.weight = x, x += NODES;
-    d.P = x, x += TERMS * NODES;
-    d.to_alpha = x, x += NODES * NODES;
-    d.q = x, x += NODES * n;
-    d.v = x, x += NODES * n;
-    d.a = x, x += NODES * n;
-    d.b = x, x += NODES * n;
-    d.series = x, x += 3 * TERMS * n;
-    d.from = x, x += 2 * n;
-    d.at = x++, d.width = x;
+    lay_out(&d, it->n, pk_gauss_lanes(it, it->n, it->own->work).dense);
     return d;
 }
 
