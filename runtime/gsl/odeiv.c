@@ -31,20 +31,12 @@ struct foreign {
     double *linear;        /* work for the Jacobian; NULL where it is not asked for */
 };
 
-static size_t no_size(const struct pk_method *method, size_t n)
-{
-    (void)method;
-    (void)n;
-    return 0;
-}
-
 static int right_hand_side(double t, const double *y, double *dy, void *context)
 {
     struct pk_integrator *it = (struct pk_integrator *)context;
     struct foreign *f = (struct foreign *)it->own->extra;
     const struct pk_problem *problem = &it->problem;
-    if (problem->system->n_inputs && problem->input)
-        problem->input(problem->context, t, it->own->u);
+    pk_eval_input(it, t);
     it->count.evaluations++;
     memcpy(dy, y + it->n, it->n * sizeof *y);
     for (size_t i = it->n - problem->system->n_first_order; i < it->n; i++)
@@ -250,9 +242,9 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-#define GSL(type)                                                                           \
-    .needs = PK_NEEDS_GSL, .table = &gsl_odeiv2_step_##type, .size = no_size, .init = init, \
-    .step = step, .release = release
+#define GSL(type)                                                                        \
+    .needs = PK_NEEDS_GSL, .table = &gsl_odeiv2_step_##type, .init = init, .step = step, \
+    .release = release
 PK_METHODS_GSL(PK_DEFINE_METHOD, GSL)
 
 #define ADDRESS(A, name, ...) &pk_method_##name,

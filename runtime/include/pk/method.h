@@ -60,9 +60,9 @@ struct pk_method {
     const struct pk_method *formula; /* the method of a fixed step that an adaptive one varies, for
                                         pk/limits.h; NULL: itself */
 
-    /* Number of pk_real of work for n degrees of freedom. */
+    /* Number of pk_real of work for n degrees of freedom; NULL: 0. */
     size_t (*size)(const struct pk_method *method, size_t n);
-    enum pk_status (*init)(struct pk_integrator *it);
+    enum pk_status (*init)(struct pk_integrator *it); /* NULL: nothing */
     /* One step into it->own->next, to it->own->next_t, not past `limit`. Must leave it->own->state
      * alone. */
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);

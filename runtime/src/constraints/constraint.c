@@ -33,9 +33,7 @@ static enum pk_status begin(struct pk_projection *w, const struct pk_problem *pr
         return PK_BLOCK_TOO_SMALL;
     const size_t n = pk_system_count(problem->system, problem->params);
     pk_real *u = (pk_real *)block + pk_project_size(problem->system, n);
-    memset(u, 0, problem->system->n_inputs * sizeof *u);
-    if (problem->system->n_inputs && problem->input)
-        problem->input(problem->context, t, u);
+    pk_input(problem, t, u);
     *w = pk_project_parts(problem, n, (pk_real *)block);
     w->t = t;
     w->u = u;

@@ -17,10 +17,17 @@ int pk_all_finite(const pk_real *x, size_t count)
     return 1;
 }
 
+void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u)
+{
+    for (size_t i = 0; i < problem->system->n_inputs && !problem->input; i++)
+        u[i] = 0;
+    if (problem->system->n_inputs && problem->input)
+        problem->input(problem->context, t, u);
+}
+
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t)
 {
-    if (it->problem.system->n_inputs && it->problem.input)
-        it->problem.input(it->problem.context, t, it->own->u);
+    pk_input(&it->problem, t, it->own->u);
     return it->own->u;
 }
 

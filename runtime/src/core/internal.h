@@ -31,6 +31,18 @@ static inline enum pk_status pk_fail(struct pk_integrator *it, enum pk_status st
     return it->status = status;
 }
 
+/* it->own->next becomes the state, and the state what the step began with. */
+static inline void pk_exchange(struct pk_integrator *it)
+{
+    pk_real *const left_behind = it->own->state;
+    it->own->state = it->own->next;
+    it->own->next = left_behind;
+    it->q = pk_part(it->own->state, it->n, PK_Q);
+    it->v = pk_part(it->own->state, it->n, PK_V);
+    if (it->p)
+        it->p = pk_part(it->own->state, it->n, PK_P);
+}
+
 /* Whether a start was accepted. */
 static inline int pk_ready(const struct pk_integrator *it) { return it->own && it->own->ready; }
 

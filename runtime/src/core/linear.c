@@ -50,6 +50,18 @@ void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x)
     }
 }
 
+pk_real pk_lu_determinant(const pk_real *A, const pk_real *pivot, size_t m, int *sign)
+{
+    pk_real det = 1;
+    *sign = 1;
+    for (size_t i = 0; i < m; i++) {
+        const pk_real d = (size_t)pivot[i] == i ? A[i * m + i] : -A[i * m + i];
+        det *= d;
+        *sign *= d < 0 ? -1 : 1;
+    }
+    return det;
+}
+
 size_t pk_ldl_factor(pk_real *A, size_t n)
 {
     for (size_t j = 0; j < n; j++) {

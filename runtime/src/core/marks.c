@@ -49,10 +49,7 @@ static void values(const struct pk_integrator *it, pk_real x, pk_real *u)
         pk_hermite(n, h, q0, v0, q1, v1, x, q, v);
     else
         memcpy(q, x > 0 ? q1 : q0, n * sizeof *q), memcpy(v, x > 0 ? v1 : v0, n * sizeof *v);
-    if (system->n_inputs && it->problem.input)
-        it->problem.input(it->problem.context, t, input);
-    else
-        memset(input, 0, system->n_inputs * sizeof *input);
+    pk_input(&it->problem, t, input);
     system->marks.values(it->problem.params, t, q, v, input, u);
 }
 

@@ -1,8 +1,6 @@
 /* The linearised equations of motion; see pk/linear.h. One factorisation of M = L D L^T serves all
  * 2 n + 1 right-hand sides.
  */
-#include <string.h>
-
 #include <pk/linear.h>
 
 #include "internal.h"
@@ -36,9 +34,7 @@ static enum pk_status linear(const struct pk_problem *problem, pk_real t, const 
         return PK_REFUSED;
     const size_t n = pk_system_count(system, params);
     pk_real *L = work, *column = L + n * n, *u = column + n;
-    memset(u, 0, system->n_inputs * sizeof *u);
-    if (system->n_inputs && problem->input)
-        problem->input(problem->context, t, u);
+    pk_input(problem, t, u);
     *failed = system->acceleration(params, t, q, v, u, a);
     if (!*failed) {
         system->mass(params, t, q, v, u, L);

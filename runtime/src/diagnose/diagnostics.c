@@ -184,8 +184,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
     const size_t n = pk_system_count(system, problem->params);
     pk_real *p = monitor->work, *pdot = p + n, *u = pdot + n, *c = u + system->n_inputs;
 
-    if (system->n_inputs && problem->input)
-        problem->input(problem->context, t, u);
+    pk_input(problem, t, u);
     if (system->canonical)
         system->canonical(problem->params, t, q, v, u, p, pdot);
     if (monitor->has_energy) {

@@ -79,8 +79,7 @@ static void modes_at(const struct pk_least_action *found, pk_real t, struct node
 static pk_real lagrangian(const struct pk_problem *of, struct node *x, pk_real t, const pk_real *q,
                           const pk_real *v, size_t n, pk_real *size)
 {
-    if (of->input && of->system->n_inputs)
-        of->input(of->context, t, x->u);
+    pk_input(of, t, x->u);
     of->system->canonical(of->params, t, q, v, x->u, x->p, x->g); /* no forces: pdot is dL/dq */
     const pk_real h = of->system->energy(of->params, t, q, v, x->u);
     pk_real work = 0;
@@ -126,12 +125,8 @@ static pk_real determinant(const struct pk_least_action *found, pk_real *J, pk_r
 {
     const size_t n = found->n;
     memcpy(J, found->it.q + n, n * n * sizeof *J);
-    if (!pk_lu_factor(J, pivot, n))
-        return 0;
-    pk_real det = 1;
-    for (size_t i = 0; i < n; i++)
-        det *= (size_t)pivot[i] == i ? J[i * n + i] : -J[i * n + i];
-    return det;
+    int sign;
+    return pk_lu_factor(J, pivot, n) ? pk_lu_determinant(J, pivot, n, &sign) : 0;
 }
 
 struct search {

@@ -68,9 +68,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
     l->scratch = x, x += 4 * n;
     pk_real *u = x;
     x += problem->system->n_inputs;
-    memset(u, 0, problem->system->n_inputs * sizeof *u);
-    if (problem->input && problem->system->n_inputs)
-        problem->input(problem->context, t0, u);
+    pk_input(problem, t0, u);
     PK_TRY(pk_metric_init(&metric, &l->variation, t0, q0, v0, u, block, l->metric_L));
     l->metric_n = n;
     l->metric_tau = metric.tau;

@@ -3,19 +3,9 @@
 
 #include <pk/particles.h>
 
-static pk_real dot(const pk_real *a, const pk_real *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+#include "../core/attitude.h"
 
-static pk_real norm(const pk_real *a) { return PK_F(sqrt)(dot(a, a)); }
-
-static void cross(const pk_real *a, const pk_real *b, pk_real *c)
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
+static pk_real norm(const pk_real *a) { return PK_F(sqrt)(pk_dot3(a, a)); }
 
 void pk_angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_real *v,
                          int about_centre, pk_real L[3], pk_real *size)
@@ -40,7 +30,7 @@ void pk_angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_
             x[k] = r[3 * i + k] - R[k];
             u[k] = v[3 * i + k] - V[k];
         }
-        cross(x, u, l);
+        pk_cross(x, u, l);
         for (size_t k = 0; k < 3; k++)
             L[k] += m[i] * l[k];
         *size += m[i] * norm(x) * norm(u);
@@ -51,12 +41,12 @@ void pk_angular_momentum(size_t n, const pk_real *m, const pk_real *r, const pk_
 static void vector(struct pk_lrl *lrl, const pk_real *r, const pk_real *v, const pk_real *a)
 {
     pk_real l[3], torque[3], e[3], b[3], c[3], rate[3];
-    const pk_real distance = norm(r), inwards = dot(r, v) / (distance * distance);
-    cross(r, v, l);
-    cross(v, l, e);
-    cross(r, a, torque);
-    cross(a, l, b);
-    cross(v, torque, c);
+    const pk_real distance = norm(r), inwards = pk_dot3(r, v) / (distance * distance);
+    pk_cross(r, v, l);
+    pk_cross(v, l, e);
+    pk_cross(r, a, torque);
+    pk_cross(a, l, b);
+    pk_cross(v, torque, c);
     for (size_t k = 0; k < 3; k++) {
         lrl->e[k] = e[k] / lrl->k - r[k] / distance;
         rate[k] = (b[k] + c[k]) / lrl->k - (v[k] - r[k] * inwards) / distance;
@@ -70,12 +60,12 @@ enum pk_status pk_lrl_init(struct pk_lrl *lrl, const pk_real r[3], const pk_real
 {
     pk_real l[3];
     memset(lrl, 0, sizeof *lrl);
-    lrl->k = -norm(r) * dot(r, a);
+    lrl->k = -norm(r) * pk_dot3(r, a);
     if (!(lrl->k > 0))
         return PK_REFUSED;
     vector(lrl, r, v, a);
-    cross(r, v, l);
-    cross(l, lrl->e, lrl->across);
+    pk_cross(r, v, l);
+    pk_cross(l, lrl->e, lrl->across);
     const pk_real length = norm(lrl->across);
     for (size_t k = 0; k < 3 && lrl->eccentricity > 0; k++) {
         lrl->along[k] = lrl->e[k] / lrl->eccentricity;
@@ -88,10 +78,10 @@ enum pk_status pk_lrl_init(struct pk_lrl *lrl, const pk_real r[3], const pk_real
 static void find_plane(struct pk_lrl *lrl, const pk_real *r, const pk_real *v)
 {
     pk_real l[3], across[3];
-    cross(r, v, l);
+    pk_cross(r, v, l);
     if (!(norm(l) > 64 * PK_EPSILON * norm(r) * norm(v)))
         return;
-    cross(l, lrl->along, across);
+    pk_cross(l, lrl->along, across);
     const pk_real length = norm(across);
     for (size_t k = 0; k < 3 && length > 0; k++)
         lrl->across[k] = across[k] / length;
@@ -103,6 +93,6 @@ void pk_lrl_update(struct pk_lrl *lrl, const pk_real r[3], const pk_real v[3], c
     if (!(norm(lrl->across) > 0))
         find_plane(lrl, r, v);
     const pk_real turn = 2 * PK_PI;
-    const pk_real now = PK_F(atan2)(dot(lrl->e, lrl->across), dot(lrl->e, lrl->along));
+    const pk_real now = PK_F(atan2)(pk_dot3(lrl->e, lrl->across), pk_dot3(lrl->e, lrl->along));
     lrl->angle = now + turn * PK_F(round)((lrl->angle - now) / turn);
 }

@@ -41,10 +41,7 @@ size_t pk_stepmap_size(const struct pk_problem *problem, const struct pk_method 
 
 static const pk_real *inputs(struct parts *w, pk_real t)
 {
-    const struct pk_problem *of = &w->variation.of;
-    memset(w->u, 0, of->system->n_inputs * sizeof *w->u);
-    if (of->input && of->system->n_inputs)
-        of->input(of->context, t, w->u);
+    pk_input(&w->variation.of, t, w->u);
     return w->u;
 }
 
@@ -101,7 +98,8 @@ static void take_column(struct parts *w, size_t j)
 static void measure(struct parts *w, struct pk_stepmap *map)
 {
     const size_t n = w->n, m = 2 * n;
-    pk_real det = 1, size = 1;
+    pk_real size = 1;
+    int sign;
     map->defect = 0;
     for (size_t i = 0; i < m; i++)
         for (size_t j = 0; j < m; j++) {
@@ -117,11 +115,9 @@ static void measure(struct parts *w, struct pk_stepmap *map)
             size = pk_max(size, sum);
         }
     memcpy(w->LU, w->S, m * m * sizeof *w->S);
-    if (!pk_lu_factor(w->LU, w->pivot, m))
-        det = 0;
-    for (size_t i = 0; i < m; i++)
-        det *= w->LU[i * m + i] * ((size_t)w->pivot[i] == i ? PK_C(1.0) : -PK_C(1.0));
-    map->volume = det - 1;
+    map->volume = -1;
+    if (pk_lu_factor(w->LU, w->pivot, m))
+        map->volume += pk_lu_determinant(w->LU, w->pivot, m, &sign);
     map->rounding = 16 * PK_EPSILON * size * (pk_real)m;
 }
 

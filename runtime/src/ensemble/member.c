@@ -84,11 +84,7 @@ enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *c
         pk_part(it->own->next, n, PK_V)[i] = next[(PK_V * n + i) * W];
     }
     PK_TRY(pk_singularity_step(it));
-    pk_real *left_behind = it->own->state;
-    it->own->state = it->own->next;
-    it->own->next = left_behind;
-    it->q = pk_part(it->own->state, n, PK_Q);
-    it->v = pk_part(it->own->state, n, PK_V);
+    pk_exchange(it);
     it->t = it->own->next_t;
     return PK_DONE;
 }

@@ -29,8 +29,7 @@ void pk_switches_values(const struct pk_events *e, const struct pk_integrator *i
                         const pk_real *q, const pk_real *v, pk_real *x)
 {
     const struct pk_problem *p = &it->problem;
-    if (p->system->n_inputs && p->input)
-        p->input(p->context, t, e->u);
+    pk_input(p, t, e->u);
     p->system->switches.values(e->params, t, q, v, e->u, x);
 }
 
@@ -50,8 +49,7 @@ void pk_events_functions(const struct pk_events *e, const struct pk_integrator *
                          const pk_real *q, const pk_real *v, pk_real *g)
 {
     const struct pk_problem *p = &it->problem;
-    if (p->system->n_inputs && p->input)
-        p->input(p->context, t, e->u);
+    pk_input(p, t, e->u);
     if (e->n_events)
         p->system->events.values(p->params, t, q, v, e->u, g);
     pk_switches_functions(e, it, t, q, v, g + e->n_events);

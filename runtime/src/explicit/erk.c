@@ -4,16 +4,10 @@
 
 #include <pk/step/erk.h>
 
-static size_t erk_size(const struct pk_method *method, size_t n)
+size_t pk_erk_size(const struct pk_method *method, size_t n)
 {
     const struct pk_tableau *table = (const struct pk_tableau *)method->table;
     return (size_t)table->stages * 2 * n;
-}
-
-static enum pk_status erk_init(struct pk_integrator *it)
-{
-    (void)it;
-    return PK_DONE;
 }
 
 static enum pk_status erk_step(struct pk_integrator *it, pk_real limit)
@@ -52,7 +46,7 @@ const struct pk_tableau *pk_erk_table(const struct pk_method *method)
     return method->step == erk_step ? (const struct pk_tableau *)method->table : NULL;
 }
 
-#define ERK(of)                                                                           \
-    .needs = PK_NEEDS_ERK, .table = &pk_##of##_table, .size = erk_size, .init = erk_init, \
-    .step = erk_step, .stage = erk_stage
+#define ERK(of)                                                                              \
+    .needs = PK_NEEDS_ERK, .table = &pk_##of##_table, .size = pk_erk_size, .step = erk_step, \
+    .stage = erk_stage
 PK_METHODS_ERK(PK_DEFINE_METHOD, ERK)

@@ -12,18 +12,6 @@
 
 #include <pk/step/tables.h>
 
-static size_t rkmk_size(const struct pk_method *method, size_t n)
-{
-    const struct pk_tableau *table = (const struct pk_tableau *)method->table;
-    return (size_t)table->stages * 2 * n;
-}
-
-static enum pk_status rkmk_init(struct pk_integrator *it)
-{
-    (void)it;
-    return PK_DONE;
-}
-
 /* Where the quaternion of rotation r, and its rates, are among the 2 n numbers of a state. */
 static size_t quaternion(const struct pk_integrator *it, size_t r)
 {
@@ -109,7 +97,7 @@ static int rkmk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, p
     return 1;
 }
 
-#define RKMK(of)                                                                             \
-    .needs = PK_NEEDS_RKMK, .table = &pk_##of##_table, .size = rkmk_size, .init = rkmk_init, \
-    .step = rkmk_step, .stage = rkmk_stage
+#define RKMK(of)                                                                               \
+    .needs = PK_NEEDS_RKMK, .table = &pk_##of##_table, .size = pk_erk_size, .step = rkmk_step, \
+    .stage = rkmk_stage
 PK_METHODS_RKMK(PK_DEFINE_METHOD, RKMK)

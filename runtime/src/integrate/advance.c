@@ -50,11 +50,7 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
             break;
     }
     memset(pk_part(it->own->next, n, PK_LOW_Q), 0, (PK_A - PK_LOW_Q) * n * sizeof *q);
-    pk_real *before = it->own->state;
-    it->own->state = it->own->next;
-    it->own->next = before;
-    it->q = q;
-    it->v = v;
+    pk_exchange(it);
     it->own->flags = 0; /* no acceleration of this state */
     it->own->h = h;
     it->last_t = it->own->anchor + (it->own->grid + (pk_real)steps - 1) * h;

@@ -33,7 +33,7 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
         {&own->next, PK_PARTS * n},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
         {&own->lane, system->lanes ? 0 : 3 * n + system->n_inputs},
-        {&own->work, method->size(method, n)},
+        {&own->work, method->size ? method->size(method, n) : 0},
         {&own->singularities, pk_singularity_size(singularities, n)},
         {&own->project, pk_project_size(system, n)},
         {&own->marks, pk_marks_size(system, n)},
@@ -84,13 +84,10 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     const size_t over = (size_t)block % ALIGNED;
     it->own = (void *)((char *)block + (over ? ALIGNED - over : 0));
     memset(it->own, 0, sizeof *it->own);
-    if (pk_missing_facts(system, method) || pk_missing_kernel(system, method))
-        return pk_fail(it, PK_REFUSED, 0);
-    if (system->n_inputs && (method->traits & PK_NO_INPUTS))
-        return pk_fail(it, PK_REFUSED, 0);
-    if (system->quadratures.n && !method->stage)
-        return pk_fail(it, PK_REFUSED, 0);
-    if (pk_rolls(system) && (method->traits & PK_HOLONOMIC))
+    if (pk_missing_facts(system, method) || pk_missing_kernel(system, method) ||
+        (system->n_inputs && (method->traits & PK_NO_INPUTS)) ||
+        (system->quadratures.n && !method->stage) ||
+        (pk_rolls(system) && (method->traits & PK_HOLONOMIC)))
         return pk_fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
         return it->status = PK_BAD_ARGUMENT;
@@ -150,7 +147,7 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->status = pk_project_start(it);
     if (it->status >= 0)
         pk_scale_start(it);
-    if (it->status >= 0)
+    if (it->status >= 0 && it->method->init)
         it->status = it->method->init(it);
     pk_singularity_start(it);
     it->own->ready = it->status >= 0;
@@ -236,7 +233,6 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
 {
-    const size_t n = it->n;
     if (!pk_ready(it))
         return it->status < 0 ? it->status : PK_BAD_ARGUMENT; /* the refusal of its start stands */
     if (!pk_finite(limit))
@@ -262,13 +258,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
         return stop(it, status);
 
     pk_marks_accept(it);
-    pk_real *left_behind = it->own->state;
-    it->own->state = it->own->next;
-    it->own->next = left_behind;
-    it->q = pk_part(it->own->state, n, PK_Q);
-    it->v = pk_part(it->own->state, n, PK_V);
-    if (it->p)
-        it->p = pk_part(it->own->state, n, PK_P);
+    pk_exchange(it);
     if (it->z)
         pk_quadrature_accept(it);
     pk_step_made(it, fixed);

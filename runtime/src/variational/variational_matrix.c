@@ -36,17 +36,6 @@ static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
     }
 }
 
-/* Its sign. */
-static int determinant(const pk_real *lu, const pk_real *pivot, size_t count)
-{
-    int sign = 1;
-    for (size_t i = 0; i < count; i++) {
-        const int swapped = (size_t)pivot[i] != i;
-        sign *= (lu[i * count + i] < 0) == swapped ? 1 : -1;
-    }
-    return sign;
-}
-
 /* dr/dV by differences, factored; the sign of its determinant, or 0. Then all is of V again. */
 static int differences(struct pk_integrator *it, struct pk_variational_work *w)
 {
@@ -69,7 +58,10 @@ static int differences(struct pk_integrator *it, struct pk_variational_work *w)
     pk_variational_reach(w);
     it->count.jacobians++;
     it->count.factorisations++;
-    return pk_lu_factor(w->lu, w->pivot, count) ? determinant(w->lu, w->pivot, count) : 0;
+    int sign = 0;
+    if (pk_lu_factor(w->lu, w->pivot, count))
+        pk_lu_determinant(w->lu, w->pivot, count, &sign);
+    return sign;
 }
 
 /* A row of d(phi)/dV. */
@@ -130,7 +122,9 @@ static int constrain(struct pk_variational_work *w, int newton)
         for (size_t k = 0; k < n; k++)
             w->dV[k] += mu[j] * by[j * n + k];
     }
-    return determinant(A, w->A_pivot, c) * (w->h < 0 && c % 2 ? -1 : 1);
+    int sign;
+    pk_lu_determinant(A, w->A_pivot, c, &sign);
+    return w->h < 0 && c % 2 ? -sign : sign;
 }
 
 int pk_variational_correction(struct pk_integrator *it, struct pk_variational_work *w, int newton)

@@ -16,6 +16,8 @@ enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real
 /* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);
+/* The determinant of what is factored, and its sign. */
+pk_real pk_lu_determinant(const pk_real *A, const pk_real *pivot, size_t m, int *sign);
 /* A = L D L^T in place, A symmetric. 0, or 1 + i where pivot i is not positive, or so small
  * beside A_ii that it is rounding (PK_PIVOT_MIN, as in generated accelerations). */
 size_t pk_ldl_factor(pk_real *A, size_t n);
