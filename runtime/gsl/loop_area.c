@@ -9,6 +9,7 @@
 #include <pk/gsl.h>
 
 #include "../src/core/internal.h"
+#include "pencil.h"
 
 enum {
     LARGEST = 1000, /* a prime factor p of the length costs as p^2 */
@@ -57,14 +58,6 @@ static void describe(struct pk_loop_series *s, const double *c, size_t count, do
     s->flat = end >= PK_LOOP_FLAT * PK_LOOP_FLAT * before;
 }
 
-static double largest(const double *x, size_t count)
-{
-    double most = 0;
-    for (size_t k = 0; k < count; k++)
-        most = fmax(most, fabs(x[k]));
-    return most;
-}
-
 static int transform(double *q, double *p, size_t count)
 {
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
@@ -92,7 +85,7 @@ enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double windi
         return PK_BAD_ARGUMENT;
     if (!pk_all_finite(q, count) || !pk_all_finite(p, count))
         return PK_NOT_FINITE;
-    const double most_q = largest(q, count), most_p = largest(p, count);
+    const double most_q = pk_gsl_largest(q, count), most_p = pk_gsl_largest(p, count);
     for (size_t k = 0; k < count; k++)
         q[k] -= winding * (double)k / (double)count;
     if (!transform(q, p, count))

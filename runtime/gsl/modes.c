@@ -14,6 +14,7 @@
 #include <pk/gsl_equilibria.h>
 
 #include "../src/core/internal.h"
+#include "pencil.h"
 
 static const double ZERO = 1e-7; /* of the largest eigenvalue */
 
@@ -78,19 +79,12 @@ static enum pk_status reduce(struct pencil *x, const struct pk_problem *problem,
     return PK_DONE;
 }
 
-static double largest(const double *A, size_t count)
-{
-    double most = 0;
-    for (size_t i = 0; i < count; i++)
-        most = fmax(most, fabs(A[i]));
-    return most;
-}
-
 /* Whether C is round-off beside the rates that M and K give, and K symmetric. */
 static int is_natural(const struct pencil *x)
 {
     const size_t m = x->m;
-    const double c = largest(x->C, m * m), k = largest(x->K, m * m), M = largest(x->M, m * m);
+    const double c = pk_gsl_largest(x->C, m * m), k = pk_gsl_largest(x->K, m * m),
+                 M = pk_gsl_largest(x->M, m * m);
     if (c > 1e-12 * sqrt(k * M))
         return 0;
     for (size_t i = 0; i < m; i++)
@@ -144,20 +138,14 @@ static int natural_modes(const struct pencil *x, struct pk_mode *modes, double *
                          size_t *count, double *scratch)
 {
     const size_t m = x->m;
-    gsl_eigen_gensymmv_workspace *w = gsl_eigen_gensymmv_alloc(m);
-    gsl_vector *square = gsl_vector_alloc(m);
-    gsl_matrix *U = gsl_matrix_alloc(m, m);
-    gsl_matrix_view K = gsl_matrix_view_array(x->K, m, m), M = gsl_matrix_view_array(x->M, m, m);
-    const int failed = !w || !square || !U ||
-                       gsl_eigen_gensymmv(&K.matrix, &M.matrix, square, U, w);
-    double most = 0;
-    for (size_t k = 0; k < m && !failed; k++)
-        most = fmax(most, fabs(gsl_vector_get(square, k)));
+    double *square = scratch + 2 * m, *U = square + m;
+    const int failed = pk_gsl_pencil(m, x->K, x->M, square, U) < 0;
+    const double most = failed ? 0 : pk_gsl_largest(square, m);
     for (size_t k = 0; k < m && !failed; k++) {
-        const double s = gsl_vector_get(square, k), rate = sqrt(fabs(s));
+        const double s = square[k], rate = sqrt(fabs(s));
         const int zero = rate <= ZERO * sqrt(most);
         for (size_t i = 0; i < m; i++) {
-            scratch[i] = gsl_matrix_get(U, i, k);
+            scratch[i] = U[i * m + k];
             scratch[m + i] = 0;
         }
         for (int sign = 1; sign >= (s > 0 && !zero ? 1 : -1); sign -= 2) {
@@ -166,9 +154,6 @@ static int natural_modes(const struct pencil *x, struct pk_mode *modes, double *
             ++*count;
         }
     }
-    gsl_eigen_gensymmv_free(w);
-    gsl_vector_free(square);
-    gsl_matrix_free(U);
     return failed;
 }
 
