@@ -106,13 +106,6 @@ static size_t broken(const struct pk_projection *w, const pk_real *residual, con
     return rows;
 }
 
-static enum pk_status refuse(struct pk_integrator *it, size_t where, pk_real residual)
-{
-    it->where = where;
-    it->detail = residual;
-    return PK_OFF_CONSTRAINTS;
-}
-
 enum pk_status pk_project_start(struct pk_integrator *it)
 {
     pk_real *q = pk_part(it->own->state, it->n, PK_Q), *v = pk_part(it->own->state, it->n, PK_V);
@@ -124,7 +117,7 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     w.u = pk_eval_input(it, it->t);
     for (size_t r = 0; r < w.system->n_rotations; r++)
         if (!(norm_error(&w, v, r) <= WRITTEN))
-            return refuse(it, 2 * w.c + r, norm_error(&w, v, r));
+            return pk_because(it, PK_OFF_CONSTRAINTS, 2 * w.c + r, norm_error(&w, v, r));
     if (!w.c)
         return pk_project(it, it->t, q, v, NULL, NULL, &moved);
     w.depends[0] = 0;
@@ -133,15 +126,15 @@ enum pk_status pk_project_start(struct pk_integrator *it)
         return pk_eval_failed(it, it->t, q, v, (int)singular);
     pk_project_rows(&w, q, v);
     if (!pk_all_finite(w.J, w.c * w.n))
-        return refuse(it, 0, (pk_real)NAN);
+        return pk_because(it, PK_OFF_CONSTRAINTS, 0, (pk_real)NAN);
     const size_t depends = pk_project_factor(&w, w.c);
     pk_project_terms(&w, q, v);
     size_t row = broken(&w, w.phi, w.phi_size, w.h, q, 0);
     if (row < w.h)
-        return refuse(it, row, w.phi[row]);
+        return pk_because(it, PK_OFF_CONSTRAINTS, row, w.phi[row]);
     row = broken(&w, w.rate, w.rate_size, w.c, v, 1);
     if (row < w.c)
-        return refuse(it, w.c + row, w.rate[row]);
+        return pk_because(it, PK_OFF_CONSTRAINTS, w.c + row, w.rate[row]);
     it->where = depends - 1;
     return depends ? PK_NO_PROJECTION : pk_project(it, it->t, q, v, NULL, NULL, &moved);
 }

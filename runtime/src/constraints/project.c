@@ -71,13 +71,6 @@ static int judged(pk_real ratio, pk_real before, int count)
     return !pk_finite(ratio) || count == MOST ? -1 : 0;
 }
 
-static enum pk_status failed(struct pk_integrator *it, size_t where, pk_real residual)
-{
-    it->where = where;
-    it->detail = residual;
-    return PK_NO_PROJECTION;
-}
-
 /* d = M^-1 J^T mu of the first rows, with mu from the residuals. */
 static size_t correction(struct pk_projection *w, const pk_real *residual, size_t rows)
 {
@@ -156,50 +149,37 @@ static int off(const struct pk_integrator *it, const struct pk_projection *w, pk
     return first == 0 && beside_way(it, w) > 1;
 }
 
-static enum pk_status positions(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
-                                pk_real *v, pk_real *low_q, pk_real *low_v, int *moved)
+/* Positions, or then rates, whose J is there; it depends on no rates, so that one correction of these
+ * would do but for rounding. */
+static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
+                              pk_real *v, pk_real *low_q, pk_real *low_v, int of_rates, int *moved)
 {
+    const pk_real *residual = of_rates ? w->rate : w->phi;
+    const pk_real *terms = of_rates ? w->rate_size : w->phi_size;
+    const size_t rows = of_rates ? w->c : w->h, where = of_rates ? w->c : 0;
     pk_real before = 0;
     for (int count = 0;; count++) {
         size_t which;
-        pk_project_rows(w, q, v);
-        const pk_real ratio = pk_project_worst(w->phi, w->phi_size, w->h, &which);
+        if (count || !of_rates)
+            pk_project_rows(w, q, v);
+        const pk_real ratio = pk_project_worst(residual, terms, rows, &which);
         const int done = judged(ratio, before, count);
         w->depends[0] = 0;
-        if (done)
-            return done > 0 ? PK_DONE : failed(it, which, w->phi[which]);
-        const size_t singular = correction(w, w->phi, w->h);
+        if (done > 0)
+            return PK_DONE;
+        const size_t singular = done ? 0 : correction(w, residual, rows);
         if (singular)
-            return failed(it, singular - 1, w->phi[singular - 1]);
-        if (!count && off(it, w, ratio, q, 0, w->rotation))
-            return failed(it, which, w->phi[which]);
-        subtract(q, w->d, low_q, w->rotation);
-        turn_back(w, v + w->m, low_v ? low_v + w->m : NULL);
-        *moved = 1;
-        before = ratio;
-    }
-}
-
-/* J is there; it depends on no rates, so that one correction would do but for rounding. */
-static enum pk_status rates(struct pk_integrator *it, struct pk_projection *w, const pk_real *q,
-                            pk_real *v, pk_real *low_v, int *moved)
-{
-    pk_real before = 0;
-    for (int count = 0;; count++) {
-        size_t which;
-        if (count)
-            w->system->constraints.jacobian(w->params, w->t, q, v, w->u, w->J, w->rate);
-        const pk_real ratio = pk_project_worst(w->rate, w->rate_size, w->c, &which);
-        const int done = judged(ratio, before, count);
-        w->depends[0] = 0;
-        if (done)
-            return done > 0 ? PK_DONE : failed(it, w->c + which, w->rate[which]);
-        const size_t singular = correction(w, w->rate, w->c);
-        if (singular)
-            return failed(it, w->c + singular - 1, w->rate[singular - 1]);
-        if (!count && off(it, w, ratio, v, it->n, w->m))
-            return failed(it, w->c + which, w->rate[which]);
-        subtract(v, w->d, low_v, w->m);
+            which = singular - 1;
+        if (done || singular ||
+            (!count &&
+             (of_rates ? off(it, w, ratio, v, it->n, w->m) : off(it, w, ratio, q, 0, w->rotation))))
+            return pk_because(it, PK_NO_PROJECTION, where + which, residual[which]);
+        if (of_rates) {
+            subtract(v, w->d, low_v, w->m);
+        } else {
+            subtract(q, w->d, low_q, w->rotation);
+            turn_back(w, v + w->m, low_v ? low_v + w->m : NULL);
+        }
         *moved = 1;
         before = ratio;
     }
@@ -224,8 +204,8 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
     if (singular)
         return pk_eval_failed(it, t, q, v, (int)singular);
     pk_project_terms(&w, q, v);
-    PK_TRY(positions(it, &w, q, v, low_q, low_v, moved));
-    return rates(it, &w, q, v, low_v, moved);
+    PK_TRY(correct(it, &w, q, v, low_q, low_v, 0, moved));
+    return correct(it, &w, q, v, low_q, low_v, 1, moved);
 }
 
 enum pk_status pk_project_step(struct pk_integrator *it)

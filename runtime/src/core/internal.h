@@ -43,6 +43,15 @@ static inline void pk_exchange(struct pk_integrator *it)
         it->p = pk_part(it->own->state, it->n, PK_P);
 }
 
+/* The same, left to the caller to be that of `it`; and a number that belongs to it. */
+static inline enum pk_status pk_because(struct pk_integrator *it, enum pk_status status,
+                                        size_t where, pk_real detail)
+{
+    it->where = where;
+    it->detail = detail;
+    return status;
+}
+
 /* Whether a start was accepted. */
 static inline int pk_ready(const struct pk_integrator *it) { return it->own && it->own->ready; }
 

@@ -7,6 +7,7 @@
 #include <pk/spectrum.h>
 
 #include "../core/internal.h"
+#include "../core/root.h"
 
 enum { MOST = 2 + 3 * PK_LINES, TURNS = 12 };
 
@@ -17,49 +18,38 @@ static pk_real sample_time(size_t j, size_t count)
 
 static pk_real window(pk_real s) { return 1 + PK_F(cos)(PK_PI * s); }
 
-/* d/dw of that square, but for a factor. */
-static pk_real slope(const pk_real *x, size_t count, pk_real w)
+struct samples {
+    const pk_real *x;
+    size_t count;
+};
+
+/* d/dw of the square of the windowed transform, but for a factor. */
+static enum pk_status slope(void *context, pk_real w, pk_real *found)
 {
+    const struct samples *of = (const struct samples *)context;
     pk_real re = 0, im = 0, re_w = 0, im_w = 0;
-    for (size_t j = 0; j < count; j++) {
-        const pk_real s = sample_time(j, count), y = window(s) * x[j];
+    for (size_t j = 0; j < of->count; j++) {
+        const pk_real s = sample_time(j, of->count), y = window(s) * of->x[j];
         const pk_real c = y * PK_F(cos)(w * s), d = y * PK_F(sin)(w * s);
         re += c;
         im -= d;
         re_w -= s * d;
         im_w -= s * c;
     }
-    return re * re_w + im * im_w;
+    *found = re * re_w + im * im_w;
+    return PK_DONE;
 }
 
 pk_real pk_spectrum_peak(const pk_real *x, size_t count, pk_real dt, pk_real lo, pk_real hi)
 {
-    /* The zero of the slope, by regula falsi as the Illinois algorithm has it. */
     const pk_real half = dt * (pk_real)(count - 1) / 2;
-    pk_real a = lo * half, b = hi * half;
-    pk_real fa = slope(x, count, a), fb = slope(x, count, b);
-    if (!(fa > 0) || !(fb < 0)) /* no maximum in between: the better end */
-        return fa > 0 ? hi : lo;
-    for (int turn = 0; turn < 60; turn++) {
-        const pk_real c = (a * fb - b * fa) / (fb - fa), fc = slope(x, count, c);
-        const pk_real width = b - a;
-        if (fc > 0) {
-            a = c, fa = fc;
-            fb /= 2;
-        } else {
-            b = c, fb = fc;
-            fa /= 2;
-        }
-        if (!(b - a < width) || b - a <= 4 * PK_EPSILON * pk_abs(b) || !(pk_abs(fc) > 0))
-            break;
-        if (turn % 3 == 2) { /* both ends come in, or the width would stay */
-            const pk_real middle = (a + b) / 2, fm = slope(x, count, middle);
-            if (fm > 0)
-                a = middle, fa = fm;
-            else
-                b = middle, fb = fm;
-        }
-    }
+    struct samples of = {x, count};
+    pk_real a = lo * half, b = hi * half, rises, falls;
+    slope(&of, a, &rises);
+    slope(&of, b, &falls);
+    if (!(rises > 0) || !(falls < 0)) /* no maximum in between: the better end */
+        return rises > 0 ? hi : lo;
+    pk_root(slope, &of, &a, rises, &b, falls, 4 * PK_EPSILON * pk_abs(b));
     return (a + b) / 2 / half;
 }
 

@@ -8,9 +8,9 @@
 #include "events.h"
 #include "../core/root.h"
 
-enum { MOST_NODES = PK_MOST_NODES, REFINEMENTS = 96, TURNS = 24, PIECES = 3 };
+enum { MOST_NODES = PK_MOST_NODES, REFINEMENTS = 96, PIECES = 3 };
 #define MARGIN PK_C(0.03125) /* of what g varies by: what an interpolant may be off by */
-#define PI PK_C(3.14159265358979323846264338327950288)
+#define TURNED PK_C(1e-7)    /* of an angle: values there are no more exact, as where a kink is */
 
 /* That, and what the polynomial lacks of a kink. */
 static pk_real near_zero(const struct pk_shape *shape)
@@ -141,23 +141,17 @@ static enum pk_status descend(struct along *a, pk_real left, pk_real at, pk_real
     return settle(a, right);
 }
 
-/* The angle between two, at which the slope changes its sign, where the polynomial has it. */
-static struct point turn(const struct along *a, pk_real from, pk_real to, pk_real sign)
+static enum pk_status slope_at(void *context, pk_real angle, pk_real *slope)
 {
-    struct point found = at_angle(a, from + (to - from) / 2);
-    pk_real low = sign * at_angle(a, from).slope, high = sign * at_angle(a, to).slope;
-    for (int l = 0; l < TURNS; l++) {
-        const pk_real chord = from + (to - from) * low / (low - high);
-        const pk_real angle = l % 3 == 2 ? from + (to - from) / 2 : chord;
-        if (!(angle > from && angle < to))
-            break;
-        found = at_angle(a, angle);
-        if (sign * found.slope < 0)
-            from = angle, low = sign * found.slope;
-        else
-            to = angle, high = sign * found.slope;
-    }
-    return found;
+    *slope = at_angle((const struct along *)context, angle).slope;
+    return PK_DONE;
+}
+
+/* Between two angles, at which the slope changes its sign, where the polynomial turns. */
+static struct point turn(struct along *a, pk_real from, pk_real to)
+{
+    pk_root(slope_at, a, &from, at_angle(a, from).slope, &to, at_angle(a, to).slope, TURNED);
+    return at_angle(a, to);
 }
 
 /* What may cross in a piece, from one point of the polynomial to the next. */
@@ -169,12 +163,12 @@ static enum pk_status piece(struct along *a, pk_real from, pk_real to, struct po
         return settle(a, l.x) < 0 ? a->it->status : settle(a, r.x);
     if (pk_min(sign * l.g, sign * r.g) > bow + margin || sign * l.slope >= 0 || sign * r.slope <= 0)
         return PK_DONE;
-    const struct point least = turn(a, from, to, sign);
+    const struct point least = turn(a, from, to);
     if (!(sign * least.g < margin))
         return PK_DONE;
     /* A kink is beside where the polynomial has it. */
     const struct point before = at_angle(a, pk_max(2 * from - to, 0));
-    const struct point behind = at_angle(a, pk_min(2 * to - from, PI));
+    const struct point behind = at_angle(a, pk_min(2 * to - from, PK_PI));
     return descend(a, sign * before.g > sign * l.g ? before.x : l.x, least.x,
                    sign * behind.g > sign * r.g ? behind.x : r.x);
 }
@@ -183,7 +177,7 @@ static enum pk_status piece(struct along *a, pk_real from, pk_real to, struct po
 static enum pk_status interval(struct along *a, int j)
 {
     const int N = a->shape->order, stride = PK_MOST_SAMPLES / N;
-    const pk_real step = PI / (pk_real)N, from = step * (pk_real)j;
+    const pk_real step = PK_PI / (pk_real)N, from = step * (pk_real)j;
     const pk_real left = pk_events_sample(a->e, j * stride)[a->k];
     const pk_real right = pk_events_sample(a->e, (j + 1) * stride)[a->k];
     const pk_real near = pk_min(pk_abs(left), pk_abs(right));

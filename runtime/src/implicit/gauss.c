@@ -102,9 +102,7 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
             return PK_DONE; /* corrections no longer shrink: they are round-off */
         before = size;
     }
-    it->detail = before;
-    it->where = PK_OF_RATES;
-    return PK_NO_CONVERGENCE;
+    return pk_because(it, PK_NO_CONVERGENCE, PK_OF_RATES, before);
 }
 
 enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit)

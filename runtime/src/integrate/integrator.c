@@ -214,11 +214,8 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
             status = pk_project_step(it);
         if (status >= 0 && it->own->project && !pk_all_finite(it->own->next, PK_LOW_Q * it->n))
             status = PK_NOT_FINITE;
-        if (status == PK_STEP_UNDERFLOW && cuts) {
-            it->where = where;
-            it->detail = detail;
-            return PK_NO_PROJECTION;
-        }
+        if (status == PK_STEP_UNDERFLOW && cuts)
+            return pk_because(it, PK_NO_PROJECTION, where, detail);
         if (status == PK_STEP_UNDERFLOW && it->own->project && pk_project_dependent(it))
             return PK_NO_PROJECTION;
         if (status != PK_NO_PROJECTION || !it->method->stage_error || cuts == CUTS)

@@ -191,9 +191,8 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
         part /= 4;
         if (part < SHORTEST) {
             w->h = h;
-            it->detail = pk_abs(it->own->h) * made;
-            it->where = PK_BY_NEWTON;
-            return converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE;
+            return pk_because(it, converged ? PK_AMBIGUOUS_STEP : PK_NO_CONVERGENCE, PK_BY_NEWTON,
+                              pk_abs(it->own->h) * made);
         }
     }
     return PK_DONE;
