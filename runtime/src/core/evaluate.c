@@ -119,6 +119,24 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
     it->count.evaluations++;
 }
 
+pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real share,
+                      pk_real limit)
+{
+    const size_t n = it->n, seen = n - it->problem.system->n_first_order;
+    const pk_real span = pk_abs(limit - it->t);
+    pk_real d0 = 0, d1 = 0;
+    for (size_t i = 0; i < n; i++) {
+        const pk_real q = it->q[i], of_q = pk_scale_shown(pk_tolerance(it, i, q, q));
+        const pk_real v = it->v[i], of_v = pk_scale_shown(pk_tolerance(it, n + i, v, v));
+        d0 += v / of_v * (v / of_v) + (i < seen ? q / of_q * (q / of_q) : 0);
+        d1 += a[i] / of_v * (a[i] / of_v) + (i < seen ? v / of_q * (v / of_q) : 0);
+    }
+    pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? share * PK_F(sqrt)(d0 / d1) : 0;
+    if (!(h > 0) || !pk_finite(h)) /* atol = 0 at a start from rest: y'/scale is infinite */
+        h = PK_C(1e-6) * span;
+    return pk_min(it->options.h > 0 ? it->options.h : h, span);
+}
+
 /* The cause is what a trial step met just ahead, or else what a straight line from here meets
  * there: steps may shrink before a singular M without ever reaching it. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)

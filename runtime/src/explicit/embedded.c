@@ -40,21 +40,10 @@ static enum pk_status embedded_init(struct pk_integrator *it)
 static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_work *w, pk_real limit)
 {
     const pk_real *y0 = it->own->state, span = pk_abs(limit - it->t);
-    pk_real d0 = 0, d1 = 0, d2 = 0;
+    const pk_real h = pk_first_step(it, w->k + w->n, PK_C(0.01), limit);
+    pk_real d1 = 0, d2 = 0;
     if (it->options.h > 0)
-        return it->options.h;
-    for (size_t i = 0; i < w->m; i++) {
-        if (i >= w->seen && i < w->n)
-            continue;
-        const pk_real scale = pk_scale_shown(pk_tolerance(it, i, y0[i], y0[i]));
-        d0 += (y0[i] / scale) * (y0[i] / scale);
-        d1 += (w->k[i] / scale) * (w->k[i] / scale);
-    }
-    pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? PK_C(0.01) * PK_F(sqrt)(d0 / d1)
-                                                     : PK_C(1e-6) * span;
-    if (!(h > 0) || !pk_finite(h)) /* atol = 0 at a start from rest: y'/scale is infinite */
-        h = PK_C(1e-6) * span;
-    h = pk_min(h, span);
+        return h;
     for (size_t i = 0; i < w->m; i++)
         w->y[i] = y0[i] + (pk_real)it->own->direction * h * w->k[i];
     if (generic_slope(it, it->t + (pk_real)it->own->direction * h, w->y, w->last) < 0)
@@ -64,6 +53,7 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
             continue;
         const pk_real scale = pk_scale_shown(pk_tolerance(it, i, y0[i], y0[i]));
         const pk_real x = (w->last[i] - w->k[i]) / scale;
+        d1 += w->k[i] / scale * (w->k[i] / scale);
         d2 += x * x;
     }
     const pk_real most = pk_max(PK_F(sqrt)(d1), PK_F(sqrt)(d2) / h);

@@ -144,33 +144,6 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     return status;
 }
 
-/* A first step of 1% of |y|/|y'|. */
-static enum pk_status first_step(struct pk_integrator *it, const struct pk_radau_parts *r,
-                                 pk_real limit)
-{
-    const pk_real span = pk_abs(limit - it->t);
-    pk_real d0 = 0, d1 = 0, h = it->options.h;
-    it->own->flags = 0;
-    r->kept->left = 1;
-    r->kept->h = 0;
-    if (!(h > 0)) {
-        PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, r->x));
-        pk_radau_tolerances(it, r, it->q, it->v);
-        for (size_t k = 0; k < it->n; k++) {
-            const pk_real q = it->q[k], of_q = pk_scale_shown(r->of_q[k]);
-            const pk_real v = it->v[k], of_v = pk_scale_shown(r->of_v[k]);
-            d0 += q / of_q * (q / of_q) + v / of_v * (v / of_v);
-            d1 += v / of_q * (v / of_q) + r->x[k] / of_v * (r->x[k] / of_v);
-        }
-        h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? PK_C(0.01) * PK_F(sqrt)(d0 / d1)
-                                                 : PK_C(1e-6) * span;
-        if (!(h > 0) || !pk_finite(h))
-            h = PK_C(1e-6) * span;
-    }
-    it->own->h = (pk_real)it->own->direction * pk_min(h, span);
-    return PK_DONE;
-}
-
 /* The next step over this one, by the error, by that of the step before too, and less where the
  * iteration took long. */
 static pk_real growth(const struct pk_integrator *it, const struct pk_radau_parts *r, int count)
@@ -189,45 +162,38 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
 {
     struct pk_gauss_work w = pk_gauss_parts(it);
     const struct pk_radau_parts r = parts_of(it, &w);
-    const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
-    const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
-    int rejected = 0, lands, count = 0;
-    if (!(pk_abs(it->own->h) > 0))
-        PK_TRY(first_step(it, &r, limit));
+    int count = 0;
+    if (!(pk_abs(it->own->h) > 0)) {
+        it->own->flags = 0;
+        r.kept->left = 1;
+        r.kept->h = 0;
+        PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, r.x));
+        it->own->h = (pk_real)it->own->direction * pk_first_step(it, r.x, PK_C(0.01), limit);
+    }
     pk_eval_canonical(it, it->t, it->q, it->v, w.G, r.pdot);
-    pk_real planned = pk_abs(it->own->h);
+    struct pk_trial x = pk_trial(it, limit);
     for (;;) {
-        if (it->options.h_max > 0)
-            planned = pk_min(planned, it->options.h_max);
-        if (!(planned > least) && (left > least || rejected))
-            return pk_underflow(it, planned);
-        lands = planned * PK_C(1.01) >= left || !(left > least);
-        it->own->next_t = lands ? limit : it->t + sign * planned;
-        it->own->h = it->own->next_t - it->t;
-        pk_scale_attempt(it, it->own->h);
+        if (!pk_trial_next(it, limit, &x))
+            return pk_underflow(it, x.planned);
+        it->own->h = x.h;
         enum pk_status status =
-            attempt(it, &w, &r, rejected || !(it->own->flags & PK_HAVE_STEP), &count);
+            attempt(it, &w, &r, x.rejected || !(it->own->flags & PK_HAVE_STEP), &count);
         if (status >= 0 && it->own->error <= 1 && (status = pk_gauss_finish(it, &w)) >= 0)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
             pk_trouble(it, status,
                        it->own->next_t); /* the others are no cause but a step too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
-        planned = pk_abs(it->own->h) * less;
-        rejected = 1;
-        it->count.rejections++;
+        pk_trial_reject(it, &x, pk_abs(it->own->h) * less);
     }
     pk_real grow = growth(it, &r, count);
-    if (rejected)
+    if (x.rejected)
         grow = pk_min(grow, PK_C(1.0));
     else if (grow >= 1 && grow <= KEEP)
         grow = 1;
     r.kept->h = it->own->h;
     r.kept->error = pk_max(it->own->error, PK_C(0.01));
-    const pk_real next = pk_abs(it->own->h) * grow;
-    it->own->h = !(planned > least) && !(left > least)
-                     ? 0 /* after a step below round-off */
-                     : sign * (lands && !rejected && grow >= 1 ? pk_max(next, planned) : next);
+    pk_trial_accept(it, &x, pk_abs(it->own->h) * grow, grow >= 1);
     return PK_DONE;
 }
 

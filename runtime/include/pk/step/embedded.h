@@ -105,8 +105,6 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
 {
     const struct pk_embedded_work w =
         pk_embedded_parts(it, table, PK_STEPPER_N(it), PK_STEPPER_FIRST_ORDER(it));
-    const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
-    const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     const pk_real alpha = PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
     const pk_real safety = PK_C(0.9);
     if (it->own->flags & PK_HAVE_STEP)
@@ -116,46 +114,31 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
         PK_TRY(pk_embedded_begin(it, limit));
     it->own->flags = PK_HAVE_A; /* and the last step's stages are gone, its dense output too */
 
-    pk_real planned = pk_abs(it->own->h);
-    int rejected = 0;
+    struct pk_trial x = pk_trial(it, limit);
     for (;;) {
-        if (it->options.h_max > 0)
-            planned = pk_min(planned, it->options.h_max);
-        if (!(planned > least) && (left > least || rejected))
-            return pk_underflow(it, planned); /* also a step that shrank while being accepted */
-        /* What is left below round-off is one step: a smaller one would not move t. */
-        const int lands = planned * PK_C(1.01) >= left || !(left > least);
-        const pk_real h = lands ? left : planned;
-        it->own->next_t = lands ? limit : it->t + sign * h;
-        pk_scale_attempt(it, h);
-        const enum pk_status status = PK_STEPPER(attempt)(it, table, &w, sign * h);
+        if (!pk_trial_next(it, limit, &x))
+            return pk_underflow(it, x.planned);
+        const pk_real h = pk_abs(x.h);
+        pk_real planned = h * PK_C(0.2);
+        const enum pk_status status = PK_STEPPER(attempt)(it, table, &w, x.h);
         if (status < 0) {
             pk_trouble(it, status, it->own->next_t);
-            planned = h * PK_C(0.2);
         } else {
             const pk_real raw = PK_SAME(PK_F(pow)(it->own->error, alpha)) / safety;
             if (it->own->error <= PK_C(1.0)) {
                 const pk_real fac = raw / PK_SAME(PK_F(pow)(*w.err_old, table->beta));
-                const int at_most = fac <= PK_C(1.0) / table->grow;
-                pk_real next =
+                const pk_real next =
                     h / pk_min(PK_C(1.0) / table->shrink, pk_max(PK_C(1.0) / table->grow, fac));
-                if (rejected)
-                    next = pk_min(next, h);
-                else if (lands && at_most)
-                    next = pk_max(next, planned); /* a step cut short says nothing of the next */
                 *w.err_old = pk_max(it->own->error, PK_C(1e-4));
-                *w.h_made = sign * h;
-                /* After a step below round-off, the next is guessed like a first one. */
-                it->own->h = planned > least || left > least ? sign * next : 0;
+                *w.h_made = x.h;
+                pk_trial_accept(it, &x, x.rejected ? pk_min(next, h) : next,
+                                fac <= PK_C(1.0) / table->grow);
                 it->own->flags = PK_HAVE_STEP;
                 return PK_DONE;
             }
             planned = h / pk_min(PK_C(1.0) / table->shrink, raw);
         }
-        rejected = 1;
-        it->count.rejections++;
-        if (!(planned < h)) /* whatever happens, a rejected step shrinks */
-            planned = h * PK_C(0.5);
-        it->own->h = sign * planned;
+        /* Whatever happens, a rejected step shrinks. */
+        pk_trial_reject(it, &x, planned < h ? planned : h * PK_C(0.5));
     }
 }

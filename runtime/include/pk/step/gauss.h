@@ -36,31 +36,6 @@
 #define PK_GAUSS_RATE PK_C(0.15) /* a contraction that costs as much as it gains */
 #endif
 
-/* From constant a over the first step, h0 = .01 |y|/|y'|, ten of which are tried. */
-static inline pk_real PK_STEPPER(gauss_first)(struct pk_integrator *it, pk_real limit)
-{
-    const size_t n = PK_STEPPER_N(it), seen = n - PK_STEPPER_FIRST_ORDER(it);
-    const pk_real *a = pk_part(it->own->next, n, PK_A);
-    const pk_real span = pk_abs(limit - it->t);
-    pk_real d0 = 0, d1 = 0;
-    if (it->options.h > 0)
-        return pk_min(it->options.h, span);
-    for (size_t i = 0; i < n; i++) {
-        const pk_real q = pk_abs(it->q[i]), v = pk_abs(it->v[i]);
-        const pk_real of_q = pk_scale_shown(pk_tolerance(it, i, q, q));
-        const pk_real of_v = pk_scale_shown(pk_tolerance(it, n + i, v, v));
-        d0 += (v / of_v) * (v / of_v);
-        d1 += (a[i] / of_v) * (a[i] / of_v);
-        if (i < seen) {
-            d0 += (q / of_q) * (q / of_q);
-            d1 += (v / of_q) * (v / of_q);
-        }
-    }
-    const pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? PK_C(0.1) * PK_F(sqrt)(d0 / d1)
-                                                           : PK_C(1e-6) * span;
-    return h > 0 && pk_finite(h) ? pk_min(h, span) : PK_C(1e-6) * span;
-}
-
 /* One trial of size y->h: PK_DONE with what it came to, or why it broke down. */
 static PK_INLINE enum pk_status PK_STEPPER(gauss_trial)(struct pk_integrator *it,
                                                         const struct pk_gauss_lanes *w,
@@ -145,30 +120,22 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
 {
     const size_t n = PK_STEPPER_N(it);
     const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, it->own->work);
-    const pk_real sign = (pk_real)it->own->direction, left = pk_abs(limit - it->t);
-    const pk_real least = pk_max(it->options.h_min, PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY);
     struct pk_gauss_trial y;
-    int rejected = 0, lands;
 
     if (!(it->own->h > 0) && !(it->own->h < 0)) {
         it->own->flags = 0; /* a first step, or one that turns back: nothing to predict it from */
         PK_TRY(PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_part(it->own->next, n, PK_A)));
         if (!pk_all_finite(pk_part(it->own->next, n, PK_A), n))
             return PK_NOT_FINITE;
-        it->own->h = sign * PK_STEPPER(gauss_first)(it, limit);
+        it->own->h = (pk_real)it->own->direction *
+                     pk_first_step(it, pk_part(it->own->next, n, PK_A), PK_C(0.1), limit);
         *w.decay = 0;
     }
-    pk_real planned = pk_abs(it->own->h);
+    struct pk_trial x = pk_trial(it, limit);
     for (;;) {
-        if (it->options.h_max > 0)
-            planned = pk_min(planned, it->options.h_max);
-        if (!(planned > least) && (left > least || rejected))
-            return pk_underflow(it, planned); /* also a step that shrank while being accepted */
-        lands = planned * PK_C(1.01) >= left || !(left > least);
-        it->own->next_t = lands ? limit : it->t + sign * planned;
-        y.h = it->own->next_t -
-              it->t; /* what the rounded times are apart: no drift between q and t */
-        pk_scale_attempt(it, y.h);
+        if (!pk_trial_next(it, limit, &x))
+            return pk_underflow(it, x.planned);
+        y.h = x.h;
         const enum pk_status status = PK_STEPPER(gauss_trial)(it, &w, &y);
         if (status >= 0 && y.error_log <= PK_GAUSS_ACCEPT_LOG)
             break;
@@ -179,28 +146,21 @@ static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_r
         } else {
             y.growth = pk_max(PK_GAUSS_SHRINK, pk_min(PK_C(0.9), PK_GAUSS_SAFETY * y.growth));
         }
-        planned = pk_abs(y.h) * y.growth;
-        rejected = 1;
-        it->count.rejections++;
-        it->own->h = sign * planned;
+        pk_trial_reject(it, &x, pk_abs(y.h) * y.growth);
     }
     PK_STEPPER(gauss_accept)(it, &w, &y);
     /* The next step: by the error, and by the iteration where that contracts too slowly. */
     pk_real grow = PK_GAUSS_SAFETY * pk_min(y.growth, PK_GAUSS_GROW);
     const pk_real slow = y.count > 0 ? PK_F(sqrt)(PK_GAUSS_RATE / y.rate) : PK_GAUSS_GROW;
-    if (rejected)
+    if (x.rejected)
         grow = pk_min(grow, PK_C(1.0));
     if (slow < grow) {
         grow = pk_max(slow, PK_GAUSS_SHRINK);
         it->count.held++;
     }
-    const pk_real next = pk_abs(y.h) * grow;
-    const int cut = lands && !rejected && y.growth >= PK_GAUSS_GROW; /* says nothing of the next */
     const pk_real g2 = y.growth * y.growth, g4 = g2 * g2, g8 = g4 * g4; /* error^(-1/17) */
     it->own->error = 1 / (g8 * g8 * y.growth + PK_TINY);
-    it->own->h = !(planned > least) && !(left > least)
-                     ? 0 /* after a step below round-off */
-                     : sign * (cut ? pk_max(next, planned) : next);
+    pk_trial_accept(it, &x, pk_abs(y.h) * grow, y.growth >= PK_GAUSS_GROW);
     it->own->flags = PK_HAVE_STEP;
     return PK_DONE;
 }

@@ -117,6 +117,60 @@ static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
             return of_call;                    \
     } while (0)
 
+PK_BEGIN
+/* it->own->atol for a step of length h: rounding of forces counts over the step that is tried. */
+void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
+PK_END
+
+/* The step that an adaptive method tries, from `planned` on. `left`: to the limit; below `least` no
+ * step moves t, and what is left that is no longer is one step. */
+struct pk_trial {
+    pk_real sign, left, least, planned, h; /* h: of the one tried, signed */
+    int rejected, lands;
+};
+
+static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real limit)
+{
+    const pk_real round = PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY;
+    return (struct pk_trial){.sign = (pk_real)it->own->direction,
+                             .left = pk_abs(limit - it->t),
+                             .least = pk_max(it->options.h_min, round),
+                             .planned = pk_abs(it->own->h)};
+}
+
+/* The next one, to it->own->next_t; 0: it would be too short, also where a step shrank while it was
+ * accepted. */
+static inline int pk_trial_next(struct pk_integrator *it, pk_real limit, struct pk_trial *x)
+{
+    if (it->options.h_max > 0)
+        x->planned = pk_min(x->planned, it->options.h_max);
+    if (!(x->planned > x->least) && (x->left > x->least || x->rejected))
+        return 0;
+    x->lands = x->planned * PK_C(1.01) >= x->left || !(x->left > x->least);
+    it->own->next_t = x->lands ? limit : it->t + x->sign * x->planned;
+    x->h = it->own->next_t - it->t; /* what rounded times are apart: no drift between q and t */
+    pk_scale_attempt(it, x->h);
+    return 1;
+}
+
+/* A shorter one is to follow. */
+static inline void pk_trial_reject(struct pk_integrator *it, struct pk_trial *x, pk_real planned)
+{
+    x->planned = planned;
+    x->rejected = 1;
+    it->count.rejections++;
+    it->own->h = x->sign * planned;
+}
+
+/* It is accepted, and the next one is to be so long; `cut`: but for what was left, longer. After a
+ * step below round-off the next is guessed like a first one. */
+static inline void pk_trial_accept(struct pk_integrator *it, const struct pk_trial *x, pk_real next,
+                                   int cut)
+{
+    const pk_real h = x->lands && !x->rejected && cut ? pk_max(next, x->planned) : next;
+    it->own->h = x->planned > x->least || x->left > x->least ? x->sign * h : 0;
+}
+
 /* A trial step up to t broke down. */
 static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, pk_real t)
 {
@@ -128,8 +182,6 @@ static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, p
 
 PK_BEGIN
 
-/* it->own->atol for a step of length h: rounding of forces counts over the step that is tried. */
-void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
 int pk_all_finite(const pk_real *x, size_t count);
 /* The inputs at t, into u, which is 0 where nobody fills it; and into it->own->u. */
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u);
@@ -140,6 +192,10 @@ enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real
 /* system->lanes(), or lane by lane where the system has none. */
 unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, const pk_real *q,
                                  const pk_real *v, const pk_real *u, pk_real *a);
+/* A first step, `share` of |y|/|y'| with y' = (v, a), HNW II.4 (4.14), or the one asked for; no longer
+ * than to the limit. */
+pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real share,
+                      pk_real limit);
 /* The status of an adaptive method whose step h became too small, with its cause if known. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h);
 
