@@ -27,7 +27,8 @@ void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u)
 
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t)
 {
-    pk_input(&it->problem, t, it->own->u);
+    if (it->problem.system->n_inputs)
+        pk_input(&it->problem, t, it->own->u);
     return it->own->u;
 }
 
