@@ -29,7 +29,8 @@ enum pk_status pk_gsl_pencil(size_t n, const double *K, const double *M, double 
 {
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     gsl_eigen_gensymmv_workspace *w = gsl_eigen_gensymmv_alloc(n);
-    gsl_matrix *A = gsl_matrix_alloc(n, n), *B = gsl_matrix_alloc(n, n), *V = gsl_matrix_alloc(n, n);
+    gsl_matrix *A = gsl_matrix_alloc(n, n), *B = gsl_matrix_alloc(n, n),
+               *V = gsl_matrix_alloc(n, n);
     gsl_vector_view values = gsl_vector_view_array(lambda, n);
     enum pk_status status = w && A && B && V ? PK_DONE : PK_NO_MEMORY;
     if (status == PK_DONE) {
