@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
+import random
 import re
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import ROOT, run_pkgen
+from pkgen.api.model import DEFAULTS
+from pkgen.compiler import compile_model
+from pkgen.describe.drawing import drawing, drawn
+from pkgen.front.read import read
+from pkgen.run.library import load
+from pkgen.run.simulate import build
+from pkgen.scenes import asked
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 PENDULUM = """
@@ -70,34 +81,37 @@ def test_methods_that_do_not_apply_say_why(tmp_path: Path) -> None:
     assert not methods["verlet"]["applies"] and "separable" in methods["verlet"]["why"]
 
 
+class Drawn:
+    """The drawing of a model, and its numbers at a state by the very library that a page, a film
+    and a run have."""
+
+    def __init__(self, text: str, folder: Path):
+        path = folder / "m.lag"
+        path.write_text(text)
+        compilation = compile_model(read(str(path)), use=drawn(None))
+        options = argparse.Namespace(**DEFAULTS, scene=None, start=[], set=[])
+        settings = asked.settings(options, compilation)
+        library = load(build(compilation, settings, None))
+        self.run = library.run(settings, idle=True, bare=True)
+        self.drawing = drawing(compilation)
+
+    def at(self, t: float, q: list[float], v: list[float]) -> Callable[[object], object]:
+        given = (np.array([t]), np.array([q]), np.array([v]))
+        out = self.run.evaluate("outputs", *given)[0]
+
+        def value(entry: object) -> object:
+            if isinstance(entry, list):
+                return [value(x) for x in entry]
+            return out[entry["output"]] if isinstance(entry, dict) else entry
+
+        return value
+
+
 def test_the_numbers_of_a_drawing_are_those_of_the_motion(tmp_path: Path) -> None:
-    """By the hidden outputs of the very library, against the places by hand."""
-    import argparse
-
-    import numpy as np
-    from pkgen.api.model import DEFAULTS
-    from pkgen.compiler import compile_model
-    from pkgen.describe.drawing import drawing, drawn
-    from pkgen.front.read import read
-    from pkgen.run.library import load
-    from pkgen.run.simulate import build
-    from pkgen.scenes import asked
-
-    path = tmp_path / "m.lag"
-    path.write_text(PENDULUM + DRAWN)
-    compilation = compile_model(read(str(path)), use=drawn(None))
-    options = argparse.Namespace(**DEFAULTS, scene=None, start=[], set=[])
-    settings = asked.settings(options, compilation)
-    run = load(build(compilation, settings, None)).run(settings, idle=True, bare=True)
+    """Against the places by hand."""
     theta, rate = 0.7, -1.3
-    out = run.evaluate("outputs", np.zeros(1), np.array([[theta]]), np.array([[rate]]))[0]
-
-    def value(entry):
-        if isinstance(entry, list):
-            return [value(x) for x in entry]
-        return out[entry["output"]] if isinstance(entry, dict) else entry
-
-    found = drawing(compilation)
+    made = Drawn(PENDULUM + DRAWN, tmp_path)
+    value, found = made.at(0, [theta], [rate]), made.drawing
     rod, bob, arrow, body, ground = found["shapes"]
     at = [2 * math.sin(theta), -2 * math.cos(theta), 0]
     assert value(rod["to"]) == pytest.approx(at) and value(rod["from"]) == [0, 0, 0]
@@ -109,6 +123,49 @@ def test_the_numbers_of_a_drawing_are_those_of_the_motion(tmp_path: Path) -> Non
     assert value(ground["at"]) == -2 and ground["axis"] == "y"
     view = found["view"]
     assert view["axes"] == ["x", "y"] and value(view["width"]) == 6 and not found["default"]
+
+
+# Smooth, kinked, jumping, short, tiny, huge, of time: as the language and as Python have them.
+FORMS = [
+    ("sin({})*{}", lambda a, b: math.sin(a) * b),
+    ("abs({}) - {}", lambda a, b: abs(a) - b),
+    ("step({})*{}", lambda a, b: (a >= 0) * b),
+    ("max({}, {})", max),
+    ("exp(-({})^2/0.01)+{}", lambda a, b: math.exp(-(a**2) / 0.01) + b),
+    ("1e-12*{} + 1e9*{}", lambda a, b: 1e-12 * a + 1e9 * b),
+    ("tanh({})/(1 + ({})^2)", lambda a, b: math.tanh(a) / (1 + b**2)),
+]
+LEAVES = ["x", "y", "x'", "y'", "t", "k", "0.3", "P.x", "P.y"]
+
+
+def _random(rng: random.Random, values: dict[str, float], depth: int) -> tuple[str, float]:
+    """An expression, and what it is."""
+    if depth == 0:
+        name = rng.choice(LEAVES)
+        return name, values[name]
+    form, function = rng.choice(FORMS)
+    (a, x), (b, y) = (_random(rng, values, depth - 1) for _ in range(2))
+    return "(" + form.format(a, b) + ")", float(function(x, y))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_drawings_have_the_numbers_that_they_say(seed: int, tmp_path: Path) -> None:
+    rng = random.Random(seed)
+    t, x, y, u, v = (rng.uniform(-2, 2) for _ in range(5))
+    values = {"t": t, "x": x, "y": y, "x'": u, "y'": v, "k": 0.7, "0.3": 0.3}
+    values |= {"P.x": x * y, "P.y": x - 0.7 * y}
+    text = "model m\nparam k = 0.7\ncoord x, y\nlet P = [x*y, x - k*y, 0]\n"
+    text += "kinetic (x'^2 + y'^2)/2\npotential (x^2 + y^2)/2\n"
+    expected = []
+    for _ in range(12):
+        parts = [_random(rng, values, rng.randrange(4)) for _ in range(6)]
+        a, b = (", ".join(s for s, _ in parts[k : k + 3]) for k in (0, 3))
+        text += f"draw rod from [{a}] to [{b}]\n"
+        expected.append([number for _, number in parts])
+    made = Drawn(text, tmp_path)
+    value = made.at(t, [x, y], [u, v])
+    for shape, numbers in zip(made.drawing["shapes"], expected, strict=True):
+        assert [*value(shape["from"]), *value(shape["to"])] == pytest.approx(numbers, rel=1e-12)
 
 
 @pytest.mark.parametrize(
