@@ -8,9 +8,13 @@ used is decided by counting operations.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from . import policies
 from .count import operations
+from .differentiate import reachable
 from .graph import BIT, MINUS_ONE, ONE, VARIABLE, Graph, Kind, Node, Op
+from .monomials import merged
 from .normal import WORK, Monomial, Normal, Polynomial, squares_merged
 from .residues import Varying
 
@@ -24,6 +28,13 @@ THOROUGH = 400  # nodes below the outputs, up to which everything is tried
 def fewest(g: Graph, outputs: list[Node], thorough: bool = True) -> list[Node]:
     """Of the outputs as they are and rewritten by each policy, what costs least."""
     return min(forms(g, outputs, thorough), key=lambda form: operations(g, form))
+
+
+def shortened(g: Graph, outputs: Iterable[Node]) -> list[Node]:
+    """What is settled, in fewest operations; as it is where that is much work."""
+    outputs = list(outputs)
+    thorough = len(reachable(g, outputs)) <= THOROUGH
+    return fewest(g, settled(g, outputs)) if thorough else outputs
 
 
 def forms(
@@ -123,16 +134,13 @@ def _factored(g: Graph, terms: list[Term]) -> Node:
             p, m = terms[i]
             if scale != ONE:
                 p = ONE if p == scale else MINUS_ONE
-            inner.append((p, _without(m, common)))
+            inner.append((p, merged(m, tuple((b, -e) for b, e in common))))
         bracket = _factored(g, inner)
         p, rest = g.split(bracket)
         p = g.multiply(scale, p)
-        merged = dict(common)
-        for base, exponent in ((rest, 1),) if rest != ONE else ():
-            merged[base] = merged.get(base, 0) + exponent
         first = members[0]
         chosen = set(members)
-        terms[first] = (p, tuple(sorted(merged.items())))
+        terms[first] = (p, merged(common, ((rest, 1),) if rest != ONE else ()))
         terms = [t for i, t in enumerate(terms) if i == first or i not in chosen]
     return g.sum(g.multiply(p, _monomial(g, m)) for p, m in terms)
 
@@ -183,13 +191,6 @@ def _has(monomial: Monomial, part: Monomial) -> bool:
     return all(
         (e > 0 and powers.get(b, 0) >= e) or (e < 0 and powers.get(b, 0) <= e) for b, e in part
     )
-
-
-def _without(monomial: Monomial, part: Monomial) -> Monomial:
-    powers = dict(monomial)
-    for base, exponent in part:
-        powers[base] -= exponent
-    return tuple((b, e) for b, e in powers.items() if e)
 
 
 def _monomial(g: Graph, monomial: Monomial) -> Node:

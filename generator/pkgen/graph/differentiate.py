@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 
 from ..functions import FUNCTIONS
-from .graph import MINUS_ONE, ONE, ZERO, Graph, Node, Op
+from .graph import ONE, ZERO, Graph, Node, Op, Symbol
 
 
 def partials(g: Graph, node: Node) -> tuple[Node, ...]:
@@ -36,6 +36,11 @@ def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
         seen |= found
         found = set().union(*map(args, found)) - seen  # all at once, which is quick
     return sorted(seen)
+
+
+def symbols_in(g: Graph, nodes: Iterable[Node], mask: int = -1) -> list[Symbol]:
+    """The symbols below the nodes, of the kinds in the mask, in their order."""
+    return sorted(g.data[n] for n in reachable(g, nodes, mask) if g.op[n] is Op.SYMBOL)
 
 
 class Forward:
@@ -157,6 +162,3 @@ def gradient(g: Graph, output: Node, mask: int) -> dict[Node, Node]:
             if g.depends[a] & mask:
                 adjoint[a] = g.add(adjoint.get(a, ZERO), g.multiply(bar, p))
     return result
-
-
-__all__ = ["MINUS_ONE", "Columns", "Forward", "gradient", "partials", "reachable", "tangent"]

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from .graph import BIT, Graph, Kind, Node, Op
+from .graph import Graph, Node, Op
+from .monomials import merged
 
 Monomial = tuple[tuple[Node, int], ...]
 Polynomial = dict[Monomial, Fraction | int]  # mostly int, which is ten times as fast
@@ -125,7 +126,7 @@ class Normal:
             for n, d in b.items():
                 if c.numerator.bit_length() + d.numerator.bit_length() > BITS:
                     raise TooMuch
-                monomial = product(m, n)
+                monomial = merged(m, n)
                 reduced = self._reduced(monomial)
                 if reduced is not None:
                     again.append({k: x * c * d for k, x in reduced.items()})
@@ -157,7 +158,7 @@ class Normal:
                 square = under
             else:
                 continue
-            rest = product(monomial, ((base, -2),))
+            rest = merged(monomial, ((base, -2),))
             return self.multiplied(square, self._monomial(rest))
         return None
 
@@ -206,37 +207,6 @@ def _plain_number(value: Fraction) -> Fraction | int:
     return value.numerator if value.denominator == 1 else value
 
 
-def product(a: Monomial, b: Monomial) -> Monomial:
-    if not a:
-        return b
-    if not b:
-        return a
-    powers = dict(a)
-    for base, exponent in b:
-        powers[base] = powers.get(base, 0) + exponent
-    return tuple(sorted((n, e) for n, e in powers.items() if e))
-
-
-def depends(g: Graph, polynomial: Polynomial) -> int:
-    """The mask of what occurs in it."""
-    mask = 0
-    for monomial in polynomial:
-        for base, _ in monomial:
-            mask |= g.depends[base]
-    return mask
-
-
-def rate_degree(g: Graph, monomial: Monomial) -> int | None:
-    """The degree in the rates; None where one is inside a function or under a division."""
-    degree = 0
-    for base, exponent in monomial:
-        if g.depends[base] & BIT[Kind.RATE]:
-            if g.op[base] is not Op.SYMBOL or exponent < 0:
-                return None
-            degree += exponent
-    return degree
-
-
 # -- sin^2 + cos^2 where it saves a term, nothing else changed ------------------------------------
 
 
@@ -272,6 +242,6 @@ def _square_partners(g: Graph, monomial: Monomial) -> list[tuple[Monomial, Monom
     for base, exponent in monomial:
         if exponent >= 2 and g.op[base] is Op.CALL and g.data[base] in ("sin", "cos"):
             other = g.call("cos" if g.data[base] == "sin" else "sin", g.args[base][0])
-            common = product(monomial, ((base, -2),))
-            found.append((product(common, ((other, 2),)), common))
+            common = merged(monomial, ((base, -2),))
+            found.append((merged(common, ((other, 2),)), common))
     return found

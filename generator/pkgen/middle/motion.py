@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ..equations import Attitude, Linear, Matrix, Row
-from ..graph.collect import THOROUGH, fewest, forms, settled
+from ..graph.collect import THOROUGH, fewest, forms, settled, shortened
 from ..graph.count import operations
 from ..graph.differentiate import Columns, Forward, gradient, reachable
 from ..graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
@@ -178,10 +178,7 @@ def jacobians_of(
             ways.append(direct)
     found = []
     for way in ways:
-        entries = [entry for matrix in (p_q, *way) for row in matrix for entry in row]
-        if len(reachable(g, entries)) <= THOROUGH:
-            entries = fewest(g, settled(g, entries))
-        found.append(entries)
+        found.append(shortened(g, (x for matrix in (p_q, *way) for row in matrix for x in row)))
     best = found[0] if len(found) == 1 else min(found, key=lambda x: operations(g, x))
     rows = [tuple(best[i : i + n]) for i in range(0, len(best), n)]
     return tuple(rows[:n]), tuple(rows[n : 2 * n]), tuple(rows[2 * n :])
@@ -198,9 +195,7 @@ def linear_of(g: Graph, motion: Motion) -> Linear:
     )
     r_q, r_v = _matrix(g, r, q, COORDINATES), _matrix(g, r, v, RATES)
     r_t = _matrix(g, r, symbols(g, Kind.TIME, 1), TIME)
-    entries = [entry for row in (*r_q, *r_v, *r_t) for entry in row]
-    if len(reachable(g, entries)) <= THOROUGH:
-        entries = fewest(g, settled(g, entries))
+    entries = shortened(g, (entry for row in (*r_q, *r_v, *r_t) for entry in row))
     rows = [tuple(entries[i : i + n]) for i in range(0, len(entries), n)]
     return Linear(tuple(rows[:n]), tuple(rows[n : 2 * n]), rows[2 * n])
 

@@ -11,8 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from ..equations import Attitude, Constraints, Equations, ParameterSlot, Quantity
-from ..graph.differentiate import reachable
-from ..graph.graph import BIT, Graph, Kind, Node, Op, Symbol
+from ..graph.graph import BIT, Graph, Kind, Node, Symbol
 from ..graph.substitute import substituted
 from ..model import Coordinate, Model, State
 from ..record import record
@@ -197,9 +196,3 @@ class StartParameters:
             name += "_"
         self.taken.add(name)
         return name
-
-
-def symbols_in(g: Graph, nodes: Iterable[Node], mask: int) -> list[Symbol]:
-    """The symbols of some kinds below the nodes, in their order."""
-    found = [g.data[n] for n in reachable(g, nodes, mask) if g.op[n] is Op.SYMBOL]
-    return sorted(s for s in found if BIT[s.kind] & mask)

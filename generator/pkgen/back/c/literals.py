@@ -10,7 +10,7 @@
 
 from __future__ import annotations
 
-from decimal import ROUND_HALF_EVEN, Context, Decimal
+from decimal import ROUND_HALF_EVEN, Context, Decimal, Inexact
 from fractions import Fraction
 
 PI = "PK_PI"
@@ -22,32 +22,12 @@ def literal(value: Fraction) -> str:
     """C text of a number >= 0, fit to be a factor of a product."""
     if value.denominator == 1 and value <= _EXACT:
         return str(value.numerator)
-    decimal = _finite_decimal(value)
-    if decimal is not None:
-        return f"PK_C({decimal})"
-    if value.numerator <= _EXACT and value.denominator <= _EXACT:
-        return f"(PK_C({value.numerator}.0) / PK_C({value.denominator}.0))"
     context = Context(prec=_DIGITS, rounding=ROUND_HALF_EVEN, Emax=10**6, Emin=-(10**6))
     quotient = context.divide(Decimal(value.numerator), Decimal(value.denominator))
+    endless = context.flags[Inexact]
+    if endless and value.numerator <= _EXACT and value.denominator <= _EXACT:
+        return f"(PK_C({value.numerator}.0) / PK_C({value.denominator}.0))"
     return f"PK_C({_spelt(quotient)})"
-
-
-def _finite_decimal(value: Fraction) -> str | None:
-    """The decimal expansion if it ends after at most _DIGITS significant digits."""
-    rest, twos, fives = value.denominator, 0, 0
-    while rest % 2 == 0:
-        rest, twos = rest // 2, twos + 1
-    while rest % 5 == 0:
-        rest, fives = rest // 5, fives + 1
-    if rest != 1:
-        return None
-    places = max(twos, fives)
-    digits = str(value.numerator * 10**places // value.denominator)
-    significant = digits.rstrip("0")
-    if len(significant) > _DIGITS:
-        return None
-    places -= len(digits) - len(significant)
-    return _spelt(Decimal((0, tuple(map(int, significant)), -places)))
 
 
 def _spelt(number: Decimal) -> str:

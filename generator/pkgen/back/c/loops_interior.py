@@ -7,13 +7,11 @@ from collections.abc import Sequence
 from ...graph.affine import ROW, Affine, variable
 from ...graph.collect import fewest, rewritten, settled
 from ...graph.count import operations
-from ...graph.differentiate import reachable
-from ...graph.graph import MINUS_ONE, ONE, ZERO, Kind, Node, Op, Symbol
+from ...graph.graph import MINUS_ONE, ONE, ZERO, Node
 from ...graph.normal import WORK
 from ...graph.policies import linear
-from ...middle.loops.expand import domain
-from ...middle.loops.loops import Group, LoopEquations, Part, Row, Slot
-from ...middle.loops.slots import shifted
+from ...middle.loops.loops import Group, LoopEquations, Part, Row
+from ...middle.loops.slots import Slots
 from .loops import WIDEST_BOND
 
 M = variable(ROW)
@@ -25,18 +23,7 @@ class Interior:
     def __init__(self, e: LoopEquations):
         self.e = e
         self.g = e.graph
-        self.slots = list(e.slots)
-        self._symbols = {slot: k for k, slot in enumerate(self.slots)}
-
-    def symbol(self, slot: Slot) -> Node:
-        if slot not in self._symbols:
-            self._symbols[slot] = len(self.slots)
-            self.slots.append(slot)
-        return self.g.symbol(Symbol(domain(slot), self._symbols[slot]))
-
-    def shifted(self, node: Node, shift: int) -> Node:
-        """The same expression in the row m + shift."""
-        return shifted(self.g, node, shift, self.slots, self.symbol)
+        self.slots = Slots(self.g, e.slots)
 
     def fluxes(self, row: Row) -> tuple[list[Node], int, Node]:
         """Forces of bonds, each once: row(m) = sum of F_k(m) - F_k(m - s), and the rest.
@@ -57,7 +44,7 @@ class Interior:
             bulk.remove(partner)
             near, far = (part, partner) if (partner.lo - part.lo).constant > 0 else (partner, part)
             span = (far.lo - near.lo).constant
-            ends = [self.symbol(Slot("flux", str(len(found)), M - k)) for k in (0, span)]
+            ends = [self.slots.node("flux", str(len(found)), M - k) for k in (0, span)]
             found.append(near.inner)
             total = self.g.add(total, self.g.subtract(*ends))
         return found, span, total
@@ -70,7 +57,7 @@ class Interior:
         size = abs(distance.constant)
         if not 1 <= size <= WIDEST_BOND or (span and size != span):
             return False
-        total = self.g.add(self.shifted(a.inner, -distance.constant), b.inner)
+        total = self.g.add(self.slots.shifted(a.inner, -distance.constant), b.inner)
         return total == ZERO or settled(self.g, [total])[0] == ZERO
 
     def interior(
@@ -91,7 +78,7 @@ class Interior:
                 highs.append(part.hi)
             nodes.append(self.g.sum(bulk))
         for node in nodes:
-            for slot in self._slots(node):
+            for slot in self.slots.below(node):
                 if slot.kind in ("q", "v", "d", "w") and slot.at is not None:
                     other, shift = self.e.group(slot.name), slot.at.without(ROW)
                     if slot.at.factor(ROW):
@@ -110,12 +97,6 @@ class Interior:
             lows.append(part.hi + 1)
         else:
             highs.append(part.lo - 1)
-
-    def _slots(self, node: Node):
-        for n in reachable(self.g, [node]):
-            data = self.g.data[n]
-            if self.g.op[n] is Op.SYMBOL and data.kind not in (Kind.PI, Kind.TIME):
-                yield self.slots[data.index]
 
     def shortest(self, nodes: list[Node]) -> list[Node]:
         """The same with fewer operations, where that is found quickly."""

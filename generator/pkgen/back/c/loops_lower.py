@@ -260,7 +260,7 @@ class _Context:
                     continue
                 for target in block.targets:
                     for node in target.nodes:
-                        for slot in self.builder.sets._slots(node):
+                        for slot in self.builder.sets.slots.below(node):
                             if slot.kind == "q" and slot.at is not None:
                                 if not slot.at.factor(ROW):
                                     return None  # one member is felt by all

@@ -114,7 +114,7 @@ class Builder:
         }
 
     def begin(self, libm: bool) -> None:
-        self.e = replace(self.e, slots=tuple(self.sets.slots))
+        self.e = replace(self.e, slots=tuple(self.sets.slots.all))
         self.lowering = Lowering(self.e, libm)
 
     def rows(self, plan: dict, ghosts: bool = True) -> RowSet:

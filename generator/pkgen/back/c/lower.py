@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ...equations import Equations, Structure
-from ...graph.differentiate import reachable
+from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, Graph, Kind, Node, Op, Symbol
 from ...middle.derive.switches import sides
 from ...record import record
@@ -70,9 +70,7 @@ def with_dependents(equations: Equations, read: frozenset[int]) -> frozenset[int
 
 
 def _parameters_in(g: Graph, nodes: Iterable[Node]) -> frozenset[int]:
-    mask = BIT[Kind.PARAMETER]
-    below = (g.data[n] for n in reachable(g, nodes, mask) if g.op[n] is Op.SYMBOL)
-    return frozenset(s.index for s in below if s.kind is Kind.PARAMETER)
+    return frozenset(s.index for s in symbols_in(g, nodes, BIT[Kind.PARAMETER]))
 
 
 @record

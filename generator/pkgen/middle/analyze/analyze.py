@@ -11,8 +11,8 @@ from collections.abc import Iterable
 
 from ...equations import Equations, Structure, Symmetries
 from ...graph.calls import jumps, smooth
-from ...graph.differentiate import reachable
-from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
+from ...graph.differentiate import reachable, symbols_in
+from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import WORK, Normal
 from ...graph.residues import Varying
 from .affine import affine
@@ -107,8 +107,7 @@ class _Seen:
         nodes = [node for node in nodes if g.depends[node] & mask]
         if first:
             atoms = [atom for node in nodes for atom in self.atoms(node)]
-            below = (g.data[n] for n in reachable(g, atoms, mask) if g.op[n] is Op.SYMBOL)
-            return any(symbol.index >= first for symbol in below)
+            return any(symbol.index >= first for symbol in symbols_in(g, atoms, mask))
         return any(self.varying(node, mask) for node in nodes) or any(
             g.depends[atom] & mask for node in nodes for atom in self.atoms(node)
         )
@@ -125,9 +124,7 @@ def _jumping(equations: Equations) -> frozenset[int]:
     inside = [node for node in reachable(g, [equations.lagrangian], VARIABLE) if jumps(g, node)]
     first = {Kind.COORDINATE: 0, Kind.RATE: 0, Kind.STATE: len(equations.coordinates)}
     return frozenset(
-        first[g.data[node].kind] + g.data[node].index
-        for node in reachable(g, inside, VARIABLE)
-        if g.op[node] is Op.SYMBOL and g.data[node].kind in first
+        first[s.kind] + s.index for s in symbols_in(g, inside, VARIABLE) if s.kind in first
     )
 
 
@@ -143,11 +140,7 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
     acting |= {i for i in open_ & equations.turning if seen.normal(equations.gradient[i]) != {}}
     if open_ - acting:
         atoms = seen.atoms(equations.lagrangian)
-        acting |= {
-            g.data[node].index
-            for node in reachable(g, atoms, BIT[Kind.COORDINATE])
-            if g.op[node] is Op.SYMBOL and g.data[node].kind is Kind.COORDINATE
-        } & open_
+        acting |= {s.index for s in symbols_in(g, atoms, BIT[Kind.COORDINATE])} & open_
     return tuple(i in free and i not in acting for i in range(n))
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ...equations import Equations, Indices
-from ...graph.differentiate import reachable
+from ...graph.differentiate import reachable, symbols_in
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Op
 from ...graph.normal import Normal
 from ...graph.residues import Residues
@@ -60,8 +60,7 @@ def ties(equations: Equations) -> dict[int, set[int]]:
     g, mask = equations.graph, BIT[Kind.COORDINATE] | BIT[Kind.RATE]
     for k, row in enumerate(c.rows):
         nodes = [*row, c.residual[k], *c.positions[k : k + 1]]
-        below = (g.data[n] for n in reachable(g, nodes, mask) if g.op[n] is Op.SYMBOL)
-        together = {symbol.index for symbol in below if BIT[symbol.kind] & mask}
+        together = {symbol.index for symbol in symbols_in(g, nodes, mask)}
         for i in together:
             found.setdefault(i, set()).update(together)
     return found

@@ -5,12 +5,11 @@ of squares. Of a chain of links the pivots are long, but each link's term of T h
 from __future__ import annotations
 
 from ...equations import Equations
-from ...graph.differentiate import Columns, reachable
+from ...graph.differentiate import Columns, reachable, symbols_in
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.normal import Normal, squares_merged
 from ...graph.ranges import Ranges
 from ..points.singularities import COORDINATES, bounds_of, summands
-from ..smaller import symbols_in
 from .along import determinant
 
 RATES = BIT[Kind.RATE]

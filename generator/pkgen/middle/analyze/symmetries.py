@@ -22,7 +22,8 @@ from collections.abc import Callable
 from ...equations import Equations, Indices, Invariant, Symmetries
 from ...graph.exact import Exact
 from ...graph.graph import MINUS_ONE, ONE, VARIABLE, Graph, Kind, Node, Op, Symbol
-from ...graph.normal import Monomial, Normal, Polynomial, TooMuch, product
+from ...graph.monomials import merged
+from ...graph.normal import Monomial, Normal, Polynomial, TooMuch
 from ...graph.nullspace import Row, Vector, null_space
 from ...graph.wording import wording
 from .along import Along
@@ -133,7 +134,7 @@ def _whole(row: Row) -> Row:
     shift = tuple((base, -e) for base, e in sorted(least.items()) if e < 0)
     if not shift:
         return row
-    return {k: {product(m, shift): c for m, c in x.items()} for k, x in row.items()}
+    return {k: {merged(m, shift): c for m, c in x.items()} for k, x in row.items()}
 
 
 _TIME, _CYCLIC, _POINT = "time shift", "cyclic coordinate", "symmetry"

@@ -14,9 +14,8 @@ from dataclasses import replace
 from fractions import Fraction
 
 from ...equations import Equations, Hamiltonian, Structure
-from ...graph.collect import THOROUGH, fewest, settled
-from ...graph.differentiate import reachable
-from ...graph.graph import ZERO, Graph, Kind, Node
+from ...graph.collect import shortened
+from ...graph.graph import ZERO, Kind
 from ...graph.solve import solve
 from ...graph.substitute import substituted
 from ...source import Span
@@ -75,21 +74,17 @@ def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
     moving = dict(zip(rates, v, strict=True))
     forces = [*map(g.negate, equations.gradient), *equations.applied]
     slope_and_applied = substituted(g, forces, moving)
-    entries = _short(g, [*v, *slope_and_applied])
+    entries = shortened(g, [*v, *slope_and_applied])
     return replace(
         equations,
         hamiltonian=Hamiltonian(
-            energy=_short(g, [energy])[0],
+            energy=shortened(g, [energy])[0],
             by_p=tuple(entries[:n]),
             by_q=tuple(entries[n : 2 * n]),
             applied=tuple(entries[2 * n :]),
             pivots=pivots,
         ),
     )
-
-
-def _short(g: Graph, nodes: list[Node]) -> list[Node]:
-    return fewest(g, settled(g, nodes)) if len(reachable(g, nodes)) <= THOROUGH else nodes
 
 
 def _energy_span(equations: Equations) -> Span:

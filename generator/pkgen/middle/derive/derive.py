@@ -17,7 +17,7 @@ from ...model import Model, Parameter
 from ...record import record
 from ...source import Diagnostic, ModelError, Span
 from ..expand.expand import Expander
-from ..expand.names import NeedsDerivative
+from ..expand.names import entered
 from ..motion import PARTICLES, Energies, Motion, Wanted
 from ..quantities import error, families, indexed, input_quantities, quantities
 from .constrain import CannotConstrain
@@ -30,20 +30,9 @@ from .lagrange import Derived, derived, located, naming, singularities
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
     """The equations of motion; of the kernels not in `kernels` (None: all) the costly are skipped.
-    `unrolled` says why families are not loops, for models that are too large so.
-
-    An input grows a derivative whenever the equations turn out to need one.
-    """
+    `unrolled` says why families are not loops, for models that are too large so."""
     _check_size(model, unrolled)
-    orders = [item.order for item in model.inputs]
-    while True:
-        try:
-            return _derive(model, kernels, tuple(orders))
-        except NeedsDerivative as needed:
-            item = model.inputs[needed.position]
-            orders[needed.position] += 1
-            if orders[needed.position] > limits.DEPTH:
-                raise error(model, f"too many derivatives of '{item.name}'", item.span) from None
+    return entered(model, lambda orders: _derive(model, kernels, orders))
 
 
 def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...]) -> Equations:

@@ -10,8 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ...equations import Attitude, Constraints, Equations, ParameterSlot, Quantity, Row, Singularity
-from ...graph.collect import THOROUGH, fewest, settled
-from ...graph.differentiate import reachable
+from ...graph.collect import shortened
 from ...graph.graph import ZERO, Graph, Kind, Node, Symbol
 from ...graph.solve import Solution
 from ...record import record
@@ -104,9 +103,7 @@ def derived(
         linear = linear_of(g, motion)
     energy = energy_of(g, energies, motion, wanted)
     shown = shorter(g, energies, wanted)
-    rates = states
-    if states and len(reachable(g, states)) <= THOROUGH:
-        rates = tuple(fewest(g, settled(g, list(states))))
+    rates = tuple(shortened(g, states))
     return Derived(
         motion,
         solution,

@@ -16,8 +16,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from ...equations import Constraints, Equations, Matrix, Quantity, Row, Structure, Switch
-from ...graph.differentiate import reachable
-from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
+from ...graph.differentiate import symbols_in
+from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node
 from ...graph.rounding import sizes
 from ...graph.solve import solve
 from ...graph.substitute import substituted
@@ -57,8 +57,7 @@ def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
 
 
 def _rates_in(g: Graph, node: Node, count: int) -> list[int]:
-    below = (g.data[n] for n in reachable(g, [node], STATES) if g.op[n] is Op.SYMBOL)
-    return sorted(symbol.index - count for symbol in below if symbol.index >= count)
+    return [s.index - count for s in symbols_in(g, [node], STATES) if s.index >= count]
 
 
 # -- for the C -----------------------------------------------------------------------------------

@@ -6,8 +6,9 @@ coordinates go over to rates, t to 1, an input to its derivative, a state to its
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import TypeVar
 
 from ... import limits
 from ...equations import Attitude
@@ -23,6 +24,8 @@ from ..quantities import Family, error, families, indexed, input_index, rate_of_
 Vector3 = tuple[Node, ...]
 Value = Node | Vector3
 Loop = dict[str, int]
+Derived = TypeVar("Derived")
+BUILT_IN = {"t": Symbol(Kind.TIME), "pi": Symbol(Kind.PI)}
 
 
 class NeedsDerivative(Exception):
@@ -31,6 +34,32 @@ class NeedsDerivative(Exception):
     def __init__(self, position: int):
         super().__init__(position)
         self.position = position
+
+
+def entered(model: Model, derive: Callable[[tuple[int, ...]], Derived]) -> Derived:
+    """What `derive` makes with so many derivatives of each input: one grows another whenever the
+    equations turn out to need it."""
+    orders = [item.order for item in model.inputs]
+    while True:
+        try:
+            return derive(tuple(orders))
+        except NeedsDerivative as needed:
+            item = model.inputs[needed.position]
+            orders[needed.position] += 1
+            if orders[needed.position] > limits.DEPTH:
+                raise error(model, f"too many derivatives of '{item.name}'", item.span) from None
+
+
+def next_input(orders: tuple[int, ...], index: int) -> int:
+    """The flat index of an input's derivative, of the input's own or of an earlier one."""
+    last = -1
+    for position, order in enumerate(orders):
+        last += order + 1
+        if index == last:
+            raise NeedsDerivative(position)
+        if index < last:
+            break
+    return index + 1
 
 
 class Acceleration(Exception):
@@ -147,8 +176,8 @@ class Names:
             if index not in members:
                 raise error(self.model, f"'{indexed(name, index)}' is not defined", expr.span)
             return members[index]
-        if name in _BUILT_IN:
-            return self.graph.symbol(_BUILT_IN[name])
+        if name in BUILT_IN:
+            return self.graph.symbol(BUILT_IN[name])
         raise error(self.model, f"unknown name '{name}'", expr.span)
 
     def coordinate(self, name: str, index: int | None, span: Span) -> Node:
@@ -198,17 +227,7 @@ class Names:
 
     def next_input(self, symbol: Symbol) -> Node:
         """The derivative of an input."""
-        last = -1
-        for position, order in enumerate(self.orders):
-            last += order + 1
-            if symbol.index == last:
-                raise NeedsDerivative(position)
-            if symbol.index < last:
-                break
-        return self.graph.symbol(Symbol(Kind.INPUT, symbol.index + 1))
-
-
-_BUILT_IN = {"t": Symbol(Kind.TIME), "pi": Symbol(Kind.PI)}
+        return self.graph.symbol(Symbol(Kind.INPUT, next_input(self.orders, symbol.index)))
 
 
 def _ends(model: Model, coordinates: dict[str, Family]) -> dict[tuple[str, int | None], End]:

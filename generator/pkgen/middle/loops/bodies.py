@@ -11,7 +11,6 @@ from ...graph.graph import Node
 from .expand import LoopExpander
 from .loops import Group, Limit, PairForce, Part, Slot, Total, Unrolled
 from .pairs import M
-from .slots import slots_of
 from .terms import Term
 
 
@@ -45,11 +44,11 @@ class Bodies:
     def views(self, term: Term) -> Iterator[tuple[str, Affine, Node]]:
         """(family, offset, body) for each family slot: the body as seen from that slot's row."""
         body = self.at_row(term)
-        for slot in slots_of(self.x, [body]):
+        for slot in self.x.slots.below(body):
             if slot.kind not in ("q", "v") or slot.at is None:
                 continue
             twin = Slot("q" if slot.kind == "v" else "v", slot.name, slot.at)
-            if slot.kind == "v" and twin in slots_of(self.x, [body]):
+            if slot.kind == "v" and twin in self.x.slots.below(body):
                 continue  # seen already
             if not term.ranges:
                 yield slot.name, slot.at, body
@@ -69,7 +68,7 @@ class Bodies:
             length = hi - lo
         at = {ROW: (lo, hi)} if term.ranges else {}
         self.found.limits += self.x.limits_of(length, at)
-        for slot in slots_of(self.x, [body]):
+        for slot in self.x.slots.below(body):
             if slot.kind in ("q", "v") and slot.at is not None and term.ranges:
                 self._relative(slot)
                 self.in_reach(slot, lo, hi)
@@ -104,7 +103,7 @@ class Bodies:
         return list(
             dict.fromkeys(
                 slot.name
-                for slot in slots_of(self.x, [body])
+                for slot in self.x.slots.below(body)
                 if slot.kind in ("q", "v") and slot.at is None
             )
         )

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ... import limits
 from ...graph.affine import ROW, variable
 from ...graph.graph import ZERO
 from ...model import Model
 from ...source import Diagnostic, ModelError
 from ..derive.impulses import Across, arguments_of
-from ..expand.names import NeedsDerivative
-from ..quantities import error, indexed
+from ..expand.names import entered
+from ..quantities import indexed
 from .bodies import Gathered
 from .expand import LoopExpander, size_values
 from .facts import facts_of, total_nodes
@@ -28,26 +27,17 @@ def derive_loops(model: Model) -> LoopEquations:
         raise Unrolled("a model with constraints has its families written out")
     if model.states:
         raise Unrolled("a model with states has its families written out")
-    sized = set(size_values(model))
-    orders = [item.order for item in model.inputs]
-    while True:
-        try:
-            x = LoopExpander(model, tuple(orders))
-            if not any(
-                group.is_family and {n for n, _ in group.count.terms} & sized
-                for group in x.coordinates.values()
-            ):
-                raise Unrolled("no family of coordinates has a length that depends on a size")
-            return _derive(x)
-        except NeedsDerivative as needed:
-            item = model.inputs[needed.position]
-            orders[needed.position] += 1
-            if orders[needed.position] > limits.DEPTH:
-                raise error(model, f"too many derivatives of '{item.name}'", item.span) from None
+    return entered(model, lambda orders: _derive(LoopExpander(model, orders)))
 
 
 def _derive(x: LoopExpander) -> LoopEquations:
     model, gather = x.model, Gather(x)
+    sized = size_values(model).keys()
+    if not any(
+        group.is_family and {n for n, _ in group.count.terms} & sized
+        for group in x.coordinates.values()
+    ):
+        raise Unrolled("no family of coordinates has a length that depends on a size")
     if model.events:
         raise Unrolled(f"'{model.events[0].name}' is an event")
     found: dict[str, list[tuple[Term, int]]] = {}
@@ -117,7 +107,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
     _check_jumps(x, result)
     result = replace(result, facts=facts_of(x, gather, result))
     singularities, pivots = singularities_of(x, gather, result)
-    return replace(result, singularities=singularities, pivots=pivots, slots=tuple(x.slots))
+    return replace(result, singularities=singularities, pivots=pivots, slots=tuple(x.slots.all))
 
 
 def _forces(x: LoopExpander, gather: Gather) -> None:

@@ -7,39 +7,19 @@ from contextlib import AbstractContextManager, nullcontext
 from ... import limits
 from ...graph.affine import LOOPS, Affine, affine, extremes, variable
 from ...graph.differentiate import Forward
-from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Kind, Node, Symbol
+from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Node
 from ...graph.magnitudes import Magnitudes
 from ...indices import NotAnInteger
 from ...model import Coordinate, Definition, Model, Parameter
 from ...source import Span
 from ...tree import Expr, Name, Sum, children
-from ..expand.names import NeedsDerivative, Value
+from ..expand.names import BUILT_IN, Value, next_input
 from ..expand.terms import EXPAND
 from ..quantities import error, input_index
 from .loops import Group, Limit, Slot, Total, Unrolled
+from .slots import Slots
 
 Loop = dict[str, Affine]
-# The domain of a slot's symbol: what is known before the loops begin can be hoisted.
-_KINDS = {
-    "q": Kind.COORDINATE,
-    "v": Kind.RATE,
-    "param": Kind.PARAMETER,
-    "size": Kind.PARAMETER,
-    "input": Kind.INPUT,
-    "index": Kind.INPUT,
-    "sum": Kind.INPUT,
-    "flux": Kind.INPUT,
-    "w": Kind.INPUT,
-    "d": Kind.RATE,
-}
-_BUILT_IN = {"t": Symbol(Kind.TIME), "pi": Symbol(Kind.PI)}
-
-
-def domain(slot: Slot) -> str:
-    """The kind of a slot's symbol."""
-    if slot.kind == "param" and slot.at is not None and any(slot.at.factor(v) for v in LOOPS):
-        return Kind.INPUT  # another value in each row: not to be hoisted
-    return _KINDS[slot.kind]
 
 
 class LoopExpander:
@@ -49,9 +29,8 @@ class LoopExpander:
         self.model = model
         self.orders = orders
         self.graph = Graph(limits.UNROLLED)
-        self.slots: list[Slot] = []
+        self.slots = Slots(self.graph)
         self.primes: list[tuple[Node, Span]] = []
-        self._known: dict[Slot, Node] = {}
         self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
         self.coordinates = {c.name: self._group(c) for c in model.coordinates}
         self.parameters = {p.name: self._group(p) for p in model.parameters}
@@ -98,30 +77,13 @@ class LoopExpander:
         """Adds no place: what goes wrong here raises Unrolled with its own reason."""
         return nullcontext()
 
-    # -- slots --------------------------------------------------------------------------------
-
-    def slot(self, kind: str, name: str, at: Affine | None = None) -> Node:
-        slot = Slot(kind, name, at)
-        node = self._known.get(slot)
-        if node is None:
-            node = self.graph.symbol(Symbol(domain(slot), len(self.slots)))
-            self.slots.append(slot)
-            self._known[slot] = node
-        return node
-
-    def slot_of(self, node: Node) -> Slot | None:
-        data = self.graph.data[node]
-        if isinstance(data, Symbol) and data.kind not in (Kind.PI, Kind.TIME):
-            return self.slots[data.index]
-        return None
-
     def number(self, at: Affine) -> Node:
         """An index expression as a number."""
         g = self.graph
         total = g.number(at.constant)
         for name, factor in at.terms:
             kind = "index" if name in LOOPS else "size"
-            total = g.add(total, g.multiply(g.number(factor), self.slot(kind, name)))
+            total = g.add(total, g.multiply(g.number(factor), self.slots.node(kind, name)))
         return total
 
     # -- expressions --------------------------------------------------------------------------
@@ -162,7 +124,7 @@ class LoopExpander:
         if any(a.factor(v) for a in loop.values() for v in LOOPS):
             raise Unrolled("a sum stands inside another one's function")
         self.sums.append(self.make_total(expr))
-        return self.slot("sum", str(len(self.sums) - 1))
+        return self.slots.node("sum", str(len(self.sums) - 1))
 
     def name(self, expr: Name, loop: Loop) -> Value:
         name = expr.id
@@ -174,18 +136,18 @@ class LoopExpander:
         if name in self.parameters:
             if index is not None:
                 self._reach(self.parameters[name], index, expr.span)
-            return self.slot("param", name, index)
+            return self.slots.node("param", name, index)
         if name in self.inputs:
             flat = input_index(self.orders, self.inputs[name], 0)
-            return self.slot("input", str(flat))
+            return self.slots.node("input", str(flat))
         if name in self.definitions:
             return self._definition(name, index, expr.span)
         if name in self.outputs:
             if index is not None:
                 raise Unrolled(f"'{name}' is an output of each member")
             return self.outputs[name]
-        if name in _BUILT_IN:
-            return self.graph.symbol(_BUILT_IN[name])
+        if name in BUILT_IN:
+            return self.graph.symbol(BUILT_IN[name])
         raise Unrolled(f"'{name}' is not known in a loop")
 
     def _definition(self, name: str, index: Affine | None, span: Span) -> Value:
@@ -216,12 +178,12 @@ class LoopExpander:
         """A coordinate; a given member that is named outside loops by what it is given as."""
         group = self.coordinates[name]
         if index is None or any(index.factor(v) for v in LOOPS):
-            return self.slot("q", name, index)
+            return self.slots.node("q", name, index)
         for at, end in group.ends:
             if at == index:
                 if end.kind == "fixed":
                     return self.scalar(end.value)
-                return self.slot("q", name, group.lo if at == group.lo - 1 else group.hi)
+                return self.slots.node("q", name, group.lo if at == group.lo - 1 else group.hi)
         if group.periodic:
             below, above = index - group.lo, group.hi - index
             if below.is_constant and below.constant < 0:
@@ -229,7 +191,7 @@ class LoopExpander:
             elif above.is_constant and above.constant < 0:
                 index = index - group.count
         self.members.append((group.lo, group.hi, index, group.declared.span))
-        return self.slot("q", name, index)
+        return self.slots.node("q", name, index)
 
     def limits_of(self, length: Affine | None, at: dict[str, tuple[Affine, Affine]]) -> list[Limit]:
         """What the sizes must fulfil for members met since to be there; forgets them."""
@@ -243,11 +205,11 @@ class LoopExpander:
     # -- derivatives in time ------------------------------------------------------------------
 
     def _rate_of(self, node: Node) -> Node:
-        slot = self.slot_of(node)
+        slot = self.slots.of(node)
         if slot is None:
             return ONE  # t
         if slot.kind == "q":
-            return self.slot("v", slot.name, slot.at)
+            return self.slots.node("v", slot.name, slot.at)
         if slot.kind == "input":
             return self.next_input(slot)
         if slot.kind == "sum":
@@ -257,14 +219,7 @@ class LoopExpander:
         return ZERO
 
     def next_input(self, slot: Slot) -> Node:
-        last = -1
-        for position, order in enumerate(self.orders):
-            last += order + 1
-            if int(slot.name) == last:
-                raise NeedsDerivative(position)
-            if int(slot.name) < last:
-                break
-        return self.slot("input", str(int(slot.name) + 1))
+        return self.slots.node("input", str(next_input(self.orders, int(slot.name))))
 
 
 def unlike_loops(size: str) -> str:

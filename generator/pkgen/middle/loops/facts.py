@@ -11,7 +11,6 @@ from ..analyze.affine import is_affine
 from .expand import LoopExpander
 from .loops import Facts, LoopEquations, Total, Vector
 from .rows import Gather
-from .slots import slots_of
 
 
 def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
@@ -43,7 +42,7 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
 def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
     """Whether each is a sum of positions and rates, each times a constant, as it stands."""
     g = x.graph
-    slots = ((node, x.slot_of(node)) for node in reachable(g, nodes) if g.op[node] is Op.SYMBOL)
+    slots = ((node, x.slots.of(node)) for node in reachable(g, nodes) if g.op[node] is Op.SYMBOL)
     symbols = {
         node: slot.kind in ("q", "v", "d")
         for node, slot in slots
@@ -53,7 +52,7 @@ def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
 
 
 def _kinds(x: LoopExpander, nodes: list[Node]) -> set[str]:
-    found = {slot.kind for slot in slots_of(x, nodes)}
+    found = {slot.kind for slot in x.slots.below(*nodes)}
     if any(x.graph.depends[node] & BIT[Kind.TIME] for node in nodes):
         found.add("t")
     return found

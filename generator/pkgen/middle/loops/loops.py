@@ -14,7 +14,6 @@ length of a family down to one member.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import field
 
 from ...equations import Claim, Symmetries
@@ -259,9 +258,3 @@ class LoopEquations:
         for group in self.coordinates:
             total = total + group.count
         return total
-
-
-def all_parts(vectors: list[Vector]) -> Iterator[Part]:
-    for vector in vectors:
-        for row in vector.rows.values():
-            yield from row.parts

@@ -7,7 +7,6 @@ from ...graph.differentiate import gradient
 from ...graph.graph import BIT, MINUS_ONE, ZERO, Graph, Kind, Node
 from .expand import LoopExpander
 from .loops import Limit, PairForce, Unrolled
-from .slots import slots_of
 from .terms import Term
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
@@ -31,7 +30,7 @@ def pair_body(x: LoopExpander, term: Term, limits: list[Limit]) -> Node:
     # A pair is met where both ranges are not empty; the extremes over m are for those.
     at = {OTHER: (first, last), ROW: (lo, hi)}
     limits += x.limits_of(hi - lo, at)
-    for slot in slots_of(x, [body]):
+    for slot in x.slots.below(body):
         if slot.kind not in ("q", "v") or slot.at is None:
             continue
         if slot.at not in (M, J):
@@ -57,9 +56,9 @@ def pair_force(
     kind = "v" if drag else "q"
     by = gradient(x.graph, body, RATES if drag else STATE)
     sides: dict[Affine | None, list[tuple[str, Node]]] = {M: [], J: [], None: []}
-    for slot in slots_of(x, [body]):
+    for slot in x.slots.below(body):
         if slot.kind == kind:
-            node = by.get(x.slot(kind, slot.name, slot.at), ZERO)
+            node = by.get(x.slots.node(kind, slot.name, slot.at), ZERO)
             if node != ZERO:
                 sides[slot.at].append((slot.name, node))
     return PairForce(*pair_ranges(term), tuple(sides[M]), tuple(sides[J]), tuple(sides[None]))

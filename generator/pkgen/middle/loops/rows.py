@@ -8,9 +8,8 @@ from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node
 from ..motion import degree
 from .bodies import Bodies, Gathered
 from .expand import LoopExpander
-from .loops import PairPart, Part, Total, Unrolled
+from .loops import PairPart, Part, Slot, Total, Unrolled
 from .pairs import RATES, STATE, M, pair_body, pair_force, pair_ranges, signed
-from .slots import slots_of, substitute
 from .terms import Term
 
 
@@ -96,7 +95,7 @@ class Gather:
     def force(self, name: str, lo: Affine | None, hi: Affine | None, node: Node) -> None:
         """Adds a generalized force along the members lo..hi."""
         self.applied |= node != ZERO
-        for slot in slots_of(self.x, [node]):
+        for slot in self.x.slots.below(node):
             self.bodies.in_reach(slot, lo, hi)
         for what in ("pdot", "force"):
             if lo is None:
@@ -117,10 +116,10 @@ class Gather:
         work = self.g.negate(body)
         moving = False
         for symbol, node in by.items():
-            slot = self.x.slot_of(symbol)
+            slot = self.x.slots.of(symbol)
             given = slot.name in self.moving and slot.at is not None and bool(term.ranges)
             moving |= given
-            rate = self.x.slot("d", slot.name, slot.at) if given else symbol
+            rate = self.x.slots.node("d", slot.name, slot.at) if given else symbol
             work = self.g.add(work, self.g.multiply(rate, node))
         inner = body if degree(self.g, body) == 2 else self.inner(work)
         return (work if moving else inner), inner
@@ -149,14 +148,13 @@ class Gather:
 
     def inner(self, node: Node) -> Node:
         """Away from the ends: no given cell is near."""
-        values = {}
-        for slot in slots_of(self.x, [node]):
-            symbol = self.x.slot(slot.kind, slot.name, slot.at)
-            if slot.kind == "w":
-                values[symbol] = ZERO
-            elif slot.kind == "d":
-                values[symbol] = self.x.slot("v", slot.name, slot.at)
-        return substitute(self.g, node, values) if values else node
+
+        def swap(slot: Slot) -> Node | None:
+            if slot.kind == "d":
+                return self.x.slots.node("v", slot.name, slot.at)
+            return ZERO if slot.kind == "w" else None
+
+        return self.x.slots.swapped(node, swap)
 
     def _append(self, parts: list[Part], part: Part) -> None:
         if part.node != ZERO:
@@ -171,14 +169,13 @@ class Gather:
 
     def _seen_from(self, node: Node, place: Affine) -> Node:
         """Members named outside loops, near the one at `place`, at their distance from it."""
-        values = {}
-        for slot in slots_of(self.x, [node]):
-            if slot.at is not None and (slot.at - place).is_constant:
-                at = M + (slot.at - place)
-                values[self.x.slot(slot.kind, slot.name, slot.at)] = self.x.slot(
-                    slot.kind, slot.name, at
-                )
-        return substitute(self.g, node, values) if values else node
+
+        def swap(slot: Slot) -> Node | None:
+            if slot.at is None or not (slot.at - place).is_constant:
+                return None
+            return self.x.slots.node(slot.kind, slot.name, M + (slot.at - place))
+
+        return self.x.slots.swapped(node, swap)
 
     def _with(self, total: Total, term: Term, node: Node) -> Total:
         if not term.ranges:
@@ -196,7 +193,7 @@ class Gather:
         if momentum == ZERO:
             return
         for symbol, node in gradient(self.g, momentum, RATES).items():
-            slot = self.x.slot_of(symbol)
+            slot = self.x.slots.of(symbol)
             if node == ZERO:
                 continue
             if slot.at is None:
@@ -209,14 +206,14 @@ class Gather:
             self._add(self.found.entries[key], term, shift, node)
 
     def _by(self, by: dict[Node, Node], kind: str, name: str, at: Affine | None) -> Node:
-        return by.get(self.x.slot(kind, name, at), ZERO)
+        return by.get(self.x.slots.node(kind, name, at), ZERO)
 
     def _coasting(self, node: Node) -> Node:
         """The time derivative of a symbol where nothing accelerates but what is given."""
-        slot = self.x.slot_of(node)
+        slot = self.x.slots.of(node)
         if slot is not None and slot.kind == "v":
             relative = slot.at is not None and any(slot.at.factor(v) for v in LOOPS)
             if relative and slot.name in self.moving:
-                return self.x.slot("w", slot.name, slot.at)
+                return self.x.slots.node("w", slot.name, slot.at)
             return ZERO
         return self.x.derivative(node)

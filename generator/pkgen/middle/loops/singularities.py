@@ -20,10 +20,9 @@ from ...graph.ranges import INF, Range, Ranges
 from ...graph.wording import wording
 from ..points.singularities import COORDINATES, DIVISOR, about, dangerous, squared, zeros
 from .expand import LoopExpander, unlike_loops
-from .loops import Group, LoopEquations, LoopSingularity, PairPart, Part, Slot, Total
+from .loops import Group, LoopEquations, LoopSingularity, PairPart, Part, Total
 from .pairs import M
 from .rows import Gather
-from .slots import shifted, slots_of
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.TIME]
 _PRIMES = {"v": "'", "d": "'"}
@@ -145,12 +144,12 @@ class _Singularities:
     def _moves(self, node: Node) -> bool:
         moving = ("input", "w")
         return bool(self.g.depends[node] & MOVES) or any(
-            slot.kind in moving for slot in slots_of(self.x, [node])
+            slot.kind in moving for slot in self.x.slots.below(node)
         )
 
     def _canonical(self, over: _Over, node: Node) -> _Guarded:
         """The same with i the least index in it: rows see a body from each of its members."""
-        slots = slots_of(self.x, [node])
+        slots = self.x.slots.below(node)
         members = [s.at for s in slots if s.at is not None and s.at.factor(ROW)]
         if len(over) != 2:
             return over, node
@@ -158,10 +157,7 @@ class _Singularities:
             return (over if any(slot.kind == "index" for slot in slots) else ()), node
         least = min([(at - M).constant for at in members if (at - M).is_constant], default=0)
         lo, hi = over
-        return (lo + least, hi + least), shifted(self.g, node, -least, self.x.slots, self._symbol)
-
-    def _symbol(self, slot: Slot) -> Node:
-        return self.x.slot(slot.kind, slot.name, slot.at)
+        return (lo + least, hi + least), self.x.slots.shifted(node, -least)
 
     def _terms(self, over: _Over, node: Node) -> Total:
         if not over:
@@ -177,7 +173,7 @@ class _Singularities:
         def name(symbol: Symbol) -> str:
             if symbol.kind is Kind.TIME:
                 return "t"
-            slot = self.x.slots[symbol.index]
+            slot = self.x.slots.all[symbol.index]
             if slot.kind == "index":
                 return shown[slot.name]
             at = "" if slot.at is None else f"[{slot.at.text(shown).replace(' ', '')}]"
@@ -195,13 +191,15 @@ def _known(x: LoopExpander, e: LoopEquations) -> dict[Node, Range]:
     """The ranges of parameters, those of a family's members too, and of sizes and indices."""
     g, found = x.graph, {}
     bounds = dict(zip(x.parameters, e.bounds, strict=True))
-    for slot in list(x.slots):
+    for slot in list(x.slots.all):
         if slot.kind == "param":
             given, own = x.parameters[slot.name].declared.bounds, bounds[slot.name]
             lo, hi = _number(g, own.lo, -INF), _number(g, own.hi, INF)
-            found[x.slot("param", slot.name, slot.at)] = Range(lo, hi, given.lo_open, given.hi_open)
+            found[x.slots.node("param", slot.name, slot.at)] = Range(
+                lo, hi, given.lo_open, given.hi_open
+            )
         elif slot.kind == "size":
-            found[x.slot("size", slot.name, slot.at)] = Range(1)
+            found[x.slots.node("size", slot.name, slot.at)] = Range(1)
     return found
 
 

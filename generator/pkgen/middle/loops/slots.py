@@ -1,56 +1,77 @@
-"""Slots in expressions: which there are, and others in their place."""
+"""The slots of a graph: which there are, and the same expression seen from another row."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 
-from ...graph.affine import ROW
+from ...graph.affine import LOOPS, ROW, Affine
 from ...graph.differentiate import reachable
-from ...graph.graph import Graph, Kind, Node, Op
-from .expand import LoopExpander
+from ...graph.graph import Graph, Kind, Node, Op, Symbol
+from ...graph.substitute import substituted
 from .loops import Slot
 
-
-def slots_of(x: LoopExpander, nodes: list[Node]) -> list[Slot]:
-    """The slots that some nodes need, in the order in which they were met first."""
-    found = (x.slot_of(n) for n in reachable(x.graph, nodes) if x.graph.op[n] is Op.SYMBOL)
-    return [slot for slot in found if slot is not None]
-
-
-def substitute(g: Graph, node: Node, values: dict[Node, Node]) -> Node:
-    """The node with symbols replaced."""
-    known = dict(values)
-    for n in reachable(g, [node]):
-        if n in known:
-            continue
-        args = [known[a] for a in g.args[n]]
-        op = g.op[n]
-        if tuple(args) == g.args[n]:
-            known[n] = n
-        elif op is Op.ADD:
-            known[n] = g.add(*args)
-        elif op is Op.MULTIPLY:
-            known[n] = g.multiply(*args)
-        elif op is Op.POWER:
-            known[n] = g.power(args[0], g.data[n])
-        else:
-            known[n] = g.call(g.data[n], *args)
-    return known[node]
+# The domain of a slot's symbol: what is known before the loops begin can be hoisted.
+_KINDS = {
+    "q": Kind.COORDINATE,
+    **dict.fromkeys(("v", "d"), Kind.RATE),
+    **dict.fromkeys(("param", "size"), Kind.PARAMETER),
+    **dict.fromkeys(("input", "index", "sum", "flux", "w"), Kind.INPUT),
+}
 
 
-def shifted(
-    g: Graph, node: Node, shift: int, slots: Sequence[Slot], symbol: Callable[[Slot], Node]
-) -> Node:
-    """The same expression in the row m + shift."""
-    values = {}
-    for n in reachable(g, [node]):
-        data = g.data[n]
-        if g.op[n] is not Op.SYMBOL or data.kind in (Kind.PI, Kind.TIME):
-            continue
-        slot = slots[data.index]
-        if slot.kind == "index" and slot.name == ROW:
-            values[n] = g.add(n, g.number(shift))
-        elif slot.at is not None and slot.at.factor(ROW):
-            at = slot.at + shift * slot.at.factor(ROW)
-            values[n] = symbol(Slot(slot.kind, slot.name, at))
-    return substitute(g, node, values)
+def _domain(slot: Slot) -> str:
+    """The kind of a slot's symbol."""
+    if slot.kind == "param" and slot.at is not None and any(slot.at.factor(v) for v in LOOPS):
+        return Kind.INPUT  # another value in each row: not to be hoisted
+    return _KINDS[slot.kind]
+
+
+class Slots:
+    """Of one graph, to which both may be added."""
+
+    def __init__(self, g: Graph, slots: Iterable[Slot] = ()):
+        self.graph = g
+        self._places: dict[Slot, int] = {slot: k for k, slot in enumerate(slots)}
+        self.all = list(self._places)
+
+    def node(self, kind: str, name: str, at: Affine | None = None) -> Node:
+        """Its symbol."""
+        slot = Slot(kind, name, at)
+        if slot not in self._places:
+            self._places[slot] = len(self.all)
+            self.all.append(slot)
+        return self.graph.symbol(Symbol(_domain(slot), self._places[slot]))
+
+    def of(self, node: Node) -> Slot | None:
+        """What a node stands for; None of anything but a slot's symbol."""
+        data = self.graph.data[node]
+        if isinstance(data, Symbol) and data.kind not in (Kind.PI, Kind.TIME):
+            return self.all[data.index]
+        return None
+
+    def below(self, *nodes: Node) -> list[Slot]:
+        """The slots that some nodes need, in the order in which they were met first."""
+        g = self.graph
+        found = (self.of(n) for n in reachable(g, nodes) if g.op[n] is Op.SYMBOL)
+        return [slot for slot in found if slot is not None]
+
+    def swapped(self, node: Node, swap: Callable[[Slot], Node | None]) -> Node:
+        """The node with others in the place of its slots; None leaves one as it is."""
+        values = {}
+        for slot in self.below(node):
+            value = swap(slot)
+            if value is not None:
+                values[self.node(slot.kind, slot.name, slot.at)] = value
+        return substituted(self.graph, [node], values)[0] if values else node
+
+    def shifted(self, node: Node, shift: int) -> Node:
+        """The same expression in the row m + shift."""
+        g = self.graph
+
+        def swap(slot: Slot) -> Node | None:
+            if slot.kind == "index" and slot.name == ROW:
+                return g.add(self.node(slot.kind, slot.name), g.number(shift))
+            factor = 0 if slot.at is None else slot.at.factor(ROW)
+            return self.node(slot.kind, slot.name, slot.at + shift * factor) if factor else None
+
+        return self.swapped(node, swap)

@@ -12,7 +12,6 @@ from ..quantities import error
 from .expand import LoopExpander
 from .loops import Assigned, Bounded, Total, Unrolled
 from .rows import Gather
-from .slots import slots_of
 from .terms import terms
 
 
@@ -30,7 +29,7 @@ class Outputs:
         for name, total in named.items():
             if total is not None and name in used:
                 self.totals.append(total)
-                x.outputs[name] = x.slot("sum", str(len(self.totals) - 1))
+                x.outputs[name] = x.slots.node("sum", str(len(self.totals) - 1))
 
     def _total(self, expr) -> Total:
         return self.gather.total([(term, 1) for term in terms(self.x, expr)])
@@ -42,7 +41,7 @@ class Outputs:
                 if item.range is not None or item.index is not None:
                     raise Unrolled(f"'{item.name}' is an output for each index")
                 node = self.x.scalar(item.value)
-                for slot in slots_of(self.x, [node]):
+                for slot in self.x.slots.below(node):
                     self.gather.found.limits += self.x.limits_of(None, {})
                     assert slot.at is None or not any(slot.at.factor(v) for v in LOOPS)
                 self.x.outputs[item.name] = node
@@ -71,7 +70,7 @@ def starts_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
             elif item.index is not None:
                 lo = hi = x.index(item.index, loop)
             node = x.scalar(item.value, loop)
-            bad = [s for s in slots_of(x, [node]) if s.kind in ("q", "v", "input", "sum")]
+            bad = [s for s in x.slots.below(node) if s.kind in ("q", "v", "input", "sum")]
             if bad or x.graph.depends[node] & BIT[Kind.TIME]:
                 message = "an initial value may use parameters and numbers only"
                 raise error(x.model, message, item.value.span)
@@ -119,7 +118,7 @@ def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node
     """Values of fixed ends, with the derivatives that rows at the ends may ask for."""
     far = {
         slot.name
-        for slot in x.slots
+        for slot in x.slots.all
         if slot.kind in ("v", "d", "w") and slot.at is not None and slot.at != variable(ROW)
     }
     found = {}
@@ -130,6 +129,6 @@ def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node
             with x.statement(end.span):
                 value = x.scalar(end.value)
                 rate = x.derivative(value) if group.name in far else ZERO
-                needed = any(s.kind == "w" and s.name == group.name for s in x.slots)
+                needed = any(s.kind == "w" and s.name == group.name for s in x.slots.all)
                 found[group.name, at] = (value, rate, x.derivative(rate) if needed else ZERO)
     return found

@@ -12,7 +12,7 @@ import math
 import random
 
 from ...equations import ParameterSlot, Row
-from ...graph.differentiate import reachable
+from ...graph.differentiate import reachable, symbols_in
 from ...graph.evaluate import evaluate
 from ...graph.graph import VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
@@ -78,8 +78,7 @@ def _about(draw: random.Random, at: float, part: int) -> float:
 
 def _symbols(g: Graph, matrices: list[Entries]) -> list[Symbol]:
     nodes = [node for matrix in matrices for node in matrix.values()]
-    below = reachable(g, nodes, VARIABLE)
-    return sorted(g.data[node] for node in below if g.op[node] is Op.SYMBOL)
+    return symbols_in(g, nodes, VARIABLE)
 
 
 def _in_numbers(

@@ -8,9 +8,9 @@ from fractions import Fraction
 
 from ...equations import Equations, ParameterSlot, Row
 from ...graph.balls import Ball, Balls
-from ...graph.differentiate import reachable
+from ...graph.differentiate import reachable, symbols_in
 from ...graph.evaluate import evaluate
-from ...graph.graph import VARIABLE, Graph, Kind, Node, Op, Symbol
+from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Symbol
 from ...record import record
 from .singularities import bounds_of
 from .solved import accelerations
@@ -31,16 +31,12 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
     """States for the symbols that occur in the nodes, near the start, about 1, and near constants
     of the nodes; accelerations that occur are found for them."""
     draw = random.Random(2385)
+    solved = any(g.depends[node] & BIT[Kind.ACCELERATION] for node in nodes)
+    if solved:
+        nodes = [*nodes, *equations.force, *sum(equations.mass, ())]
     below = reachable(g, nodes)
-    if any(g.op[n] is Op.SYMBOL and g.data[n].kind is Kind.ACCELERATION for n in below):
-        solved = True
-        below = reachable(g, [*nodes, *equations.force, *sum(equations.mass, ())])
-    else:
-        solved = False
-    found = {g.data[n] for n in below if g.op[n] is Op.SYMBOL}
-    apart = (Kind.PI, Kind.PARAMETER, Kind.ACCELERATION)
-    symbols = sorted(s for s in found if s.kind not in apart)
-    used = {s.index for s in found if s.kind is Kind.PARAMETER}
+    symbols = symbols_in(g, nodes, VARIABLE & ~BIT[Kind.ACCELERATION])
+    used = {s.index for s in symbols_in(g, nodes, BIT[Kind.PARAMETER])}
     fixed = defaults(equations.graph, equations.parameters)
     start, numbers = _starts(equations, fixed), _numbers(g, below, fixed)
     effort = 1 + len(below) + (2 * len(equations.force) ** 3 if solved else 0)

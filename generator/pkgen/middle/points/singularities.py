@@ -19,9 +19,9 @@ from ...functions import FUNCTIONS
 from ...functions.interval import INF, Range
 from ...functions.row import COORDINATES, DIVISOR, ROOT
 from ...functions.smooth import where_positive
-from ...graph.differentiate import reachable
+from ...graph.differentiate import reachable, symbols_in
 from ...graph.evaluate import Evaluator, evaluate
-from ...graph.graph import VARIABLE, Graph, Kind, Node, Op, Symbol
+from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Op, Symbol
 from ...graph.ranges import Ranges
 from ...graph.wording import wording
 
@@ -166,9 +166,8 @@ def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
 
 def _moving(g: Graph, nodes: Iterable[Node]) -> tuple[list[Symbol], list[int]]:
     """What the nodes depend on: the state's symbols, and the parameters."""
-    found = {g.data[x] for x in reachable(g, nodes) if g.op[x] is Op.SYMBOL} - {Symbol(Kind.PI)}
-    state = sorted(x for x in found if x.kind is not Kind.PARAMETER)
-    return state, sorted(x.index for x in found if x.kind is Kind.PARAMETER)
+    parameters = symbols_in(g, nodes, BIT[Kind.PARAMETER])
+    return symbols_in(g, nodes, VARIABLE), [x.index for x in parameters]
 
 
 def _drawn(draw: random.Random, symbol: Symbol) -> float:

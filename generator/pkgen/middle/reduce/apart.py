@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ...equations import Equations, Indices, Structure
+from ...graph.differentiate import symbols_in
 from ...graph.graph import ZERO, Kind
 from ...record import record
 from ..analyze.analyze import analyze
@@ -14,7 +15,7 @@ from ..analyze.coupling import partition
 from ..derive.lagrange import derived_again
 from ..motion import STATE
 from ..quantities import symbols
-from ..smaller import smaller, symbols_in
+from ..smaller import smaller
 
 
 @record

@@ -6,10 +6,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...equations import Equations
+from ...graph.differentiate import symbols_in
 from ..derive.impulses import NoRate
 from ..motion import COORDINATES
 from ..report import ReportLine
-from ..smaller import symbols_in
 from .reduction import Needs, State, cost
 from .routh import NotReduced, Reduced, routh
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from ...equations import Equations, Structure
+from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, ZERO, Kind
 from ...indices import parted
 from ...model import Model
@@ -20,7 +21,7 @@ from ..derive.lagrange import derived_again
 from ..motion import STATE
 from ..quantities import symbols
 from ..report import Report, ReportLine
-from ..smaller import smaller, symbols_in
+from ..smaller import smaller
 from .apart import Subsystem, parts_of
 from .cyclic import cyclic
 from .reduction import Needs, State, cost

@@ -20,12 +20,13 @@ from fractions import Fraction
 
 from ...equations import Equations, Row
 from ...graph.collect import fewest
+from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.solve import Factors, SingularMass, elimination_order, factors
 from ...graph.substitute import substituted
 from ...record import record
 from ..quantities import symbols
-from ..smaller import Output, Start, StartParameters, smaller, symbols_in
+from ..smaller import Output, Start, StartParameters, smaller
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
 
