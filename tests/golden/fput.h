@@ -318,8 +318,8 @@ struct fput_size {
 #endif
 
 extern const char fput_source_hash[65];
-extern const struct fput_size fput_size_names[1];
 extern const struct fput_parameter fput_parameters[1];
+extern const struct fput_size fput_size_names[1];
 extern const struct fput_quantity fput_coordinates[1];
 extern const struct fput_quantity fput_rates[1];
 extern const struct fput_quantity fput_momentum_names[1];

@@ -6,9 +6,10 @@ The templates of loops see `LoopCode`: what they want of a set of rows, as text.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from .kernel_code import statements
+from .loops import Block
+from .loops_sets import Guarded, PairSet, RowSet, TotalSet
 from .program import Statement
 from .tree import (
     Assign,
@@ -25,7 +26,6 @@ from .tree import (
     rendered,
 )
 
-Set = dict[str, Any]  # of rows, of a total, of pairs: see loops_text.py
 STATE = "p, t, q, v, u"
 ONE_CELL = "ptrdiff_t m, pk_real *r"
 
@@ -57,60 +57,60 @@ class LoopCode:
         """The greatest or least of some index expressions."""
         return _pairwise(f"{self.name}_{which}", texts)
 
-    def edge(self, s: Set) -> str:
-        return f"{self.name}_{s['name']}_{'edge' if s['ghosts'] else 'part'}"
+    def edge(self, s: RowSet) -> str:
+        return f"{self.name}_{s.name}_{'edge' if s.ghosts else 'part'}"
 
     @staticmethod
-    def scaled(s: Set, scale: str) -> str:
+    def scaled(s: RowSet) -> str:
         """What the interior's r[0] stands for."""
-        return f"{scale} * r[0]" if scale else "r[0]"
+        return f"{s.scale.value} * r[0]" if s.scale else "r[0]"
 
-    def assigned(self, x: Set, indent: int = 4) -> str:
+    def assigned(self, x: Guarded, indent: int = 4) -> str:
         """Statements for each member, or for one."""
-        body = list(statements(x["lines"]))
-        if x["lo"] is not None:
-            nodes = [Loop(f"m = {x['lo']}; m <= {x['hi']}; m++", [Scope(body)])]
+        body = list(statements(x.block.statements))
+        if x.lo:
+            nodes = [Loop(f"m = {x.lo}; m <= {x.hi}; m++", [Scope(body)])]
         else:
             nodes = [Scope(body)] if len(body) > 1 else body
         return "\n".join(rendered(nodes, indent)) + "\n"
 
     # -- functions of a row -------------------------------------------------------------------
 
-    def row_functions(self, s: Set) -> str:
+    def row_functions(self, s: RowSet) -> str:
         """The C functions of one cell: _inner (not 0: an angle was too large for the inline
         sine, so call _part), _part for any cell, and _edge, which adds its ghosts."""
-        stem = f"{self.name}_{s['name']}"
+        stem = f"{self.name}_{s.name}"
         inline = "PK_INLINE static pk_bits"
         found = []
-        if s["flux"]:
+        if s.flux:
             signature = f"{inline} {stem}_bond({self.ARGS}, ptrdiff_t m, pk_real *flux)"
-            found.append(Function(signature, self._in_lane(s["flux"], s["flux_trig"])))
-        flux = ", const pk_real *flux" if s["flux"] else ""
+            found.append(Function(signature, self._in_lane(s.flux)))
+        flux = ", const pk_real *flux" if s.flux else ""
         signature = f"{inline} {stem}_inner({self.ARGS}{flux}, {ONE_CELL})"
-        found.append(Function(signature, self._in_lane(s["inner"], s["inner_trig"])))
+        found.append(Function(signature, self._in_lane(s.inner)))
         found.append(Function(f"static void {stem}_part({self.ARGS}, {ONE_CELL})", self._part(s)))
-        if s["ghosts"]:
+        if s.ghosts:
             signature = f"static void {stem}_edge({self.ARGS}, {ONE_CELL})"
             found.append(Function(signature, self._edge(s, stem)))
         return "".join(f"{function.text}\n" for function in found)
 
-    def _in_lane(self, found: Sequence[Statement], trig: bool) -> list[Node]:
-        body = [Declare("pk_bits", "far", "0")] if trig else []
-        body += [self.unused, Call("(void)m"), *statements(found, "PK_IN_LANE", "far")]
-        return [*body, Return("far" if trig else "0")]
+    def _in_lane(self, block: Block) -> list[Node]:
+        body = [Declare("pk_bits", "far", "0")] if block.trig else []
+        body += [self.unused, Call("(void)m"), *statements(block.statements, "PK_IN_LANE", "far")]
+        return [*body, Return("far" if block.trig else "0")]
 
-    def _part(self, s: Set) -> list[Node]:
-        body = [self.unused, *(Assign(f"r[{k}]", "0") for k in range(s["outputs"]))]
+    def _part(self, s: RowSet) -> list[Node]:
+        body = [self.unused, *(Assign(f"r[{k}]", "0") for k in range(s.outputs))]
         body.append(Call("(void)m"))
-        for g in s["guarded"]:
-            condition = f"m >= {g['lo']} && m <= {g['hi']}"
-            body.append(If(condition, [Scope([*statements(g["lines"])])]))
+        for g in s.guarded:
+            condition = f"m >= {g.lo} && m <= {g.hi}"
+            body.append(If(condition, [Scope([*statements(g.block.statements)])]))
         return body
 
-    def _edge(self, s: Set, stem: str) -> list[Node]:
-        group, outputs = s["group"], s["outputs"]
+    def _edge(self, s: RowSet, stem: str) -> list[Node]:
+        group, outputs = s.group, s.outputs
         lo, hi = group["lo"], group["hi"]
-        end = f"{hi} + {s['above']}"
+        end = f"{hi} + {s.above}"
         home = f"{self.name}_home_{group['name']}(p, i)"
         cell = [
             If(f"i == {lo}", [Assign("i", f"{hi} + 1")]),
@@ -124,14 +124,14 @@ class LoopCode:
             Blank(),
             Call(f"{stem}_part({STATE}, m, r)"),
             Comment("Ghosts alone: cells beyond an end."),
-            Loop(f"i = {lo} - {s['below']}; i <= {end}; i++", cell),
+            Loop(f"i = {lo} - {s.below}; i <= {end}; i++", cell),
         ]
 
     # -- loops over rows ----------------------------------------------------------------------
 
     def bonds(
         self,
-        s: Set,
+        s: RowSet,
         begin: str,
         end: str,
         indent: int,
@@ -144,15 +144,15 @@ class LoopCode:
             "\n".join(rendered([self._bonds(s, begin, end, arguments, flux, far)], indent)) + "\n"
         )
 
-    def _bonds(self, s: Set, begin: str, end: str, arguments: str, flux: str, far: str) -> Node:
+    def _bonds(self, s: RowSet, begin: str, end: str, arguments: str, flux: str, far: str) -> Node:
         place = f"{flux} + (m - base + {self.name}_BOND)"
-        call = f"{self.name}_{s['name']}_bond({arguments}, m, {place})"
-        noted = Assign(far, call, "|=") if s["flux_trig"] else Call(f"(void){call}")
+        call = f"{self.name}_{s.name}_bond({arguments}, m, {place})"
+        noted = Assign(far, call, "|=") if s.flux_trig else Call(f"(void){call}")
         return Loop(f"m = {begin}; m < {end}; m++", [noted])
 
     def rows(
         self,
-        s: Set,
+        s: RowSet,
         count: str,
         inside: Sequence[str],
         outside: Sequence[str],
@@ -169,7 +169,7 @@ class LoopCode:
 
     def _rows(
         self,
-        s: Set,
+        s: RowSet,
         count: str,
         inside: Sequence[str],
         outside: Sequence[str],
@@ -177,36 +177,36 @@ class LoopCode:
         flux: str,
         far: str,
     ) -> list[Node]:
-        place = f"{flux} + (m - base + {self.name}_BOND), " if s["flux"] else ""
-        call = f"{self.name}_{s['name']}_inner({arguments}, {place}m, r)"
-        noted = Assign(far, call, "|=") if s["inner_trig"] else Call(f"(void){call}")
-        row = Declare("pk_real", f"r[{s['outputs']}]")
+        place = f"{flux} + (m - base + {self.name}_BOND), " if s.flux else ""
+        call = f"{self.name}_{s.name}_inner({arguments}, {place}m, r)"
+        noted = Assign(far, call, "|=") if s.inner.trig else Call(f"(void){call}")
+        row = Declare("pk_real", f"r[{s.outputs}]")
         nodes: list[Node] = [
             Loop(f"m = base; m < base + {count}; m++", [row, noted, *_stated(inside)])
         ]
-        if s["trig"]:
+        if s.trig:
             again = [row, Call(f"{self.edge(s)}({arguments}, m, r)"), *_stated(outside)]
             nodes.append(Loop(f"m = base; {far} && m < base + {count}; m++", again))
         return nodes
 
-    def _span(self, s: Set, count: str, inside: Sequence[str], outside: Sequence[str]) -> Scope:
+    def _span(self, s: RowSet, count: str, inside: Sequence[str], outside: Sequence[str]) -> Scope:
         """Bonds and rows."""
         body: list[Node] = []
-        if s["flux"]:
-            length = f"{s['n_flux']} * ({self.name}_CHUNK + {self.name}_BOND)"
+        if s.flux:
+            length = f"{s.n_flux} * ({self.name}_CHUNK + {self.name}_BOND)"
             body.append(Declare("pk_real", f"flux[{length}]"))
-        if s["trig"]:
+        if s.trig:
             body.append(Declare("pk_bits", "far", "0"))
-        if s["flux"]:
-            for begin, end in ((f"base - {s['span']}", "base"), ("base", f"base + {count}")):
+        if s.flux:
+            for begin, end in ((f"base - {s.span}", "base"), ("base", f"base + {count}")):
                 body.append(self._bonds(s, begin, end, STATE, "flux", "far"))
         return Scope([*body, *self._rows(s, count, inside, outside, STATE, "flux", "far")])
 
-    def row_loop(self, s: Set, inside: Sequence[str], outside: Sequence[str]) -> str:
+    def row_loop(self, s: RowSet, inside: Sequence[str], outside: Sequence[str]) -> str:
         """Goes over all cells of a family: `outside` follows a row at an end, `inside` one in the
         interior."""
         chunk = f"{self.name}_CHUNK"
-        row = Declare("pk_real", f"r[{s['outputs']}]")
+        row = Declare("pk_real", f"r[{s.outputs}]")
         at_end = [row, Call(f"{self.edge(s)}({STATE}, m, r)"), *_stated(outside)]
         last = [
             Declare("const ptrdiff_t", "count", "hi + 1 - base"),
@@ -215,46 +215,51 @@ class LoopCode:
         ]
         step = f"base = m; base + {chunk} - 1 <= hi; base += {chunk}"
         body = [
-            *self._ends(s, f"{s['group']['hi']} + 1"),
+            *self._ends(s, f"{s.group['hi']} + 1"),
             Declare("ptrdiff_t", "m, base"),
             Blank(),
-            Loop(f"m = {s['group']['lo']}; m < lo && m < end; m++", at_end),
+            Loop(f"m = {s.group['lo']}; m < lo && m < end; m++", at_end),
             Loop(step, [self._span(s, chunk, inside, outside)]),
             If("base <= hi", last),
             Loop("m = base; m < end; m++", at_end),
         ]
         return "\n".join(rendered([Scope(body)])) + "\n"
 
-    def _ends(self, s: Set, end: str) -> list[Node]:
+    def _ends(self, s: RowSet, end: str) -> list[Node]:
         """Where the rows end, and from where to where none of them reaches an end."""
         return [
             Declare("const ptrdiff_t", "end", end),
-            Declare("const ptrdiff_t", "lo", self.most(s["lows"], "most")),
-            Declare("const ptrdiff_t", "hi", self.most(s["highs"], "least")),
+            Declare("const ptrdiff_t", "lo", self.most(s.lows, "most")),
+            Declare("const ptrdiff_t", "hi", self.most(s.highs, "least")),
         ]
 
     # -- totals and pairs ---------------------------------------------------------------------
 
-    def total_function(self, x: Set, signature: str) -> str:
+    def total_function(self, x: TotalSet, signature: str) -> str:
         """A quantity with one value; terms of a loop go to eight sums, which vectorise and round
         less."""
-        body = [Declare("pk_real", "total"), Blank(), self.unused, *statements(x["constant"])]
-        if x["rows"]:
-            body.append(self._eight_sums(x["rows"]))
-        for pair in x["pairs"]:
-            one = [Declare("pk_real", "r[1]"), *statements(pair["lines"])]
+        body = [
+            Declare("pk_real", "total"),
+            Blank(),
+            self.unused,
+            *statements(x.constant.statements),
+        ]
+        if x.rows:
+            body.append(self._eight_sums(x.rows))
+        for pair in x.pairs:
+            one = [Declare("pk_real", "r[1]"), *statements(pair.block.statements)]
             inner = Loop(self._over_j(pair), [*one, Assign("total", "r[0]", "+=")])
             outer = Loop(self._over_m(pair), [inner])
             body.append(Scope([Declare("ptrdiff_t", "m, j"), outer]))
-        functions = self.row_functions(x["rows"]) if x["rows"] else ""
+        functions = self.row_functions(x.rows) if x.rows else ""
         return functions + Function(signature, [*body, Return("total")]).text
 
-    def _eight_sums(self, s: Set) -> Scope:
-        stem = f"{self.name}_{s['name']}"
+    def _eight_sums(self, s: RowSet) -> Scope:
+        stem = f"{self.name}_{s.name}"
         part = [Call(f"{stem}_part({STATE}, m, r)"), Assign("total", "r[0]", "+=")]
         eight = "l = 0; l < 8; l++"
         call = f"{stem}_inner({STATE}, m + l, x + l)"
-        if s["inner_trig"]:
+        if s.inner.trig:
             work = [
                 Declare("pk_bits", "far", "0"),
                 Loop(eight, [Assign("far", call, "|=")]),
@@ -264,10 +269,10 @@ class LoopCode:
             work = [Loop(eight, [Call(f"(void){call}")])]
         added = Loop(eight, [Assign("s[l]", "x[l]", "+=")])
         total = "((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]))"
-        begin = self.most(s["firsts"], "least")
+        begin = self.most(s.firsts, "least")
         return Scope(
             [
-                *self._ends(s, f"{self.most(s['lasts'], 'most')} + 1"),
+                *self._ends(s, f"{self.most(s.lasts, 'most')} + 1"),
                 Declare("pk_real", "s[8] = {0, 0, 0, 0, 0, 0, 0, 0}, r[1]"),
                 Declare("ptrdiff_t", "m, l"),
                 Blank(),
@@ -279,39 +284,40 @@ class LoopCode:
         )
 
     @staticmethod
-    def _over_m(pair: Set) -> str:
-        return f"m = {pair['lo']}; m <= {pair['hi']}; m++"
+    def _over_m(pair: PairSet) -> str:
+        return f"m = {pair.lo}; m <= {pair.hi}; m++"
 
     @staticmethod
-    def _over_j(pair: Set) -> str:
-        return f"j = {pair['first']}; j <= {pair['last']}; j++"
+    def _over_j(pair: PairSet) -> str:
+        return f"j = {pair.first}; j <= {pair.last}; j++"
 
-    def pair_loop(self, x: Set, array: str) -> str:
+    def pair_loop(self, x: PairSet, array: str) -> str:
         """Each pair once: what it does to m is summed up, what it does to j is added at once."""
-        own = x["by_row"] + x["by_scalar"]
-        pair = [Declare("pk_real", f"r[{x['outputs']}]"), *statements(x["lines"])]
-        pair += [Assign(f"own[{side['k']}]", f"r[{side['k']}]", "+=") for side in own]
-        others = x["by_other"]
-        pair += [Assign(f"{array}[{side['at']}]", f"r[{side['k']}]", "+=") for side in others]
-        row = [Declare("pk_real", f"own[{x['outputs']}]", "{0}")] if own else []
+        count = len(x.block.targets)
+        pair = [Declare("pk_real", f"r[{count}]"), *statements(x.block.statements)]
+        pair += [Assign(f"own[{k}]", f"r[{k}]", "+=") for k in x.own]
+        pair += [Assign(f"{array}[{at}]", f"r[{k}]", "+=") for k, at in x.other.items()]
+        row = [Declare("pk_real", f"own[{count}]", "{0}")] if x.own else []
         row.append(Loop(self._over_j(x), pair))
-        row += [Assign(f"{array}[{side['at']}]", f"own[{side['k']}]", "+=") for side in own]
+        row += [Assign(f"{array}[{at}]", f"own[{k}]", "+=") for k, at in x.own.items()]
         body = [Declare("ptrdiff_t", "m, j"), Loop(self._over_m(x), [Scope(row)])]
         return "\n".join(rendered([Scope(body)])) + "\n"
 
     # -- kicks --------------------------------------------------------------------------------
 
-    def kicks(self, s: Set, count: str, indent: int, flux: str = "flux", far: str = "far") -> str:
+    def kicks(
+        self, s: RowSet, count: str, indent: int, flux: str = "flux", far: str = "far"
+    ) -> str:
         """Rows of a chunk as kicks. Where they may be made again, v changes once all are good."""
-        v, arguments = f"v[{s['group']['cell']}]", "p, t, q, q, u"
-        if s["trig"]:
-            inside = [f"a[m - base] = {self.scaled(s, s['scale'])};"]
+        v, arguments = f"v[{s.group['cell']}]", "p, t, q, q, u"
+        if s.trig:
+            inside = [f"a[m - base] = {self.scaled(s)};"]
             again = ["a[m - base] = r[0] / r[1];"]
             kick = Loop(f"m = base; m < base + {count}; m++", [Assign(v, "h * a[m - base]", "+=")])
             rows = self._rows(s, count, inside, again, arguments, flux, far)
             nodes = [Declare("pk_real", f"a[{self.name}_CHUNK]"), *rows, kick]
         else:
-            scale = [Declare("const pk_real", "g", f"h * {s['scale']}")] if s["scale"] else []
-            kick = f"{v} += {'g' if s['scale'] else 'h'} * r[0];"
+            scale = [Declare("const pk_real", "g", f"h * {s.scale.value}")] if s.scale else []
+            kick = f"{v} += {'g' if s.scale else 'h'} * r[0];"
             nodes = [*scale, *self._rows(s, count, [kick], [], arguments, flux, far)]
         return "\n".join(rendered(nodes, indent)) + "\n"

@@ -9,21 +9,21 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 from ...graph.affine import LOOPS, OTHER, ROW, Affine
-from ...graph.graph import Kind, Node, Op, Symbol
+from ...graph.graph import Kind, Node, Symbol
 from ...middle.loops.expand import unlike_loops
-from ...middle.loops.loops import LoopEquations, Slot
+from ...middle.loops.loops import Group, LoopEquations, Slot
 from ...middle.quantities import input_quantities
-from ..targets import LOAD, STORE, TRIG, Target
+from ..targets import LOAD, TRIG, Target
 from .expressions import Code, variable
-from .literals import PI
+from .hoist import Hoisting, rewritten
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
 from .program import Statement, operations_in
-from .rewrite import Workspace, rewrite
-from .schedule import Schedule, number_text
+from .rewrite import rewrite
+from .schedule import Schedule
 
 # Names of the templates where the model's own are written beside them.
 _OURS = (
@@ -31,17 +31,29 @@ _OURS = (
     *("flux", "total", "own"),
 )
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
+CHUNK = 64  # members that are gone through at once
+WIDEST_BOND = 4  # members between the ends of a bond whose force is computed once
+FLUX_STRIDE = CHUNK + WIDEST_BOND
+M, J = Affine(0, ((ROW, 1),)), Affine(0, ((OTHER, 1),))
 
 
 @dataclass
 class Block:
-    """Statements to come; `where` says how members are reached. Filled by Lowering.finish."""
+    """Statements to come; `where` says how members are reached. Filled by Lowering."""
 
     targets: list[Target]
     where: str
-    rewritten: list[Target] = field(default_factory=list)
     statements: list[Statement] = field(default_factory=list)
-    operations: Counter[str] = field(default_factory=Counter)
+
+    @staticmethod
+    def of(kind: str, place: str, nodes: Iterable[Node], where: str) -> Block:
+        """A place for each node: "r[{}]"."""
+        targets = [Target(kind, place.format(k), (node,)) for k, node in enumerate(nodes)]
+        return Block(targets, where)
+
+    @property
+    def operations(self) -> Counter[str]:
+        return operations_in(self.statements)
 
     @property
     def trig(self) -> bool:
@@ -52,54 +64,124 @@ class Block:
         """Variables and functions of the model in the block."""
         return {name for s in self.statements for name in s.names}
 
+    @property
+    def nodes(self) -> list[Node]:
+        return [node for target in self.targets for node in target.nodes]
 
-class Lowering:
-    """Collects blocks, hoists what they share, and writes them out."""
+    @property
+    def value(self) -> str:
+        """Of a block that is one expression."""
+        [statement] = self.statements
+        return statement.text
 
-    def __init__(self, equations: LoopEquations, libm: bool):
-        self.libm = libm
-        self.equations = equations
-        self.prefix = equations.model.name + "_"
-        self.work = Workspace(equations.graph)
-        self.blocks: list[Block] = []
-        self.hoisted: dict[Node, int] = {}
-        self.helpers: set[str] = set()
-        self.prepare: list[Statement] = []
-        fields = Names(FIELD_RESERVED, (), self.prefix)
-        self.sizes = {s.name: fields.take(s.name) for s in equations.model.sizes}
-        self.fields = {g.name: fields.take(g.name) for g in equations.parameters}
+
+class Places:
+    """Where in C a model's quantities are: sizes, members of families, ranges."""
+
+    def __init__(self, e: LoopEquations):
+        self.equations = e
+        fields = Names(FIELD_RESERVED, (), e.model.name + "_")
+        self.sizes = {s.name: fields.take(s.name) for s in e.model.sizes}
+        self.fields = {g.name: fields.take(g.name) for g in e.parameters}
         self.size_texts = {
             unlike_loops(name): f"p->{c_name}" for name, c_name in self.sizes.items()
         }
-        self.first = _firsts(equations)
-        self.inputs = [q.name for q in input_quantities(equations.model, equations.orders)]
-        self._locals = Names(LOCAL_RESERVED, _OURS, self.prefix)
-        self._names: dict[Slot, str] = {}
-
-    # -- text ---------------------------------------------------------------------------------
+        self.first: dict[str, Affine] = {}  # the flat index of each coordinate's first member
+        total = Affine()
+        for group in e.coordinates:
+            self.first[group.name] = total
+            total = total + group.count
 
     def index(self, at: Affine) -> str:
         """An index as C."""
         return at.text(self.size_texts)
 
-    def cell(self, array: str, name: str, at: Affine | None) -> str:
-        """A member of q, v, ... (at is None: of a scalar coordinate)."""
-        group = self.equations.group(name)
-        flat = self.first[name] if at is None else self.first[name] + at - group.lo
-        return f"{array}[{self.index(flat)}]"
+    def names_in(self, at: Affine) -> tuple[str, ...]:
+        return tuple(self.size_texts.get(name, name) for name, _ in at.terms)
+
+    def flat(self, name: str, at: Affine | None) -> Affine:
+        """Of a member in q, v, ... (at is None: of a scalar coordinate)."""
+        return self.first[name] if at is None else self.first[name] + at - self._lo(name)
+
+    def _lo(self, name: str) -> Affine:
+        e = self.equations
+        return next(g.lo for g in (*e.coordinates, *e.parameters) if g.name == name)
 
     def member(self, name: str, at: Affine | None) -> str:
         """A parameter."""
-        if at is None:
-            return f"p->{self.fields[name]}"
-        group = next(g for g in self.equations.parameters if g.name == name)
-        return f"p->{self.fields[name]}[{self.index(at - group.lo)}]"
+        place = "" if at is None else f"[{self.index(at - self._lo(name))}]"
+        return f"p->{self.fields[name]}{place}"
+
+    def group(self, g: Group) -> dict[str, str | bool]:
+        """What the templates see of a declared coordinate or parameter."""
+        declared, family = g.declared, g.is_family
+        first = self.first.get(g.name, Affine())
+        unit = f"[{declared.unit}]" if declared.unit else ""
+        return {
+            "name": g.name,
+            "is_family": family,
+            "periodic": g.periodic,
+            "first": self.index(first),
+            "lo": self.index(g.lo) if family else "0",
+            "hi": self.index(g.hi) if family else "0",
+            "count": self.index(g.count),
+            "cell": self.index(first + M - g.lo if family else first),
+            "other": self.index(first + J - g.lo if family else first),
+            "says": " ".join(x for x in (declared.description, unit) if x),
+            "lo_text": g.lo.text() if family else "",
+            "hi_text": g.hi.text() if family else "",
+            "first_text": first.text(),
+            # Ghosts that stand for a cell: free ends.
+            "ends": [
+                {"at": self.index(at), "home": self.index(g.lo if at == g.lo - 1 else g.hi)}
+                for at, end in g.ends
+                if end.kind == "free"
+            ],
+        }
+
+
+class Lowering(Hoisting):
+    """Hoists what blocks share, and writes them out."""
+
+    def __init__(self, equations: LoopEquations, places: Places, libm: bool, blocks: list[Block]):
+        super().__init__(equations.graph, equations.model.name, libm)
+        self.equations, self.places, self.blocks = equations, places, blocks
+        self.inputs = [q.name for q in input_quantities(equations.model, equations.orders)]
+        self._locals = Names(LOCAL_RESERVED, _OURS, self.prefix)
+        self._names: dict[Slot, str] = {}
+        targets = []
+        for block in blocks:
+            new = rewrite(self.work, block.nodes, gather=block.where != FIXED)
+            targets.append(rewritten(block.targets, new))
+        roots = [
+            node
+            for block, found in zip(blocks, targets, strict=True)
+            if block.where != FIXED
+            for target in found
+            for node in target.nodes
+        ]
+        self.prepare = self.hoist(roots, self._free()).statements
+        for block, found in zip(blocks, targets, strict=True):
+            block.statements = self._written(found, block.where)
+
+    def _free(self) -> Names:
+        return Names(LOCAL_RESERVED, (*_OURS, *self._names.values()), self.prefix)
+
+    def symbol(self, symbol: Symbol) -> Code:
+        slot = self.equations.slots[symbol.index]
+        if slot.kind == "size":
+            size = self.places.size_texts[slot.name]
+            return Code(f"(pk_real){size}", (size,))
+        if symbol.kind is Kind.PARAMETER:
+            return self._access(slot, FIXED)
+        return variable(self._local(slot))
 
     def _access(self, slot: Slot, where: str) -> Code:
         """Where a slot's value is read from, and the variables in that."""
-        index = () if slot.at is None else self._names_in(slot.at)
+        places = self.places
+        index = () if slot.at is None else places.names_in(slot.at)
         if slot.kind == "param":
-            return Code(self.member(slot.name, slot.at), ("p", *index))
+            return Code(places.member(slot.name, slot.at), ("p", *index))
         if slot.kind == "index":
             name = ROW if slot.name == ROW else OTHER
             return Code(f"(pk_real){name}", (name,))
@@ -107,19 +189,15 @@ class Lowering:
             return variable(f"{'u' if slot.kind == 'input' else 'sum'}[{slot.name}]")
         if slot.kind == "flux":
             return variable(flux_place(int(slot.name), -slot.at.constant))
-        near = (
-            slot.at is None or where in (INNER, PAIR) or not any(slot.at.factor(v) for v in LOOPS)
-        )
-        array = {"q": "q", "v": "v", "w": "v", "d": "v"}[slot.kind]
-        if near:
-            first = self._names_in(self.first[slot.name])
-            return Code(self.cell(array, slot.name, slot.at), (array, *first, *index))
+        array = "q" if slot.kind == "q" else "v"
+        inside = where in (INNER, PAIR)
+        if slot.at is None or inside or not any(slot.at.factor(v) for v in LOOPS):
+            first = places.names_in(places.first[slot.name])
+            text = f"{array}[{places.index(places.flat(slot.name, slot.at))}]"
+            return Code(text, (array, *first, *index))
         reader = f"{self.prefix}{slot.kind}_{slot.name}"
-        text = f"{reader}(p, t, {array}, u, {self.index(slot.at)})"
+        text = f"{reader}(p, t, {array}, u, {places.index(slot.at)})"
         return Code(text, (reader, "p", "t", array, "u", *index))
-
-    def _names_in(self, at: Affine) -> tuple[str, ...]:
-        return tuple(self.size_texts.get(name, name) for name, _ in at.terms)
 
     def _local(self, slot: Slot) -> str:
         if slot not in self._names:
@@ -135,114 +213,26 @@ class Lowering:
             self._names[slot] = self._locals.take(wish)
         return self._names[slot]
 
-    # -- blocks -------------------------------------------------------------------------------
-
-    def block(self, targets: Iterable[Target], where: str) -> Block:
-        block = Block(list(targets), where)
-        self.blocks.append(block)
-        return block
-
-    def finish(self) -> None:
-        """Hoists and writes out every block."""
-        for block in self.blocks:
-            roots = [n for t in block.targets for n in t.nodes]
-            new = rewrite(self.work, roots, gather=block.where != FIXED)
-            block.rewritten = [
-                replace(t, nodes=tuple(new[n] for n in t.nodes)) for t in block.targets
-            ]
-        self._hoist([b for b in self.blocks if b.where != FIXED])
-        for block in self.blocks:
-            block.statements = self._written(block)
-            block.operations = operations_in(block.statements)
-
-    def _hoist(self, blocks: list[Block]) -> None:
-        found: set[Node] = set()
-        seen: set[Node] = {n for b in blocks for t in b.rewritten for n in t.nodes}
-        stack = list(seen)
-        while stack:
-            node = stack.pop()
-            if self.work.fixed[node] and self.work.negated(node) is None:
-                if not self.work.is_leaf(node):
-                    found.add(node)
-                continue
-            for a in self.work.args[node]:
-                if a not in seen:
-                    seen.add(a)
-                    stack.append(a)
-        order = sorted(found)
-        new = rewrite(self.work, order, gather=False)
-        distinct = sorted({new[node] for node in order})
-        places = {node: f"p->c_[{k}]" for k, node in enumerate(distinct)}
-        schedule = self._schedule(FIXED, frozenset(places.values()))
-        schedule.run(Target(STORE, places[node], (node,)) for node in distinct)
-        self.helpers |= schedule.helpers
-        self.prepare = schedule.statements
-        self.hoisted = {node: distinct.index(new[node]) for node in order}
-
-    @property
-    def hoisted_count(self) -> int:
-        return len(set(self.hoisted.values()))
-
-    def _schedule(self, where: str, known: frozenset[str] = frozenset()) -> Schedule:
-        names = Names(LOCAL_RESERVED, (*_OURS, *self._names.values()), self.prefix)
-        return Schedule(
-            self.work,
-            names,
-            self.prefix,
-            self._leaf(where),
-            known_after=known,
-            inline_sincos=not self.libm and where != FIXED,
-        )
-
-    def _leaf(self, where: str) -> Callable[[Node], Code | None]:
-        def leaf(node: Node) -> Code | None:
-            if where != FIXED and node in self.hoisted:
-                return variable(f"p->c_[{self.hoisted[node]}]")
-            if self.work.op[node] is Op.NUMBER:
-                return number_text(self.work.data[node])
-            if self.work.op[node] is not Op.SYMBOL:
-                return None
-            symbol = self.work.data[node]
-            assert isinstance(symbol, Symbol)
-            if symbol.kind is Kind.PI:
-                return Code(PI)
-            if symbol.kind is Kind.TIME:
-                return variable("t")
-            slot = self.equations.slots[symbol.index]
-            if slot.kind == "size":
-                size = self.size_texts[slot.name]
-                return Code(f"(pk_real){size}", (size,))
-            if symbol.kind is Kind.PARAMETER:
-                index = () if slot.at is None else self._names_in(slot.at)
-                return Code(self.member(slot.name, slot.at), ("p", *index))
-            return variable(self._local(slot))
-
-        return leaf
-
-    def _written(self, block: Block) -> list[Statement]:
+    def _written(self, targets: list[Target], where: str) -> list[Statement]:
         # Every slot of the block has its name before other locals are named.
-        roots = [n for t in block.rewritten for n in t.nodes]
         slots = []
-        for node in self.work.reachable(roots):
+        for node in self.work.reachable([n for t in targets for n in t.nodes]):
             symbol = self.work.data[node]
-            if self.work.op[node] is Op.SYMBOL and symbol.kind not in (Kind.PI, Kind.TIME):
+            if isinstance(symbol, Symbol) and symbol.kind not in (Kind.PI, Kind.TIME):
                 slots.append(self.equations.slots[symbol.index])
                 self._local(slots[-1])
-        schedule = self._schedule(block.where)
-        schedule.run(block.rewritten)
+        fixed = where == FIXED
+        leaf, sincos = self.fixed_leaf if fixed else self.leaf, not (self.libm or fixed)
+        schedule = Schedule(self.work, self._free(), self.prefix, leaf, inline_sincos=sincos)
+        schedule.run(targets)
         self.helpers |= schedule.helpers
         used = {name for s in schedule.statements for value in s.values for name in value.names}
         loads = [
-            Statement.of(LOAD, self._local(slot), self._access(slot, block.where))
+            Statement.of(LOAD, self._local(slot), self._access(slot, where))
             for slot in slots
             if self._local(slot) in used and slot.kind != "size"
         ]
         return [*loads, *schedule.statements]
-
-
-CHUNK = 64  # members that are gone through at once
-WIDEST_BOND = 4  # members between the ends of a bond whose force is computed once
-FLUX_STRIDE = CHUNK + WIDEST_BOND
 
 
 def flux_place(k: int, back: int) -> str:
@@ -263,12 +253,3 @@ def _place(at: Affine | None) -> str:
                 + ("" if not shift else f"{'p' if shift > 0 else 'm'}{abs(shift)}")
             )
     return "_at_" + re.sub(r"\W+", "_", at.text())
-
-
-def _firsts(e: LoopEquations) -> dict[str, Affine]:
-    """The flat index of each declared coordinate's first member."""
-    found, total = {}, Affine()
-    for group in e.coordinates:
-        found[group.name] = total
-        total = total + group.count
-    return found

@@ -2,40 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import zip_longest
 from typing import Any
 
-from ...graph.affine import ROW, variable
+from ...equations import Quantity
+from ...graph.affine import ROW, Affine
+from ...graph.graph import Node
 from ...middle.loops.expand import size_values
-from ...middle.loops.loops import Assigned, Facts, LoopEquations
+from ...middle.loops.loops import Assigned, Limit, LoopEquations
 from ...middle.quantities import input_quantities
 from ...record import record
-from ...version import __version__
 from ..facts import loop_facts, loop_invariants
+from ..kernels import KERNELS
 from ..targets import RETURN, STORE, Target
 from .describe import labelled
 from .helpers import helpers
-from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering
+from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
 from .loops_plan import TOTALS, VECTORS, emitted, entries, planned
-from .loops_sets import Builder
-from .loops_tables import named, quantity, row, system_kernels
-from .loops_text import Text
+from .loops_sets import Builder, Guarded
 from .program import operations_text
-from .render import FACTS, SYSTEM_KERNELS, pasted
+from .render import frame, pasted
 
-M = variable(ROW)
 BLOCK = 16  # chunks of one stage before the next follows
 LEAD = 2  # chunks that have drifted before one is kicked
-_PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}
-SAYS = {
-    "force": "f = pdot - (dp/dq) v - dp/dt",
-    "canonical": "p = dL/dv and pdot = dL/dq + Q - dD/dv",
-    "momenta": "p = dL/dv",
-    "gradient": "dL/dq",
-    "energy": "h = v.p - L",
-    "lagrangian": "L",
-    "kinetic": "T",
-    "potential": "V",
-}
 
 
 @record
@@ -51,237 +42,256 @@ def lower_loops(
 ) -> LoopProgram:
     """Blocks of C for a model's loops, with the kernels wanted (None: all); raises Unrolled where a
     row cannot be one."""
-    return LoopProgram(e.model.name, _Context(e, emitted(e, wanted)).build(libm))
+    return LoopProgram(e.model.name, _Context(e, emitted(e, wanted), libm).text())
 
 
 class _Context:
-    def __init__(self, e: LoopEquations, kernels: frozenset[str]):
-        self.e = e
+    def __init__(self, e: LoopEquations, kernels: frozenset[str], libm: bool):
         self.kernels = kernels
-        self.builder = Builder(e)
-        self.diagonal = e.mass.is_diagonal
-
-    def build(self, libm: bool) -> dict[str, Any]:
-        plans = planned(self.e, self.builder, self.kernels)
-        self.builder.begin(libm)
-        lowering = self.lowering = self.builder.lowering
-        assert lowering is not None
-        sets = {key: [self.builder.rows(p) for p in found] for key, found in plans["rows"].items()}
-        band = [self.builder.rows(p, ghosts=False) for p in plans["band"]]
-        totals = {key: self.builder.total(p) for key, p in plans["totals"].items()}
-        pairs = {
-            what: [self.builder.pair(pair) for pair in getattr(self.e, what).pairs]
-            for kernel, what in _PAIRED.items()
-            if kernel in self.kernels
+        self.places = Places(e)
+        builder = Builder(e, self.places)
+        self.plan = planned(e, builder, kernels)
+        self.slots = builder.interior.slots
+        # The graph is as large now as it gets.
+        self.e = e = replace(e, slots=tuple(self.slots.all))
+        self.given = {at: [_value(node, INNER) for node in nodes] for at, nodes in e.given.items()}
+        self.defaults = [self._assigned(x, parameter=True) for x in e.defaults]
+        self.starts = [self._assigned(x) for x in e.starts]
+        self.bounds = [
+            Block([Target(STORE, key, (x,)) for key, x in vars(b).items() if x is not None], FIXED)
+            for b in e.bounds
+        ]
+        self.outputs = {
+            "observe": Block.of(STORE, "out[{}]", e.observed, INNER),
+            "conserve": Block.of(STORE, "out[{}]", e.conserved, INNER),
         }
-        pieces = self._pieces(lowering)
-        pieces["singularities"] = [self.builder.total(p) for p in plans["singularities"]]
-        lowering.finish()
-        return self._text(sets, band, totals, pairs, pieces)
+        blocks = [
+            *self.plan.blocks,
+            *(block for values in self.given.values() for block in values),
+            *(x.block for x in (*self.defaults, *self.starts)),
+            *self.bounds,
+            *self.outputs.values(),
+            *(block for found in self.plan.singularities for block in found.blocks),
+        ]
+        self.lowering = Lowering(e, self.places, libm, blocks)
 
-    # -- single blocks --------------------------------------------------------------------------
-
-    def _pieces(self, w: Lowering) -> dict[str, Any]:
-        e = self.e
-
-        def value(node, where: str) -> Block:
-            return w.block([Target(RETURN, "", (node,))], where)
-
-        return {
-            "given": {
-                key: [value(node, INNER) for node in nodes] for key, nodes in e.given.items()
-            },
-            "defaults": [self._assigned(w, a) for a in e.defaults],
-            "starts": [self._assigned(w, a) for a in e.starts],
-            "bounds": [
-                w.block(
-                    [
-                        Target(STORE, name, (node,))
-                        for name, node in (("lo", b.lo), ("hi", b.hi))
-                        if node is not None
-                    ],
-                    FIXED,
-                )
-                for b in e.bounds
-            ],
-            "observed": w.block(
-                [Target(STORE, f"out[{k}]", (n,)) for k, n in enumerate(e.observed)], INNER
-            ),
-            "conserved": w.block(
-                [Target(STORE, f"out[{k}]", (n,)) for k, n in enumerate(e.conserved)], INNER
-            ),
-        }
-
-    def _assigned(self, w: Lowering, item: Assigned) -> dict[str, Any]:
-        group = next(g for g in (*self.e.coordinates, *self.e.parameters) if g.name == item.name)
-        is_parameter = any(g is group for g in self.e.parameters)
-        place = item.lo if item.lo is not None and item.lo == item.hi else M
-        if item.lo is None:
-            place = None
-        if is_parameter:
-            where = w.member(item.name, place)
+    def _assigned(self, item: Assigned, parameter: bool = False) -> Guarded:
+        index = self.places.index
+        single = item.lo is None or item.lo == item.hi
+        at = item.lo if single else M
+        if parameter:
+            where = self.places.member(item.name, at)
         else:
-            where = w.cell("v" if item.order else "q", item.name, place)
-        return {
-            "lo": None if place is not M else w.index(item.lo),
-            "hi": None if place is not M else w.index(item.hi),
-            "block": w.block([Target(STORE, where, (item.node,))], FIXED),
-        }
+            where = f"{'v' if item.order else 'q'}[{index(self.places.flat(item.name, at))}]"
+        block = Block.of(STORE, where, [item.node], FIXED)
+        return Guarded("", "", block) if single else Guarded(index(item.lo), index(item.hi), block)
 
-    # -- text -----------------------------------------------------------------------------------
-
-    def _text(self, sets, band, totals, pairs, pieces) -> dict[str, Any]:
-        e, w = self.e, self.lowering
-        self.text = Text(e, w, self.diagonal)
-        model = e.model
-        facts: Facts = e.facts
-        quantities = {
-            "coordinates": [quantity(g, "", "unit") for g in e.coordinates],
-            "rates": [quantity(g, "'", "rate_unit") for g in e.coordinates],
-            "momentum_names": [quantity(g, "p_", "momentum_unit") for g in e.coordinates],
-            "inputs": [row(q) for q in input_quantities(model, e.orders)],
-            "observed": [row(q) for q in named(model.observed)],
-            "conserved": [row(q) for q in named(model.conserved)],
+    def text(self) -> dict[str, Any]:
+        e, w, plan, index = self.e, self.lowering, self.plan, self.places.index
+        model, group = e.model, self.places.group
+        diagonal = e.mass.is_diagonal
+        alone = diagonal and not e.force.pairs
+        acceleration = "direct" if alone else "divide" if diagonal else "solve"
+        kernels = [
+            {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
+            for kernel, outputs in VECTORS.items()
+            if kernel in self.kernels
+        ]
+        main = plan.band or plan.rows["force" if "force" in plan.rows else "acceleration"]
+        parameters = [self._parameter(k) for k in range(len(e.parameters))]
+        system = self._system_kernels()
+        names = {
+            "coordinates": [_quantity(g, "{}", "unit") for g in e.coordinates],
+            "rates": [_quantity(g, "{}'", "rate_unit") for g in e.coordinates],
+            "momentum_names": [_quantity(g, "p_{}", "momentum_unit") for g in e.coordinates],
+            "inputs": input_quantities(model, e.orders),
+            "observed": model.observed,
+            "conserved": model.conserved,
         }
-        acceleration = (
-            "direct"
-            if self.diagonal and not e.force.pairs
-            else ("divide" if self.diagonal else "solve")
-        )
         return {
-            "version": __version__,
-            "name": model.name,
-            "description": model.description,
-            "source_name": model.source.path.replace("\\", "/").rsplit("/", 1)[-1],
-            "source_hash": model.source.sha256,
-            "real_header": pasted("real.h"),
+            **frame(model, e.facts, set(system), parameters, names),
+            "n": e.count.value(size_values(model)),
+            "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
-            "n_parameters": len(e.parameters),
-            "n_inputs": len(quantities["inputs"]),
-            "n_observed": len(e.observed),
-            "n_conserved": len(e.conserved),
+            "reductions": (),
+            "events": (),
+            "cyclic": (),
+            "forms": (),
+            "n_quadratures": 0,
             "n_hoisted": w.hoisted_count,
             "prepare": w.prepare,
             "sizes": [
-                {
-                    "c_name": w.sizes[s.name],
-                    "name": s.name,
-                    "value": s.value,
-                    "says": s.description,
-                }
+                {"c_name": self.places.sizes[s.name], "name": s.name, "value": s.value}
+                | {"says": s.description}
                 for s in model.sizes
             ],
-            "count": w.index(e.count),
-            "default_count": e.count.value(size_values(model)),
-            "groups": [self.text.group(g) for g in e.coordinates],
-            "families": [self.text.group(g) for g in e.families],
-            "scalars": [self.text.group(g) for g in e.scalars],
-            "parameters": [self.text.parameter(k, pieces) for k in range(len(e.parameters))],
-            "limits": [self.text.limit(limit) for limit in e.limits],
-            "readers": self.text.readers(pieces),
-            "row_sets": {key: [self.text.rows(s) for s in found] for key, found in sets.items()},
-            "band_sets": [
-                self.text.rows(s) | {"entries": [entry for entry, _ in entries(self.e, s.group)]}
-                for s in band
-            ],
-            "band": self.text.band(),
-            "totals": {key: self.text.total(t) for key, t in totals.items()},
-            "pairs": {key: [self.text.pair(s) for s in found] for key, found in pairs.items()},
-            "vectors": [
-                {
-                    "name": kernel,
-                    "says": SAYS[kernel],
-                    "outputs": [o for o, _ in outputs],
-                    "whats": [what for _, what in outputs],
-                    "pairs": _PAIRED.get(kernel),
-                    "paired": {"force": "f", "gradient": "dLdq", "canonical": "pdot"}.get(kernel),
-                }
-                for kernel, outputs in VECTORS.items()
-                if kernel in self.kernels
-            ],
+            "count": index(e.count),
+            "groups": [group(g) for g in e.coordinates],
+            "families": [group(g) for g in e.families],
+            "scalars": [group(g) for g in e.scalars],
+            "limits": [self._limit(limit) for limit in e.limits],
+            "readers": list(self._readers()),
+            "row_sets": plan.rows,
+            "band_sets": plan.band,
+            "entries": {g.name: [entry for entry, _ in entries(e, g)] for g in e.families},
+            "band": None if diagonal else self._band(),
+            "totals": plan.totals,
+            "pairs": plan.pairs,
+            "vectors": kernels,
             "with_mass": "mass" in self.kernels,
-            "scalar_kernels": [k for k in TOTALS if k in totals],
-            "says": SAYS,
-            "starts": [self.text.lines(s) for s in pieces["starts"]],
-            "defaults": [self.text.lines(s) for s in pieces["defaults"]],
-            "observe": self.text.lines({"block": pieces["observed"]}) if e.observed else None,
-            "conserve": self.text.lines({"block": pieces["conserved"]}) if e.conserved else None,
-            "singularities": self.text.singularities(pieces["singularities"]),
+            "scalar_kernels": [k for k in TOTALS if k in plan.totals],
+            "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS)},
+            "starts": self.starts,
+            "defaults": self.defaults,
+            "outputs": {k: x.statements for k, x in self.outputs.items() if x.targets},
+            "singularities": list(self._singularities()),
+            "singular": {
+                "sets": plan.singularities,
+                "pivots": ("mass" if diagonal else "pivots") if e.pivots else "",
+            },
             "n_sums": len(e.sums),
             "chunk": CHUNK,
             "widest": WIDEST_BOND,
             "acceleration": acceleration,
-            "constant_mass": facts.mass_constant,
-            "facts": [flag for field, flag in FACTS if getattr(facts, field)],
-            "tables": [{"name": k, "rows": rows} for k, rows in quantities.items()],
+            "constant_mass": e.facts.mass_constant,
             "helpers": helpers(w.helpers),
             "float_too": w.work.constants.float_too,
-            "operations": self._operations(sets, totals),
+            "operations": list(self._operations()),
             "proved": labelled(loop_facts(e)),
-            "constant": labelled(loop_invariants(facts)),
-            "stepper": self._stepper(sets, acceleration),
+            "constant": labelled(loop_invariants(e.facts)),
+            "stepper": self._stepper() if alone and "advance" in self.kernels else None,
             "wraps": any(g.periodic for g in e.families),
-            "homes": [
-                self.text.group(s.group)
-                | {"periodic": s.group.periodic, "ends": self.text.homes(s.group)}
-                for s in (band or sets["force" if "force" in sets else "acceleration"])
-                if band or s.ghosts or s.group.periodic
-            ],
-            "fields": SYSTEM_KERNELS,
-            "system_kernels": system_kernels(e, self.kernels),
+            "homes": [s.group for s in main if plan.band or s.ghosts or s.group["periodic"]],
         }
 
-    def _operations(self, sets, totals) -> list[str]:
-        rows = []
-        for found in sets.values():
-            for s in found:
-                if s.inner:
-                    rows.append(f"{s.name}: {operations_text(s.inner.operations)} a member")
-        for key, t in totals.items():
-            if t.rows and t.rows.inner and key in TOTALS:
-                rows.append(f"{key}: {operations_text(t.rows.inner.operations)} a member")
-        return rows
+    def _system_kernels(self) -> dict[str, dict[str, Any]]:
+        """With those of struct pk_system, but for M and the Jacobians, which it wants whole."""
+        e, out = self.e, ("out",)
+        found = {"acceleration": ("a",)} | {k: VECTORS.get(k, ()) for k in self.kernels}
+        found |= {"singularity": out} if e.singularities or e.pivots else {}
+        found |= {k: out for k, x in self.outputs.items() if x.targets}
+        return {
+            name: {"name": name, "result": KERNELS[name].result, "given": ()}
+            | {"outputs": [{"name": output} for output in found[name]]}
+            for name in KERNELS
+            if name in found and name != "mass"
+        }
 
-    def _stepper(self, sets, acceleration: str) -> dict[str, Any] | None:
-        """Fused steps exist where the acceleration of a row needs q of cells near it and t."""
-        e = self.e
-        if (
-            "advance" not in self.kernels
-            or acceleration != "direct"
-            or not e.facts.separable
-            or e.scalars
-            or e.model.inputs
-        ):
-            return None
-        reach = 0
-        for s in sets["acceleration"]:
-            for block in (s.inner, s.flux, *(g.block for g in s.guarded)):
-                if block is None:
+    def _parameter(self, k: int) -> dict[str, Any]:
+        group, block, bounds = self.e.parameters[k], self.bounds[k], self.e.bounds[k]
+        item = group.declared
+        ends = {s.target: s.text for s in block.statements if s.kind == STORE}
+        return self.places.group(group) | {
+            "unit": item.unit,
+            "field": self.places.fields[item.name],
+            "position": 0,
+            "description": item.description,
+            "c_name": self.places.fields[item.name],
+            "member": self.places.member(item.name, M if group.is_family else None),
+            "index": k,
+            "follows": int(item.follows),
+            "lo_open": int(item.bounds.lo_open or bounds.lo is None),
+            "hi_open": int(item.bounds.hi_open or bounds.hi is None),
+            "least": ends.get("lo", "-PK_INFINITY"),
+            "greatest": ends.get("hi", "PK_INFINITY"),
+            "needs": [s for s in block.statements if s.kind != STORE],
+            "uses_index": "m" in block.words,
+        }
+
+    def _limit(self, limit: Limit) -> dict[str, str]:
+        unless = "" if limit.unless is None else self.places.index(limit.unless)
+        return {"needs": self.places.index(limit.needs), "unless": unless}
+
+    def _readers(self) -> Iterator[dict[str, Any]]:
+        """Functions that read a cell wherever it lies: of q, v, w, d of each family."""
+        places, used = self.places, {word for b in self.lowering.blocks for word in b.words}
+        for g in self.e.families:
+            for order, kind in enumerate(("q", "v", "w", "d")):
+                name = f"{self.lowering.prefix}{kind}_{g.name}"
+                if name not in used:
                     continue
-                for target in block.targets:
-                    for node in target.nodes:
-                        for slot in self.builder.sets.slots.below(node):
-                            if slot.kind == "q" and slot.at is not None:
-                                if not slot.at.factor(ROW):
-                                    return None  # one member is felt by all
-                                reach = max(reach, abs(slot.at.constant))
-        spread = [g.lo - e.families[0].lo for g in e.families]
-        if not all(x.is_constant for x in spread):
+                ends = []
+                for at, end in g.ends:
+                    item: dict[str, Any] = {"at": places.index(at), "kind": end.kind}
+                    if end.kind == "free":
+                        home = g.lo if at == g.lo - 1 else g.hi
+                        item["home"] = places.index(places.flat(g.name, home))
+                    elif kind != "d":
+                        item["lines"] = self.given[g.name, at][order].statements
+                    ends.append(item)
+                yield places.group(g) | {"reader": name, "kind": kind, "given": ends}
+
+    def _singularities(self) -> Iterator[dict[str, str]]:
+        """What the tables say of each: M's pivots come first."""
+        e = self.e
+        for g in e.coordinates if e.pivots else ():
+            name = f"the pivot of {g.name}" + "[i]" * g.is_family
+            yield self._singularity(name, "COORDINATES", (g.lo, g.hi) if g.is_family else ())
+        for x in e.singularities:
+            [over] = [
+                *((p.lo, p.hi) for p in x.terms.parts),
+                *((p.lo, p.hi, p.first, p.last) for p in x.terms.pairs),
+            ] or [()]
+            yield self._singularity(x.name, x.use, over)
+
+    def _singularity(self, text: str, use: str, over: tuple[Affine, ...]) -> dict[str, str]:
+        found = {"name": text, "kind": f"PK_SINGULARITY_{use}"}
+        for key, at in zip_longest(("lo", "hi", "first", "last"), over):
+            found[key] = "" if at is None else self.places.index(at)
+            found[f"{key}_text"] = "" if at is None else at.text({ROW: "i"})
+        return found
+
+    def _band(self) -> dict[str, Any]:
+        """The shape of M: cells interleaved by index, then scalar coordinates as a border."""
+        e = self.e
+        names = [g.name for g in e.families]
+        apart = (
+            abs(shift * len(names) + names.index(b) - names.index(a))
+            for a, b, shift in e.mass.entries
+        )
+        return {
+            "width": max(apart, default=0),
+            "periodic": any(g.periodic for g in e.families),
+            "corner": [{"a": a, "b": b, "key": f"mass_{a}_{b}"} for a, b in e.mass.corner],
+            "scalars": [g.name for g in e.scalars],
+        }
+
+    def _operations(self) -> Iterator[str]:
+        totals = (t.rows for key, t in self.plan.totals.items() if key in TOTALS and t.rows)
+        for s in (*(s for found in self.plan.rows.values() for s in found), *totals):
+            yield f"{s.name}: {operations_text(s.inner.operations)} a member"
+
+    def _stepper(self) -> dict[str, Any] | None:
+        """Fused steps exist where the acceleration of a row needs q of cells near it and t."""
+        e, rows, index = self.e, self.plan.rows["acceleration"], self.places.index
+        if not e.facts.separable or e.scalars or e.model.inputs:
             return None
-        if reach > CHUNK:
+        nodes = [node for s in rows for block in s.blocks for node in block.nodes]
+        places = [s.at for s in self.slots.below(*nodes) if s.kind == "q" and s.at is not None]
+        if not all(at.factor(ROW) for at in places):
+            return None  # one member is felt by all
+        if max((abs(at.constant) for at in places), default=0) > CHUNK:
+            return None
+        if not all((g.lo - e.families[0].lo).is_constant for g in e.families):
             return None
         together = not any(g.periodic for g in e.families)
         # What stages in flight hold of q and v stays below 64 KiB: measured against 24 to 144.
         cells = 4096 // len(e.families)
-        stages = max(1, (cells - BLOCK * CHUNK) // ((LEAD + 1) * CHUNK)) if together else 1
-        rows = sets["acceleration"]
         return {
-            "stages": stages,
+            "stages": max(1, (cells - BLOCK * CHUNK) // ((LEAD + 1) * CHUNK)) if together else 1,
             "block": BLOCK,
             "lead": LEAD,
             "together": together,
-            "lows": list(dict.fromkeys(self.lowering.index(x) for s in rows for x in s.lows)),
-            "highs": list(dict.fromkeys(self.lowering.index(x) for s in rows for x in s.highs)),
-            "least": [self.lowering.index(g.lo) for g in e.families],
-            "greatest": [self.lowering.index(g.hi) for g in e.families],
+            "lows": list(dict.fromkeys(x for s in rows for x in s.lows)),
+            "highs": list(dict.fromkeys(x for s in rows for x in s.highs)),
+            "least": [index(g.lo) for g in e.families],
+            "greatest": [index(g.hi) for g in e.families],
         }
+
+
+def _value(node: Node, where: str) -> Block:
+    return Block.of(RETURN, "", [node], where)
+
+
+def _quantity(g, form: str, unit: str) -> Quantity:
+    return Quantity(form.format(g.name), getattr(g.declared, unit), g.declared.description)

@@ -2,19 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any
 
 from ...middle.loops.loops import Group, LoopEquations, Row
-from .loops_sets import Builder
+from .loops import Block
+from .loops_sets import Builder, PairSet, RowSet, TotalSet
 
 TOTALS = ("energy", "lagrangian", "kinetic", "potential")
 # Kernels that write a value for each coordinate: outputs, and what they are.
 VECTORS = {
-    "force": (("f", "force"),),
-    "canonical": (("momenta", "momenta"), ("pdot", "pdot")),
-    "momenta": (("momenta", "momenta"),),
-    "gradient": (("dLdq", "gradient"),),
+    "force": {"f": "force"},
+    "canonical": {"momenta": "momenta", "pdot": "pdot"},
+    "momenta": {"momenta": "momenta"},
+    "gradient": {"dLdq": "gradient"},
 }
+PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}  # to the last output
+
+
+@dataclass
+class Plan:
+    """By kernel, or by the name of a total."""
+
+    rows: dict[str, list[RowSet]] = field(default_factory=dict)
+    band: list[RowSet] = field(default_factory=list)
+    totals: dict[str, TotalSet] = field(default_factory=dict)
+    pairs: dict[str, list[PairSet]] = field(default_factory=dict)
+    singularities: list[TotalSet] = field(default_factory=list)
+
+    @property
+    def blocks(self) -> Iterator[Block]:
+        sets = [*(s for found in self.rows.values() for s in found), *self.band]
+        for found in (*sets, *self.totals.values()):
+            yield from found.blocks
+        yield from (pair.block for pairs in self.pairs.values() for pair in pairs)
 
 
 def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
@@ -27,53 +49,51 @@ def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
     return frozenset(named & wanted | solved)
 
 
-def planned(e: LoopEquations, plan: Builder, kernels: frozenset[str]) -> dict[str, Any]:
-    """By kind (rows, totals, band) and kernel; the graph may still grow."""
-    rows: dict[str, list[dict]] = {}
-    totals: dict[str, dict] = {}
+def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
+    plan = Plan()
+
+    def total(key: str, of, **how: Any) -> None:
+        plan.totals[key] = make.total(key, of, **how)
+
     vectors = {kernel: outputs for kernel, outputs in VECTORS.items() if kernel in kernels}
     for kernel, outputs in vectors.items():
-        rows[kernel] = [
-            plan.plan_rows(
-                f"{kernel}_{g.name}", g, [getattr(e, what).rows[g.name] for _, what in outputs]
+        plan.rows[kernel] = [
+            make.rows(
+                f"{kernel}_{g.name}", g, [getattr(e, x).rows[g.name] for x in outputs.values()]
             )
             for g in e.families
         ]
     # The acceleration of a coordinate that is no member takes its force by itself.
-    whats = {"force", *(what for outputs in vectors.values() for _, what in outputs)}
-    for what in sorted(whats):
+    for what in sorted({"force", *(x for outputs in vectors.values() for x in outputs.values())}):
         for g in e.scalars:
-            key = f"{what}_{g.name}"
-            totals[key] = plan.plan_total(key, getattr(e, what).totals[g.name])
-    band = []
+            total(f"{what}_{g.name}", getattr(e, what).totals[g.name])
     if e.mass.is_diagonal:
-        rows["mass"] = [plan.plan_rows(f"mass_{g.name}", g, [_own(e, g)]) for g in e.families]
+        plan.rows["mass"] = [make.rows(f"mass_{g.name}", g, [_own(e, g)]) for g in e.families]
         if not e.force.pairs:
-            rows["acceleration"] = [
-                plan.plan_rows(
-                    f"acceleration_{g.name}",
-                    g,
-                    [e.force.rows[g.name], _own(e, g)],
-                    quotient=True,
-                )
+            plan.rows["acceleration"] = [
+                make.rows(f"acceleration_{g.name}", g, [e.force.rows[g.name], _own(e, g)], True)
                 for g in e.families
             ]
     else:
-        for g in e.families:
-            band.append(plan.plan_rows(f"mass_{g.name}", g, [row for _, row in entries(e, g)]))
-    for (a, b), total in e.mass.corner.items():
-        totals[f"mass_{a}_{b}"] = plan.plan_total(f"mass_{a}_{b}", total)
+        plan.band = [
+            make.rows(f"mass_{g.name}", g, [row for _, row in entries(e, g)], ghosts=False)
+            for g in e.families
+        ]
+    for (a, b), of in e.mass.corner.items():
+        total(f"mass_{a}_{b}", of)
     for what in TOTALS:
-        total = getattr(e, what)
         if what in kernels:
-            totals[what] = plan.plan_total(what, total)
-    for k, total in enumerate(e.sums):
-        totals[f"sum_{k}"] = plan.plan_total(f"sum_{k}", total)
-    singularities = [
-        plan.plan_total(f"singularity_{k}", singularity.terms, as_derived=True)
+            total(what, getattr(e, what))
+    for k, of in enumerate(e.sums):
+        total(f"sum_{k}", of)
+    plan.singularities = [
+        make.total(f"singularity_{k}", singularity.terms, as_derived=True)
         for k, singularity in enumerate(e.singularities)
     ]
-    return {"rows": rows, "totals": totals, "band": band, "singularities": singularities}
+    for kernel, what in PAIRED.items():
+        if kernel in kernels:
+            plan.pairs[kernel] = [make.pair(pair) for pair in getattr(e, what).pairs]
+    return plan
 
 
 def _own(e: LoopEquations, g: Group) -> Row:

@@ -2,49 +2,87 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 
 from ...graph.affine import Affine
 from ...graph.graph import ONE, ZERO, Node
 from ...middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Row, Total
 from ..targets import ADD, RETURN, STORE, Target
-from .loops import EDGE, INNER, PAIR, Block, Lowering, flux_place
+from .loops import EDGE, INNER, PAIR, Block, Places, flux_place
 from .loops_interior import Interior
 
 
 @dataclass
 class Guarded:
-    """Parts of a row that share a condition: r[k] += ... where lo <= m <= hi."""
+    """Parts of a row that share a condition: r[k] += ... where lo <= m <= hi. Or assignments, with
+    "" for what is no range."""
 
-    lo: Affine
-    hi: Affine
+    lo: str
+    hi: str
     block: Block
 
 
 @dataclass
 class RowSet:
-    """Some quantities of one family's cells, or terms of totals (group is None).
+    """Some quantities of one family's cells, or terms of totals; its ranges are C.
 
-    Over [first, last] the interior is where m >= each of `lows` and <= each of `highs`.
+    The interior is where m >= each of `lows` and <= each of `highs`.
     """
 
     name: str
-    group: Group | None
     outputs: int
-    inner: Block | None
+    inner: Block
     guarded: list[Guarded]
-    first: Affine
-    last: Affine
-    lows: list[Affine]
-    highs: list[Affine]
+    lows: list[str]
+    highs: list[str]
+    group: dict = field(default_factory=dict)  # of the family, see Places.group()
     ghosts: bool = False  # rows of ghosts are added to those of the cells they stand for
-    flux: Block | None = None  # forces of bonds, into flux[k * stride], before the rows
-    n_flux: int = 0
-    span: int = 0  # a bond's ends are so far apart
-    plain: bool = False  # r[1], a mass, is a positive number: no test
-    scale: Block | None = None  # of the interior's r[0], the same in every row
     below: int = 0  # ghosts on each side
     above: int = 0
+    plain: bool = False  # r[1], a mass, is a positive number: no test
+    scale: Block | None = None  # of the interior's r[0], the same in every row
+    flux: Block | None = None  # forces of bonds, into flux[k * stride], before the rows
+    span: int = 0  # a bond's ends are so far apart
+
+    @property
+    def blocks(self) -> list[Block]:
+        found = [self.inner, *(g.block for g in self.guarded), self.scale, self.flux]
+        return [block for block in found if block is not None]
+
+    @property
+    def flux_trig(self) -> bool:
+        return bool(self.flux and self.flux.trig)
+
+    @property
+    def trig(self) -> bool:
+        return self.inner.trig or self.flux_trig
+
+    @property
+    def n_flux(self) -> int:
+        return len(self.flux.targets) if self.flux else 0
+
+    @property
+    def firsts(self) -> list[str]:
+        return list(dict.fromkeys(g.lo for g in self.guarded))
+
+    @property
+    def lasts(self) -> list[str]:
+        return list(dict.fromkeys(g.hi for g in self.guarded))
+
+
+@dataclass
+class PairSet:
+    """A double loop. Of a force its block has a value for each of the `own` places, which add up
+    over j, and then for the `other` ones."""
+
+    lo: str
+    hi: str
+    first: str
+    last: str
+    block: Block
+    own: dict[int, str] = field(default_factory=dict)  # by the number of the value
+    other: dict[int, str] = field(default_factory=dict)
 
 
 @dataclass
@@ -54,148 +92,100 @@ class TotalSet:
     name: str
     constant: Block
     rows: RowSet | None
-    pairs: list[tuple[PairPart, Block]] = field(default_factory=list)
+    pairs: list[PairSet]
 
-
-@dataclass
-class PairSet:
-    """The double loop of a pair force: blocks that add to the accumulators of both ends."""
-
-    force: PairForce
-    block: Block
+    @property
+    def blocks(self) -> list[Block]:
+        rows = self.rows.blocks if self.rows else []
+        return [*rows, *(pair.block for pair in self.pairs), self.constant]
 
 
 class Builder:
-    """From vectors and totals to sets, once nodes are final: registers blocks."""
+    """From vectors and totals to sets; the graph may grow."""
 
-    def __init__(self, e: LoopEquations):
-        self.e = e
-        self.sets = Interior(e)
-        self.lowering: Lowering | None = None
+    def __init__(self, e: LoopEquations, places: Places):
+        self.e, self.places = e, places
+        self.interior = Interior(e)
 
-    # Two passes: `plan` grows the graph, `begin` freezes it, the rest registers blocks.
-
-    def plan_rows(self, name: str, group: Group, rows: list[Row], quotient: bool = False) -> dict:
-        nodes, lows, highs = self.sets.interior(rows, group)
+    def rows(
+        self, name: str, group: Group, rows: list[Row], quotient: bool = False, ghosts: bool = True
+    ) -> RowSet:
+        """With `quotient` of a force and a mass, whose quotient is wanted."""
+        interior = self.interior
+        nodes, lows, highs = interior.interior(rows, group)
         flux: list[Node] = []
-        span = 0
+        span, mass, scale = 0, ZERO, ONE
         if quotient:
-            flux, span, total = self.sets.fluxes(rows[0])
-            flux = [self.sets.factored(node) for node in flux]
-            nodes[0] = self.sets.factored(total if flux else nodes[0])
-        mass = nodes[1] if quotient else ZERO
-        scale = ONE
+            flux, span, total = interior.fluxes(rows[0])
+            flux = [interior.factored(node) for node in flux]
+            nodes[0] = interior.factored(total if flux else nodes[0])
+            mass = nodes[1]
         if mass != ZERO:
-            scale, nodes[0] = self.sets.scaled(self.sets.g.divide(nodes[0], mass))
-        number = self.sets.g.value(mass)
-        return {
-            "name": name,
-            "group": group,
-            "rows": rows,
-            "nodes": nodes,  # as derived: expanded, differences of neighbours would lose digits
-            "lows": lows,
-            "highs": highs,
-            "plain": number is not None and number > 0,
-            "scale": scale,
-            "flux": flux,
-            "span": span,
-        }
+            scale, nodes[0] = interior.scaled(interior.g.divide(nodes[0], mass))
+        number = interior.g.value(mass)
+        below, above = self._beyond(group)
+        mapped = group.periodic or any(end.kind == "free" for _, end in group.ends)
+        found = self._set(name, rows, nodes, lows, highs)  # as derived: expanded, differences of
+        found.group = self.places.group(group)  # neighbours would lose digits
+        found.below, found.above = below, above
+        found.ghosts = ghosts and mapped and bool(below or above)
+        found.plain = number is not None and number > 0
+        found.span = span
+        if scale != ONE:
+            found.scale = Block.of(RETURN, "", [scale], INNER)
+        if flux:
+            targets = [Target(STORE, flux_place(k, 0), (node,)) for k, node in enumerate(flux)]
+            found.flux = Block(targets, INNER)
+        return found
 
-    def plan_total(self, name: str, total: Total, as_derived: bool = False) -> dict:
-        parts = [Row(total.parts)]
-        nodes, lows, highs = self.sets.interior(parts, None)
-        return {
-            "name": name,
-            "total": total,
-            "rows": parts,
-            "nodes": nodes if as_derived else self.sets.shortest(nodes),
-            "lows": lows,
-            "highs": highs,
-        }
-
-    def begin(self, libm: bool) -> None:
-        self.e = replace(self.e, slots=tuple(self.sets.slots.all))
-        self.lowering = Lowering(self.e, libm)
-
-    def rows(self, plan: dict, ghosts: bool = True) -> RowSet:
-        group = plan["group"]
-        e = self.e
-        below = above = e.wraps.get(group.name, 0)
+    def _beyond(self, group: Group) -> tuple[int, int]:
+        """How many ghosts there are below and above."""
+        below = above = self.e.wraps.get(group.name, 0)
         for at, _ in group.ends:
             low, high = group.lo - at, at - group.hi
             if low.is_constant and low.constant > 0:
                 below = max(below, low.constant)
             elif high.is_constant:
                 above = max(above, high.constant)
-        mapped = group.periodic or any(end.kind == "free" for _, end in group.ends)
-        return RowSet(
-            name=plan["name"],
-            group=group,
-            outputs=len(plan["rows"]),
-            inner=self._inner(plan["nodes"]),
-            guarded=self._guarded(plan["rows"]),
-            first=group.lo,
-            last=group.hi,
-            lows=plan["lows"],
-            highs=plan["highs"],
-            ghosts=ghosts and mapped and bool(below or above),
-            below=below,
-            above=above,
-            plain=plan["plain"],
-            scale=self._scale(plan["scale"]),
-            flux=self._flux(plan),
-            n_flux=len(plan["flux"]),
-            span=plan["span"],
-        )
+        return below, above
 
-    def total(self, plan: dict) -> TotalSet:
-        total: Total = plan["total"]
-        rows = None
-        if total.parts:
-            rows = RowSet(
-                name=plan["name"],
-                group=None,
-                outputs=1,
-                inner=self._inner(plan["nodes"]),
-                guarded=self._guarded(plan["rows"]),
-                first=Affine(),
-                last=Affine(),
-                lows=plan["lows"],
-                highs=plan["highs"],
-            )
-        pairs = [
-            (pair, self._block([Target(STORE, "r[0]", (pair.node,))], PAIR)) for pair in total.pairs
-        ]
-        constant = self._block([Target(STORE, "total", (total.constant,))], INNER)
-        return TotalSet(plan["name"], constant, rows, pairs)
+    def total(self, name: str, total: Total, as_derived: bool = False) -> TotalSet:
+        rows = [Row(total.parts)]
+        nodes, lows, highs = self.interior.interior(rows, None)
+        nodes = nodes if as_derived else self.interior.shortest(nodes)
+        found = self._set(name, rows, nodes, lows, highs) if total.parts else None
+        pairs = [self._pair(p, Block.of(STORE, "r[0]", [p.node], PAIR)) for p in total.pairs]
+        return TotalSet(name, Block.of(STORE, "total", [total.constant], INNER), found, pairs)
 
     def pair(self, force: PairForce) -> PairSet:
         sides = [*force.by_row, *force.by_other, *force.by_scalar]
-        targets = [Target(STORE, f"r[{k}]", (node,)) for k, (_, node) in enumerate(sides)]
-        return PairSet(force, self._block(targets, PAIR))
+        found = self._pair(force, Block.of(STORE, "r[{}]", [node for _, node in sides], PAIR))
+        cells = ["cell"] * len(force.by_row) + ["other"] * len(force.by_other)
+        cells += ["first"] * len(force.by_scalar)
+        for k, ((name, _), cell) in enumerate(zip(sides, cells, strict=True)):
+            places = found.other if cell == "other" else found.own
+            places[k] = self.places.group(self.e.group(name))[cell]
+        return found
 
-    def _block(self, targets: list[Target], where: str) -> Block:
-        assert self.lowering is not None
-        return self.lowering.block(targets, where)
+    def _pair(self, over: PairForce | PairPart, block: Block) -> PairSet:
+        return PairSet(*self._texts((over.lo, over.hi, over.first, over.last)), block)
 
-    def _inner(self, nodes: list[Node]) -> Block:
-        return self._block(
-            [Target(STORE, f"r[{k}]", (node,)) for k, node in enumerate(nodes)], INNER
-        )
+    def _texts(self, indices: Iterable[Affine]) -> Iterator[str]:
+        return map(self.places.index, indices)
 
-    def _flux(self, plan: dict) -> Block | None:
-        targets = [Target(STORE, flux_place(k, 0), (node,)) for k, node in enumerate(plan["flux"])]
-        return self._block(targets, INNER) if targets else None
-
-    def _scale(self, node: Node) -> Block | None:
-        return None if node == ONE else self._block([Target(RETURN, "", (node,))], INNER)
-
-    def _guarded(self, rows: list[Row]) -> list[Guarded]:
+    def _set(
+        self, name: str, rows: list[Row], nodes: list[Node], lows: list[Affine], highs: list[Affine]
+    ) -> RowSet:
         conditions: dict[tuple[Affine, Affine], list[Target]] = {}
         for k, row in enumerate(rows):
             for part in row.parts:
                 targets = conditions.setdefault((part.lo, part.hi), [])
                 targets.append(Target(ADD, f"r[{k}]", (part.node,)))
-        return [
-            Guarded(lo, hi, self._block(targets, EDGE)) for (lo, hi), targets in conditions.items()
-        ]
+        return RowSet(
+            name=name,
+            outputs=len(rows),
+            inner=Block.of(STORE, "r[{}]", nodes, INNER),
+            guarded=[Guarded(*self._texts(over), Block(x, EDGE)) for over, x in conditions.items()],
+            lows=list(self._texts(lows)),
+            highs=list(self._texts(highs)),
+        )

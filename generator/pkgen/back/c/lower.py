@@ -12,18 +12,18 @@ from dataclasses import replace
 
 from ...equations import Equations, Structure
 from ...graph.differentiate import symbols_in
-from ...graph.graph import BIT, Graph, Kind, Node, Op, Symbol
+from ...graph.graph import BIT, Graph, Kind, Node, Symbol
 from ...middle.derive.switches import sides
 from ...record import record
 from ..kernels import KERNELS, STARTS, KernelSpec, needed_kernels
 from ..targets import LOAD, STORE, Output, Target
 from .chunk import blocks
 from .expressions import Code, variable
-from .literals import PI
+from .hoist import Hoisting, rewritten
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
 from .program import LANES, Assignment, Field, Interval, Kernel, Program, Statement, operations_in
-from .rewrite import SIDE, Workspace, rewrite
-from .schedule import Schedule, number_text
+from .rewrite import SIDE, rewrite
+from .schedule import Schedule
 
 __all__ = ["Program", "lower"]
 
@@ -83,7 +83,7 @@ class _Draft:
     kept: frozenset[Node]
 
 
-class _Lowering:
+class _Lowering(Hoisting):
     def __init__(
         self,
         equations: Equations,
@@ -94,27 +94,25 @@ class _Lowering:
         slots = equations.parameters
         numbers = range(len(slots)) if kept is None else sorted(kept)
         self.equations = equations = replace(equations, parameters=tuple(slots[k] for k in numbers))
-        self.libm = libm
+        super().__init__(equations.graph, equations.model.name, libm)
         self.structure = structure
-        self.prefix = equations.model.name + "_"
         c = equations.constraints
         positions = () if c is None else c.positions
         decided = sides(equations.graph, equations.switches, positions)
-        self.work = Workspace(equations.graph)
         for call, (switch, sign) in decided.items():
             self.work.side(call, switch, sign)
         self.fields, self.parameter_names = _fields(equations)
         self.parameters = dict(zip(numbers, self.parameter_names, strict=True))
         self.symbols = _local_names(equations)
-        self.leaves: dict[Node, Code] = {}
-        self.hoisted: dict[Node, int] = {}
-        self.helpers: set[str] = set()
 
     def program(self, wanted: frozenset[str] | None) -> Program:
         names = needed_kernels(self.equations, wanted)
         specs = [KERNELS[name] for name in KERNELS if name in names]
         drafts = [self._draft(spec) for spec in specs]
-        prepare = self._prepare(drafts)
+        roots = [x for d in drafts for t in d.targets for x in t.nodes]
+        hoisting = self.hoist(roots, self._names())
+        outputs = (Output("c_", self.hoisted_count, 1),)
+        prepare = self._finished("prepare", "int", outputs, hoisting, {})
         parameters = self.equations.parameters
         return Program(
             equations=self.equations,
@@ -124,7 +122,7 @@ class _Lowering:
             defaults=tuple(self._assignment(i, x.default) for i, x in enumerate(parameters)),
             bounds=tuple(self._interval(x.lo, x.hi) for x in parameters),
             prepare=prepare,
-            hoisted=len(self.hoisted),
+            hoisted=self.hoisted_count,
             start=self._of_parameters("start"),
             quadrature_start=self._of_parameters("quadrature_start"),
             kernels=tuple(self._kernel(draft) for draft in drafts),
@@ -146,14 +144,11 @@ class _Lowering:
         kept = sorted(asked & below)
         new = rewrite(self.work, roots + kept)
         hints = {node: name for node, name in spec.hints(self.equations) if node in new}
-        targets = [
-            Target(
-                t.kind, t.where, tuple(new[x] for x in t.nodes), t.template, t.also, t.operations
-            )
-            for t in targets
-        ]
         return _Draft(
-            spec, targets, {new[x]: hints[x] for x in hints}, frozenset(new[x] for x in kept)
+            spec,
+            rewritten(targets, new),
+            {new[x]: hints[x] for x in hints},
+            frozenset(new[x] for x in kept),
         )
 
     def _kernel(self, draft: _Draft) -> Kernel:
@@ -166,7 +161,7 @@ class _Lowering:
             self.work,
             names,
             self.prefix,
-            self._leaf,
+            self.leaf,
             hints=draft.hints,
             kept=draft.kept,
             inline_sincos=not self.libm,
@@ -193,69 +188,14 @@ class _Lowering:
         operations = operations_in(schedule.statements)
         return Kernel(name, result, outputs, parts, work, operations, solves)
 
-    def _leaf(self, node: Node) -> Code | None:
-        """The text of what needs no computing in a kernel of the motion."""
-        if node in self.hoisted:
-            return variable(f"p->c_[{self.hoisted[node]}]")
-        return self._symbol(node)
-
-    def _symbol(self, node: Node) -> Code | None:
-        if not self.work.is_leaf(node):
-            return None
-        if node not in self.leaves:
-            self.leaves[node] = self._leaf_text(node)
-        return self.leaves[node]
-
-    def _leaf_text(self, node: Node) -> Code:
-        if self.work.op[node] is Op.NUMBER:
-            return number_text(self.work.data[node])
-        symbol = self.work.data[node]
-        assert isinstance(symbol, Symbol)
+    def symbol(self, symbol: Symbol) -> Code:
         if symbol.kind is Kind.PARAMETER:
             return variable("p->" + self.parameters[symbol.index])
         if symbol.kind is SIDE:
             return variable(f"p->side_[{symbol.index}]")
-        if symbol.kind in _ARGUMENT:
-            return variable(self.symbols[symbol])
-        return Code(PI) if symbol.kind is Kind.PI else variable("t")
+        return variable(self.symbols[symbol])
 
     # What depends on parameters alone
-
-    def _prepare(self, drafts: Iterable[_Draft]) -> Kernel:
-        """Numbers the hoisted constants in the order in which they can be computed."""
-        found = self._to_hoist([x for d in drafts for t in d.targets for x in t.nodes])
-        new = rewrite(self.work, found, gather=False)
-        distinct = sorted({new[node] for node in found})
-        places = {node: f"p->c_[{k}]" for k, node in enumerate(distinct)}
-        schedule = Schedule(
-            self.work,
-            self._names(),
-            self.prefix,
-            self._symbol,
-            known_after=frozenset(places.values()),
-        )
-        schedule.run(Target(STORE, places[node], (node,)) for node in distinct)
-        self.helpers |= schedule.helpers
-        self.hoisted = {node: distinct.index(new[node]) for node in found}
-        outputs = (Output("c_", len(distinct), 1),)
-        return self._finished("prepare", "int", outputs, schedule, {})
-
-    def _to_hoist(self, roots: list[Node]) -> list[Node]:
-        """The largest subtrees that depend on parameters alone and compute something."""
-        found: set[Node] = set()
-        seen = set(roots)
-        stack = list(seen)
-        while stack:
-            node = stack.pop()
-            if self.work.fixed[node] and self.work.negated(node) is None:
-                if not self.work.is_leaf(node):
-                    found.add(node)
-                continue
-            for a in self.work.args[node]:
-                if a not in seen:
-                    seen.add(a)
-                    stack.append(a)
-        return sorted(found)
 
     def _of_parameters(self, name: str) -> Kernel:
         spec = KERNELS[name]
@@ -267,8 +207,8 @@ class _Lowering:
     def _fixed_code(self, targets: list[Target]) -> Schedule:
         """Code on parameters alone, nothing hoisted."""
         new = rewrite(self.work, [x for t in targets for x in t.nodes], gather=False)
-        schedule = Schedule(self.work, self._names(), self.prefix, self._symbol)
-        schedule.run(Target(t.kind, t.where, tuple(new[x] for x in t.nodes)) for t in targets)
+        schedule = Schedule(self.work, self._names(), self.prefix, self.fixed_leaf)
+        schedule.run(rewritten(targets, new))
         self.helpers |= schedule.helpers
         return schedule
 

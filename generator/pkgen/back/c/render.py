@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import sys
+from collections.abc import Sequence
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -13,7 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import pkgen_runtime
 
+from ...equations import Quantity, Structure
+from ...middle.loops.loops import Facts
 from ...middle.report import Report
+from ...model import Definition, Model
 from ...system.cache import cached
 from ...system.exits import BuildError
 from ...version import __version__
@@ -31,41 +35,19 @@ from .program import Kernel, Program, operations_text
 if TYPE_CHECKING:
     import jinja2
 
-# Which field of Structure proves which of enum pk_fact, in the order of that enum.
-FACTS = [
-    ("mass_constant", "PK_MASS_CONSTANT"),
-    ("mass_diagonal", "PK_MASS_DIAGONAL"),
-    ("quadratic", "PK_QUADRATIC"),
-    ("separable", "PK_SEPARABLE"),
-    ("autonomous", "PK_AUTONOMOUS"),
-    ("conservative", "PK_CONSERVATIVE"),
-    ("variational", "PK_VARIATIONAL"),
-    ("smooth", "PK_SMOOTH"),
-    ("affine", "PK_AFFINE"),
-    ("switched", "PK_SWITCHED"),
-]
+# The fields of Structure that prove what enum pk_fact has, in the order of that.
+_FACTS = """
+    mass_constant mass_diagonal quadratic separable autonomous conservative variational smooth
+    affine switched
+"""
 
 # Kernels that struct pk_system has, and where: in its core, or in a part.
-SYSTEM_KERNELS = {
-    **{
-        name: name
-        for name in (
-            "acceleration",
-            "mass",
-            "force",
-            "canonical",
-            "gradient",
-            "jacobian",
-            "energy",
-            "kinetic",
-            "potential",
-            "observe",
-            "conserve",
-            "linear",
-            "unconstrained",
-            "inertia",
-        )
-    },
+_IN_CORE = """
+    acceleration mass force canonical gradient jacobian energy kinetic potential observe conserve
+    linear unconstrained inertia
+"""
+_SYSTEM = {
+    **{name: name for name in _IN_CORE.split()},
     "constraint": "constraints.values",
     "constraint_jacobian": "constraints.jacobian",
     "residual_scale": "constraints.scale",
@@ -79,17 +61,9 @@ SYSTEM_KERNELS = {
     "particles": "particles.at",
 }
 
-_TESTED = [
-    "acceleration",
-    "mass",
-    "force",
-    "canonical",
-    "momenta",
-    "gradient",
-    "jacobian",
-    "energy",
-    "lagrangian",
-]
+_TESTED = """
+    acceleration mass force canonical momenta gradient jacobian energy lagrangian
+"""
 
 
 def render(
@@ -128,7 +102,7 @@ def is_portable(files: dict[str, str]) -> bool:
 def _refuse_parts(program: Program) -> None:
     """A self-test compares all kernels with each other."""
     e = program.equations
-    missing = [n for n in _TESTED if KERNELS[n].exists(e) and program.kernel(n) is None]
+    missing = [n for n in _TESTED.split() if KERNELS[n].exists(e) and program.kernel(n) is None]
     if missing:
         raise ValueError(f"a self-test needs the kernels {', '.join(missing)} too")
 
@@ -176,11 +150,15 @@ def pasted(header: str) -> str:
     return path.read_text(encoding="utf-8")
 
 
-def _context(program: Program) -> dict[str, Any]:
-    equations = program.equations
-    model = equations.model
-    kernels = [_kernel(program, kernel) for kernel in program.kernels]
-    present = {kernel.name for kernel in program.kernels}
+def frame(
+    model: Model,
+    proved: Structure | Facts,
+    kernels: set[str],
+    parameters: list[dict[str, Any]],
+    names: dict[str, Sequence[Quantity | Definition]],
+) -> dict[str, Any]:
+    """What the files of every model have around its functions: `kernels` are those that there are,
+    `proved` its facts, `names` tables of quantities."""
     return {
         "version": __version__,
         "name": model.name,
@@ -188,7 +166,29 @@ def _context(program: Program) -> dict[str, Any]:
         "source_name": model.source.path.replace("\\", "/").rsplit("/", 1)[-1],
         "source_hash": model.source.sha256,
         "real_header": pasted("real.h"),
+        "parameters": parameters,
+        "tables": names,
+        "n_parameters": len(parameters),
+        "n_inputs": len(names["inputs"]),
+        "n_observed": len(names["observed"]),
+        "n_conserved": len(names["conserved"]),
+        "facts": [f"PK_{field.upper()}" for field in _FACTS.split() if getattr(proved, field)],
+        "system_kernels": [
+            {"name": kernel, "field": field}
+            for kernel, field in _SYSTEM.items()
+            if kernel in kernels
+        ],
+    }
+
+
+def _context(program: Program) -> dict[str, Any]:
+    equations = program.equations
+    present = {kernel.name for kernel in program.kernels}
+    parameters, names = tables.parameters(program), tables.tables(equations)
+    return {
+        **frame(equations.model, program.structure, present, parameters, names),
         "sincos_header": pasted("sincos.h") if program.has_sincos else "",
+        "sizes": [],
         "n": len(equations.coordinates),
         "n_first_order": equations.n_first_order,
         "states": [
@@ -196,10 +196,6 @@ def _context(program: Program) -> dict[str, Any]:
         ],
         # Whether p is dL/dv of the coordinates, and h made of these.
         "has_lagrangian": int("lagrangian" in present and not equations.inertia),
-        "n_parameters": len(equations.parameters),
-        "n_inputs": len(equations.inputs),
-        "n_observed": len(equations.observed),
-        "n_conserved": len(equations.conserved),
         "n_quadratures": len(equations.quadratures),
         "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),
         "n_holonomic": equations.constraints.holonomic if equations.constraints else 0,
@@ -213,10 +209,8 @@ def _context(program: Program) -> dict[str, Any]:
         "factored": program.factored,
         "indices": tables.indices(program),
         "fields": tables.fields(program),
-        "parameters": tables.parameters(program),
         "any_follows": any(p.follows for p in equations.parameters),
-        "tables": tables.tables(program),
-        "kernels": kernels,
+        "kernels": [_kernel(program, kernel) for kernel in program.kernels],
         "operations": operations_rows(program),
         "proved": labelled(facts(equations, program.structure)),
         "constant": labelled(invariants(equations, program.structure)),
@@ -234,19 +228,13 @@ def _context(program: Program) -> dict[str, Any]:
         "helpers": helpers(program.helpers),
         "float_too": program.float_too,
         "singularities": tables.singularities(program),
-        "facts": [flag for field, flag in FACTS if getattr(program.structure, field)],
         "cyclic": [int(flag) for flag in program.structure.cyclic],
-        "system_kernels": [
-            {"name": kernel, "field": field}
-            for kernel, field in SYSTEM_KERNELS.items()
-            if kernel in present
-        ],
         "has_linear": int("linear" in present),
         "has_parts": int({"kinetic", "potential"} <= present),
         "input_rates": tables.input_rates(equations.inputs),
         "functions": _functions(program),
         "forms": list(program.lanes),
-        "lane_arguments": f"const struct {model.name}_params *p, {LANE_ARGUMENTS}",
+        "lane_arguments": f"const struct {equations.model.name}_params *p, {LANE_ARGUMENTS}",
         "member_arguments": f"const pk_real *P, {LANE_ARGUMENTS}",
     }
 

@@ -5,36 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ...equations import Quantity
+from ...equations import Equations, Quantity
 from .describe import families, field_says
 from .names import family_of
 from .program import Program
 
 
-def _quantity(quantity: Quantity) -> dict[str, str]:
+def tables(e: Equations) -> dict[str, Sequence[Quantity]]:
     return {
-        "name": quantity.name,
-        "unit": quantity.unit,
-        "description": quantity.description,
+        "coordinates": e.coordinates,
+        "rates": e.rates,
+        "momentum_names": e.momenta_names,
+        "inputs": e.inputs,
+        "observed": e.observed_names,
+        "conserved": e.conserved_names,
+        "quadratures": e.quadrature_names,
+        "constraints": e.constraints.names if e.constraints else (),
     }
-
-
-def tables(program: Program) -> list[dict[str, Any]]:
-    e = program.equations
-    rows: list[tuple[str, str, Sequence[Quantity]]] = [
-        ("coordinates", "N", e.coordinates),
-        ("rates", "N", e.rates),
-        ("momentum_names", "N", e.momenta_names),
-        ("inputs", "INPUTS", e.inputs),
-        ("observed", "OBSERVED", e.observed_names),
-        ("conserved", "CONSERVED", e.conserved_names),
-        ("quadratures", "QUADRATURES", e.quadrature_names),
-        ("constraints", "CONSTRAINTS", e.constraints.names if e.constraints else ()),
-    ]
-    return [
-        {"name": name, "count": count, "rows": [_quantity(q) for q in quantities]}
-        for name, count, quantities in rows
-    ]
 
 
 def singularities(program: Program) -> list[dict[str, Any]]:
@@ -50,7 +37,7 @@ def singularities(program: Program) -> list[dict[str, Any]]:
 def events(program: Program) -> list[dict[str, Any]]:
     e = program.equations
     return [
-        _quantity(quantity) | {"direction": event.direction, "stop": int(event.stop)}
+        vars(quantity) | {"direction": event.direction, "stop": int(event.stop)}
         for quantity, event in zip(e.event_names, e.model.events, strict=True)
     ]
 
@@ -90,7 +77,7 @@ def parameters(program: Program) -> list[dict[str, Any]]:
         c_name = program.parameter_names[index]
         bounds = program.bounds[index]
         rows.append(
-            _quantity(slot.quantity)
+            vars(slot.quantity)
             | {
                 "index": index,
                 "c_name": c_name,

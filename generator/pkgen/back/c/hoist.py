@@ -1,0 +1,94 @@
+"""What depends on parameters alone, computed once: the array c_ of struct NAME_params."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+from ...graph.graph import Graph, Kind, Node, Op, Symbol
+from ..targets import STORE, Target
+from .expressions import Code, variable
+from .literals import PI
+from .names import Names
+from .rewrite import Workspace, rewrite
+from .schedule import Schedule, number_text
+
+
+def rewritten(targets: Iterable[Target], new: Mapping[Node, Node]) -> list[Target]:
+    """The same of other nodes."""
+    return [replace(t, nodes=tuple(new[node] for node in t.nodes)) for t in targets]
+
+
+class Hoisting:
+    """The expressions of one C file, and what `prepare` computes for all of them."""
+
+    def __init__(self, graph: Graph, name: str, libm: bool) -> None:
+        self.prefix = name + "_"
+        self.libm = libm
+        self.work = Workspace(graph)
+        self.hoisted: dict[Node, int] = {}
+        self.helpers: set[str] = set()
+        self._leaves: dict[Node, Code] = {}
+
+    def symbol(self, symbol: Symbol) -> Code:
+        """The text of a symbol other than pi and t."""
+        raise NotImplementedError
+
+    def fixed_leaf(self, node: Node) -> Code | None:
+        """The text of what needs no computing where nothing is hoisted."""
+        if not self.work.is_leaf(node):
+            return None
+        if node not in self._leaves:
+            self._leaves[node] = self._leaf_text(node)
+        return self._leaves[node]
+
+    def leaf(self, node: Node) -> Code | None:
+        """The same in a kernel of the motion."""
+        if node in self.hoisted:
+            return variable(f"p->c_[{self.hoisted[node]}]")
+        return self.fixed_leaf(node)
+
+    def _leaf_text(self, node: Node) -> Code:
+        data = self.work.data[node]
+        if self.work.op[node] is Op.NUMBER:
+            return number_text(data)
+        assert isinstance(data, Symbol)
+        if data.kind is Kind.PI:
+            return Code(PI)
+        return variable("t") if data.kind is Kind.TIME else self.symbol(data)
+
+    @property
+    def hoisted_count(self) -> int:
+        return len(set(self.hoisted.values()))
+
+    def hoist(self, roots: Iterable[Node], names: Names) -> Schedule:
+        """Numbers the hoisted constants in the order in which they can be computed; the code that
+        stores them."""
+        found = self._to_hoist(roots)
+        new = rewrite(self.work, found, gather=False)
+        distinct = sorted({new[node] for node in found})
+        places = {node: f"p->c_[{k}]" for k, node in enumerate(distinct)}
+        schedule = Schedule(
+            self.work, names, self.prefix, self.fixed_leaf, known_after=frozenset(places.values())
+        )
+        schedule.run(Target(STORE, places[node], (node,)) for node in distinct)
+        self.helpers |= schedule.helpers
+        self.hoisted = {node: distinct.index(new[node]) for node in found}
+        return schedule
+
+    def _to_hoist(self, roots: Iterable[Node]) -> list[Node]:
+        """The largest subtrees that depend on parameters alone and compute something."""
+        found: set[Node] = set()
+        seen = set(roots)
+        stack = list(seen)
+        while stack:
+            node = stack.pop()
+            if self.work.fixed[node] and self.work.negated(node) is None:
+                if not self.work.is_leaf(node):
+                    found.add(node)
+                continue
+            for a in self.work.args[node]:
+                if a not in seen:
+                    seen.add(a)
+                    stack.append(a)
+        return sorted(found)
