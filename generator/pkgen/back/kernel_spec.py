@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
 from ..equations import Equations, Matrix, Row
 from ..graph.graph import ZERO, Graph, Node, Op
@@ -19,13 +20,13 @@ def _nothing(_: Equations) -> list[Node]:
 
 @record
 class KernelSpec:
-    """`says` is the equation in the kernel's comment; `units` the unit of an output's entries."""
+    """`says` is the equation in the kernel's comment; `result` the type in C."""
 
     name: str
-    result: str
     says: str
     outputs: Callable[[Equations], tuple[Output, ...]]
     targets: Callable[[Equations], list[Target]]
+    result: str = "void"
     exists: Callable[[Equations], bool] = lambda _: True
     kept: Callable[[Equations], list[Node]] = _nothing  # become locals wherever they occur
     given: tuple[str, ...] = ()  # vectors taken besides t, q, v and u
@@ -79,11 +80,39 @@ def pivot_checks(equations: Equations, pivots: Row) -> list[Target]:
     return list(_pivot_checks(equations.graph, "MASS", pairs))
 
 
-def vector(name: str, row: Callable[[Equations], Row]):
-    """Outputs and targets of a kernel that writes one vector."""
-    return (
-        lambda e: (Output(name, len(row(e)), 1),),
-        lambda e: stores(name, row(e)),
+def vectors(
+    name: str, says: str, rows: Callable[[Equations], dict[str, Row]], **more: Any
+) -> KernelSpec:
+    """A kernel that writes vectors, by the names of its outputs."""
+    return KernelSpec(
+        name,
+        says,
+        lambda e: tuple(Output(output, len(row), 1) for output, row in rows(e).items()),
+        lambda e: [target for output, row in rows(e).items() for target in stores(output, row)],
+        **more,
+    )
+
+
+def vector(
+    name: str, says: str, output: str, row: Callable[[Equations], Row], **more: Any
+) -> KernelSpec:
+    return vectors(name, says, lambda e: {output: row(e)}, **more)
+
+
+def optional(name: str, says: str, output: str, row: Callable[[Equations], Row]) -> KernelSpec:
+    """A kernel that there is where there is something to write."""
+    return vector(name, says, output, row, exists=lambda e: bool(row(e)))
+
+
+def symmetric(
+    name: str, says: str, matrix: Callable[[Equations], Matrix | None], **more: Any
+) -> KernelSpec:
+    return KernelSpec(
+        name,
+        says,
+        lambda e: (square("M", e),),
+        lambda e: matrix_stores("M", matrix(e), symmetric=True),
+        **more,
     )
 
 

@@ -5,22 +5,23 @@ A new kernel is a row here, its place in runtime/include/pk/system.h, and its ca
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-
 from ..equations import Equations, Particles, Row
 from ..graph.graph import ZERO, Node
 from ..middle.motion import LINEAR_OF_FEW
 from .kernel_spec import (
     KernelSpec,
     matrix_stores,
+    optional,
     pivot_checks,
     row_checks,
     square,
     stores,
+    symmetric,
     vector,
+    vectors,
 )
-from .kernels_bound import ALWAYS, bound_specs
-from .kernels_canonical import CANONICAL, canonical_specs
+from .kernels_bound import ALWAYS, BOUND
+from .kernels_canonical import CANONICAL, CANONICAL_SPECS
 from .targets import FILL, RETURN, STORE, Output, Target
 
 STARTS = ("start", "quadrature_start")  # kernels of the parameters alone
@@ -53,13 +54,16 @@ def _has_energy(equations: Equations) -> bool:
     return len(equations.coordinates) > equations.n_first_order or bool(equations.attitudes)
 
 
-def _scalar(node: Callable[[Equations], Node | None]):
-    def targets(equations: Equations) -> list[Target]:
-        value = node(equations)
-        assert value is not None
-        return [Target(RETURN, "", (value,))]
-
-    return lambda e: (), targets
+def _scalar(name: str, says: str) -> KernelSpec:
+    """Of an energy, the field of Equations that has its name."""
+    return KernelSpec(
+        name,
+        says,
+        lambda e: (),
+        lambda e: [Target(RETURN, "", (getattr(e, name),))],
+        "pk_real",
+        lambda e: getattr(e, name) is not None and _has_energy(e),
+    )
 
 
 def _acceleration_targets(equations: Equations) -> list[Target]:
@@ -102,125 +106,74 @@ def _copied(targets: list[Target]) -> list[Target]:
 
 
 def _of_particles(particles: Particles) -> dict[str, Row]:
-    vectors = {
+    rows = {
         "r_out": particles.places,
         "v_out": particles.rates,
         "a_out": particles.accelerations,
     }
-    flat = {name: tuple(x for row in rows for x in row) for name, rows in vectors.items()}
-    return {"m_out": particles.masses} | flat
+    return {"m_out": particles.masses} | {name: sum(row, ()) for name, row in rows.items()}
 
 
-def _specs() -> Iterator[KernelSpec]:
-    yield KernelSpec(
+_SPECS = (
+    KernelSpec(
         "acceleration",
-        "int",
         "a = q'' with M a = f, by M = L D L^T",
         lambda e: (Output("a", len(e.coordinates), 1),),
         _acceleration_targets,
+        "int",
         kept=lambda e: [*(e.pivots or ()), *e.force],
-    )
-    yield KernelSpec(
-        "mass",
-        "void",
-        "M = dp/dv",
-        lambda e: (square("M", e),),
-        lambda e: matrix_stores("M", e.mass, symmetric=True),
-    )
-    yield KernelSpec(
-        "force", "void", "f = pdot - (dp/dq) v - dp/dt", *vector("f", lambda e: e.force)
-    )
-    yield KernelSpec(
+    ),
+    symmetric("mass", "M = dp/dv", lambda e: e.mass),
+    vector("force", "f = pdot - (dp/dq) v - dp/dt", "f", lambda e: e.force),
+    vectors(
         "canonical",
-        "void",
         "p = dL/dv and pdot = dL/dq + Q - dD/dv",
-        lambda e: (Output("momenta", len(e.momenta), 1), Output("pdot", len(e.pdot), 1)),
-        lambda e: stores("momenta", e.momenta) + stores("pdot", e.pdot),
-    )
-    yield KernelSpec("momenta", "void", "p = dL/dv", *vector("momenta", lambda e: e.momenta))
-    yield KernelSpec("gradient", "void", "dL/dq", *vector("dLdq", lambda e: e.gradient))
-    yield KernelSpec(
+        lambda e: {"momenta": e.momenta, "pdot": e.pdot},
+    ),
+    vector("momenta", "p = dL/dv", "momenta", lambda e: e.momenta),
+    vector("gradient", "dL/dq", "dLdq", lambda e: e.gradient),
+    KernelSpec(
         "jacobian",
-        "void",
         "dp/dq, d(pdot)/dq, d(pdot)/dv",
         lambda e: (square("p_q", e), square("pdot_q", e), square("pdot_v", e)),
         _jacobian,
         exists=lambda e: e.p_q is not None,
-    )
-    yield KernelSpec(
+    ),
+    KernelSpec(
         "linear",
-        "void",
         "derivatives of r = f - M a by q, v and t, with a and the inputs held",
         lambda e: (square("r_q", e), square("r_v", e), Output("r_t", len(e.force), 1)),
         _linear,
         exists=lambda e: e.linear is not None,
         given=("a",),
-    )
-    yield KernelSpec(
-        "energy", "pk_real", "h = v.p - L", *_scalar(lambda e: e.energy), exists=_has_energy
-    )
-    yield KernelSpec(
-        "lagrangian", "pk_real", "L", *_scalar(lambda e: e.lagrangian), exists=_has_energy
-    )
-    yield KernelSpec(
-        "kinetic",
-        "pk_real",
-        "T",
-        *_scalar(lambda e: e.kinetic),
-        exists=lambda e: e.kinetic is not None and _has_energy(e),
-    )
-    yield KernelSpec(
-        "potential",
-        "pk_real",
-        "V",
-        *_scalar(lambda e: e.potential),
-        exists=lambda e: e.potential is not None and _has_energy(e),
-    )
-    yield KernelSpec(
+    ),
+    _scalar("energy", "h = v.p - L"),
+    _scalar("lagrangian", "L"),
+    _scalar("kinetic", "T"),
+    _scalar("potential", "V"),
+    optional(
         "singularity",
-        "void",
         "what the equations divide by, or take a root or a logarithm of: they end where it is 0",
-        *vector("out", lambda e: tuple(singularity.node for singularity in e.singularities)),
-        exists=lambda e: bool(e.singularities),
-    )
-    yield KernelSpec(
-        "observe",
-        "void",
-        "observed outputs",
-        *vector("out", lambda e: e.observed),
-        exists=lambda e: bool(e.observed),
-    )
-    yield KernelSpec(
-        "conserve",
-        "void",
-        "quantities claimed to be constant",
-        *vector("out", lambda e: e.conserved),
-        exists=lambda e: bool(e.conserved),
-    )
-    yield KernelSpec(
-        "event",
-        "void",
-        "functions whose zeros are the events",
-        *vector("out", lambda e: e.events),
-        exists=lambda e: bool(e.events),
-    )
-    yield KernelSpec(
+        "out",
+        lambda e: tuple(singularity.node for singularity in e.singularities),
+    ),
+    optional("observe", "observed outputs", "out", lambda e: e.observed),
+    optional("conserve", "quantities claimed to be constant", "out", lambda e: e.conserved),
+    optional("event", "functions whose zeros are the events", "out", lambda e: e.events),
+    optional(
         "switching",
-        "void",
         "the arguments of step, abs, min and max at whose zeros the equations change",
-        *vector("out", lambda e: tuple(switch.node for switch in e.switches)),
-        exists=lambda e: bool(e.switches),
-    )
-    yield KernelSpec(
+        "out",
+        lambda e: tuple(switch.node for switch in e.switches),
+    ),
+    optional(
         "marking",
-        "void",
         "u of exp(u) and the like, which end beyond +-36: where forces may be short",
-        *vector("out", lambda e: tuple(mark.node for mark in e.marks)),
-        exists=lambda e: bool(e.marks),
-    )
-    yield KernelSpec(
+        "out",
+        lambda e: tuple(mark.node for mark in e.marks),
+    ),
+    KernelSpec(
         "corner",
-        "void",
         "the slopes of the switches at which rates may jump, by q and by t; 0 of others",
         lambda e: (
             Output("slope", len(e.switches), len(e.coordinates)),
@@ -233,26 +186,18 @@ def _specs() -> Iterator[KernelSpec]:
             + stores("slope_t", tuple(x.slope_t for x in e.switches))
         ),
         exists=lambda e: bool(e.jolted),
-    )
-    yield KernelSpec(
-        "quadrature",
-        "void",
-        "z', the rates of the quadratures",
-        *vector("zdot", lambda e: e.quadratures),
-        exists=lambda e: bool(e.quadratures),
-    )
-    yield KernelSpec(
+    ),
+    optional("quadrature", "z', the rates of the quadratures", "zdot", lambda e: e.quadratures),
+    optional(
         "quadrature_start",
-        "void",
         "what the quadratures are at the start",
-        *vector("z", lambda e: e.quadrature_start),
-        exists=lambda e: bool(e.quadratures),
-    )
-    yield from bound_specs()
-    yield from canonical_specs()
-    yield KernelSpec(
+        "z",
+        lambda e: e.quadrature_start,
+    ),
+    *BOUND,
+    *CANONICAL_SPECS,
+    KernelSpec(
         "particles",
-        "void",
         "particles: masses m, places r, r' and r'', a = q'' given",
         lambda e: tuple(
             Output(name, len(row), 1) for name, row in _of_particles(e.particles).items()
@@ -262,14 +207,7 @@ def _specs() -> Iterator[KernelSpec]:
         ),
         exists=lambda e: e.particles is not None and bool(e.particles.masses),
         given=("a",),
-    )
-    yield KernelSpec(
-        "start",
-        "void",
-        "initial values",
-        lambda e: (Output("q", len(e.start_q), 1), Output("v", len(e.start_v), 1)),
-        lambda e: stores("q", e.start_q) + stores("v", e.start_v),
-    )
-
-
-KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _specs()}
+    ),
+    vectors("start", "initial values", lambda e: {"q": e.start_q, "v": e.start_v}),
+)
+KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _SPECS}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 from ..equations import Equations, Hamiltonian, Row
 from ..graph.graph import ZERO
@@ -10,20 +10,6 @@ from .kernel_spec import KernelSpec, pivot_checks, stores
 from .targets import Output, Target
 
 CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
-
-
-def canonical_specs() -> Iterator[KernelSpec]:
-    yield _canonical("hamiltonian", "H(q, p), the energy", lambda h: {"H": (h.energy,)})
-    yield _canonical(
-        "hamilton",
-        "dH/dq and dH/dp, which is q'",
-        lambda h: {"dHdq": h.by_q, "dHdp": h.by_p},
-    )
-    yield _canonical(
-        "hamilton_force",
-        "Q - dD/dv at q and p, which p' has besides -dH/dq",
-        lambda h: {"applied": h.applied},
-    )
 
 
 def _canonical(name: str, says: str, rows: Callable[[Hamiltonian], dict[str, Row]]) -> KernelSpec:
@@ -42,10 +28,23 @@ def _canonical(name: str, says: str, rows: Callable[[Hamiltonian], dict[str, Row
 
     return KernelSpec(
         name,
-        "int",
         says,
         lambda e: tuple(Output(where, len(row), 1) for where, row in rows(e.hamiltonian).items()),
         targets,
-        exists=exists,
+        "int",
+        exists,
         second="momenta",
     )
+
+
+CANONICAL_SPECS = (
+    _canonical("hamiltonian", "H(q, p), the energy", lambda h: {"H": (h.energy,)}),
+    _canonical(
+        "hamilton", "dH/dq and dH/dp, which is q'", lambda h: {"dHdq": h.by_q, "dHdp": h.by_p}
+    ),
+    _canonical(
+        "hamilton_force",
+        "Q - dD/dv at q and p, which p' has besides -dH/dq",
+        lambda h: {"applied": h.applied},
+    ),
+)
