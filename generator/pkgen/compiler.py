@@ -24,13 +24,13 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from .back.c.beyond import Beyond, extreme
-from .equations import Equations, Structure
+from .equations import Equations, Facts, Structure
 from .front import parse
 from .front.check import check
 from .middle.analyze import analyze
 from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
-from .middle.loops.loops import Facts, LoopEquations, Unrolled
+from .middle.loops.loops import LoopEquations, Unrolled
 from .middle.quantities import families
 from .middle.reduce import reduce
 from .middle.reduce.apart import Subsystem
@@ -83,7 +83,7 @@ class Compilation:
     model: Model
     warnings: tuple[Diagnostic, ...]
     equations: Equations | LoopEquations
-    structure: Structure | Facts
+    structure: Facts  # Structure, where families are written out
     report: Report
     program: Program | LoopProgram
     files: dict[str, str]
@@ -255,8 +255,8 @@ def check_model(
     return model, warnings + _partly_proved(model, facts)
 
 
-def _partly_proved(model: Model, facts: Structure | Facts) -> tuple[Diagnostic, ...]:
-    if not isinstance(facts, Facts):
+def _partly_proved(model: Model, facts: Facts) -> tuple[Diagnostic, ...]:
+    if isinstance(facts, Structure):
         return ()
     from .loop_proofs import partly_proved
 

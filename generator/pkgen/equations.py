@@ -145,6 +145,18 @@ class Constraints:
 
 
 @record
+class Named:
+    """The quantities of a model, families unrolled; the fields are those of Equations."""
+
+    parameters: tuple[ParameterSlot, ...]
+    coordinates: tuple[Quantity, ...]
+    rates: tuple[Quantity, ...]
+    momenta_names: tuple[Quantity, ...]
+    inputs: tuple[Quantity, ...]
+    states: tuple[Quantity, ...]
+
+
+@record
 class Equations:
     model: Model
     graph: Graph
@@ -277,11 +289,8 @@ class Symmetries:
 
 
 @record
-class Structure:
-    """Facts, each proved (never a guess): false means not proved. See enum pk_fact.
-
-    `influences` errs on the side of too many: what is not there is proved to have no influence.
-    """
+class Facts:
+    """Each proved (never a guess): false means not proved. See enum pk_fact."""
 
     mass_constant: bool
     mass_diagonal: bool
@@ -291,18 +300,25 @@ class Structure:
     conservative: bool
     variational: bool
     smooth: bool
-    cyclic: tuple[bool, ...]  # p_i is constant
-    switched: bool = False  # smooth but for switches, which a run locates
     affine: bool = False  # the acceleration is so in q and v, with constant coefficients
-    definite: bool = False  # M is positive definite wherever it has a value
-    singular: tuple[str, ...] = ()  # expressions; where one vanishes, M may be singular
-    mass_blocks: Indices = ()  # coordinates that M couples, the finest partition
-    mass_band: int = 0  # the largest |i - j| of an entry of M that is not zero
-    influences: Indices = ()  # by i: each j whose q_j or v_j occurs in a_i
-    blocks: Indices = ()  # coordinates that do not influence those of another block
+    switched: bool = False  # smooth but for switches, which a run locates
     claims: tuple[Claim, ...] = ()
     symmetries: Symmetries | None = None  # None: not asked for
 
     @property
     def smooth_in_pieces(self) -> bool:
         return self.smooth or self.switched
+
+
+@record
+class Structure(Facts):
+    """With what is known of single coordinates. `influences` errs on the side of too many: what is
+    not there is proved to have no influence."""
+
+    cyclic: tuple[bool, ...] = ()  # p_i is constant
+    definite: bool = False  # M is positive definite wherever it has a value
+    singular: tuple[str, ...] = ()  # expressions; where one vanishes, M may be singular
+    mass_blocks: Indices = ()  # coordinates that M couples, the finest partition
+    mass_band: int = 0  # the largest |i - j| of an entry of M that is not zero
+    influences: Indices = ()  # by i: each j whose q_j or v_j occurs in a_i
+    blocks: Indices = ()  # coordinates that do not influence those of another block

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from .equations import Claim, Structure
+from .equations import Claim, Facts
 from .front.check import check
 from .front.statements import File
 from .middle.analyze import analyze
 from .middle.analyze.proofs import OPEN
 from .middle.derive import derive
-from .middle.loops.loops import Facts, LoopEquations
+from .middle.loops.loops import LoopEquations
 from .middle.quantities import families
 from .model import Model
 from .source import Diagnostic, ModelError
@@ -69,10 +69,8 @@ def sizes_text(model: Model) -> str:
     return ", ".join(f"{size.name} = {size.value}" for size in model.sizes)
 
 
-def partly_proved(model: Model, facts: Structure | Facts) -> tuple[Diagnostic, ...]:
+def partly_proved(model: Model, facts: Facts) -> tuple[Diagnostic, ...]:
     """A warning for each claim that is proved for other sizes than the model's."""
-    if isinstance(facts, Structure) or not facts.claims:
-        return ()
     at = sizes_text(model)
     return tuple(
         Diagnostic(

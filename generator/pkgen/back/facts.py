@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..equations import Equations, Indices, Invariant, Structure, Symmetries
+from ..equations import Equations, Facts, Indices, Invariant, Structure, Symmetries
 from ..graph.graph import BIT, ZERO, Kind
-from ..middle.loops.loops import Facts, LoopEquations
+from ..middle.loops.loops import LoopEquations
 
 SHOWN = 8  # terms of an invariant's formula, blocks of coordinates
 
@@ -47,7 +47,7 @@ def found_by_symmetry(symmetries: Symmetries) -> list[tuple[str, str]]:
     return [(shortened(x.name), _why(x)) for x in symmetries.invariants]
 
 
-def claimed(structure: Structure | Facts) -> list[tuple[str, str]]:
+def claimed(structure: Facts) -> list[tuple[str, str]]:
     return [(x.name, f"claimed, {x.outcome}: {x.says}") for x in structure.claims]
 
 

@@ -12,10 +12,9 @@ from ..back.c.program import operations_text
 from ..back.facts import facts, found, invariants, shortened
 from ..compiler import Compilation
 from ..describe.drawing import shown
-from ..equations import Equations, ParameterSlot, Quantity, Structure, Symmetries
+from ..equations import Equations, Facts, ParameterSlot, Quantity, Structure, Symmetries
 from ..graph.graph import BIT, Kind, Node, Op
 from ..middle.analyze import sympy_bridge
-from ..middle.loops.loops import Facts
 from ..model import Event
 from .contents import (
     canonical_rows,
@@ -104,13 +103,13 @@ def drawing(compilation: Compilation) -> str:
     return section("Drawing", shown(compilation.declared))
 
 
-def structure_record(structure: Structure | Facts) -> dict[str, object]:
+def structure_record(structure: Facts) -> dict[str, object]:
     """The facts; coordinates by number."""
     shown = {k: v for k, v in vars(structure).items() if k not in ("claims", "symmetries")}
     return {k: list(v) if isinstance(v, tuple) else v for k, v in shown.items()}
 
 
-def proofs_record(structure: Structure | Facts) -> dict[str, object]:
+def proofs_record(structure: Facts) -> dict[str, object]:
     """What is constant, and how that is proved."""
     symmetries = structure.symmetries
     return {

@@ -31,6 +31,10 @@ LINEAR_OF_FEW = "linear of few"  # asked for as if it were not named
 PARTICLES = "particles"  # a kernel that only diagnostics ask for
 
 
+# Fields of Equations, as they are where the kernel is not asked for.
+NO_JACOBIANS: dict[str, None] = dict.fromkeys(("p_q", "pdot_q", "pdot_v"))
+
+
 class Wanted:
     """Whether any of some kernels is asked for."""
 
@@ -151,9 +155,7 @@ def _symmetric(triangle: list[Node], n: int) -> Matrix:
     return tuple(map(tuple, rows))
 
 
-def jacobians_of(
-    g: Graph, motion: Motion, lagrangian: bool = True
-) -> tuple[Matrix, Matrix, Matrix]:
+def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str, Matrix]:
     """dp/dq, d(pdot)/dq, d(pdot)/dv. Where all of p and the gradient are derivatives of a
     `lagrangian`, its second ones are symmetric:
 
@@ -181,7 +183,7 @@ def jacobians_of(
         found.append(shortened(g, (x for matrix in (p_q, *way) for row in matrix for x in row)))
     best = found[0] if len(found) == 1 else min(found, key=lambda x: operations(g, x))
     rows = [tuple(best[i : i + n]) for i in range(0, len(best), n)]
-    return tuple(rows[:n]), tuple(rows[n : 2 * n]), tuple(rows[2 * n :])
+    return {field: tuple(rows[k * n : (k + 1) * n]) for k, field in enumerate(NO_JACOBIANS)}
 
 
 def linear_of(g: Graph, motion: Motion) -> Linear:

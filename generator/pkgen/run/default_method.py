@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..equations import Equations, Structure
-from ..middle.loops.loops import Facts, LoopEquations
+from ..equations import Equations, Facts
+from ..middle.loops.loops import LoopEquations
 
 # Measured over the models: above it dop853 takes less time to the same error than gauss.
 GAUSS_RTOL = 1e-5
@@ -11,7 +11,7 @@ EXPONENTIAL_MOST = 64  # coordinates: a step of it is a product with a full matr
 
 
 def default_method(
-    equations: Equations | LoopEquations, structure: Structure | Facts, rtol: float, exact: bool
+    equations: Equations | LoopEquations, structure: Facts, rtol: float, exact: bool
 ) -> str:
     """For all coordinates or those of a part. A linear system with constant coefficients has an
     exact flow, unless it is large or events are to be found between its rows.

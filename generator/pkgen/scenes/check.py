@@ -9,11 +9,11 @@ from dataclasses import replace
 from itertools import islice
 
 from ..compiler import STAGES, Compilation, stages
-from ..equations import Equations, Structure
+from ..equations import Equations, Facts
 from ..front.check.expects import calls
 from ..indices import integer
 from ..methods import METHODS, provides
-from ..middle.loops.loops import Facts, LoopEquations
+from ..middle.loops.loops import LoopEquations
 from ..middle.quantities import ends, indexed, sizes
 from ..middle.report import Report
 from ..model import Model, Scene, Start
@@ -79,7 +79,7 @@ def refuse_method(compilation: Compilation, scene: Scene) -> None:
         raise ModelError(compilation.declared.source, found)
 
 
-def _unfit(scene: Scene, structure: Structure | Facts) -> Iterator[Diagnostic]:
+def _unfit(scene: Scene, structure: Facts) -> Iterator[Diagnostic]:
     if not scene.method:
         return
     missing = [f for f in METHODS[scene.method].requires if not provides(structure, f)]
@@ -92,7 +92,7 @@ def _unfit(scene: Scene, structure: Structure | Facts) -> Iterator[Diagnostic]:
 
 
 def _drifting(
-    scene: Scene, equations: Equations | LoopEquations, structure: Structure | Facts
+    scene: Scene, equations: Equations | LoopEquations, structure: Facts
 ) -> Iterator[Diagnostic]:
     constant = {"energy": structure.conservative}
     if isinstance(equations, Equations):

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pkgen_runtime
 
-from ...equations import Quantity, Structure
-from ...middle.loops.loops import Facts
+from ...equations import Facts, Quantity
 from ...middle.report import Report
 from ...model import Definition, Model
 from ...system.cache import cached
@@ -152,7 +151,7 @@ def pasted(header: str) -> str:
 
 def frame(
     model: Model,
-    proved: Structure | Facts,
+    proved: Facts,
     kernels: set[str],
     parameters: list[dict[str, Any]],
     names: dict[str, Sequence[Quantity | Definition]],

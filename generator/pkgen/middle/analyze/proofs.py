@@ -7,7 +7,7 @@ Not proved: neither; then how far it holds at the states that were tried.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 
 from ...equations import Claim, Equations, Indices
@@ -25,6 +25,7 @@ from ...graph.wording import wording
 from ...model import Model
 from ...source import Diagnostic, ModelError
 from ..attitudes import on_sphere
+from ..naming import naming
 from ..points.samples import Sample, samples, started
 from ..points.singularities import about, bounds_of, dangerous, squared, zeros
 from .along import Along
@@ -101,7 +102,7 @@ def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
         g, ranges, [*e.force, *sum(e.mass, ()), *(e.acceleration or ()), *e.state_rates]
     )
     for zero in _divisors(g, ranges, [node]) - motion:
-        return f"it may jump where {wording(g, about(g, zero), names(e))} vanishes"
+        return f"it may jump where {wording(g, about(g, zero), naming(e))} vanishes"
     return ""
 
 
@@ -129,7 +130,7 @@ def _jolted(along: Along, node: Node) -> str:
         stack += g.args[n]
         if g.op[n] is Op.SYMBOL:
             at = ", ".join(x.quantity.name for x in e.jolted)
-            return f"{names(e)(g.data[n])} jumps where {at} vanishes"
+            return f"{naming(e)(g.data[n])} jumps where {at} vanishes"
     return ""
 
 
@@ -207,7 +208,7 @@ class _Tried:
         return self.balls.mp.nstr(x, 4)
 
     def _named(self, sample: Sample) -> Iterable[str]:
-        name = names(self.along.equations)
+        name = naming(self.along.equations)
         chosen = dict(sample.chosen)
         for at in (a for a in self.along.equations.attitudes if a.numbers):
             w, *vector = (Symbol(Kind.STATE, k) for k in at.numbers)
@@ -219,27 +220,6 @@ class _Tried:
             chosen[w] = 2 / below - 1
         for symbol, value in chosen.items():
             yield f"{name(symbol)} = {float(value):.10g}"
-
-
-def names(e: Equations) -> Callable[[Symbol], str]:
-    """What symbols are called."""
-    rows = {
-        Kind.COORDINATE: e.coordinates,
-        Kind.RATE: e.rates,
-        Kind.INPUT: e.inputs,
-        Kind.PARAMETER: [slot.quantity for slot in e.parameters],
-        Kind.STATE: e.states,
-    }
-
-    def name(symbol: Symbol) -> str:
-        if symbol.kind is Kind.TIME:
-            return "t"
-        row = rows[symbol.kind]
-        if symbol.index >= len(row):  # the derivative of an input's last one
-            return name(Symbol(symbol.kind, symbol.index - len(row))) + "'"
-        return row[symbol.index].name
-
-    return name
 
 
 def check_claims(model: Model, claims: tuple[Claim, ...]) -> None:

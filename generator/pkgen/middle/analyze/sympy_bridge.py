@@ -11,6 +11,7 @@ from ...equations import Equations
 from ...functions import FUNCTIONS
 from ...graph.differentiate import reachable
 from ...graph.graph import Graph, Kind, Node, Op, Symbol
+from ..naming import naming
 
 if TYPE_CHECKING:
     import sympy
@@ -69,16 +70,8 @@ def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int
     size = written_size(equations.graph, node)
     if size > limit:
         return size
-    names = {
-        Kind.PARAMETER: [slot.quantity.name for slot in equations.parameters],
-        Kind.COORDINATE: [quantity.name for quantity in equations.coordinates],
-        Kind.RATE: [quantity.name for quantity in equations.rates],
-        Kind.INPUT: [quantity.name for quantity in equations.inputs],
-        Kind.MOMENTUM: [quantity.name for quantity in equations.momenta_names],
-        Kind.TIME: ["t"],
-        Kind.STATE: [quantity.name for quantity in equations.states],
-    }
-    (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(names[s.kind][s.index]))
+    name = naming(equations)
+    (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(name(s)))
     if size <= COMBINED and len(equations.coordinates) <= COMBINED_COORDINATES:
         expr = min(expr, TR10i(expr), TR10i(sp.expand(expr)), key=sp.count_ops)
     return expr

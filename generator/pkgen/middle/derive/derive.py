@@ -9,23 +9,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ... import limits
-from ...equations import Equations, ParameterSlot, Quantity, Row, Singularity
+from ...equations import Equations, Named, ParameterSlot, Quantity, Row
 from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node, Symbol
 from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
 from ...model import Model, Parameter
-from ...record import record
 from ...source import Diagnostic, ModelError, Span
 from ..expand.expand import Expander
 from ..expand.names import entered
 from ..motion import PARTICLES, Energies, Motion, Wanted
+from ..naming import naming
 from ..quantities import error, families, indexed, input_quantities, quantities
 from .constrain import CannotConstrain
 from .constraint_start import wrong_starts
 from .constraints import cannot_constrain, define_multipliers, rows_of
 from .first_order import define_built_in, rates_of_states, solvable
 from .impulses import check_rates
-from .lagrange import Derived, derived, located, naming, singularities
+from .lagrange import Derived, derived, located, singularities
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
@@ -82,31 +82,26 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     outputs = _outputs(x, found, rates)
     names = x.coordinates
     declared = model.coordinates
-    states = quantities(model.states, x.states, "{}", "unit")
-    coordinates = quantities(declared, names, "{}", "unit")
-    inputs = input_quantities(model, orders)
-    check_rates(model, x.graph, primes, naming(parameters, coordinates, inputs, states))
-    ends: tuple[Singularity, ...] = ()
-    if wanted("singularity"):
-        ends = singularities(x.graph, found, parameters, coordinates, inputs, states)
+    named = Named(
+        parameters=parameters,
+        coordinates=quantities(declared, names, "{}", "unit"),
+        rates=quantities(declared, names, "{}'", "rate_unit", "rate"),
+        momenta_names=quantities(declared, names, "p_{}", "momentum_unit", "momentum"),
+        inputs=input_quantities(model, orders),
+        states=quantities(model.states, x.states, "{}", "unit"),
+    )
+    check_rates(model, x.graph, primes, naming(named))
+    ends = singularities(x.graph, found, named) if wanted("singularity") else ()
     equations = Equations(
         model=model,
         graph=x.graph,
-        parameters=parameters,
-        coordinates=coordinates,
-        rates=quantities(declared, names, "{}'", "rate_unit", "rate"),
-        momenta_names=quantities(declared, names, "p_{}", "momentum_unit", "momentum"),
-        inputs=inputs,
-        observed_names=outputs.observed_names,
-        conserved_names=outputs.conserved_names,
+        **vars(named),
+        **outputs,
         event_names=tuple(Quantity(e.name, e.unit, e.description) for e in model.events),
         singularities=ends,
-        observed=outputs.observed,
-        conserved=outputs.conserved,
         events=_events(x, found, rates),
         start_q=start_q,
         start_v=start_v,
-        states=states,
         state_start=state_start,
         particles=bodies,
         attitudes=x.attitudes,
@@ -265,21 +260,14 @@ def _generalized_forces(x: Expander) -> list[Node]:
 # -- outputs -------------------------------------------------------------------------------------
 
 
-@record
-class _Outputs:
-    observed_names: tuple[Quantity, ...]
-    conserved_names: tuple[Quantity, ...]
-    observed: Row
-    conserved: Row
-
-
-def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> _Outputs:
+def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> dict[str, tuple]:
+    """The fields of Equations."""
     define_built_in(x, derived.energies, derived.energy, derived.motion.momenta)
     define_multipliers(x, derived.constraints)
     x.solved = rates
-    found: dict[str, tuple[list[Quantity], list[Node]]] = {}
+    found: dict[str, tuple] = {}
     for kind in ("observed", "conserved"):
-        names, nodes = found[kind] = [], []
+        names, nodes = [], []
         for item in getattr(x.model, kind):
             with x.statement(item.span):
                 for index, loop in x.unrolled(item.index, item.range):
@@ -287,12 +275,8 @@ def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> _Outp
                     x.define(item.name, index, node)
                     names.append(Quantity(indexed(item.name, index), item.unit, item.description))
                     nodes.append(node)
-    return _Outputs(
-        observed_names=tuple(found["observed"][0]),
-        conserved_names=tuple(found["conserved"][0]),
-        observed=tuple(found["observed"][1]),
-        conserved=tuple(found["conserved"][1]),
-    )
+        found |= {f"{kind}_names": tuple(names), kind: tuple(nodes)}
+    return found
 
 
 def _solved(

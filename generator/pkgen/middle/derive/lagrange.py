@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...equations import Attitude, Constraints, Equations, ParameterSlot, Quantity, Row, Singularity
+from ...equations import Attitude, Constraints, Equations, Matrix, Named, Row, Singularity
 from ...graph.collect import shortened
 from ...graph.graph import ZERO, Graph, Kind, Node, Symbol
 from ...graph.solve import Solution
 from ...record import record
 from ..motion import (
+    NO_JACOBIANS,
     Energies,
     Motion,
     Wanted,
@@ -25,6 +26,7 @@ from ..motion import (
     shorter,
     shortest,
 )
+from ..naming import naming
 from ..points.singularities import singularities_of
 from .constrain import Rows, constrain
 from .impulses import NoRate, with_impulses
@@ -41,31 +43,23 @@ class Derived:
     energies: Energies
     written: Node  # L as it was given
     energy: Node
-    jacobians: tuple
+    jacobians: dict[str, Matrix | None]
     linear: object
     state_rates: Row
     free: Motion  # what moves where no constraint holds it
     constraints: Constraints | None
 
     def fields(self) -> dict[str, object]:
-        motion, energies = self.motion, self.energies
+        energies = vars(self.energies)
+        acceleration, pivots = self.solution or (None, None)
         return {
-            "lagrangian": energies.lagrangian,
-            "kinetic": energies.kinetic,
-            "potential": energies.potential,
+            **vars(self.motion),
+            **{name: energies[name] for name in ("lagrangian", "kinetic", "potential")},
+            **self.jacobians,
             "written": self.written,
             "energy": self.energy,
-            "momenta": motion.momenta,
-            "gradient": motion.gradient,
-            "applied": motion.applied,
-            "pdot": motion.pdot,
-            "mass": motion.mass,
-            "force": motion.force,
-            "acceleration": self.solution[0] if self.solution else None,
-            "pivots": self.solution[1] if self.solution else None,
-            "p_q": self.jacobians[0],
-            "pdot_q": self.jacobians[1],
-            "pdot_v": self.jacobians[2],
+            "acceleration": acceleration,
+            "pivots": pivots,
             "linear": self.linear,
             "state_rates": self.state_rates,
             "constraints": self.constraints,
@@ -96,7 +90,7 @@ def derived(
     free, constraints = motion, None
     if rows is not None:
         motion, solution, constraints = constrain(g, motion, rows, rate_of)
-    jacobians, linear = (None, None, None), None
+    jacobians, linear = NO_JACOBIANS, None
     if wanted("jacobian") and not states:
         jacobians = jacobians_of(g, motion)
     if wanted.linear(len(forces)) and not states:
@@ -121,10 +115,7 @@ def derived(
 def singularities(
     g: Graph,
     found: Derived,
-    parameters: tuple[ParameterSlot, ...],
-    coordinates: tuple[Quantity, ...],
-    inputs: tuple[Quantity, ...],
-    states: tuple[Quantity, ...] = (),
+    e: Named | Equations,
 ) -> tuple[Singularity, ...]:
     """Where these equations end, in the names of their quantities."""
     motion = found.free
@@ -133,8 +124,7 @@ def singularities(
         acceleration = motion.force
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
-    name = naming(parameters, coordinates, inputs, states)
-    return singularities_of(g, parameters, motion.mass, outputs, pivots, name)
+    return singularities_of(g, e.parameters, motion.mass, outputs, pivots, naming(e))
 
 
 def located(equations: Equations) -> Equations:
@@ -142,33 +132,11 @@ def located(equations: Equations) -> Equations:
     e = equations
     outputs = [*e.pdot, *e.force, *(entry for row in e.mass for entry in row), *e.quadratures]
     outputs += e.state_rates
-    name = naming(e.parameters, e.coordinates, e.inputs, e.states)
+    name = naming(e)
     switches = with_impulses(e, switches_of(e.graph, outputs, name), name, _rate_of(e))
     if e.constraints is not None:
         outputs += [*e.constraints.positions, *e.constraints.residual]
     return replace(e, switches=switches, marks=marks_of(e.graph, outputs, name))
-
-
-def naming(
-    parameters: tuple[ParameterSlot, ...],
-    coordinates: tuple[Quantity, ...],
-    inputs: tuple[Quantity, ...],
-    states: tuple[Quantity, ...],
-) -> Callable[[Symbol], str]:
-    """What symbols are called."""
-    names = {
-        Kind.PARAMETER: [slot.quantity.name for slot in parameters],
-        Kind.COORDINATE: [q.name for q in coordinates],
-        Kind.RATE: [q.name + "'" for q in coordinates],
-        Kind.INPUT: [q.name for q in inputs],
-        Kind.TIME: ["t"],
-        Kind.STATE: [q.name for q in states],
-    }
-
-    def name(symbol: Symbol) -> str:
-        return names[symbol.kind][symbol.index]
-
-    return name
 
 
 def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equations:
@@ -185,7 +153,7 @@ def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equat
     )
     ends: tuple[Singularity, ...] = ()
     if wanted("singularity"):
-        ends = singularities(g, found, e.parameters, e.coordinates, e.inputs, e.states)
+        ends = singularities(g, found, e)
     return located(replace(equations, **found.fields(), singularities=ends))
 
 

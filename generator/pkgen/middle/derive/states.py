@@ -21,7 +21,7 @@ from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node
 from ...graph.rounding import sizes
 from ...graph.solve import solve
 from ...graph.substitute import substituted
-from ..motion import Motion, Wanted, jacobians_of, linear_of
+from ..motion import NO_JACOBIANS, Motion, Wanted, jacobians_of, linear_of
 from ..quantities import rate_of_state, symbols
 
 STATES = BIT[Kind.STATE]
@@ -98,7 +98,7 @@ def as_rates(
     acceleration = None if acceleration is None else (*there(acceleration), *rates)
     motion = _solved(g, acceleration) if solved else _beside(g, e, rates, there)
     wanted = Wanted(kernels)
-    jacobians = (None, None, None)
+    jacobians = NO_JACOBIANS
     if wanted("jacobian"):
         jacobians = jacobians_of(g, motion, lagrangian=False)
     single = there([x for x in (e.lagrangian, e.energy, e.written)])
@@ -117,18 +117,11 @@ def as_rates(
         written=single[2],
         kinetic=None if e.kinetic is None else there([e.kinetic])[0],
         potential=None if e.potential is None else there([e.potential])[0],
-        momenta=motion.momenta,
-        gradient=motion.gradient,
-        applied=motion.applied,
-        pdot=motion.pdot,
-        mass=motion.mass,
-        force=motion.force,
+        **vars(motion),
+        **jacobians,
         acceleration=acceleration,
         pivots=None if e.pivots is None else (*there(e.pivots), *[ONE] * count),
         inertia=_with_unit(_matrix(e.mass, there), count) if solved or own else None,
-        p_q=jacobians[0],
-        pdot_q=jacobians[1],
-        pdot_v=jacobians[2],
         linear=linear_of(g, motion) if wanted.linear(n + count) else None,
         singularities=tuple(replace(x, node=there([x.node])[0]) for x in e.singularities),
         switches=tuple(_switch(x, there, count) for x in e.switches),

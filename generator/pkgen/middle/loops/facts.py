@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ...equations import Facts
 from ...graph.calls import jumps, smooth
 from ...graph.differentiate import reachable
 from ...graph.graph import BIT, Kind, Node, Op
 from ..analyze.affine import is_affine
 from .expand import LoopExpander
-from .loops import Facts, LoopEquations, Total, Vector
+from .loops import LoopEquations, Total, Vector
 from .rows import Gather
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import field
 
-from ...equations import Claim, Symmetries
+from ...equations import Facts
 from ...graph.affine import Affine
 from ...graph.graph import Graph, Node
 from ...model import Coordinate, End, Model, Parameter
@@ -169,26 +169,6 @@ class Limit:
 
     needs: Affine
     unless: Affine | None  # its length - 1
-
-
-@record
-class Facts:
-    mass_constant: bool
-    mass_diagonal: bool
-    quadratic: bool
-    separable: bool
-    autonomous: bool
-    conservative: bool
-    variational: bool
-    smooth: bool
-    affine: bool
-    claims: tuple[Claim, ...] = ()
-    symmetries: Symmetries | None = None  # None: not asked for
-    switched: bool = False  # switches of members of a family are not located
-
-    @property
-    def smooth_in_pieces(self) -> bool:
-        return self.smooth or self.switched
 
 
 @record

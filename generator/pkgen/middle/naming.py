@@ -1,0 +1,29 @@
+"""What symbols are called."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..equations import Equations, Named
+from ..graph.graph import Kind, Symbol
+
+
+def naming(e: Named | Equations) -> Callable[[Symbol], str]:
+    rows = {
+        Kind.PARAMETER: [slot.quantity for slot in e.parameters],
+        Kind.COORDINATE: e.coordinates,
+        Kind.RATE: e.rates,
+        Kind.STATE: e.states,
+        Kind.INPUT: e.inputs,
+        Kind.MOMENTUM: e.momenta_names,
+    }
+
+    def name(symbol: Symbol) -> str:
+        if symbol.kind is Kind.TIME:
+            return "t"
+        row = rows[symbol.kind]
+        if symbol.index >= len(row):  # the derivative of an input's last one
+            return name(Symbol(symbol.kind, symbol.index - len(row))) + "'"
+        return row[symbol.index].name
+
+    return name
