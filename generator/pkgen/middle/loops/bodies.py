@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 from ...graph.affine import ROW, Affine, extremes
 from ...graph.graph import Node
@@ -14,24 +13,19 @@ from .pairs import M
 from .terms import Term
 
 
-@dataclass
 class Gathered:
     """What the terms of L, D and the forces add up to, by family and by scalar coordinate."""
 
-    gradient: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
-    momenta: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
-    pdot: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
-    force: dict[str, list[Part]] = field(default_factory=lambda: defaultdict(list))
-    entries: dict[tuple[str, str, int], list[Part]] = field(
-        default_factory=lambda: defaultdict(list)
-    )
-    border: dict[tuple[str, str], list[Part]] = field(default_factory=lambda: defaultdict(list))
-    corner: dict[tuple[str, str], Total] = field(default_factory=dict)
-    of_scalar: dict[tuple[str, str], Total] = field(default_factory=dict)  # quantity, name
-    pairs: list[PairForce] = field(default_factory=list)  # of L
-    drags: list[PairForce] = field(default_factory=list)  # of D
-    limits: list[Limit] = field(default_factory=list)
-    wraps: dict[str, int] = field(default_factory=dict)
+    def __init__(self) -> None:
+        self.rows: dict[tuple[str, str], list[Part]] = defaultdict(list)  # by quantity and family
+        self.totals: dict[tuple[str, str], Total] = defaultdict(Total)  # by quantity and scalar
+        self.entries: dict[tuple[str, str, int], list[Part]] = defaultdict(list)
+        self.border: dict[tuple[str, str], list[Part]] = defaultdict(list)
+        self.corner: dict[tuple[str, str], Total] = defaultdict(Total)
+        self.pairs: list[PairForce] = []  # of L
+        self.drags: list[PairForce] = []  # of D
+        self.limits: list[Limit] = []
+        self.wraps: dict[str, int] = {}
 
 
 class Bodies:
@@ -62,12 +56,10 @@ class Bodies:
         values = (M,) if term.ranges else ()
         self.x.members.clear()
         body = term.at(self.x, *values)
-        lo = hi = length = None
+        lo = hi = None
         if term.ranges:
             (_, lo, hi) = term.ranges[0]
-            length = hi - lo
-        at = {ROW: (lo, hi)} if term.ranges else {}
-        self.found.limits += self.x.limits_of(length, at)
+        self.found.limits += self.x.limits_over(lo, hi)
         for slot in self.x.slots.below(body):
             if slot.kind in ("q", "v") and slot.at is not None and term.ranges:
                 self._relative(slot)

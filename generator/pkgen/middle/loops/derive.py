@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...graph.affine import ROW, variable
 from ...graph.graph import ZERO
 from ...model import Model
 from ...source import Diagnostic, ModelError
@@ -14,7 +13,7 @@ from ..quantities import indexed
 from .bodies import Gathered
 from .expand import LoopExpander, size_values
 from .facts import facts_of, total_nodes
-from .loops import Band, Limit, LoopEquations, Row, Total, Unrolled, Vector
+from .loops import Band, Limit, LoopEquations, Row, Unrolled, Vector
 from .rows import Gather
 from .singularities import singularities_of
 from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
@@ -43,26 +42,17 @@ def _derive(x: LoopExpander) -> LoopEquations:
     found: dict[str, list[tuple[Term, int]]] = {}
     for kind, sign in (("kinetic", 1), ("potential", -1), ("lagrangian", 1)):
         found[kind] = []
-        for expr in getattr(model, kind):
-            with x.statement(expr.span):
-                for term in terms(x, expr):
-                    gather.lagrangian(term, sign)
-                    found[kind].append((term, 1))
+        for term in (t for expr in getattr(model, kind) for t in terms(x, expr)):
+            gather.lagrangian(term, sign)
+            found[kind].append((term, 1))
     for expr in model.dissipation:
-        with x.statement(expr.span):
-            for term in terms(x, expr):
-                gather.dissipation(term)
+        for term in terms(x, expr):
+            gather.dissipation(term)
     _forces(x, gather)
-    stated = bool(model.lagrangian)
     negative = [(term, -1) for term, _ in found["potential"]]
     whole = [*found["kinetic"], *negative, *found["lagrangian"]]
-    energy = Total()
-    for term, sign in whole:
-        if len(term.ranges) == 2:
-            opposite = gather.total([(term, -sign)])
-            energy = Total(energy.constant, energy.parts, (*energy.pairs, *opposite.pairs))
-        else:
-            energy = gather.with_energy(energy, term, sign)
+    energy = gather.energy(whole)
+    stated = bool(model.lagrangian)
     kinetic = None if stated else gather.total(found["kinetic"])
     potential = None if stated else gather.total(found["potential"])
     lagrangian = gather.total(whole)
@@ -84,10 +74,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         coordinates=tuple(x.coordinates.values()),
         parameters=tuple(x.parameters.values()),
         orders=x.orders,
-        gradient=vectors["gradient"],
-        momenta=vectors["momenta"],
-        pdot=vectors["pdot"],
-        force=vectors["force"],
+        **vectors,
         mass=mass,
         kinetic=kinetic,
         potential=potential,
@@ -112,36 +99,26 @@ def _derive(x: LoopExpander) -> LoopEquations:
 
 def _forces(x: LoopExpander, gather: Gather) -> None:
     for item in x.model.forces:
-        with x.statement(item.span):
-            lo = hi = None
-            loop = dict(x.sizes)
-            if item.range is not None:
-                lo, hi = x.index(item.range.lo, loop), x.index(item.range.hi, loop)
-                loop[item.range.variable] = variable(ROW)
-            elif item.index is not None:
-                lo = hi = x.index(item.index, loop)
-            node = x.scalar(item.value, loop)
-            at = {} if lo is None else {ROW: (lo, hi)}
-            gather.found.limits += x.limits_of(None if lo is None else hi - lo, at)
-            if lo is not None:
-                group = x.coordinates[item.name]
-                gather.found.limits += [
-                    Limit(lo - group.lo, hi - lo),
-                    Limit(group.hi - hi, hi - lo),
-                ]
-            gather.force(item.name, lo, hi, node)
+        lo, hi, loop = x.over(item.range, item.index)
+        node = x.scalar(item.value, loop)
+        gather.found.limits += x.limits_over(lo, hi)
+        if lo is not None:
+            group = x.coordinates[item.name]
+            gather.found.limits += [Limit(lo - group.lo, hi - lo), Limit(group.hi - hi, hi - lo)]
+        gather.force(item.name, lo, hi, node)
 
 
 def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
-    rows = getattr(found, what)
     pairs = list(found.pairs) if what in ("gradient", "pdot", "force") else []
     pairs += found.drags if what in ("pdot", "force") else []
     return Vector(
-        rows={g.name: Row(tuple(rows[g.name])) for g in x.coordinates.values() if g.is_family},
-        totals={
-            g.name: found.of_scalar.get((what, g.name), Total())
+        rows={
+            g.name: Row(tuple(found.rows[what, g.name]))
             for g in x.coordinates.values()
-            if not g.is_family
+            if g.is_family
+        },
+        totals={
+            g.name: found.totals[what, g.name] for g in x.coordinates.values() if not g.is_family
         },
         pairs=tuple(p for p in pairs if p.by_row or p.by_other or p.by_scalar),
     )

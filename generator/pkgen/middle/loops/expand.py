@@ -5,14 +5,14 @@ from __future__ import annotations
 from contextlib import AbstractContextManager, nullcontext
 
 from ... import limits
-from ...graph.affine import LOOPS, Affine, affine, extremes, variable
+from ...graph.affine import LOOPS, ROW, Affine, affine, extremes, variable
 from ...graph.differentiate import Forward
 from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Node
 from ...graph.magnitudes import Magnitudes
 from ...indices import NotAnInteger
 from ...model import Coordinate, Definition, Model, Parameter
 from ...source import Span
-from ...tree import Expr, Name, Sum, children
+from ...tree import Expr, Name, Range, Sum, children
 from ..expand.names import BUILT_IN, Value, next_input
 from ..expand.terms import EXPAND
 from ..quantities import error, input_index
@@ -42,7 +42,7 @@ class LoopExpander:
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self.sums: list[Total] | None = None  # where sums may stand in any expression
         self.make_total = None  # set by loops_outputs: Sum expression -> Total
-        self.members: list[tuple[Affine, Affine, Affine, Span]] = []  # of lets: lo, hi, index
+        self.members: list[tuple[Affine, Affine, Affine]] = []  # of lets: lo, hi, index
         self._defining: list[str] = []
         self._visits = 0
         self._magnitudes = Magnitudes(self.graph)
@@ -135,13 +135,14 @@ class LoopExpander:
             return self.coordinate(name, index)
         if name in self.parameters:
             if index is not None:
-                self._reach(self.parameters[name], index, expr.span)
+                group = self.parameters[name]
+                self.members.append((group.lo, group.hi, index))
             return self.slots.node("param", name, index)
         if name in self.inputs:
             flat = input_index(self.orders, self.inputs[name], 0)
             return self.slots.node("input", str(flat))
         if name in self.definitions:
-            return self._definition(name, index, expr.span)
+            return self._definition(name, index)
         if name in self.outputs:
             if index is not None:
                 raise Unrolled(f"'{name}' is an output of each member")
@@ -150,7 +151,7 @@ class LoopExpander:
             return self.graph.symbol(BUILT_IN[name])
         raise Unrolled(f"'{name}' is not known in a loop")
 
-    def _definition(self, name: str, index: Affine | None, span: Span) -> Value:
+    def _definition(self, name: str, index: Affine | None) -> Value:
         """A `let`, its expression entered where it is used."""
         if name in self._defining:
             raise Unrolled(f"'{name}' is defined by its own members: a recursion over the index")
@@ -162,7 +163,7 @@ class LoopExpander:
         if item.range is not None:
             inner[item.range.variable] = index
             lo, hi = self.index(item.range.lo, inner), self.index(item.range.hi, inner)
-            self.members.append((lo, hi, index, span))
+            self.members.append((lo, hi, index))
         elif item.index is not None:
             raise Unrolled(f"'{name}' is defined member by member")
         self._defining.append(name)
@@ -170,9 +171,6 @@ class LoopExpander:
             return self.value(item.value, inner)
         finally:
             self._defining.pop()
-
-    def _reach(self, group: Group, index: Affine, span: Span) -> None:
-        self.members.append((group.lo, group.hi, index, span))
 
     def coordinate(self, name: str, index: Affine | None) -> Node:
         """A coordinate; a given member that is named outside loops by what it is given as."""
@@ -190,17 +188,32 @@ class LoopExpander:
                 index = index + group.count
             elif above.is_constant and above.constant < 0:
                 index = index - group.count
-        self.members.append((group.lo, group.hi, index, group.declared.span))
+        self.members.append((group.lo, group.hi, index))
         return self.slots.node("q", name, index)
 
     def limits_of(self, length: Affine | None, at: dict[str, tuple[Affine, Affine]]) -> list[Limit]:
         """What the sizes must fulfil for members met since to be there; forgets them."""
         found = []
-        for lo, hi, index, _ in self.members:
+        for lo, hi, index in self.members:
             first, last = extremes(index, at)
             found += [Limit(first - lo, length), Limit(hi - last, length)]
         self.members.clear()
         return found
+
+    def limits_over(self, lo: Affine | None, hi: Affine | None) -> list[Limit]:
+        """The same over the members lo..hi, or of what is no family."""
+        return self.limits_of(None, {}) if lo is None else self.limits_of(hi - lo, {ROW: (lo, hi)})
+
+    def over(
+        self, range_: Range | None, index: Expr | None = None
+    ) -> tuple[Affine | None, Affine | None, Loop]:
+        """The members that a statement is about, and what its names of indices stand for."""
+        loop = dict(self.sizes)
+        if range_ is not None:
+            lo, hi = self.index(range_.lo, loop), self.index(range_.hi, loop)
+            return lo, hi, loop | {range_.variable: variable(ROW)}
+        at = None if index is None else self.index(index, loop)
+        return at, at, loop
 
     # -- derivatives in time ------------------------------------------------------------------
 

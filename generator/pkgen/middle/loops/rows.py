@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ...graph.affine import LOOPS, Affine
 from ...graph.differentiate import Forward, gradient
 from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node
@@ -11,6 +13,8 @@ from .expand import LoopExpander
 from .loops import PairPart, Part, Slot, Total, Unrolled
 from .pairs import RATES, STATE, M, pair_body, pair_force, pair_ranges, signed
 from .terms import Term
+
+APPLIED = ("pdot", "force")  # what a generalized force is in
 
 
 class Gather:
@@ -38,40 +42,32 @@ class Gather:
         if len(term.ranges) == 2:
             self.found.pairs.append(pair_force(self.x, term, sign, False, self.found.limits))
             return
-        found = self.found
         for family, shift, body in self.bodies.views(term):
-            at = M if term.ranges else shift
-            by = gradient(self.g, signed(self.g, body, sign), STATE)
-            slope, momentum = self._by(by, "q", family, at), self._by(by, "v", family, at)
-            force = self.g.subtract(slope, self._coast(momentum))
-            for rows, node in (
-                (found.gradient, slope),
-                (found.pdot, slope),
-                (found.momenta, momentum),
-                (found.force, force),
-            ):
-                self._add(rows[family], term, shift, node)
+            momentum = self._enter_motion(family, shift, body, term, sign)
             self._mass(term, family, shift, momentum)
         body = self.bodies.at_row(term)
-        by = gradient(self.g, signed(self.g, body, sign), STATE)
         for name in self.bodies.scalars(body):
-            slope, momentum = self._by(by, "q", name, None), self._by(by, "v", name, None)
-            force = self.g.subtract(slope, self._coast(momentum))
-            for what, node in (
-                ("gradient", slope),
-                ("pdot", slope),
-                ("momenta", momentum),
-                ("force", force),
-            ):
-                self._total(what, name, term, node)
+            momentum = self._enter_motion(name, None, body, term, sign)
             tangents = gradient(self.g, momentum, RATES)
             for other in self.bodies.scalars(body):
                 node = self._by(tangents, "v", other, None)
                 if node != ZERO:
-                    key = (name, other)
-                    self.found.corner[key] = self._with(
-                        self.found.corner.get(key, Total()), term, node
-                    )
+                    total = self.found.corner[name, other]
+                    self.found.corner[name, other] = self._with(total, term, node)
+
+    def _enter_motion(
+        self, name: str, shift: Affine | None, body: Node, term: Term, sign: int
+    ) -> Node:
+        """What a body adds to the equations of a family, or where `shift` is None of a scalar
+        coordinate; its momentum."""
+        at = M if term.ranges and shift is not None else shift
+        by = gradient(self.g, signed(self.g, body, sign), STATE)
+        slope, momentum = self._by(by, "q", name, at), self._by(by, "v", name, at)
+        force = self.g.subtract(slope, self._coast(momentum))
+        self._enter(("gradient", "pdot"), name, term, shift, slope)
+        self._enter(("momenta",), name, term, shift, momentum)
+        self._enter(("force",), name, term, shift, force)
+        return momentum
 
     def dissipation(self, term: Term) -> None:
         """Adds the force -dD/dv."""
@@ -82,32 +78,38 @@ class Gather:
         for family, shift, body in self.bodies.views(term):
             at = M if term.ranges else shift
             node = self._by(gradient(self.g, signed(self.g, body, -1), RATES), "v", family, at)
-            self._add(self.found.pdot[family], term, shift, node)
-            self._add(self.found.force[family], term, shift, node)
+            self._enter(APPLIED, family, term, shift, node)
         body = self.bodies.at_row(term)
         self.applied |= body != ZERO
         by = gradient(self.g, signed(self.g, body, -1), RATES)
         for name in self.bodies.scalars(body):
-            node = self._by(by, "v", name, None)
-            self._total("pdot", name, term, node)
-            self._total("force", name, term, node)
+            self._enter(APPLIED, name, term, None, self._by(by, "v", name, None))
 
     def force(self, name: str, lo: Affine | None, hi: Affine | None, node: Node) -> None:
         """Adds a generalized force along the members lo..hi."""
         self.applied |= node != ZERO
         for slot in self.x.slots.below(node):
             self.bodies.in_reach(slot, lo, hi)
-        for what in ("pdot", "force"):
+        for what in APPLIED:
             if lo is None:
-                total = self.found.of_scalar.get((what, name), Total())
-                self.found.of_scalar[what, name] = Total(
-                    self.g.add(total.constant, node), total.parts
-                )
+                total = self.found.totals[what, name]
+                constant = self.g.add(total.constant, node)
+                self.found.totals[what, name] = replace(total, constant=constant)
             else:
-                self._append(getattr(self.found, what)[name], Part(lo, hi, node))
+                self._append(self.found.rows[what, name], Part(lo, hi, node))
 
-    def energy(self, term: Term, sign: int) -> tuple[Node, Node]:
-        """What a term of L adds to h = v.p - L: at the ends, and inside."""
+    def energy(self, found: list[tuple[Term, int]]) -> Total:
+        """h = v.p - L of the terms of L."""
+        result = Total()
+        for term, sign in found:
+            if len(term.ranges) == 2:
+                result = self._with_pair(result, term, -sign)
+            else:
+                result = self._with(result, term, *self._energy_of(term, sign))
+        return result
+
+    def _energy_of(self, term: Term, sign: int) -> tuple[Node, Node]:
+        """What a term of L adds to h: at the ends, and inside."""
         body = signed(self.g, self.bodies.at_row(term), sign)
         if self.g.depends[body] & RATES == 0:
             node = self.g.negate(body)
@@ -129,20 +131,10 @@ class Gather:
         result = Total()
         for term, sign in found:
             if len(term.ranges) == 2:
-                body = signed(self.g, pair_body(self.x, term, self.found.limits), sign)
-                lo, hi, first, last = pair_ranges(term)
-                pair = PairPart(lo, hi, first, last, body)
-                result = Total(result.constant, result.parts, (*result.pairs, pair))
+                result = self._with_pair(result, term, sign)
             else:
                 result = self._with(result, term, signed(self.g, self.bodies.at_row(term), sign))
         return result
-
-    def with_energy(self, total: Total, term: Term, sign: int) -> Total:
-        node, inner = self.energy(term, sign)
-        if not term.ranges:
-            return Total(self.g.add(total.constant, node), total.parts, total.pairs)
-        (_, lo, hi) = term.ranges[0]
-        return Total(total.constant, (*total.parts, Part(lo, hi, node, inner)), total.pairs)
 
     # -- parts --------------------------------------------------------------------------------
 
@@ -158,7 +150,19 @@ class Gather:
 
     def _append(self, parts: list[Part], part: Part) -> None:
         if part.node != ZERO:
-            parts.append(Part(part.lo, part.hi, part.node, self.inner(part.node)))
+            inner = self.inner(part.node) if part.inner is None else part.inner
+            parts.append(replace(part, inner=inner))
+
+    def _enter(
+        self, whats: tuple[str, ...], name: str, term: Term, shift: Affine | None, node: Node
+    ) -> None:
+        for what in whats:
+            if shift is None:
+                self.found.totals[what, name] = self._with(
+                    self.found.totals[what, name], term, node
+                )
+            else:
+                self._add(self.found.rows[what, name], term, shift, node)
 
     def _add(self, parts: list[Part], term: Term, shift: Affine, node: Node) -> None:
         if term.ranges:
@@ -177,17 +181,17 @@ class Gather:
 
         return self.x.slots.swapped(node, swap)
 
-    def _with(self, total: Total, term: Term, node: Node) -> Total:
+    def _with(self, total: Total, term: Term, node: Node, inner: Node | None = None) -> Total:
         if not term.ranges:
-            return Total(self.g.add(total.constant, node), total.parts, total.pairs)
+            return replace(total, constant=self.g.add(total.constant, node))
         parts = list(total.parts)
         (_, lo, hi) = term.ranges[0]
-        self._append(parts, Part(lo, hi, node))
-        return Total(total.constant, tuple(parts), total.pairs)
+        self._append(parts, Part(lo, hi, node, inner))
+        return replace(total, parts=tuple(parts))
 
-    def _total(self, what: str, name: str, term: Term, node: Node) -> None:
-        key = (what, name)
-        self.found.of_scalar[key] = self._with(self.found.of_scalar.get(key, Total()), term, node)
+    def _with_pair(self, total: Total, term: Term, sign: int) -> Total:
+        body = signed(self.g, pair_body(self.x, term, self.found.limits), sign)
+        return replace(total, pairs=(*total.pairs, PairPart(*pair_ranges(term), body)))
 
     def _mass(self, term: Term, family: str, shift: Affine, momentum: Node) -> None:
         if momentum == ZERO:

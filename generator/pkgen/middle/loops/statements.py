@@ -37,15 +37,14 @@ class Outputs:
     def nodes(self, items: tuple[Definition, ...]) -> tuple[Node, ...]:
         found = []
         for item in items:
-            with self.x.statement(item.span):
-                if item.range is not None or item.index is not None:
-                    raise Unrolled(f"'{item.name}' is an output for each index")
-                node = self.x.scalar(item.value)
-                for slot in self.x.slots.below(node):
-                    self.gather.found.limits += self.x.limits_of(None, {})
-                    assert slot.at is None or not any(slot.at.factor(v) for v in LOOPS)
-                self.x.outputs[item.name] = node
-                found.append(node)
+            if item.range is not None or item.index is not None:
+                raise Unrolled(f"'{item.name}' is an output for each index")
+            node = self.x.scalar(item.value)
+            for slot in self.x.slots.below(node):
+                self.gather.found.limits += self.x.limits_of(None, {})
+                assert slot.at is None or not any(slot.at.factor(v) for v in LOOPS)
+            self.x.outputs[item.name] = node
+            found.append(node)
         return tuple(found)
 
 
@@ -61,55 +60,36 @@ def _names(item: Definition) -> Iterable[str]:
 def starts_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
     found = []
     for item in x.model.starts:
-        with x.statement(item.span):
-            lo = hi = None
-            loop = dict(x.sizes)
-            if item.range is not None:
-                lo, hi = x.index(item.range.lo, loop), x.index(item.range.hi, loop)
-                loop[item.range.variable] = variable(ROW)
-            elif item.index is not None:
-                lo = hi = x.index(item.index, loop)
-            node = x.scalar(item.value, loop)
-            bad = [s for s in x.slots.below(node) if s.kind in ("q", "v", "input", "sum")]
-            if bad or x.graph.depends[node] & BIT[Kind.TIME]:
-                message = "an initial value may use parameters and numbers only"
-                raise error(x.model, message, item.value.span)
-            group = x.coordinates[item.name]
-            if lo is not None:
-                x.members.append((group.lo, group.hi, lo, item.span))
-                x.members.append((group.lo, group.hi, hi, item.span))
-            at = {} if lo is None else {ROW: (lo, hi)}
-            gather.found.limits += x.limits_of(None if lo is None else hi - lo, at)
-            found.append(Assigned(item.name, item.order, lo, hi, node))
+        lo, hi, loop = x.over(item.range, item.index)
+        node = x.scalar(item.value, loop)
+        bad = [s for s in x.slots.below(node) if s.kind in ("q", "v", "input", "sum")]
+        if bad or x.graph.depends[node] & BIT[Kind.TIME]:
+            message = "an initial value may use parameters and numbers only"
+            raise error(x.model, message, item.value.span)
+        group = x.coordinates[item.name]
+        if lo is not None:
+            x.members += [(group.lo, group.hi, lo), (group.lo, group.hi, hi)]
+        gather.found.limits += x.limits_over(lo, hi)
+        found.append(Assigned(item.name, item.order, lo, hi, node))
     return tuple(found)
 
 
 def defaults_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
     found = []
     for group in x.parameters.values():
-        item = group.declared
-        with x.statement(item.span):
-            loop = dict(x.sizes)
-            if group.is_family:
-                loop[item.range.variable] = variable(ROW)
-            node = x.scalar(item.default, loop)
-            at = {ROW: (group.lo, group.hi)} if group.is_family else {}
-            gather.found.limits += x.limits_of(None, at)
-            found.append(Assigned(group.name, 0, group.lo, group.hi, node))
+        lo, hi, loop = x.over(group.declared.range)
+        node = x.scalar(group.declared.default, loop)
+        gather.found.limits += x.limits_of(None, {} if lo is None else {ROW: (lo, hi)})
+        found.append(Assigned(group.name, 0, lo, hi, node))
     return tuple(found)
 
 
 def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
     found = []
     for group in x.parameters.values():
-        item = group.declared
-        loop = dict(x.sizes)
-        if group.is_family:
-            loop[item.range.variable] = variable(ROW)
-        ends = [
-            None if end is None else x.scalar(end, loop) for end in (item.bounds.lo, item.bounds.hi)
-        ]
-        found.append(Bounded(*ends))
+        _, _, loop = x.over(group.declared.range)
+        ends = group.declared.bounds.lo, group.declared.bounds.hi
+        found.append(Bounded(*(None if end is None else x.scalar(end, loop) for end in ends)))
     x.members.clear()
     return tuple(found)
 
@@ -126,9 +106,8 @@ def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node
         for at, end in group.ends:
             if end.kind != "fixed":
                 continue
-            with x.statement(end.span):
-                value = x.scalar(end.value)
-                rate = x.derivative(value) if group.name in far else ZERO
-                needed = any(s.kind == "w" and s.name == group.name for s in x.slots.all)
-                found[group.name, at] = (value, rate, x.derivative(rate) if needed else ZERO)
+            value = x.scalar(end.value)
+            rate = x.derivative(value) if group.name in far else ZERO
+            needed = any(s.kind == "w" and s.name == group.name for s in x.slots.all)
+            found[group.name, at] = (value, rate, x.derivative(rate) if needed else ZERO)
     return found
