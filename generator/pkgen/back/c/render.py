@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import jinja2
 
 # The fields of Structure that prove what enum pk_fact has, in the order of that.
-_FACTS = """
+FACTS = """
     mass_constant mass_diagonal quadratic separable autonomous conservative variational smooth
     affine switched
 """
@@ -45,7 +45,7 @@ _IN_CORE = """
     acceleration mass force canonical gradient jacobian energy kinetic potential observe conserve
     linear unconstrained inertia
 """
-_SYSTEM = {
+SYSTEM_KERNELS = {
     **{name: name for name in _IN_CORE.split()},
     "constraint": "constraints.values",
     "constraint_jacobian": "constraints.jacobian",
@@ -171,10 +171,10 @@ def frame(
         "n_inputs": len(names["inputs"]),
         "n_observed": len(names["observed"]),
         "n_conserved": len(names["conserved"]),
-        "facts": [f"PK_{field.upper()}" for field in _FACTS.split() if getattr(proved, field)],
+        "facts": [f"PK_{field.upper()}" for field in FACTS.split() if getattr(proved, field)],
         "system_kernels": [
             {"name": kernel, "field": field}
-            for kernel, field in _SYSTEM.items()
+            for kernel, field in SYSTEM_KERNELS.items()
             if kernel in kernels
         ],
     }
