@@ -44,8 +44,8 @@ class Function:
     # this one, or (numpy module, arrays) -> array.
     real: Callable[..., float]
     array: str | Callable = ""
-    exact: Callable[..., Fraction | None] | None = None  # of rational numbers; None: not rational
-    undefined: Callable[..., str] | None = None  # what is wrong with these numbers, or ""
+    exact: Callable[..., Fraction | None] = lambda *_: None  # of rational numbers; None: no such
+    undefined: Callable[..., str] = lambda *_: ""  # what is wrong with these numbers
 
     # Calculus: (g, n, a, b) -> the partial derivatives.
     derivative: Callable[..., tuple]
@@ -54,8 +54,8 @@ class Function:
     # Proofs. `interval` of Ranges; `ball` (arithmetic of Balls, a, b) or None; `opened` writes a
     # call of polynomials by other functions (see graph/exact.py), so that identities are seen.
     interval: Callable[..., Range] = lambda *x: ANY
-    ball: Callable | None = None
-    opened: Callable | None = None
+    ball: Callable = lambda *_: None
+    opened: Callable = lambda *_: None
     branched: bool = False  # one of several values, so its derivative does not say where it jumps
     jump: str = ""  # how it jumps
 

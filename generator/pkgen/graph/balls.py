@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from ..functions import FUNCTIONS
-from .differentiate import reachable
+from .differentiate import swept
 from .graph import Graph, Kind, Node, Op, Symbol
 
 BITS = 200
@@ -65,17 +65,14 @@ class Balls:
         self, g: Graph, nodes: Iterable[Node], symbols: Mapping[Symbol, Ball]
     ) -> list[Ball | None]:
         """The nodes where the symbols have these values."""
-        nodes = list(nodes)
-        known: dict[Node, Ball | None] = {}
-        for node in reachable(g, nodes):
-            args = [known[a] for a in g.args[node]]
-            known[node] = None if None in args else self._value(g, node, args, symbols)
-        return [known[node] for node in nodes]
+        return swept(g, nodes, lambda node, args: self._value(g, node, args, symbols))
 
     def _value(
-        self, g: Graph, node: Node, args: list[Ball], symbols: Mapping[Symbol, Ball]
+        self, g: Graph, node: Node, args: list[Ball | None], symbols: Mapping[Symbol, Ball]
     ) -> Ball | None:
         op, data = g.op[node], g.data[node]
+        if None in args:
+            return None
         if op is Op.NUMBER:
             return self.number(data)
         if op is Op.SYMBOL:
@@ -88,8 +85,7 @@ class Balls:
             if data.denominator == 1:
                 return self._whole(args[0], int(data))
             return self.pow(args[0], self.number(data))
-        ball = FUNCTIONS[data].ball
-        return None if ball is None else ball(self, *args)
+        return FUNCTIONS[data].ball(self, *args)
 
     def _rounded(self, mid: Any, rad: Any) -> Ball | None:
         if not self.mp.isfinite(mid):

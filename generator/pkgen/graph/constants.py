@@ -17,7 +17,7 @@ def fits(value: Fraction) -> bool:
 def raised(value: Fraction, exponent: Fraction) -> Fraction | None:
     """The exact power, or None where there is none or it is long."""
     if exponent.denominator == 2:
-        value, exponent = folded("sqrt", [value]), Fraction(exponent.numerator)
+        value, exponent = FUNCTIONS["sqrt"].exact(value), Fraction(exponent.numerator)
     if value is None or exponent.denominator != 1 or (value == 0 and exponent < 0):
         return None
     bits = max(value.numerator.bit_length(), value.denominator.bit_length())
@@ -36,15 +36,3 @@ def square_part(value: Fraction) -> Fraction:
             d //= prime**2
             result /= prime
     return result
-
-
-def folded(function: str, values: list[Fraction]) -> Fraction | None:
-    """The exact value of a function at numbers, or None where it is not one to write down."""
-    exact = FUNCTIONS[function].exact
-    return None if exact is None else exact(*values)
-
-
-def undefined(function: str, values: list[Fraction]) -> str:
-    """What is wrong with a function of these numbers, or ""."""
-    wrong = FUNCTIONS[function].undefined
-    return "" if wrong is None else wrong(*values)

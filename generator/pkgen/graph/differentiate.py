@@ -7,9 +7,12 @@ Reference: A. Griewank, A. Walther, Evaluating Derivatives, SIAM 2008, chapters 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from typing import TypeVar
 
 from ..functions import FUNCTIONS
 from .graph import ONE, ZERO, Graph, Node, Op, Symbol
+
+Value = TypeVar("Value")
 
 
 def partials(g: Graph, node: Node) -> tuple[Node, ...]:
@@ -36,6 +39,17 @@ def reachable(g: Graph, outputs: Iterable[Node], mask: int = -1) -> list[Node]:
         seen |= found
         found = set().union(*map(args, found)) - seen  # all at once, which is quick
     return sorted(seen)
+
+
+def swept(
+    g: Graph, nodes: Iterable[Node], value: Callable[[Node, list[Value]], Value]
+) -> list[Value]:
+    """What `value` makes of each node, given what it has made of its arguments."""
+    nodes, args = list(nodes), g.args
+    known: dict[Node, Value] = {}
+    for node in reachable(g, nodes):
+        known[node] = value(node, [known[a] for a in args[node]])
+    return [known[node] for node in nodes]
 
 
 def symbols_in(g: Graph, nodes: Iterable[Node], mask: int = -1) -> list[Symbol]:

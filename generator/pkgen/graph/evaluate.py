@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 
 from ..functions import FUNCTIONS
-from .constants import folded
-from .differentiate import reachable
+from .differentiate import reachable, swept
 from .graph import Graph, Kind, Node, Op, Symbol
 
 COMPILED = 5_000  # nodes
@@ -18,11 +17,7 @@ BITS = 100_000  # of an exact power
 
 def evaluate(g: Graph, nodes: Iterable[Node], values: Mapping[Symbol, float]) -> list[float]:
     """The nodes in floating point. Where one has no value it is nan (an overflow: inf)."""
-    nodes = list(nodes)
-    known: dict[Node, float] = {}
-    for node in reachable(g, nodes):
-        known[node] = value_of(g, node, [known[a] for a in g.args[node]], values)
-    return [known[node] for node in nodes]
+    return swept(g, nodes, lambda node, args: value_of(g, node, args, values))
 
 
 class Evaluator:
@@ -96,18 +91,15 @@ def exact(
     g: Graph, nodes: Iterable[Node], values: Mapping[Symbol, Fraction]
 ) -> list[Fraction | None]:
     """The nodes as fractions; None where one is not rational or has no value."""
-    nodes = list(nodes)
-    known: dict[Node, Fraction | None] = {}
-    for node in reachable(g, nodes):
-        args = [known[a] for a in g.args[node]]
-        known[node] = None if None in args else _fraction(g, node, args, values)
-    return [known[node] for node in nodes]
+    return swept(g, nodes, lambda node, args: _fraction(g, node, args, values))
 
 
 def _fraction(
-    g: Graph, node: Node, args: list[Fraction], values: Mapping[Symbol, Fraction]
+    g: Graph, node: Node, args: list[Fraction | None], values: Mapping[Symbol, Fraction]
 ) -> Fraction | None:
     op, data = g.op[node], g.data[node]
+    if None in args:
+        return None
     if op is Op.NUMBER:
         return data
     if op is Op.SYMBOL:
@@ -120,4 +112,4 @@ def _fraction(
         size = args[0].numerator.bit_length() + args[0].denominator.bit_length()
         possible = data.denominator == 1 and (args[0] != 0 or data > 0)
         return args[0] ** int(data) if possible and size * abs(data) < BITS else None
-    return folded(data, args)
+    return FUNCTIONS[data].exact(*args)

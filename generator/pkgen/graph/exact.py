@@ -145,8 +145,7 @@ class Exact(Normal):
     def _polynomial(self, node: Node) -> Polynomial:
         g = self.graph
         if g.op[node] is Op.CALL:
-            opened = FUNCTIONS[g.data[node]].opened
-            found = opened and opened(self, *(self.known[a] for a in g.args[node]))
+            found = FUNCTIONS[g.data[node]].opened(self, *(self.known[a] for a in g.args[node]))
             if found is not None:
                 return found
         return super()._polynomial(node)

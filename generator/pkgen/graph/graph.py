@@ -19,7 +19,7 @@ from fractions import Fraction
 from functools import reduce
 
 from ..functions import FUNCTIONS
-from .constants import fits, folded, raised, square_part
+from .constants import fits, raised, square_part
 from .like_terms import merge
 from .monomials import merged, without_reciprocals
 from .nodes import (
@@ -252,7 +252,7 @@ class Graph(Nodes):
     def call(self, function: str, *arguments: Node) -> Node:
         values = [self.value(a) for a in arguments]
         if all(v is not None for v in values):
-            exact = folded(function, values)
+            exact = FUNCTIONS[function].exact(*values)
             if exact is not None:
                 return self.number(exact)
         if function == "sqrt":

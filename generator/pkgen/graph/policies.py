@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from .differentiate import reachable
+from .differentiate import reachable, swept
 from .graph import BIT, CONSTANT, ONE, VARIABLE, Graph, Kind, Node, Op
 
 Policy = Callable[[Graph, Iterable[Node]], frozenset[Node]]
@@ -33,13 +33,12 @@ def shifts(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
     """Sums like l0 + s, of parameters and coordinates without any function."""
     order = reachable(g, outputs)
     closed = _squared(g, order)
-    plain: dict[Node, bool] = {}
-    for node in order:
+
+    def plain(node: Node, args: list[bool]) -> bool:
         still = not g.depends[node] & ~(CONSTANT | BIT[Kind.COORDINATE])
-        plain[node] = still and g.op[node] is not Op.CALL and all(plain[a] for a in g.args[node])
-        if plain[node] and g.op[node] is Op.ADD and g.depends[node] & VARIABLE:
-            closed.add(node)
-    return frozenset(closed)
+        return still and g.op[node] is not Op.CALL and all(args)
+
+    return frozenset(closed | _sums(g, order, swept(g, order, plain)))
 
 
 def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
@@ -55,8 +54,13 @@ def linear(g: Graph, outputs: Iterable[Node]) -> frozenset[Node]:
             plain[node] = all(plain[a] for a in g.args[node])
         else:
             plain[node] = g.op[node] is Op.SYMBOL or not g.depends[node] & VARIABLE
-    sums = {n for n in order if g.op[n] is Op.ADD and plain[n] and g.depends[n] & VARIABLE}
-    return frozenset(sums | _squared(g, order))
+    return frozenset(_squared(g, order) | _sums(g, order, plain.values()))
+
+
+def _sums(g: Graph, order: list[Node], plain: Iterable[bool]) -> set[Node]:
+    """The sums among the plain nodes."""
+    found = (node for node, is_plain in zip(order, plain, strict=True) if is_plain)
+    return {n for n in found if g.op[n] is Op.ADD and g.depends[n] & VARIABLE}
 
 
 def _squared(g: Graph, order: list[Node]) -> set[Node]:

@@ -150,23 +150,6 @@ class LoopCode:
         noted = Assign(far, call, "|=") if s.flux_trig else Call(f"(void){call}")
         return Loop(f"m = {begin}; m < {end}; m++", [noted])
 
-    def rows(
-        self,
-        s: RowSet,
-        count: str,
-        inside: Sequence[str],
-        outside: Sequence[str],
-        indent: int,
-        arguments: str,
-        flux: str = "flux",
-        far: str = "far",
-    ) -> str:
-        """The interior rows base .. base + count - 1, once their bonds are there: `inside` follows
-        each; where an angle was too large for the inline sine, all are made again and followed by
-        `outside`."""
-        nodes = self._rows(s, count, inside, outside, arguments, flux, far)
-        return "\n".join(rendered(nodes, indent)) + "\n"
-
     def _rows(
         self,
         s: RowSet,
@@ -177,6 +160,9 @@ class LoopCode:
         flux: str,
         far: str,
     ) -> list[Node]:
+        """The interior rows base .. base + count - 1, once their bonds are there: `inside` follows
+        each; where an angle was too large for the inline sine, all are made again and followed by
+        `outside`."""
         place = f"{flux} + (m - base + {self.name}_BOND), " if s.flux else ""
         call = f"{self.name}_{s.name}_inner({arguments}, {place}m, r)"
         noted = Assign(far, call, "|=") if s.inner.trig else Call(f"(void){call}")

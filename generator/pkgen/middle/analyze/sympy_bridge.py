@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ...equations import Equations
 from ...functions import FUNCTIONS
-from ...graph.differentiate import reachable
+from ...graph.differentiate import swept
 from ...graph.graph import Graph, Kind, Node, Op, Symbol
 from ..naming import naming
 
@@ -79,10 +79,7 @@ def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int
 
 def written_size(g: Graph, node: Node) -> int:
     """Operations of an expression written out, what is shared counted each time."""
-    sizes: dict[Node, int] = {}
-    for n in reachable(g, [node]):
-        sizes[n] = sum(sizes[a] for a in g.args[n]) + (len(g.args[n]) > 0)
-    return sizes[node]
+    return swept(g, [node], lambda _, sizes: sum(sizes) + (len(sizes) > 0))[0]
 
 
 def to_sympy(
@@ -99,11 +96,8 @@ def to_sympy(
     """
     import sympy as sp
 
-    nodes = list(nodes)
-
-    def made(node: Node) -> sp.Expr:
+    def made(node: Node, args: list[sp.Expr]) -> sp.Expr:
         op, data = g.op[node], g.data[node]
-        args = [known[a] for a in g.args[node]]
         if op is Op.NUMBER:
             return _rational(data)
         if op is Op.SYMBOL:
@@ -122,9 +116,9 @@ def to_sympy(
     def _rational(value: Fraction) -> sp.Rational:
         return sp.Rational(value.numerator, value.denominator)
 
-    known: dict[Node, sp.Expr] = dict(given or {})
-    for node in reachable(g, nodes):
-        if node in known:
-            continue
-        known[node] = made(node) if shortened is None else shortened(made(node))
-    return [known[node] for node in nodes]
+    def value(node: Node, args: list[sp.Expr]) -> sp.Expr:
+        if given and node in given:
+            return given[node]
+        return shortened(made(node, args)) if shortened else made(node, args)
+
+    return swept(g, nodes, value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ... import limits
-from ...graph.constants import undefined
+from ...functions import FUNCTIONS
 from ...graph.graph import ONE, ZERO, Graph, Node
 from ...indices import assignments
 from ...tree import (
@@ -138,7 +138,7 @@ def _call(x: Names, expr: Call, loop: Loop) -> Value:
             raise error(x.model, "a vector where a single value is needed", argument.span)
     numbers = [x.graph.value(value) for value in values]
     if None not in numbers:
-        wrong = undefined(expr.function, numbers)
+        wrong = FUNCTIONS[expr.function].undefined(*numbers)
         if wrong:
             raise error(x.model, wrong, expr.span)
     return x.graph.call(expr.function, *values)
