@@ -9,8 +9,8 @@ const page = fs.readFileSync(process.argv[2], "utf8");
 const hole = (id) => page.match(new RegExp(`id="${id}">([^<]*)<`))[1];
 const description = JSON.parse(hole("description"));
 const bytes = zlib.gunzipSync(Buffer.from(hole("wasm"), "base64"));
-const own = path.join(__dirname, "../../generator/pkgen/back/web/page/engine.js");
-const Engine = vm.runInThisContext(fs.readFileSync(own, "utf8") + "\nEngine");
+const own = (name) => fs.readFileSync(path.join(__dirname, "../../generator/pkgen/back/web/page", name), "utf8");
+const Engine = vm.runInThisContext(own("engine_swarm.js") + own("engine.js") + "\nEngine");
 
 function run(engine, job) {
   const start = job.params ? engine.given(Float64Array.from(job.params, (x) => x ?? NaN)) : engine.defaults();

@@ -38,6 +38,9 @@ FLAGS = (
     "-fno-trapping-math",
     "-DPK_RUNTIME",
 )
+# Arrays of large models are on it. It comes first in memory, so that one that is too small ends the
+# call instead of writing over data.
+STACK = ("-Wl,-z,stack-size=1048576", "-Wl,--stack-first")
 SYSTEM = """#include <pk/system.h>
 extern const struct pk_system {name}_system;
 extern const struct pk_system *const live_system;
@@ -103,17 +106,18 @@ def wasm(files: Mapping[str, str], name: str) -> bytes:
     """The module of the model NAME from its generated files, packed by gzip; the same files give
     the same bytes. Raises BuildError with what is missing, or what the compiler said."""
     tools = _tools()
-    own = (HERE / "live.c").read_bytes()
+    own = sorted((HERE / "live").iterdir())
+    texts = [path.read_bytes() for path in own]
     runtime = _runtime(tools)
-    digest = hashlib.sha256(repr((runtime.name, own, sorted(files.items()))).encode())
+    digest = hashlib.sha256(repr((runtime.name, texts, STACK, sorted(files.items()))).encode())
 
     def make(new: Path) -> None:
         system = {"which-model.c": SYSTEM.format(name=name)}
         for file_name, text in {**files, **system}.items():
             (new / file_name).write_text(text, encoding="utf-8")
-        sources = [f"{name}.c", "which-model.c", str(HERE / "live.c")]
+        sources = [f"{name}.c", "which-model.c", *(str(p) for p in own if p.suffix == ".c")]
         objects = sorted(map(str, runtime.glob("*.o")))
-        link = ["-mexec-model=reactor", "-Wl,--gc-sections", "-Wl,--strip-all", "-lm"]
+        link = ["-mexec-model=reactor", "-Wl,--gc-sections", "-Wl,--strip-all", *STACK, "-lm"]
         exports = [f"-Wl,--export={symbol}" for symbol in ("malloc", "free")]
         compile_to(tools, [*sources, *objects, *link, *exports, "-o", "model.wasm"], new)
         packed = gzip.compress((new / "model.wasm").read_bytes(), 9, mtime=0)

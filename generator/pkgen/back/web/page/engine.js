@@ -1,5 +1,5 @@
 "use strict";
-/* The model and the runtime in WebAssembly (live.c), as the page calls them. Parameters are a flat
+/* The model and the runtime in WebAssembly (live/), as the page calls them. Parameters are a flat
  * Float64Array in the order of the description; q has the coordinates, v the rates and behind them
  * the first-order variables. All numbers are in SI. */
 const Engine = (() => {
@@ -8,6 +8,7 @@ const Engine = (() => {
     proc_exit: (code) => { throw new Error("the model's code ended with " + code); } };
   const BUDGET = 20000;    /* steps between two looks at the clock */
   const PATIENCE = 1500;   /* milliseconds that one advance may take */
+  const KEPT = 16;         /* sets of parameters that nobody uses */
 
   async function load(bytes, description) {
     const imports = new Proxy(WASI, { get: (known, name) => known[name] || (() => 0) });
@@ -20,7 +21,7 @@ const Engine = (() => {
     constructor(c, description) {
       this.c = c;
       this.description = description;
-      this.base = c.live_params();
+      this.base = c.live_params(1, 1);
       if (!this.base) throw new Error("there is no memory");
       this.n = c.live_n(this.base);
       this.nq = c.live_n_q(this.base);
@@ -29,7 +30,7 @@ const Engine = (() => {
       this.nOut = description.outputs.length;
       this.constants = description.constants;
       this.claims = this.constants.filter((x) => x.kind === "claim").length;
-      this.sets = new Map();                            /* prepared parameters by their values */
+      this.sets = new Map();                            /* prepared parameters by their values, */
       this.room = c.malloc(8 * (4 * this.n + this.inputs + Math.max(this.nOut, this.claims, 1)));
     }
 
@@ -101,19 +102,41 @@ const Engine = (() => {
       }
     }
 
-    /* The struct of these parameters, kept for the next call. */
+    /* The struct of these parameters; the last ones are kept, and those that a motion holds. */
     prepared(params) {
+      return this.set(params).at;
+    }
+
+    set(params) {
       const key = params.join();
-      if (this.sets.has(key)) return this.sets.get(key);
+      let set = this.sets.get(key);
+      if (set) this.sets.delete(key);
+      else set = { key, at: this.made(params), users: 0 };
+      this.sets.set(key, set);                          /* the newest is last */
+      if (this.sets.size > KEPT) this.forget();
+      return set;
+    }
+
+    made(params) {
       const { c } = this;
-      if (this.sets.size > 64) this.sets.clear();       /* leaks little: one struct a setting */
-      const made = c.live_params();
-      const at = this.write(params);
+      const [made, at] = [c.live_params(1, 1), this.write(params)];
       const good = made && c.live_set(made, at);
       c.free(at);
-      if (!good) throw new Error(this.text(c.live_why()));
-      this.sets.set(key, made);
-      return made;
+      if (good) return made;
+      c.free(made);
+      throw new Error(made ? this.text(c.live_why()) : "there is no memory");
+    }
+
+    forget() {
+      let many = this.sets.size - KEPT;
+      const last = Array.from(this.sets.values()).pop();
+      for (const set of this.sets.values()) {
+        if (many <= 0 || set === last) return;
+        if (set.users) continue;
+        this.c.free(set.at);
+        this.sets.delete(set.key);
+        many--;
+      }
     }
 
     /* Puts a state into the room of all calls: addresses of q, v, u, and of the answer. */
@@ -169,7 +192,7 @@ const Engine = (() => {
     }
 
     swarm(asked) {
-      return new Swarm(this, asked);
+      return new EngineSwarm(this, asked);
     }
   }
 
@@ -180,7 +203,7 @@ const Engine = (() => {
       this.engine = engine;
       this.params = params;
       this.inputs = inputs;
-      const own = engine.prepared(params);
+      const own = engine.set(params);
       const [name, start] = [engine.word(method), c.malloc(8 * (2 * n + engine.inputs))];
       const room = engine.reals(start, 2 * n + engine.inputs);
       room.fill(0);
@@ -188,10 +211,12 @@ const Engine = (() => {
       room.set(v, n);
       if (inputs) room.set(inputs, 2 * n);
       const h = step ?? this.usual(engine, method);
-      this.at = c.live_new(own, name, h, rtol ?? 0, t, start, start + 8 * n, start + 16 * n);
+      this.at = c.live_new(own.at, name, h, rtol ?? 0, t, start, start + 8 * n, start + 16 * n);
       c.free(name);
       c.free(start);
       if (!this.at) throw new Error(engine.text(c.live_why()));
+      this.own = own;
+      own.users++;
       this.step = step ?? h;
       this.read();
     }
@@ -242,82 +267,20 @@ const Engine = (() => {
 
     /* Crossings since the last call. */
     events() {
-      const { c } = this.engine;
-      const at = c.live_crossings(this.at);
-      const count = c.live_take_crossings(this.at);
-      const pairs = this.engine.reals(at, 2 * count);
-      return Array.from({ length: count }, (_, k) => ({ event: pairs[2 * k], t: pairs[2 * k + 1] }));
-    }
-
-    free() {
-      if (this.at) this.engine.c.live_free(this.at);
-      this.at = 0;
-    }
-  }
-
-  /* Many members side by side. `table`: {columns: [{kind: "q"|"v"|"p", index}], values} row by row. */
-  class Swarm {
-    constructor(engine, { method, step, rtol, params, q, v, table, members }) {
-      const { c, n, nq } = engine;
-      this.engine = engine;
-      this.members = members;
-      const start = engine.given(params);
-      const size = c.live_params_size();
-      const own = table.columns.some((x) => x.kind === "p");
-      this.params = c.malloc(size * members);
-      if (!this.params) throw new Error("there is no memory");
-      const all = params.slice();
-      const width = table.columns.length;
-      for (let i = 0; i < members; i++) {
-        table.columns.forEach(({ kind, index }, k) => {
-          if (kind === "p") all[index] = table.values[i * width + k];
-        });
-        if (own || i === 0) this.shared = engine.prepared(all);
-        const bytes = new Uint8Array(c.memory.buffer);
-        bytes.copyWithin(this.params + i * size, this.shared, this.shared + size);
-      }
-      const name = engine.word(method);
-      this.at = c.live_swarm_new(this.params, name, step ?? 0.01, rtol ?? 0, members);
-      c.free(name);
-      if (!this.at) throw new Error(engine.text(c.live_why()));
-      const states = engine.reals(c.live_swarm_states(this.at), 2 * n * members);
-      const [q0, v0] = [q ?? start.q, v ?? start.v];
-      for (let i = 0; i < members; i++) {
-        states.set(q0, i * n);
-        states.set(v0, n * members + i * n);
-        table.columns.forEach(({ kind, index }, k) => {
-          const x = table.values[i * width + k];
-          if (kind === "q") states[i * n + index] = x;
-          if (kind === "v") states[n * members + i * n + index] = x;
-        });
-      }
-      this.width = nq + n;
-    }
-
-    /* "" or what became of them. */
-    advance(t) {
-      const going = this.engine.c.live_swarm_to(this.at, t);
-      return going ? "" : "no member goes on: the step is too long, or the motion ends";
-    }
-
-    /* Of each member q, then v. */
-    states() {
       const { c, n, nq } = this.engine;
-      const { members, width } = this;
-      const all = this.engine.reals(c.live_swarm_states(this.at), 2 * n * members);
-      const found = new Float64Array(members * width);
-      for (let i = 0; i < members; i++) {
-        for (let k = 0; k < nq; k++) found[i * width + k] = all[i * n + k];
-        for (let k = 0; k < n; k++) found[i * width + nq + k] = all[n * members + i * n + k];
-      }
-      return found;
+      const count = c.live_take_crossings(this.at);
+      const width = 2 + 2 * n;
+      const all = this.engine.reals(count ? c.live_crossings(this.at) : 0, count * width).slice();
+      return Array.from({ length: count }, (_, k) => {
+        const one = all.subarray(k * width, (k + 1) * width);
+        return { event: one[0], t: one[1], q: one.slice(2, 2 + nq), v: one.slice(2 + n) };
+      });
     }
 
     free() {
-      if (this.at) {
-        this.engine.c.live_swarm_free(this.at);
-        this.engine.c.free(this.params);
-      }
+      if (!this.at) return;
+      this.engine.c.live_free(this.at);
+      this.own.users--;
       this.at = 0;
     }
   }

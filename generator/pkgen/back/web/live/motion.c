@@ -1,0 +1,205 @@
+/* Motions: one state, any method, to any time. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <pk/events.h>
+#include <pk/integrator.h>
+
+#include "live.h"
+
+enum { MOST_CROSSINGS = 1 << 16 }; /* that nobody takes */
+
+struct live {
+    struct pk_integrator it, aside;
+    struct pk_events events;
+    void *block, *events_block, *aside_block;
+    size_t size, n;
+    double *q, *v, *u; /* at t */
+    double t;
+    double *crossings; /* event, t, q, v of each */
+    size_t n_crossings, room;
+    size_t n_inputs;
+};
+
+static void give_inputs(void *context, pk_real t, pk_real *u)
+{
+    const struct live *m = (const struct live *)context;
+    (void)t;
+    memcpy(u, m->u, m->n_inputs * sizeof *u);
+}
+
+static int cross(void *context, const struct pk_events *events)
+{
+    struct live *m = (struct live *)context;
+    const size_t width = 2 + 2 * m->n;
+    if (m->n_crossings == m->room && m->room < MOST_CROSSINGS) {
+        const size_t room = m->room ? 2 * m->room : 16;
+        double *const grown = (double *)realloc(m->crossings, room * width * sizeof *grown);
+        if (grown) {
+            m->crossings = grown;
+            m->room = room;
+        }
+    }
+    if (m->n_crossings == m->room)
+        return 0;
+    double *const at = m->crossings + width * m->n_crossings++;
+    at[0] = (double)events->which;
+    at[1] = events->t;
+    memcpy(at + 2, events->q, m->n * sizeof *at);
+    memcpy(at + 2 + m->n, events->v, m->n * sizeof *at);
+    return 0;
+}
+
+void EXPORT(live_free)(struct live *m)
+{
+    if (!m)
+        return;
+    free(m->block);
+    free(m->events_block);
+    free(m->aside_block);
+    free(m->crossings);
+    free(m->q);
+    free(m);
+}
+
+static int has(const struct live *m, unsigned trait) { return (m->it.method->traits & trait) != 0; }
+
+static void keep(struct live *m, double t, const double *q, const double *v)
+{
+    m->t = t;
+    memcpy(m->q, q, m->n * sizeof *q);
+    memcpy(m->v, v, m->n * sizeof *v);
+}
+
+/* NULL with why where the method, its settings or the start are refused. params stay the caller's
+ * as long as the motion is used. */
+struct live *EXPORT(live_new)(const void *params, const char *method, double h, double rtol,
+                              double t, const double *q, const double *v, const double *u)
+{
+    struct live *m = (struct live *)calloc(1, sizeof *m);
+    struct pk_options options = pk_options_default();
+    const struct pk_problem problem = {live_system, params, give_inputs, m};
+    const struct pk_method *const found = pk_method_find(method);
+    if (!m || !found) {
+        free(m);
+        refuse(found ? "there is no memory" : "there is no such method");
+        return NULL;
+    }
+    options.h = h;
+    options.max_steps = 0;
+    if (rtol > 0)
+        options.rtol = rtol;
+    m->n = pk_system_count(live_system, params);
+    m->n_inputs = live_system->n_inputs;
+    m->size = pk_integrator_size(&problem, found);
+    m->q = (double *)calloc(2 * m->n + m->n_inputs + 1, sizeof *m->q);
+    m->block = calloc(1, m->size + 1);
+    const size_t events_size = pk_events_size(&problem, found);
+    m->events_block = calloc(1, events_size + 1);
+    if (!m->q || !m->block || !m->events_block) {
+        live_free(m);
+        refuse("there is no memory");
+        return NULL;
+    }
+    m->v = m->q + m->n;
+    m->u = m->v + m->n;
+    if (m->n_inputs)
+        memcpy(m->u, u, m->n_inputs * sizeof *u);
+    if (pk_integrator_init(&m->it, &problem, found, &options, t, q, v, m->block, m->size) < 0) {
+        pk_integrator_reason(&m->it, live_reason_text, LONGEST_TEXT);
+        live_free(m);
+        return NULL;
+    }
+    if (pk_events_init(&m->events, &m->it, m->events_block, events_size) < 0) {
+        refuse("the events of the model cannot be looked for");
+        live_free(m);
+        return NULL;
+    }
+    m->events.found = cross;
+    m->events.context = m;
+    keep(m, t, m->it.q, m->it.v);
+    return m;
+}
+
+/* The state at t in the last step. */
+static enum pk_status within(struct live *m, double t)
+{
+    if (pk_integrator_is_at(&m->it, t)) {
+        keep(m, t, m->it.q, m->it.v);
+        return PK_DONE;
+    }
+    if (has(m, PK_DENSE))
+        return pk_integrator_dense(&m->it, m->t = t, m->q, m->v);
+    if (!m->aside_block) {
+        struct pk_problem problem = m->it.problem;
+        if (m->events.params) /* with the sides of switches */
+            problem.params = m->events.params;
+        m->aside_block = calloc(1, m->size);
+        if (!m->aside_block)
+            return PK_NO_MEMORY;
+        const enum pk_status begun = pk_integrator_init(&m->aside, &problem, m->it.method,
+                                                        &m->it.options, m->it.t, m->it.q, m->it.v,
+                                                        m->aside_block, m->size);
+        if (begun < 0)
+            return begun;
+    }
+    m->aside.options.h = m->it.options.h;
+    const enum pk_status found = pk_integrator_aside(&m->it, &m->aside, t);
+    if (found >= 0)
+        keep(m, t, m->aside.q, m->aside.v);
+    return found;
+}
+
+/* To t, by at most `budget` steps: 1 if there are more to make, 0 at t, negative or above 1 the
+ * status. Steps are what they are without t: the state at t is the method's own interpolant, or
+ * a shorter step aside. */
+int EXPORT(live_to)(struct live *m, double t, double budget)
+{
+    struct pk_integrator *it = &m->it;
+    const double far = t + 1e9 * (fabs(t) + 1);
+    const int fixed = !has(m, PK_ADAPTIVE | PK_DENSE);
+    while (it->t < t && !pk_integrator_is_at(it, t)) {
+        if (budget-- <= 0)
+            return 1;
+        const double limit = fixed ? pk_integrator_limit(it, t, far) : far;
+        const enum pk_status status = pk_events_step(&m->events, it, limit);
+        if (status != PK_DONE) {
+            if (status == PK_STOPPED_EVENT || it->t < t)
+                keep(m, it->t, it->q, it->v);
+            return status == PK_STOPPED_EVENT ? 2 : status;
+        }
+    }
+    const enum pk_status status = within(m, t);
+    if (status == PK_BAD_ARGUMENT) { /* the step has ended at a switch: its end is what there is */
+        keep(m, it->t, it->q, it->v);
+        return 0;
+    }
+    return status < 0 ? status : 0;
+}
+
+const char *EXPORT(live_reason)(struct live *m)
+{
+    pk_integrator_reason(&m->it, live_reason_text, LONGEST_TEXT);
+    return live_reason_text;
+}
+
+double EXPORT(live_t)(const struct live *m) { return m->t; }
+
+const double *EXPORT(live_q)(const struct live *m) { return m->q; }
+
+const double *EXPORT(live_v)(const struct live *m) { return m->v; }
+
+double EXPORT(live_steps)(const struct live *m) { return (double)m->it.count.steps; }
+
+double EXPORT(live_evaluations)(const struct live *m) { return (double)m->it.count.evaluations; }
+
+/* Crossings since the last call: event, t, q, v of each. */
+const double *EXPORT(live_crossings)(const struct live *m) { return m->crossings; }
+
+size_t EXPORT(live_take_crossings)(struct live *m)
+{
+    const size_t count = m->n_crossings;
+    m->n_crossings = 0;
+    return count;
+}

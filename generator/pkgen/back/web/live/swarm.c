@@ -1,0 +1,149 @@
+/* Swarms: many states side by side, of one set of parameters, or each of its own. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <pk/ensemble.h>
+
+#include "live.h"
+
+/* Fixed steps lie on the grid of their own length, whatever times are shown: `state` is at the
+ * last point of it, `shown` a shorter step further. */
+struct swarm {
+    struct pk_ensemble e;
+    void *block;
+    size_t block_size, n;
+    pk_real at, target; /* of state; of a run */
+    pk_real *state, *shown, *ends, *u;
+    size_t *done;
+    pk_real *last;
+    enum pk_status *status;
+    unsigned char *ended; /* members that failed: they stand where they were */
+};
+
+void EXPORT(live_swarm_free)(struct swarm *s)
+{
+    if (!s)
+        return;
+    free(s->block);
+    free(s->state);
+    free(s->done);
+    free(s->last);
+    free(s->status);
+    free(s->ended);
+    free(s);
+}
+
+/* `params`: of each member, params_size bytes one after the other. Its start is to be put where
+ * live_swarm_start() is: q of all, then v of all. Inputs u are the same for all. */
+struct swarm *EXPORT(live_swarm_new)(const void *params, const char *method, double h, double rtol,
+                                     const double *u, size_t count)
+{
+    struct swarm *s = (struct swarm *)calloc(1, sizeof *s);
+    const struct pk_method *const found = pk_method_find(method);
+    const size_t n_inputs = live_system->n_inputs;
+    if (!s || !found) {
+        free(s);
+        refuse(found ? "there is no memory" : "there is no such method");
+        return NULL;
+    }
+    if (live_system->switches.impulses) {
+        free(s);
+        refuse("a swarm is not made of a model with impacts");
+        return NULL;
+    }
+    s->n = pk_system_count(live_system, params);
+    const size_t half = 2 * s->n * count;
+    s->state = (pk_real *)calloc(3 * half + n_inputs * count + 1, sizeof *s->state);
+    s->done = (size_t *)calloc(count, sizeof *s->done);
+    s->last = (pk_real *)calloc(count, sizeof *s->last);
+    s->status = (enum pk_status *)calloc(count, sizeof *s->status);
+    s->ended = (unsigned char *)calloc(count, 1);
+    if (!s->state || !s->done || !s->last || !s->status || !s->ended) {
+        live_swarm_free(s);
+        refuse("there is no memory");
+        return NULL;
+    }
+    s->shown = s->state + half;
+    s->ends = s->shown + half;
+    s->u = s->ends + half;
+    for (size_t i = 0; i < count && n_inputs; i++)
+        memcpy(s->u + i * n_inputs, u, n_inputs * sizeof *u);
+    s->e.system = live_system;
+    s->e.method = found;
+    s->e.options = pk_options_default();
+    s->e.options.h = h;
+    if (rtol > 0)
+        s->e.options.rtol = rtol;
+    s->e.members = count;
+    s->e.params = params;
+    s->e.q0 = s->state;
+    s->e.v0 = s->state + s->n * count;
+    s->e.u = n_inputs ? s->u : NULL;
+    s->e.q = s->ends;
+    s->e.v = s->ends + s->n * count;
+    s->e.rows = 1;
+    s->e.t = &s->target;
+    s->e.done = s->done;
+    s->e.last_t = s->last;
+    s->e.status = s->status;
+    s->block_size = pk_ensemble_size(&s->e);
+    s->block = malloc(s->block_size);
+    if (!s->block) {
+        live_swarm_free(s);
+        refuse("there is no memory");
+        return NULL;
+    }
+    return s;
+}
+
+pk_real *EXPORT(live_swarm_start)(struct swarm *s) { return s->state; }
+
+/* Those at the time of the last live_swarm_to(): q of all, then v of all. */
+const pk_real *EXPORT(live_swarm_states)(const struct swarm *s) { return s->shown; }
+
+/* q and v of member i from one place to another. */
+static void take(const struct swarm *s, pk_real *to, const pk_real *from, size_t i)
+{
+    const size_t v = s->n * s->e.members, size = s->n * sizeof *to;
+    memcpy(to + i * s->n, from + i * s->n, size);
+    memcpy(to + v + i * s->n, from + v + i * s->n, size);
+}
+
+/* All from `state` to t, into `to`. */
+static void run(struct swarm *s, pk_real t, pk_real *to)
+{
+    s->target = t;
+    s->e.t0 = s->at;
+    const enum pk_status status = pk_ensemble_run(&s->e, 0, s->e.members, s->block, s->block_size);
+    const int none = status == PK_BAD_ARGUMENT || status == PK_BLOCK_TOO_SMALL;
+    for (size_t i = 0; i < s->e.members; i++) {
+        if (none || !s->done[i])
+            s->ended[i] = 1;
+        else if (!s->ended[i])
+            take(s, to, s->ends, i);
+    }
+}
+
+/* All to t. Members that fail stay where they are; how many do not. Where none goes on,
+ * live_why() has the words of the first. */
+size_t EXPORT(live_swarm_to)(struct swarm *s, double t)
+{
+    const pk_real h = s->e.options.h;
+    const pk_real grid = pk_ensemble_fixed(&s->e) ? h * floor(t / h * (1 + 4 * PK_EPSILON)) : t;
+    size_t going = 0;
+    if (grid > s->at) {
+        run(s, grid, s->state);
+        s->at = grid;
+    }
+    for (size_t i = 0; i < s->e.members; i++)
+        if (!s->ended[i])
+            take(s, s->shown, s->state, i);
+    if (t - s->at > 1e-9 * h)
+        run(s, t, s->shown);
+    for (size_t i = 0; i < s->e.members; i++)
+        going += !s->ended[i];
+    if (!going)
+        pk_ensemble_reason(&s->e, 0, s->block, s->block_size, live_reason_text, LONGEST_TEXT);
+    return going;
+}
