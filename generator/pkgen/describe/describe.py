@@ -250,6 +250,14 @@ def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str,
         }
 
 
+# What a method calls, by its flag, that is not made of loops; as the runtime refuses it.
+_NOT_OF_LOOPS = {
+    "holonomic": "M",
+    "jacobians": "Jacobians",
+    "linear": "the derivatives of the acceleration",
+}
+
+
 def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str:
     requires = method.requires if method else tuple(item["requires"])
     missing = [fact for fact in requires if not provides(compilation.structure, fact)]
@@ -257,6 +265,10 @@ def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str
         return "it is for systems that are " + ", ".join(in_words(missing)) + ": not proved of this"
     if "no_inputs" in item["flags"] and named.inputs(compilation).count:
         return "it is for systems without inputs"
+    if compilation.looped:
+        for flag, kernels in _NOT_OF_LOOPS.items():
+            if flag in item["flags"]:
+                return f"it needs {kernels}, which families that are kept as loops do not have"
     return ""
 
 
