@@ -35,6 +35,7 @@ run
 scenes
 plot
 describe
+film
 analysis/chart
 analysis/choose analysis/stability explain
 api

@@ -72,6 +72,7 @@ OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c
        pkgen explain MODEL.lag      equations, structure
        pkgen run MODEL.lag          compile and integrate; CSV to standard output
        pkgen plot MODEL.lag|FILE.csv pictures of motions, in the terminal or -o FILE.svg
+       pkgen film MODEL.lag -o FILE  a film of the motion: MP4, WebM, GIF, SVG
        pkgen build MODEL.lag -o FILE a program of its own, with the options of run
        pkgen chart MODEL.lag        accuracy against cost, by every method that applies
        pkgen stability MODEL.lag    where each method fails, predicted and measured
