@@ -289,7 +289,7 @@ OWN = {"__main__.py", "cli/chart.py", "cli/run.py", "cli/stability.py", "run/bui
 OWN |= {"run/ensemble.py", "run/simulate.py", "system/cache.py", "system/files.py"}
 OWN |= {"analysis/chart/draw.py", "analysis/chart/measure.py", "analysis/stability/ask.py"}
 OWN |= {"analysis/stability/draw.py", "plot/style.py"}  # the last: in memory
-OWN |= {"film/film.py", "film/write.py"}
+OWN |= {"film/film.py", "film/write.py", "back/web/build.py"}
 
 
 def test_nothing_else_writes_files() -> None:

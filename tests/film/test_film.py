@@ -115,7 +115,7 @@ coord x, z
 rotation R
 kinetic (x'^2 + z'^2)/2 + dot(omega(R), omega(R))/2
 potential x^2/2 + z^2
-start x = 1, omega(R).x = 1, omega(R).y = 0.3
+start x = 1, omega(R) = [1, 0.3, 0]
 let P = [x, 0, z]
 draw ground z = -2
 draw spring from O to P turns 5
