@@ -15,14 +15,14 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from pkgen.plot.style import BLUE, FILES, GREEN, PURPLE, RED, encoded
 
 ROOT = Path(__file__).resolve().parent.parent
 MODEL = ROOT / "models" / "double_pendulum.lag"
 TARGET = ROOT / "docs" / "pictures" / "double_pendulum.svg"
 DURATION = 5000.0
 STEP = 0.01
-# Okabe and Ito's colours, which survive colour-blindness; each curve is labelled directly too.
-METHODS = {"rk4": "#D55E00", "gauss1": "#0072B2", "gauss2": "#009E73", "gauss4": "#CC79A7"}
+METHODS = {"rk4": RED, "gauss1": BLUE, "gauss2": GREEN, "gauss4": PURPLE}  # each labelled directly
 
 
 def run(method: str, until: float, every: float) -> np.ndarray:
@@ -38,7 +38,7 @@ def draw_motion(axes: plt.Axes) -> None:
     rows = run("dop853", 10.0, 0.01)
     x = np.sin(rows[:, 1]) + np.sin(rows[:, 2])
     y = -np.cos(rows[:, 1]) - np.cos(rows[:, 2])
-    axes.plot(x, y, color="#0072B2", lw=0.9)
+    axes.plot(x, y, color=BLUE, lw=0.9)
     for k, label, offset in ((0, "start", (8, -3)), (-1, "after 10 s", (8, -12))):
         xs = [0, np.sin(rows[k, 1]), x[k]]
         ys = [0, -np.cos(rows[k, 1]), y[k]]
@@ -68,14 +68,14 @@ def draw_drift(axes: plt.Axes) -> None:
 
 
 def main() -> None:
-    plt.rcParams.update({"svg.hashsalt": "pkgen", "font.size": 9})
+    plt.rcParams.update({**FILES, "font.size": 9})
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4), width_ratios=(1, 1.4))
     draw_motion(left)
     draw_drift(right)
     figure.suptitle("double_pendulum.lag: m1 = m2 = 1 kg, l1 = l2 = 1 m, from its default start")
     figure.tight_layout()
     TARGET.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(TARGET, metadata={"Date": None})
+    TARGET.write_bytes(encoded(figure, "svg"))
     figure.savefig(ROOT / "build" / "double_pendulum.png", dpi=110)
 
 

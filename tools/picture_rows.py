@@ -13,11 +13,12 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from pkgen.plot.style import FILES
 
 ROOT = Path(__file__).resolve().parent.parent
 OUTPUT = ROOT / "docs" / "pictures"
 MODELS = ROOT / "models"
-INK, BLUE, RED, GREY = "#222222", "#1f5fa8", "#c0392b", "#999999"
+plt.rcParams.update(FILES)
 
 
 class Rows:

@@ -19,8 +19,9 @@ from collections.abc import Callable
 import matplotlib.pyplot as plt
 import numpy as np
 import pictures_bodies
-from picture_rows import BLUE, OUTPUT, RED, Rows, panels
+from picture_rows import OUTPUT, Rows, panels
 from PIL import Image
+from pkgen.plot.style import BLUE, GREEN, PURPLE, RED
 
 
 def orbit(axis, x, y, title: str, **style) -> None:
@@ -82,7 +83,7 @@ def fput():
     )
     i = np.arange(1, n + 1)
     figure, (axis,) = panels(1, 8, 4)
-    for k, colour in zip((1, 2, 3, 4), (BLUE, RED, "#2e8b57", "#8e44ad"), strict=True):
+    for k, colour in zip((1, 2, 3, 4), (BLUE, RED, GREEN, PURPLE), strict=True):
         shape = np.sqrt(2 / (n + 1)) * np.sin(np.pi * i * k / (n + 1))
         frequency = 2 * np.sin(np.pi * k / (2 * (n + 1)))
         place, rate = rows.family("q")[:, :n] @ shape, rows.family("q")[:, n:] @ shape

@@ -11,9 +11,8 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
-from picture_rows import BLUE, GREY, INK, RED, Rows, panels
-
-GREEN = "#2e8b57"
+from picture_rows import Rows, panels
+from pkgen.plot.style import BLUE, GREEN, GREY, INK, RED
 
 
 class Sphere:

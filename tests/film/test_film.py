@@ -123,6 +123,7 @@ draw line from O to P
 draw circle P radius 0.3
 draw arrow [0, 0, x'] at P scale 1
 draw trail P lasting 1
+draw trail [z, 0, x]
 draw bob P
 draw body R at [0, 2, 0] box [1, 0.6, 0.3]
 draw body R at [2, 2, 0] cylinder [0.3, 1]

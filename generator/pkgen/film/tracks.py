@@ -131,7 +131,7 @@ class _Maker:
         along = b - a
         length = numpy.linalg.norm(along, axis=1, keepdims=True)
         side = numpy.stack([-along[:, 1], along[:, 0]], 1) / numpy.maximum(length, REST)
-        turns = int(shape["turns"])
+        turns = int(shape.get("turns") or 8)
         parts = numpy.array([0.0, 0.06, *((k + 0.5) / (2 * turns) * 0.88 + 0.06
                                           for k in range(2 * turns)), 0.94, 1.0])  # fmt: skip
         swing = numpy.zeros(len(parts))
@@ -197,8 +197,9 @@ class _Maker:
         seen = self.camera.seen(self.motion.point(shape["at"]))
         count = len(self.motion.t)
         step = self.motion.t[1] - self.motion.t[0] if count > 1 else 1.0
-        lasting = float(self.motion.number(shape["lasting"])[0])
-        back = int(min(count, max(1, round(lasting / step))))
+        lasting = shape.get("lasting")  # without, from the start
+        parts = count if lasting is None else float(self.motion.number(lasting)[0]) / step
+        back = int(min(count, max(1, round(parts))))
         ends = numpy.arange(0, count, self.motion.fine)
         span = numpy.stack([numpy.maximum(0, ends - back), ends], 1)
         depth = seen[self.frames, 2]

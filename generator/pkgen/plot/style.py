@@ -28,11 +28,16 @@ DPI = 200
 DPI_WITHIN = 144  # of pixels within a file of vectors
 # Others as wide as the one that labels are placed with, where that is not installed.
 FONTS = "'DejaVu Sans', Verdana, sans-serif"
-LOOK = {
+# Of files, whatever is on them.
+FILES = {
     "svg.hashsalt": "pkgen",
     "svg.fonttype": "none",  # text as text: a fraction of the size, and it can be searched
     "pdf.fonttype": 42,  # TrueType, which publishers take
     "font.family": "DejaVu Sans",
+    "hatch.linewidth": 0.4,
+}
+LOOK = {
+    **FILES,
     "font.size": 8,
     "axes.titlesize": 8.5,
     "axes.labelsize": 8,
@@ -57,7 +62,6 @@ LOOK = {
     "grid.linewidth": 0.5,
     "lines.linewidth": 1.1,
     "lines.solid_joinstyle": "round",
-    "hatch.linewidth": 0.4,
 }
 
 

@@ -1,35 +1,39 @@
 """The pictures of a chart. One has all methods, a colour and a marker a family, and those that are
-cheapest somewhere strong; the other a panel a family. Colours are those of M. Okabe and K. Ito,
-which readers with any usual colour vision tell apart; every curve is named where it ends.
+cheapest somewhere strong; the other a panel a family. Every curve is
+named where it ends.
 """
 
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 
+from ...plot.style import (
+    BLACK,
+    BLUE,
+    FILES,
+    GREEN,
+    GREY,
+    ORANGE,
+    PALETTE,
+    PURPLE,
+    RED,
+    SKY,
+    encoded,
+)
 from . import table, text
 from .chart import Chart
 from .panel import FAILED, UNITS, Curve, Style, draw
 from .points import AXES, FAMILIES, Point, Track
 
 # Of a family: colour and marker.
-_COLOURS = "#E69F00 #D55E00 #0072B2 #56B4E9 #000000 #CC79A7 #009E73 #888888"
-STYLES = dict(zip(FAMILIES, zip(_COLOURS.split(), "Dos^*PvX", strict=True), strict=True))
+_COLOURS = (ORANGE, RED, BLUE, SKY, BLACK, PURPLE, GREEN, GREY)
+STYLES = dict(zip(FAMILIES, zip(_COLOURS, "Dos^*PvX", strict=True), strict=True))
 # Of the members of a family, in turn.
-_COLOURS = "#0072B2 #D55E00 #009E73 #CC79A7 #E69F00 #56B4E9 #000000"
-MEMBERS = tuple(zip(_COLOURS.split(), "sovPD^X", strict=True))
+MEMBERS = tuple(zip(PALETTE, "sovPD^X", strict=True))
 STRONG_MOST = 10
 NAMED_MOST = 14  # of more methods only the strong ones are named where all are
-FONTS = "'DejaVu Sans', Verdana, sans-serif"
-# Text as text: a fraction of the size, and it can be searched.
-LOOK = {
-    "svg.hashsalt": "pkgen",
-    "svg.fonttype": "none",
-    "font.size": 9,
-    "axes.titlesize": 9.5,
-}
+LOOK = {**FILES, "font.size": 9, "axes.titlesize": 9.5}
 LINE = 165  # characters of a subtitle
 FOOT = (
     "× failed, or lost: an error as large as the motion.   "
@@ -48,26 +52,12 @@ def pictures(chart: Chart, stem: Path) -> list[Path]:
     with pyplot.rc_context(LOOK):
         for name, make in ((stem.name, _overview), (f"{stem.name}_families", _families)):
             figure = make(chart)
-            for suffix, more in ((".svg", {"metadata": {"Date": None}}), (".png", {"dpi": 120})):
-                path = stem.with_name(name + suffix)
-                figure.savefig(path, **more)
-                if suffix == ".svg":
-                    _tidy(path)
+            for kind in ("svg", "png"):
+                path = stem.with_name(f"{name}.{kind}")
+                path.write_bytes(encoded(figure, kind, dpi=120))
                 files.append(path)
             pyplot.close(figure)
     return files
-
-
-def _tidy(path: Path) -> None:
-    """Other fonts as wide as the one that the labels were placed with, where that is not installed;
-    and no places to a millionth of a pixel, which are half of the file."""
-    text = path.read_text(encoding="utf-8").replace("'DejaVu Sans'", FONTS)
-    text = re.sub(
-        r'(?<= )(?:d|x|y|transform)="[^"]*"',
-        lambda attribute: re.sub(r"(\.\d\d)\d+", r"\1", attribute[0]),
-        text,
-    )
-    path.write_text(text, encoding="utf-8")
 
 
 def front(tracks: list[Track], axis: str) -> list[str]:

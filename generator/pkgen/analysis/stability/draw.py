@@ -1,9 +1,8 @@
 """The picture: a map a method, predictions over it. SVG (maps rasterised, so files stay small) and
-PNG. Colours are Okabe and Ito's, which survive colour-blindness; each class has a hatch too."""
+PNG. Each class has a hatch beside its colour."""
 
 from __future__ import annotations
 
-import re
 import textwrap
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
+from ...plot import style
 from ...run import named
 from . import overlay
 from .map import StabilityMap
@@ -24,12 +24,12 @@ from .misses import unpredicted
 CLASSES = {
     "bounded": ("#DCEBF5", ""),
     "drifting by less than 1 %": ("#FAF6C8", ""),
-    "drifting": ("#F0E442", "--"),
-    "growing": ("#E69F00", "////"),
-    "wrong branch": ("#0072B2", "\\\\\\\\"),
-    "not converged": ("#CC79A7", 4 * "x"),
+    "drifting": (style.YELLOW, "--"),
+    "growing": (style.ORANGE, "////"),
+    "wrong branch": (style.BLUE, "\\\\\\\\"),
+    "not converged": (style.PURPLE, 4 * "x"),
     "not finite": ("#333333", ""),
-    "singular": ("#009E73", "||||"),
+    "singular": (style.GREEN, "||||"),
     "failed": ("#999999", "++"),
     "not judged": ("#FFFFFF", "////"),
 }
@@ -40,27 +40,13 @@ SAID = 12  # values in the title
 
 def pictures(made: StabilityMap, stem: Path) -> list[Path]:
     """STEM.svg and STEM.png."""
-    with plt.rc_context(
-        {
-            "svg.hashsalt": "pkgen",
-            "svg.fonttype": "none",
-            "font.size": 8,
-            "hatch.linewidth": 0.4,
-            "font.family": "DejaVu Sans",
-        }
-    ):
+    files = [stem.with_suffix(".svg"), stem.with_suffix(".png")]
+    with plt.rc_context({**style.FILES, "font.size": 8}):
         figure = _figure(made)
-        files = [stem.with_suffix(".svg"), stem.with_suffix(".png")]
-        figure.savefig(files[0], metadata={"Date": None}, dpi=150)
-        files[0].write_text(_rounded(files[0].read_text(encoding="utf-8")), encoding="utf-8")
-        figure.savefig(files[1], dpi=150)
+        for path in files:
+            path.write_bytes(style.encoded(figure, path.suffix[1:], dpi=150))
         plt.close(figure)
     return files
-
-
-def _rounded(svg: str) -> str:
-    """Paths to a hundredth of a point: the borders of hatched cells are most of a file."""
-    return re.sub(r' d="[^"]*"', lambda path: re.sub(r"(\d+\.\d\d)\d+", r"\1", path[0]), svg)
 
 
 def _figure(made: StabilityMap) -> plt.Figure:
