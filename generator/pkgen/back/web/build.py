@@ -41,6 +41,7 @@ FLAGS = (
 # Arrays of large models are on it. It comes first in memory, so that one that is too small ends the
 # call instead of writing over data.
 STACK = ("-Wl,-z,stack-size=1048576", "-Wl,--stack-first")
+CORE = "core.o"
 SYSTEM = """#include <pk/system.h>
 extern const struct pk_system {name}_system;
 extern const struct pk_system *const live_system;
@@ -79,23 +80,28 @@ def _has_builtins(clang: str) -> bool:
 
 
 def _runtime(tools: list[str]) -> Path:
-    """The folder with the objects of the core, made if missing."""
+    """The core as one object, made if missing."""
     sources = sorted((RUNTIME / "src").rglob("*.c"))
-    digest = hashlib.sha256(repr(tools).encode())
+    digest = hashlib.sha256(repr((tools, CORE)).encode())
     for path in sorted(RUNTIME.rglob("*.[ch]")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
 
     def make(new: Path) -> None:
         say("compiling the runtime to WebAssembly (once, 10 s)")
 
-        def one(source: Path) -> None:
+        def one(source: Path) -> str:
             name = f"{source.parent.name}_{source.stem}.o"
             compile_to(tools, ["-c", str(source), "-o", name], new)
+            return name
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(one, sources))
+            objects = list(pool.map(one, sources))
+        linker = tools[-1].partition("=")[2]
+        run([linker, "-r", *objects, "-o", CORE], new)
+        for name in objects:
+            (new / name).unlink()
 
-    return cached("runtime-wasm", digest.hexdigest()[:24], make)
+    return cached("runtime-wasm", digest.hexdigest()[:24], make) / CORE
 
 
 def compile_to(tools: list[str], arguments: list[str], folder: Path) -> None:
@@ -109,17 +115,18 @@ def wasm(files: Mapping[str, str], name: str) -> bytes:
     own = sorted((HERE / "live").iterdir())
     texts = [path.read_bytes() for path in own]
     runtime = _runtime(tools)
-    digest = hashlib.sha256(repr((runtime.name, texts, STACK, sorted(files.items()))).encode())
+    digest = hashlib.sha256(
+        repr((runtime.parent.name, texts, STACK, sorted(files.items()))).encode()
+    )
 
     def make(new: Path) -> None:
         system = {"which-model.c": SYSTEM.format(name=name)}
         for file_name, text in {**files, **system}.items():
             (new / file_name).write_text(text, encoding="utf-8")
         sources = [f"{name}.c", "which-model.c", *(str(p) for p in own if p.suffix == ".c")]
-        objects = sorted(map(str, runtime.glob("*.o")))
         link = ["-mexec-model=reactor", "-Wl,--gc-sections", "-Wl,--strip-all", *STACK, "-lm"]
         exports = [f"-Wl,--export={symbol}" for symbol in ("malloc", "free")]
-        compile_to(tools, [*sources, *objects, *link, *exports, "-o", "model.wasm"], new)
+        compile_to(tools, [*sources, str(runtime), *link, *exports, "-o", "model.wasm"], new)
         packed = gzip.compress((new / "model.wasm").read_bytes(), 9, mtime=0)
         (new / "model.wasm.gz").write_bytes(packed)
 
