@@ -10,7 +10,7 @@ ifeq ($(origin CC),default)
 CC := gcc
 endif
 
-.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies chart stability bench lint format golden install clean
+.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies chart stability bench site lint format golden install clean
 .DEFAULT_GOAL := help
 
 help:
@@ -24,6 +24,7 @@ help:
 	@echo 'make chart      accuracy against cost of all methods, five minutes (DOCS=1: into docs)'
 	@echo 'make stability  where each method fails, three minutes (DOCS=1: into docs)'
 	@echo 'make bench      speed beside the peers, 20 minutes (QUICK=1: a few; DOCS=1: into docs)'
+	@echo 'make site       docs and models as pages, each model live: build/site/index.html'
 	@echo 'make setup lint format golden asan clean, make install PREFIX=DIR'
 
 STAMP := $(VENV)/.setup-done
@@ -77,6 +78,13 @@ BENCH_OPTIONS = $(if $(QUICK),--quick) $(if $(DOCS),--docs) $(if $(MODELS),--mod
 bench: $(STAMP)
 	@$(PYTHON) bench/environment.py
 	@build/bench/venv/bin/python -m bench $(BENCH_OPTIONS)
+
+# docs/ and models/ as a site in build/site, which needs no server (docs/site.md); three minutes.
+site: $(STAMP)
+	@$(PYTHON) -c 'import material' 2>/dev/null || $(PYTHON) -m pip install -q -e '.[site]'
+	@$(PYTHON) tools/site/pages.py
+	@NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build -q --strict -f build/site.yml
+	@echo 'site: open build/site/index.html'
 
 golden: $(STAMP)
 	PKGEN_UPDATE=1 $(PYTHON) -m pytest -q tests/generator/test_golden.py tests/generator/test_wrong_models.py
