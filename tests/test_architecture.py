@@ -35,10 +35,10 @@ run
 scenes
 plot
 describe
-film
 analysis/chart
 analysis/choose analysis/stability explain
 api
+film
 __init__ cli
 __main__
 """

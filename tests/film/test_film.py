@@ -146,6 +146,30 @@ def test_all_shapes(tmp_path: Path, write) -> None:
     assert film(write(SHAPES), "--until", 1, "--fps", 4, "-o", tmp_path / "film.gif")["frames"] > 2
 
 
+def test_a_swarm_is_a_cloud(tmp_path: Path) -> None:
+    """Members, evenly chosen, go as each by itself does."""
+    out = tmp_path / "cloud.svg"
+    words = ("--scene", "all_amplitudes", "--until", 2, "--seconds", 2, "--fps", 11)
+    found = film(PENDULUM, *words, "-o", out)
+    root = ElementTree.parse(out).getroot()
+    discs = [*root.iter(f"{NS}circle")]
+    assert found["frames"] == 22 and len(discs) == 143  # each seventh of 1000
+    assert {"θ [rad]", "θ′ [rad/s]", "pendulum, all amplitudes"} <= {
+        t.text for t in root.iter(f"{NS}text")
+    }
+
+    def way(disc: ElementTree.Element) -> numpy.ndarray:
+        (values,) = (
+            a.get("values") for a in disc.iter(f"{NS}animate") if a.get("attributeName") == "cx"
+        )
+        return numpy.array(values.split(";"), float)
+
+    near, far = way(discs[0]), way(discs[-1])
+    assert len(near) == 22 and numpy.ptp(far) > 300 > 10 > numpy.ptp(near)
+    gif = film(PENDULUM, *words, "-o", tmp_path / "cloud.gif")
+    assert gif["frames"] == 22
+
+
 def test_models_without_places(tmp_path: Path, write) -> None:
     """Coordinates over time."""
     model = write(

@@ -9,7 +9,9 @@ import re
 import sys
 from pathlib import Path
 
+from ..api.prepare import prepare
 from ..describe.made import describe
+from ..scenes import run as scene_run
 from ..system.exits import UsageError
 from ..system.files import place, replace, scratch
 from ..system.progress import progress, unseen
@@ -49,10 +51,14 @@ def run(options: argparse.Namespace) -> int:
     fps = _positive("--fps", options.fps, FPS.get(kind, 30.0))
     if options.seconds is not None:
         _positive("--seconds", options.seconds, 1.0)
-    described = describe(options, lambda o, **how: compile_within_limits(o, **how))
-    from ..film.film import Asked, film
+    from ..film.film import Asked, film, of_swarm
 
-    until = described.settings.until
+    swarm = scene_run.is_swarm(options)
+    if swarm:
+        of = prepare(options, compile_within_limits).built()
+    else:
+        of = describe(options, lambda o, **how: compile_within_limits(o, **how))
+    until = of.settings.until
     usual = until if SHORTEST <= until <= LONGEST else USUAL
     asked = Asked(fps, size, options.seconds or usual)
     if asked.frames > MOST:
@@ -60,10 +66,11 @@ def run(options: argparse.Namespace) -> int:
             f"{asked.frames:,} frames: {MOST:,} at most; take fewer --seconds or --fps"
         )
     begun = _processor()
-    with scratch() as folder, progress(described.compilation.model.name) as show:
-        made = film(described, asked, folder / f"film{kind}", show or unseen)
+    with scratch() as folder, progress(of.compilation.model.name) as show:
+        make = of_swarm if swarm else film
+        made = make(of, asked, folder / f"film{kind}", show or unseen)
         data = (folder / f"film{kind}").read_bytes() if made.frames else b""
-    outcome = made.motion.outcome
+    outcome = made.outcome
     if outcome.messages:
         print(outcome.messages.rstrip("\n"), file=sys.stderr)
     if data:

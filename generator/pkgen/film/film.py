@@ -4,20 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy
 
+from ..compiler import Compilation
 from ..describe.made import Described
-from ..plot.names import unit
 from ..record import record
+from ..run.simulate import Outcome
 from ..system.progress import Show
 from . import write
-from .motion import Motion, moved
+from .motion import moved
 from .svg import film as svg_film
-from .tracks import tracks
+from .tracks import Track, tracks
+
+if TYPE_CHECKING:
+    from ..api.prepare import Prepared
+    from .raster import Label
 
 KINDS = (".mp4", ".webm", ".gif", ".svg")
 SAMPLES = 6  # frames of which the colours of a GIF are found
+INTEGRATED = 0.3  # of the work, as progress has it
 HELD = 0.5  # seconds that the last frame of a motion that ended early stays
 
 
@@ -39,36 +46,85 @@ class Film:
     """`frames` that it has, of a motion that may have ended before."""
 
     frames: int
-    motion: Motion
+    outcome: Outcome
 
 
 def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
     """Made at `path`, a file of a scratch folder. A motion without rows makes none."""
-    settings, found = described.settings, described.description
+    compilation, settings = described.compilation, described.settings
+    found = described.description
     motion = moved(
-        described.compilation, described.library, settings, asked.frames, asked.fps,
-        lambda part: show(0.3 * part, "integrated"),
-    )  # fmt: skip
+        compilation,
+        described.library,
+        settings,
+        asked.frames,
+        asked.fps,
+        lambda part: show(INTEGRATED * part, "integrated"),
+    )
     if not len(motion.t):
-        return Film(0, motion)
+        return Film(0, motion.outcome)
     made, _ = tracks(found["drawing"], motion, asked.size)  # type: ignore[arg-type]
-    title = str(found["model"]).replace("_", " ")
-    title += f", {found['scene']}".replace("_", " ") if found["scene"] else ""
     times = motion.t[:: motion.fine]
+    title = _title(str(found["model"]), str(found["scene"] or ""))
+    _written(made, [], times, title, compilation, asked, path, show)
+    return Film(len(times), motion.outcome)
+
+
+def of_swarm(prepared: Prepared, asked: Asked, path: Path, show: Show) -> Film:
+    """All members as a cloud."""
+    from . import swarm
+
+    assert prepared.ensemble is not None and prepared.library is not None
+    vectors = path.suffix == ".svg"
+    cloud = swarm.moved(
+        prepared.compilation,
+        prepared.library,
+        prepared.settings,
+        prepared.ensemble,
+        asked.frames,
+        swarm.MOST_OF_VECTORS if vectors else swarm.MOST,
+        lambda part: show(INTEGRATED * part, "integrated"),
+    )
+    if not numpy.isfinite(cloud.places).any():
+        return Film(0, cloud.outcome)
+    made, labels = swarm.tracks(cloud, asked.size, vectors)
+    scene = prepared.scene.name if prepared.scene else ""
+    title = _title(prepared.compilation.declared.name, scene)
+    _written(made, labels, cloud.t, title, prepared.compilation, asked, path, show)
+    return Film(len(cloud.t), cloud.outcome)
+
+
+def _title(model: str, scene: str) -> str:
+    return ", ".join(word for word in (model, scene) if word).replace("_", " ")
+
+
+def _written(
+    made: list[Track],
+    labels: list[Label],
+    times: numpy.ndarray,
+    title: str,
+    compilation: Compilation,
+    asked: Asked,
+    path: Path,
+    show: Show,
+) -> None:
+    """The file of what is drawn at each time."""
+    unit = min(asked.size) / 720
+    texts = [(title, 20 * unit, asked.size[1] - 36 * unit), *labels]
     if path.suffix == ".svg":
         seconds = asked.seconds * len(times) / asked.frames
-        path.write_text(svg_film(made, asked.size, seconds, title), encoding="utf-8")
-        show(1.0, "")
-        return Film(len(times), motion)
+        path.write_text(svg_film(made, asked.size, seconds, title, texts), encoding="utf-8")
+        return
     from .raster import Raster
 
-    raster = Raster(made, asked.size, title)
-    of = "" if described.compilation.model.dimensionless else f" {unit('s')}"
-    digits = max(0, int(numpy.ceil(-numpy.log10(max(float(settings.until), 1e-12) / 100))))
+    raster = Raster(made, asked.size, texts)
+    of = "" if compilation.model.dimensionless else " s"
+    digits = max(0, int(numpy.ceil(-numpy.log10(max(float(times[-1]), 1e-12) / 100))))
 
     def drawn() -> Iterator[numpy.ndarray]:
         for k, t in enumerate(times):
-            show(0.3 + 0.7 * k / len(times), f"frame {k + 1} of {len(times)}")
+            part = INTEGRATED + (1 - INTEGRATED) * k / len(times)
+            show(part, f"frame {k + 1} of {len(times)}")
             frame = raster.frame(k, f"t = {t:.{digits}f}{of}")
             yield frame
         if len(times) < asked.frames:
@@ -81,4 +137,3 @@ def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
         write.gif(drawn(), seen, asked.fps, path)
     else:
         write.video(drawn(), asked.size, asked.fps, path)
-    return Film(len(times), motion)

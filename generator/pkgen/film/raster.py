@@ -15,13 +15,15 @@ from matplotlib.transforms import Affine2D, IdentityTransform
 from ..plot.style import GREY, INK
 from .tracks import Track
 
+Label = tuple[str, float, float]  # a text and where it begins, in pixels from the lower left
+
 FADES = 6  # parts of a trail, ever paler
 CIRCLE = Path.unit_circle()
 
 
 class Raster:
-    def __init__(self, tracks: list[Track], size: tuple[int, int], title: str):
-        self.tracks, self.size, self.title = tracks, size, title
+    def __init__(self, tracks: list[Track], size: tuple[int, int], texts: list[Label]):
+        self.tracks, self.size, self.texts = tracks, size, texts
         self.renderer = RendererAgg(*size, 72)
         self.unit = min(size) / 720
         self.font = FontProperties(family="DejaVu Sans", size=22 * self.unit)
@@ -35,7 +37,8 @@ class Raster:
             self._track(self.tracks[index], k)
         with matplotlib.rc_context({"text.parse_math": False}):
             self._text(time, 20 * self.unit, 20 * self.unit, INK)
-            self._text(self.title, 20 * self.unit, self.size[1] - 36 * self.unit, GREY)
+            for text, x, y in self.texts:
+                self._text(text, x, y, GREY)
         return numpy.array(self.renderer.buffer_rgba())
 
     def _background(self) -> None:
@@ -48,15 +51,28 @@ class Raster:
             self._trail(track, k)
             return
         points = track.points[k]
+        points = points[numpy.isfinite(points).all(axis=1)] if track.kind == "cloud" else points
         if not numpy.isfinite(points).all():
             return
         if track.kind == "disc":
             turn = Affine2D().scale(track.radius).translate(*points[0])
             self._stroke(CIRCLE, turn, track.colour, track.width, track.fill, 1.0)
             return
+        if track.kind == "cloud":
+            self._cloud(points, track)
+            return
         if track.closed:
             points = numpy.concatenate([points, points[:1]])
         self._draw(points, track.colour, track.width, track.fill)
+
+    def _cloud(self, points: numpy.ndarray, track: Track) -> None:
+        gc = self.renderer.new_gc()
+        gc.set_linewidth(0)
+        gc.set_alpha(track.alpha)
+        small = Affine2D().scale(track.radius)
+        fill = to_rgba(track.colour, track.alpha)
+        self.renderer.draw_markers(gc, CIRCLE, small, Path(points), IdentityTransform(), fill)
+        gc.restore()
 
     def _trail(self, track: Track, k: int) -> None:
         a, b = track.span[k]

@@ -14,7 +14,13 @@ _DISCRETE = ' calcMode="discrete"'
 STILL = 0.05  # pixels
 
 
-def film(tracks: list[Track], size: tuple[int, int], seconds: float, title: str) -> str:
+def film(
+    tracks: list[Track],
+    size: tuple[int, int],
+    seconds: float,
+    title: str,
+    texts: list[tuple[str, float, float]],
+) -> str:
     """`seconds` it takes, over and over."""
     width, height = size
     body = []
@@ -31,9 +37,15 @@ def film(tracks: list[Track], size: tuple[int, int], seconds: float, title: str)
         f'aria-label="{name}">\n<rect width="{width}" height="{height}" fill="#fff"/>\n'
         '<g fill="none" stroke-linecap="round" stroke-linejoin="round">\n'
         + "\n".join(body)
-        + f'\n</g>\n<text x="{20 * unit:.4g}" y="{36 * unit:.4g}" font-size="{22 * unit:.4g}" '
-        f'font-family="{FONTS}" fill="{GREY}">{escape(title)}</text>\n</svg>\n'
+        + "\n</g>\n"
+        + "\n".join(_text(text, x, height - y, unit) for text, x, y in texts)
+        + "\n</svg>\n"
     )
+
+
+def _text(text: str, x: float, y: float, unit: float) -> str:
+    look = f'font-size="{22 * unit:.4g}" font-family="{FONTS}" fill="{GREY}"'
+    return f'<text x="{x:.1f}" y="{y:.1f}" {look}>{escape(text)}</text>'
 
 
 def _moves(points: numpy.ndarray) -> bool:
