@@ -15,7 +15,7 @@ import pytest
 from conftest import run_pkgen
 
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-READY = 60_000  # ms: a busy machine starts slowly
+READY = 120_000  # ms: a busy machine starts slowly
 
 
 def opened() -> Iterator:

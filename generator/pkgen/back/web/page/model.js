@@ -121,13 +121,17 @@ const Model = (() => {
       time: description.dimensionless ? "" : "s",
       shapes: description.drawing.shapes,
       view: description.drawing.view,
-      reference: () => best(applying),
+      reference: () => best(applying, description.coordinates.length),
     };
   }
 
-  /* What stands beside the methods as the truth: the most exact adaptive one that applies. */
-  function best(applying) {
-    for (const name of ["exponential", "gauss", "taylor", "dop853", "radau"]) {
+  /* What stands beside the methods as the truth: the most exact adaptive one that applies; of many
+   * coordinates an explicit one, which asks for no matrices. */
+  const MANY = 60;
+  function best(applying, count) {
+    const names = ["exponential", "gauss", "dop853", "radau"];
+    if (count > MANY) names.unshift("dop853");
+    for (const name of names) {
       const found = applying.find((method) => method.name === name);
       if (found) return found.name;
     }
