@@ -149,7 +149,7 @@ const Chart = (() => {
         mode: 2,
         width,
         height,
-        padding: [8, 12, 0, 0],
+        padding: [8, 20, 0, 0],
         legend: { show: false },
         cursor: { show: false },
         scales: {

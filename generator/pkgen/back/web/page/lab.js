@@ -260,7 +260,8 @@ const Lab = (() => {
             (run) => (this.runs.list.length > 1 ? `${run.spec.method}: ` : "") + run.status,
           )[0] ||
         "";
-      say($("note"), words);
+      say($("note"), Text.shorter(words));
+      $("note").classList.toggle("calm", /stopped at event/.test(words));
     }
   }
 

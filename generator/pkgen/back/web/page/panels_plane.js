@@ -103,7 +103,7 @@ const PanelsPlane = (() => {
             event = Number(k);
             again();
           },
-          { "aria-label": "Which event" },
+          { "aria-label": "Which event", class: "yields" },
         ),
       );
     tools.append(
@@ -116,7 +116,6 @@ const PanelsPlane = (() => {
         },
         "Upwards",
       ),
-      "over",
       menu(
         list,
         x,

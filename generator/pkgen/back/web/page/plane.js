@@ -114,7 +114,7 @@ const PlaneView = (() => {
         const ends = [this.px(shape.from), this.px(shape.to)];
         const rod = kind === "rod";
         this.line(ends, rod ? style.metal : style.thin, rod ? style.rod : 1.5, style.dash);
-        if (rod) this.joint(ends[0]);
+        if (rod && style.joints) this.joint(ends[0]);
         this.note(shape, ends, run);
       } else if (kind === "spring") {
         const ends = [this.px(shape.from), this.px(shape.to)];
@@ -166,7 +166,11 @@ const PlaneView = (() => {
       g.fillStyle = Theme.now().soft;
       g.font = `italic 14px ${Theme.now().font}`;
       g.textAlign = "left";
-      g.fillText(Text.plain(shape.label), at[0] + radius + 5, at[1] - radius);
+      const [text, x, y] = [Text.plain(shape.label), at[0] + radius + 5, at[1] - radius];
+      g.strokeStyle = Theme.now().stage;
+      g.lineWidth = 4;
+      g.strokeText(text, x, y);
+      g.fillText(text, x, y);
     }
 
     arrow([a, b], colour) {

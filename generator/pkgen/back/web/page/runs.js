@@ -88,6 +88,7 @@ const Runs = (() => {
           ),
         }));
       this.sections = model.description.events.map(() => ({ t: [], states: [] }));
+      this.coming = [];
       this.start = null;
       this.sample(model, null);
     }
@@ -114,7 +115,9 @@ const Runs = (() => {
       this.drifts.push(this.t, drifts);
       for (const { shape, trail } of this.trails)
         trail.add(this.t, Shapes.point(shape.at, this.out));
-      for (const crossing of motion.events()) this.cross(crossing);
+      /* A step may have gone farther than what is shown: its crossings wait. */
+      this.coming.push(...motion.events());
+      while (this.coming.length && this.coming[0].t <= this.t) this.cross(this.coming.shift());
     }
 
     /* What a drift is small beside: the constant itself or, as that may vanish, of an energy half
@@ -155,7 +158,7 @@ const Runs = (() => {
       return t === this.t ? this.q : this.between(t)[0];
     }
 
-    /* The state between the last two samples: cubic in q, linear in v. */
+    /* The state between the last two samples: a cubic, and the line for first-order variables. */
     between(t) {
       const { recent } = this;
       const [a, b] = [Math.max(0, recent.size - 2), recent.size - 1];
@@ -169,10 +172,12 @@ const Runs = (() => {
         const [p, r] = [s * s * (3 - 2 * s), s * (1 - s)];
         return qa + (qb - qa) * p + h * r * ((1 - s) * va - s * vb);
       });
-      const v = Array.from(
-        { length: this.v.length },
-        (_, k) => recent.get(a, 1 + n + k) * (1 - s) + recent.get(b, 1 + n + k) * s,
-      );
+      const v = Array.from({ length: this.v.length }, (_, k) => {
+        const [va, vb] = [recent.get(a, 1 + n + k), recent.get(b, 1 + n + k)];
+        if (k >= n || !(h > 0)) return va * (1 - s) + vb * s;
+        const slope = (recent.get(b, 1 + k) - recent.get(a, 1 + k)) / h;
+        return slope * 6 * s * (1 - s) + (1 - s) * (1 - 3 * s) * va + s * (3 * s - 2) * vb;
+      });
       return [q, v];
     }
 
@@ -260,6 +265,9 @@ const Runs = (() => {
         run.advance(t);
         run.sample(model, this.reference && !this.reference.status ? this.reference : null);
       }
+      /* Where all have ended, so has the time. */
+      if (!this.alive().length)
+        this.t = Math.max(...this.all().map((run) => (run.refused ? 0 : run.t)));
     }
 
     free() {

@@ -178,7 +178,7 @@ const SheetMethods = (() => {
             ? `${motion.steps.toLocaleString("en")} steps, ${motion.evaluations.toLocaleString("en")} evaluations`
             : "",
         );
-        Dom.say(element_.querySelector(".status"), run.status);
+        Dom.say(element_.querySelector(".status"), Text.shorter(run.status));
       });
     }
 

@@ -196,7 +196,7 @@ const SheetValues = (() => {
   const written = (x) => {
     const size = Math.abs(x);
     if (size !== 0 && (size >= 1e6 || size < 1e-4))
-      return String(Number(x.toPrecision(6)).toExponential());
+      return String(Number(x.toPrecision(5)).toExponential());
     return String(Number(x.toPrecision(6)));
   };
   const read = (text) => Number(text.trim().replace(/−/g, "-").replace(/,/g, ".") || NaN);

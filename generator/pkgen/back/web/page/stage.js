@@ -4,12 +4,12 @@ const Stage = (() => {
   const { $ } = Dom;
 
   /* How a run is drawn: alone, one of several, or the reference. */
-  function styleOf(run, several, distinct) {
+  function styleOf(run, several, { distinct, joints }) {
     const theme = Theme.now();
     const colour = Theme.ofRun(run);
     const reference = run.index < 0;
     const base = {
-      alpha: run.status ? 0.35 : 1,
+      alpha: run.status && !/^stopped at event/.test(run.status) ? 0.35 : 1,
       dash: [],
       hollow: false,
       size: 1,
@@ -19,6 +19,7 @@ const Stage = (() => {
       trail: colour,
       trailWidth: 1.8,
       labels: false,
+      joints,
       metal: theme.metal,
       of: () => colour,
     };
@@ -62,6 +63,8 @@ const Stage = (() => {
       this.camera = Camera.make(model.view);
       const space = model.view.kind === "space";
       this.distinct = loose(model.shapes);
+      /* Pivots of a mechanism; bars are rods too. */
+      this.joints = model.shapes.filter((s) => s.kind === "rod").length < 5;
       this.box = Shapes.box();
       const level = model.shapes.find((shape) => shape.kind === "level");
       this.levels = level ? new Levels.Contours(Shapes.resolve(level, [])) : null;
@@ -124,7 +127,7 @@ const Stage = (() => {
       return shown.map((run) => ({
         run,
         made: run.made && run.madeAt === run.out ? run.made : this.resolve(run),
-        style: styleOf(run, several, this.distinct),
+        style: styleOf(run, several, this),
         trails: run.trails.map(({ shape, trail }) => ({
           trail,
           colour: !several && this.distinct ? this.colourAt(shape.at) : null,

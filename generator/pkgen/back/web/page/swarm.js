@@ -61,6 +61,8 @@ const Swarm = (() => {
           method: this.method,
           step: this.step(),
           params: start.params,
+          q: start.q,
+          v: start.v,
           table: {
             columns: [
               { kind: "q", index },

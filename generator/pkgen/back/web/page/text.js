@@ -103,6 +103,9 @@ const Text = (() => {
     return minus(Math.abs(head) === 1 ? (head < 0 ? "-" : "") + power : `${head}×${power}`);
   }
 
+  /* Words with their long numbers rounded. */
+  const shorter = (words) => words.replace(/\d+\.\d{6,}(e[-+]?\d+)?/g, (x) => number(Number(x), 6));
+
   const powerOfTen = (x) => {
     const k = Math.round(Math.log10(x));
     return Math.abs(Math.log10(x) - k) < 1e-9 ? "10" + superscript(String(k)) : "";
@@ -116,5 +119,5 @@ const Text = (() => {
   /* "θ₁ [rad]" for an axis. */
   const axis = (name, u) => plain(name) + (unit(u) ? ` [${unit(u)}]` : "");
 
-  return { plain, symbol, unit, number, quantity, axis, powerOfTen, minus };
+  return { plain, symbol, unit, number, quantity, axis, powerOfTen, minus, shorter };
 })();

@@ -3,27 +3,34 @@
  * first frame. It gives the natural speed, simulated time a second, and the box to fit in. */
 const Trial = (() => {
   const POINTS = 240;
-  const BUDGET = 120; /* ms */
+  const BUDGET = 400; /* ms */
   const SWING = 2.4; /* s: how long a swing should last on the screen */
 
-  /* How often the coordinates turn round, as the mean of the three that do so most. */
-  function turns(rows, n) {
-    const counts = [];
+  /* How often each of the first n columns turns round. */
+  function counts(rows, n) {
+    const found = [];
     for (let k = 0; k < n; k++) {
       let count = 0;
       for (let i = 2; i < rows.length; i++)
         if ((rows[i][k] - rows[i - 1][k]) * (rows[i - 1][k] - rows[i - 2][k]) < 0) count++;
-      counts.push(count);
+      found.push(count);
     }
-    counts.sort((a, b) => b - a);
-    const top = counts.slice(0, 3).filter((c) => c > 0);
+    return found;
+  }
+
+  /* The mean of the three that do so most. */
+  function turns(rows, n) {
+    const top = counts(rows, n)
+      .sort((a, b) => b - a)
+      .slice(0, 3)
+      .filter((c) => c > 0);
     return top.length ? top.reduce((a, b) => a + b, 0) / top.length : 0;
   }
 
   function run(lab, start, method, span, deadline) {
     const motion = lab.engine.motion({
       method,
-      step: null,
+      step: (lab.model.methodNamed.get(method) || {}).adaptive ? null : span / POINTS,
       rtol: null,
       params: start.params,
       q: start.q,
@@ -52,7 +59,8 @@ const Trial = (() => {
     return (head < 1.5 ? 1 : head < 3.5 ? 2 : head < 7.5 ? 5 : 10) * power;
   }
 
-  /* The first quantity of the state that moves as far as any, nearly: panels begin with it. */
+  /* The first coordinate that comes back, and moves as far as any, nearly: panels begin with it;
+   * where none does, one that goes on, or a rate. */
   function moving(lab, rows) {
     const spans = rows[0].map((_, k) => {
       const column = rows.map((row) => row[k]).filter(Number.isFinite);
@@ -61,13 +69,18 @@ const Trial = (() => {
         column.reduce((a, b) => Math.min(a, b), Infinity)
       );
     });
-    const pick = (from, to, kind) => {
-      const part = spans.slice(from, to);
+    const back = counts(rows, spans.length).map((count) => count > 0);
+    const pick = (from, to, kind, those) => {
+      const part = spans.slice(from, to).map((span, k) => (those(from + k) ? span : 0));
       const most = Math.max(...part, 0);
       const k = part.findIndex((span) => span > 0.2 * most);
       return most > 1e-9 && k >= 0 ? lab.model.byKey.get(kind + k) : null;
     };
-    return pick(0, lab.nq, "q") || pick(lab.nq, spans.length, "v");
+    return (
+      pick(0, lab.nq, "q", (k) => back[k]) ||
+      pick(0, lab.nq, "q", () => true) ||
+      pick(lab.nq, spans.length, "v", () => true)
+    );
   }
 
   function look(lab, start) {
