@@ -30,6 +30,7 @@ const SheetModel = (() => {
         "dialog",
         { class: "reading", "aria-label": "The model" },
         h("form", { method: "dialog" }, h("button", { class: "icon", "aria-label": "Close" }, "×")),
+        h("h2", null, "Equations and structure"),
         h("div", { class: "explained" }, content.cloneNode(true)),
       );
       document.body.append(wide);
@@ -39,6 +40,7 @@ const SheetModel = (() => {
           { type: "button", class: "wide", onclick: () => wide.showModal() },
           "Read it at full width",
         ),
+        h("h2", { class: "first" }, "Equations and structure"),
         h("div", { class: "explained" }, content.cloneNode(true)),
       );
     }
