@@ -23,7 +23,7 @@ Residues = dict[int, int]
 
 
 @dataclass
-class _Eliminated:
+class Eliminated:
     """Rows in echelon form modulo PRIME, the first columns preferred as pivots."""
 
     rows: dict[int, Residues]  # by pivot
@@ -78,11 +78,11 @@ def null_space(rows: list[Row], columns: int) -> list[Vector]:
     return [{support[k]: entry for k, entry in vector.items()} for vector in found]
 
 
-def _eliminated(rows: list[Row]) -> _Eliminated:
+def _eliminated(rows: list[Row]) -> Eliminated:
     draw = random.Random(2385)
     atoms = sorted({b for row in rows for p in row.values() for m in p for b, _ in m})
     at = {base: draw.randrange(2, PRIME) for base in atoms}
-    done = _Eliminated({}, [])
+    done = Eliminated({}, [])
     for number, row in enumerate(rows):
         values = {c: _residue(entry, at) for c, entry in row.items()}
         done.add({c: x for c, x in values.items() if x}, number)

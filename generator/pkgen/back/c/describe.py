@@ -74,29 +74,21 @@ _OUT = {
     "marking": lambda e: tuple(mark.quantity for mark in e.marks),
     "singularity": lambda e: tuple(singularity.quantity for singularity in e.singularities),
 }
+_FORCES = ("f", "pdot", "dLdq", "dHdq", "applied")
+_UNLISTED = ("r_t", "phi_out", "residual_out", "phi_size", "residual_size", "slope_t")
 _VECTORS = {
+    **dict.fromkeys(_FORCES, lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}")),
+    **dict.fromkeys(_UNLISTED, lambda p, _: ()),
     "a": lambda p, _: _derivatives(p.equations.rates, p, "{}''"),
-    "f": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
     "momenta": lambda p, _: p.equations.momenta_names,
-    "pdot": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
-    "dLdq": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
-    "r_t": lambda p, _: (),
     "q": lambda p, _: p.equations.coordinates,
-    "v": lambda p, _: p.equations.rates,
+    **dict.fromkeys(("v", "dHdp"), lambda p, _: p.equations.rates),
     "z": lambda p, _: p.equations.quadrature_names,
     "zdot": lambda p, _: [
         Quantity(q.name + "'", per_second(q.unit, p.equations.model.dimensionless), "")
         for q in p.equations.quadrature_names
     ],
     "H": lambda p, _: [Quantity("H", "" if p.equations.model.dimensionless else "J", "")],
-    "dHdq": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
-    "dHdp": lambda p, _: p.equations.rates,
-    "applied": lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}"),
-    "phi_out": lambda p, _: (),
-    "residual_out": lambda p, _: (),
-    "phi_size": lambda p, _: (),
-    "residual_size": lambda p, _: (),
-    "slope_t": lambda p, _: (),
     "lambda_out": lambda p, _: p.equations.constraints.names,
     "out": lambda p, kernel: _OUT[kernel.name](p.equations),
 }

@@ -119,7 +119,7 @@ class _Lowering(Hoisting):
             structure=self.structure,
             fields=self.fields,
             parameter_names=self.parameter_names,
-            defaults=tuple(self._assignment(i, x.default) for i, x in enumerate(parameters)),
+            defaults=tuple(self._assignment(x.default) for x in parameters),
             bounds=tuple(self._interval(x.lo, x.hi) for x in parameters),
             prepare=prepare,
             hoisted=self.hoisted_count,
@@ -212,9 +212,9 @@ class _Lowering(Hoisting):
         self.helpers |= schedule.helpers
         return schedule
 
-    def _assignment(self, index: int, value: Node) -> Assignment:
+    def _assignment(self, value: Node) -> Assignment:
         *before, last = self._fixed_code([Target(STORE, "", (value,))]).statements
-        return Assignment(index, tuple(before), last.text)
+        return Assignment(tuple(before), last.text)
 
     def _interval(self, lo: Node | None, hi: Node | None) -> Interval:
         ends = [("lo", lo), ("hi", hi)]

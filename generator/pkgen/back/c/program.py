@@ -113,7 +113,6 @@ class Kernel:
 class Assignment:
     """The default of one parameter, computed from earlier ones."""
 
-    index: int  # of the parameter
     statements: tuple[Statement, ...]  # locals that the value needs
     text: str
 
@@ -169,7 +168,8 @@ class Program:
 
     def __str__(self) -> str:
         lines = [f"program {self.equations.model.name}"]
-        lines += [f"default {self.parameter_names[a.index]} = {a.text}" for a in self.defaults]
+        defaults = zip(self.parameter_names, self.defaults, strict=True)
+        lines += [f"default {name} = {default.text}" for name, default in defaults]
         lines += [str(kernel) for kernel in (self.prepare, self.start, *self.kernels)]
         return "\n".join(lines)
 

@@ -10,6 +10,7 @@ from fractions import Fraction
 
 from ...graph.graph import Graph, Node
 from ...graph.normal import Normal
+from ...graph.nullspace import Eliminated
 from ...graph.residues import PRIME, Residues
 
 DENOMINATORS = range(1, 13)
@@ -32,26 +33,15 @@ def combination(g: Graph, rows: list[list[Node]], wanted: list[Node]) -> list[Fr
 
 
 def _solved(residue: Residues, rows: list[list[Node]], wanted: list[Node]) -> list[int] | None:
-    table = [
-        [residue(entry) for entry in (*row, right)] for row, right in zip(rows, wanted, strict=True)
-    ]
-    if any(None in row for row in table):
-        return None
-    n = len(rows)
-    for k in range(n):
-        pivot = next((i for i in range(k, n) if table[i][k]), None)
-        if pivot is None:
+    n, done = len(rows), Eliminated({}, [])
+    for k, (row, right) in enumerate(zip(rows, wanted, strict=True)):
+        values = [residue(entry) for entry in (*row, right)]
+        if None in values:
             return None
-        table[k], table[pivot] = table[pivot], table[k]
-        inverse = pow(table[k][k], -1, PRIME)
-        table[k] = [x * inverse % PRIME for x in table[k]]
-        for i in range(n):
-            factor = table[i][k]
-            if i != k and factor:
-                table[i] = [
-                    (x - factor * y) % PRIME for x, y in zip(table[i], table[k], strict=True)
-                ]
-    return [row[n] for row in table]
+        done.add({column: x for column, x in enumerate(values) if x}, k)
+    if done.rows.keys() != set(range(n)):
+        return None
+    return [done.rows[k].get(n, 0) for k in range(n)]
 
 
 def _number(residue: int) -> Fraction | None:

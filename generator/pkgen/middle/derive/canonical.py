@@ -18,42 +18,36 @@ from ...graph.collect import shortened
 from ...graph.graph import ZERO, Kind
 from ...graph.solve import solve
 from ...graph.substitute import substituted
-from ...source import Span
 from ..quantities import error, symbols
 
 
 def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
     """The equations with H in them; raises ModelError where it has no closed form."""
-    if not structure.quadratic:
-        raise error(
-            equations.model,
-            "there is no canonical form: M depends on the rates, so they are no function of q and"
-            " p that can be written down",
-            _energy_span(equations),
-            "H(q, p) needs a Lagrangian of second degree in the rates",
-        )
-    for declared, what, help in (
+    model = equations.model
+    for found, what, help in (
         (
-            equations.model.rotations,
+            () if structure.quadratic else (*model.lagrangian, *model.kinetic),
+            "M depends on the rates, so they are no function of q and p that can be written down",
+            "H(q, p) needs a Lagrangian of second degree in the rates",
+        ),
+        (
+            model.rotations,
             "body rates are the rates of no coordinates",
             "with Euler angles as coordinates there is one",
         ),
         (
-            equations.model.constraints,
+            model.constraints,
             "a constraint leaves q and p no freedom of their own",
             "with coordinates that fulfil it by themselves there is one",
         ),
-    ):
-        if declared:
-            message = f"there is no canonical form: {what}"
-            raise error(equations.model, message, declared[0].span, help)
-    if equations.states:
-        raise error(
-            equations.model,
-            "there is no canonical form: states have no momenta",
-            equations.model.states[0].span,
+        (
+            equations.states and model.states,
+            "states have no momenta",
             "leave out what is a state, or hold it in a scene",
-        )
+        ),
+    ):
+        if found:
+            raise error(model, f"there is no canonical form: {what}", found[0].span, help)
     g, n = equations.graph, len(equations.coordinates)
     rates, momenta = symbols(g, Kind.RATE, n), symbols(g, Kind.MOMENTUM, n)
     at_rest = dict.fromkeys(rates, ZERO)
@@ -62,10 +56,10 @@ def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
     solution = solve(g, equations.mass, excess)
     if solution is None:
         raise error(
-            equations.model,
+            model,
             f"there is no canonical form of {n} coordinates that M couples so much: written out"
             " it is too long",
-            equations.model.span,
+            model.span,
             "make its families smaller",
         )
     v, pivots = solution
@@ -85,8 +79,3 @@ def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
             pivots=pivots,
         ),
     )
-
-
-def _energy_span(equations: Equations) -> Span:
-    model = equations.model
-    return (*model.lagrangian, *model.kinetic)[0].span

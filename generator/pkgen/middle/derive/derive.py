@@ -199,36 +199,27 @@ def _check_size(model: Model, unrolled: str) -> None:
 
 
 def _check_inertia(x: Expander, motion: Motion) -> None:
-    findings = []
-    for item in x.model.coordinates:
-        family = x.coordinates[item.name]
-        for index in family.members:
-            row = motion.mass[family.flat(index)]
-            if all(entry == ZERO for entry in row):
-                name = indexed(item.name, index)
-                rate = item.rate or f"{name}'"
-                message = f"'{name}' has no inertia: L does not contain the square of {rate}"
-                help = f"give it a kinetic energy, or make '{item.name}' a param or an input"
-                if item.rate:
-                    message = f"'{rate}' has no inertia: L does not contain its square"
-                    help = "a body has a moment of inertia about each of its axes"
-                findings.append(Diagnostic(message, item.span, help))
-                break
+    findings: dict[str, Diagnostic] = {}
+    for (item, index), row in zip(x.members, motion.mass, strict=True):
+        if all(entry == ZERO for entry in row) and item.name not in findings:
+            name = indexed(item.name, index)
+            message = f"'{name}' has no inertia: L does not contain the square of {name}'"
+            help = f"give it a kinetic energy, or make '{item.name}' a param or an input"
+            if item.rate:
+                message = f"'{item.rate}' has no inertia: L does not contain its square"
+                help = "a body has a moment of inertia about each of its axes"
+            findings[item.name] = Diagnostic(message, item.span, help)
     if findings:
-        raise ModelError(x.model.source, findings)
+        raise ModelError(x.model.source, list(findings.values()))
 
 
 def _singular(x: Expander, coordinate: int) -> ModelError:
     """Only a combination of the coordinates has inertia: (x' + y')^2."""
-    for item in x.model.coordinates:
-        family = x.coordinates[item.name]
-        for index in family.members:
-            if family.flat(index) == coordinate:
-                name = item.rate or indexed(item.name, index)
-                message = f"'{name}' has no inertia of its own: the mass matrix is singular"
-                help = "the coordinates can move together without kinetic energy: leave one out"
-                return ModelError(x.model.source, [Diagnostic(message, item.span, help)])
-    raise AssertionError(coordinate)
+    item, index = x.members[coordinate]
+    name = item.rate or indexed(item.name, index)
+    message = f"'{name}' has no inertia of its own: the mass matrix is singular"
+    help = "the coordinates can move together without kinetic energy: leave one out"
+    return error(x.model, message, item.span, help)
 
 
 def _events(x: Expander, found: Derived, rates: Mapping[Node, Node]) -> Row:

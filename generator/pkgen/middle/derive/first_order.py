@@ -67,7 +67,5 @@ def define_built_in(
     for name, node in built_in.items():
         if node is not None and name not in own:
             x.define(name, None, node)
-    for item in x.model.coordinates:
-        family = x.coordinates[item.name]
-        for index in family.members:
-            x.define(item.momentum or "p_" + item.name, index, momenta[family.flat(index)])
+    for (item, index), momentum in zip(x.members, momenta, strict=True):
+        x.define(item.momentum or "p_" + item.name, index, momentum)

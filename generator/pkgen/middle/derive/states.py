@@ -101,7 +101,8 @@ def as_rates(
     jacobians = NO_JACOBIANS
     if wanted("jacobian"):
         jacobians = jacobians_of(g, motion, lagrangian=False)
-    single = there([x for x in (e.lagrangian, e.energy, e.written)])
+    single = ("lagrangian", "energy", "written", "kinetic", "potential")
+    nodes = {field: getattr(e, field) for field in single if getattr(e, field) is not None}
     own = _unconstrained(g, e, there, rates)
     constraints = _constraints(e.constraints, there, count)
     whole = replace(
@@ -112,11 +113,7 @@ def as_rates(
         coordinates=(*e.coordinates, *(_integral(q) for q in e.states)),
         rates=(*e.rates, *e.states),
         momenta_names=(*e.momenta_names, *e.states),
-        lagrangian=single[0],
-        energy=single[1],
-        written=single[2],
-        kinetic=None if e.kinetic is None else there([e.kinetic])[0],
-        potential=None if e.potential is None else there([e.potential])[0],
+        **dict(zip(nodes, there(nodes.values()), strict=True)),
         **vars(motion),
         **jacobians,
         acceleration=acceleration,
@@ -126,10 +123,7 @@ def as_rates(
         singularities=tuple(replace(x, node=there([x.node])[0]) for x in e.singularities),
         switches=tuple(_switch(x, there, count) for x in e.switches),
         marks=tuple(_switch(x, there, count) for x in e.marks),
-        observed=there(e.observed),
-        conserved=there(e.conserved),
-        events=there(e.events),
-        quadratures=there(e.quadratures),
+        **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events", "quadratures")},
         start_q=(*e.start_q, *[ZERO] * count),
         start_v=(*e.start_v, *e.state_start),
         states=(),

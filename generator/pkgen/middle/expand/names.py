@@ -15,7 +15,7 @@ from ...equations import Attitude
 from ...graph.differentiate import Forward
 from ...graph.graph import ONE, VARIABLE, Graph, Kind, Node, Symbol, TooLarge
 from ...indices import NotAnInteger, assignments, integer
-from ...model import End, Model
+from ...model import Coordinate, End, Model
 from ...source import Span
 from ...tree import Expr, Name, Range
 from ..attitudes import rate_of_quaternion
@@ -98,6 +98,12 @@ class Names:
     def count(self) -> int:
         """Of coordinates, families unrolled."""
         return sum(family.count for family in self.coordinates.values())
+
+    @property
+    def members(self) -> list[tuple[Coordinate, int | None]]:
+        """Each coordinate as it is declared, with its index in its family."""
+        declared = self.model.coordinates
+        return [(item, i) for item in declared for i in self.coordinates[item.name].members]
 
     @property
     def state_count(self) -> int:

@@ -8,8 +8,8 @@ whose sum has the linear ones too, as those beside the stars, go before others.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from fractions import Fraction
+from functools import partial
 
 from ...equations import Matrix, Particles
 from ...graph.differentiate import Forward, gradient
@@ -49,7 +49,7 @@ def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
     found: list[Particles] = []
     refusals: list[NoParticles] = []
     # A polar r may be of one from another, so places that are named go before.
-    for proposals in (_by_text, particles_places.proposals, _by_polar_text):
+    for proposals in (_by_text, particles_places.proposals, partial(_by_text, polar=True)):
         try:
             for bodies in proposals(x, energies, given):
                 found.append(_proved(x, energies, bodies))
@@ -62,13 +62,10 @@ def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
     return Particles((), (), (), (), why=refusals[0].why, span=span)
 
 
-def _by_text(x: Expander, energies: Energies, given: Given) -> Iterable[list[Body]]:
-    bodies = particles_text.read(x, polar=False)
-    return [bodies] if bodies else []
-
-
-def _by_polar_text(x: Expander, energies: Energies, given: Given) -> Iterable[list[Body]]:
-    bodies = particles_text.read(x, polar=True)
+def _by_text(
+    x: Expander, energies: Energies, given: Given, polar: bool = False
+) -> list[list[Body]]:
+    bodies = particles_text.read(x, polar)
     return [bodies] if bodies else []
 
 

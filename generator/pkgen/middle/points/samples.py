@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Iterator
 from fractions import Fraction
@@ -37,15 +38,16 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
     below = reachable(g, nodes)
     symbols = symbols_in(g, nodes, VARIABLE & ~BIT[Kind.ACCELERATION])
     used = {s.index for s in symbols_in(g, nodes, BIT[Kind.PARAMETER])}
-    fixed = defaults(equations.graph, equations.parameters)
-    start, numbers = _starts(equations, fixed), _numbers(g, below, fixed)
+    starts = equations.start_q, equations.start_v, equations.state_start
+    start = started(equations.graph, equations.parameters, starts)
+    numbers = _numbers(g, below, start)
     effort = 1 + len(below) + (2 * len(equations.force) ** 3 if solved else 0)
     tried = max(2, min(TRIED, EFFORT // effort))
     for k in range(tried):
         turn, how = divmod(k, 3)
         chosen = {}
         for i, s in enumerate(symbols):
-            at = start.get(s, Fraction(0)) * Fraction(draw.randint(12, 20), 16)
+            at = _short(start.get(s, 0.0)) * Fraction(draw.randint(12, 20), 16)
             at = (at, Fraction(0), numbers[(turn + i) % len(numbers)])[how]
             apart = _apart(draw) / (16, 8, 16)[how]
             chosen[s] = at + apart or apart  # at 0 things vanish that do not elsewhere
@@ -97,24 +99,9 @@ def _numbers(g: Graph, below: list[Node], fixed: dict[Symbol, float]) -> list[Fr
     return sorted(sign * size for size in sizes for sign in (-1, 1))
 
 
-def _starts(equations: Equations, fixed: dict[Symbol, float]) -> dict[Symbol, Fraction]:
-    """Where the motion begins."""
-    found = {}
-    starts = {
-        Kind.COORDINATE: equations.start_q,
-        Kind.RATE: equations.start_v,
-        Kind.STATE: equations.state_start,
-    }
-    for kind, row in starts.items():
-        for i, value in enumerate(evaluate(equations.graph, row, fixed)):
-            finite = abs(value) < float("inf")  # nor nan
-            found[Symbol(kind, i)] = _short(value) if finite else Fraction(0)
-    return found
-
-
 def _short(value: float) -> Fraction:
-    """To a few digits."""
-    return Fraction(f"{value:.3g}")
+    """To a few digits; 0 where it is no number."""
+    return Fraction(f"{value:.3g}") if math.isfinite(value) else Fraction(0)
 
 
 def _varied(equations: Equations, draw: random.Random, used: set[int]) -> dict[Symbol, Fraction]:

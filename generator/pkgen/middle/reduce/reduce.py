@@ -7,7 +7,7 @@ it is switched off. What a scene fixes or holds is not there when the equations 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 
 from ...equations import Equations, Structure
@@ -92,55 +92,29 @@ def _of_itself(equations: Equations, structure: Structure) -> tuple[ReportLine, 
 # -- outputs -------------------------------------------------------------------------------------
 
 
+_OUTPUTS = {"observed": "not recorded, so not computed", "conserved": "proved, so not watched"}
+
+
 def outputs(state: State, needs: Needs) -> State:
     """Outputs that are not recorded are not computed, events that nobody asks for not looked for.
     A claim has been proved, and need not be watched."""
-    e, lines = state.equations, []
-
-    def kept(names: Iterable, what: str, wanted: Callable[[int], bool], why: str) -> list[int]:
-        found = [wanted(i) for i, _ in enumerate(names)]
-        gone = [q.name for q, keep in zip(names, found, strict=True) if not keep]
+    e, lines, left = state.equations, [], {}
+    asked = needs.events | {event.name for event in e.model.events if event.stop}
+    idle = "nothing is asked of it, and it stops nothing"
+    kinds = [(field, field, needs.columns, why) for field, why in _OUTPUTS.items()]
+    for field, what, wanted, why in (*kinds, ("events", "event", asked, idle)):
+        named = f"{field.removesuffix('s')}_names"
+        names = getattr(e, named)
+        gone = [q.name for q in names if q.name not in wanted]
         if gone:
             lines.append(ReportLine("outputs", f"{what} {', '.join(gone)}", why))
-        return [i for i, keep in enumerate(found) if keep]
-
-    observed = kept(
-        e.observed_names,
-        "observed",
-        lambda i: e.observed_names[i].name in needs.columns,
-        "not recorded, so not computed",
-    )
-    conserved = kept(
-        e.conserved_names,
-        "conserved",
-        lambda i: e.conserved_names[i].name in needs.columns,
-        "proved, so not watched",
-    )
-    events = kept(
-        e.event_names,
-        "event",
-        lambda i: e.model.events[i].stop or e.event_names[i].name in needs.events,
-        "nothing is asked of it, and it stops nothing",
-    )
+            for row in (named, field):
+                pairs = zip(names, getattr(e, row), strict=True)
+                left[row] = tuple(x for q, x in pairs if q.name in wanted)
     if not lines:
         return state
-
-    def pick(row: tuple, which: list[int]) -> tuple:
-        return tuple(row[i] for i in which)
-
-    return state.after(
-        replace(
-            e,
-            model=replace(e.model, events=pick(e.model.events, events)),
-            observed_names=pick(e.observed_names, observed),
-            observed=pick(e.observed, observed),
-            conserved_names=pick(e.conserved_names, conserved),
-            conserved=pick(e.conserved, conserved),
-            event_names=pick(e.event_names, events),
-            events=pick(e.events, events),
-        ),
-        *lines,
-    )
+    events = tuple(event for event in e.model.events if event.name in asked)
+    return state.after(replace(e, model=replace(e.model, events=events), **left), *lines)
 
 
 def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLine, ...]]:
@@ -148,16 +122,12 @@ def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLin
     if "outputs" in needs.off:
         return model, ()
     columns = {parted(name)[0] for name in needs.columns}
-    kinds = (
-        ("observed", "observed", "not recorded, so not computed"),
-        ("conserved", "conserved", "proved, so not watched"),
-    )
     lines = []
-    for field, what, why in kinds:
+    for field, why in _OUTPUTS.items():
         items = getattr(model, field)
         gone = [item.name for item in items if item.name not in columns]
         if gone:
-            lines.append(ReportLine("outputs", f"{what} {', '.join(gone)}", why))
+            lines.append(ReportLine("outputs", f"{field} {', '.join(gone)}", why))
             model = replace(model, **{field: tuple(x for x in items if x.name in columns)})
     return model, tuple(lines)
 
