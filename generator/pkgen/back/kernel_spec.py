@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from ..equations import Equations, Matrix, Row
@@ -12,10 +12,6 @@ from .targets import CHECK, FILL, STORE, Output, Target
 
 Hint = tuple[Node, str]
 _FEW_ZEROS = 8  # of a matrix, each written out
-
-
-def _nothing(_: Equations) -> list[Node]:
-    return []
 
 
 @record
@@ -28,7 +24,7 @@ class KernelSpec:
     targets: Callable[[Equations], list[Target]]
     result: str = "void"
     exists: Callable[[Equations], bool] = lambda _: True
-    kept: Callable[[Equations], list[Node]] = _nothing  # become locals wherever they occur
+    kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # become locals wherever they occur
     given: tuple[str, ...] = ()  # vectors taken besides t, q, v and u
     second: str = "v"  # what is taken with q: rates, or "momenta"
 

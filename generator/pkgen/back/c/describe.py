@@ -7,19 +7,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...equations import Quantity
+from ...middle.quantities import per_second
+from ...model import Model
 from .names import Names, family_of, local_wish
 from .program import Field, Kernel, Program, operations_text
 
 _LISTED = 8  # outputs with more entries are described as a whole
-
-
-def per_second(unit: str, dimensionless: bool) -> str:
-    """The unit of a time derivative: m/s^2 for m/s."""
-    if dimensionless:
-        return unit
-    if match := re.search(r"/s(?:\^(\d+))?$", unit):
-        return f"{unit[: match.start()]}/s^{int(match[1] or 1) + 1}"
-    return f"{unit}/s" if unit else "1/s"
 
 
 def entries(program: Program, kernel: Kernel) -> list[str]:
@@ -53,6 +46,10 @@ _MATRICES = {
 }
 
 
+def _rate_unit(model: Model, unit: str) -> str:
+    return unit if model.dimensionless else per_second(unit)
+
+
 def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) -> list[Quantity]:
     """The quantities' time derivatives, called `name` with the coordinate's own name in it."""
     model, e = program.equations.model, program.equations
@@ -61,7 +58,7 @@ def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) ->
         f"{q.name}'" for q in e.rates[own:]
     ]
     return [
-        Quantity(name, per_second(q.unit, model.dimensionless), "")
+        Quantity(name, _rate_unit(model, q.unit), "")
         for name, q in zip(names, quantities, strict=True)
     ]
 
@@ -85,7 +82,7 @@ _VECTORS = {
     **dict.fromkeys(("v", "dHdp"), lambda p, _: p.equations.rates),
     "z": lambda p, _: p.equations.quadrature_names,
     "zdot": lambda p, _: [
-        Quantity(q.name + "'", per_second(q.unit, p.equations.model.dimensionless), "")
+        Quantity(q.name + "'", _rate_unit(p.equations.model, q.unit), "")
         for q in p.equations.quadrature_names
     ],
     "H": lambda p, _: [Quantity("H", "" if p.equations.model.dimensionless else "J", "")],

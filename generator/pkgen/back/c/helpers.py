@@ -10,18 +10,17 @@ from ...functions import FUNCTIONS, SIDE
 def helpers(names: Iterable[str]) -> list[dict[str, str]]:
     """What helpers.j2 writes, in the order of the table; then those that are told a side."""
     names = set(names)
-    plain = [_plain(name) for name in FUNCTIONS if name in names]
+    plain = [
+        _helper(name, row.arguments, row.body, row.note, row.remark)
+        for name, row in FUNCTIONS.items()
+        if name in names
+    ]
     return plain + [_sided(name) for name in FUNCTIONS if SIDE + name in names]
 
 
 def _helper(name: str, arguments: Iterable[str], body: str, note: str, remark: str = "") -> dict:
     typed = ", ".join(f"pk_real {x}" for x in arguments)
     return {"name": name, "arguments": typed, "body": body, "note": note, "remark": remark}
-
-
-def _plain(name: str) -> dict[str, str]:
-    row = FUNCTIONS[name]
-    return _helper(name, row.arguments, row.body, row.note, row.remark)
 
 
 def _sided(name: str) -> dict[str, str]:

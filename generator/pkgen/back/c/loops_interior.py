@@ -61,7 +61,7 @@ class Interior:
         return total == ZERO or settled(self.g, [total])[0] == ZERO
 
     def interior(
-        self, rows: Sequence[Row], group: Group | None, least: Affine | None = None
+        self, rows: Sequence[Row], group: Group | None
     ) -> tuple[list[Node], list[Affine], list[Affine]]:
         """The sums of the parts of each row where every condition holds, and where that is."""
         lows: list[Affine] = [] if group is None else [group.lo]

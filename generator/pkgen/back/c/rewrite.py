@@ -164,14 +164,8 @@ def _is_reciprocal(work: Workspace, node: Node) -> bool:
     return work.op[node] is Op.POWER and work.data[node] == -1
 
 
-def _terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterable[Node]:
+def _terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[Node]:
     """The terms of a sum, left to right."""
-    if absorbed.isdisjoint(work.args[node]):
-        return work.args[node]
-    return _flat_terms(work, node, absorbed)
-
-
-def _flat_terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[Node]:
     stack = [node]
     while stack:
         x = stack.pop()
@@ -181,15 +175,8 @@ def _flat_terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[No
             yield x
 
 
-def _factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterable[tuple[Node, bool]]:
+def _factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[tuple[Node, bool]]:
     """The factors of a product, left to right, each with whether it divides."""
-    a, b = work.args[node]
-    if a not in absorbed and b not in absorbed:
-        return (a, False), (b, False)
-    return _flat_factors(work, node, absorbed)
-
-
-def _flat_factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[tuple[Node, bool]]:
     stack = [(node, False)]
     while stack:
         x, divides = stack.pop()

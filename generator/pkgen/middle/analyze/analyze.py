@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ...equations import Equations, Structure, Symmetries
+from ...equations import Equations, Structure
 from ...graph.calls import jumps, smooth
 from ...graph.differentiate import reachable, symbols_in
 from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
@@ -49,6 +49,11 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     influence = influences(equations, coupled)
     solvable = symmetric and n and untouched and not (jumping or equations.jolted)
     solvable = solvable and not equations.attitudes and bound is None
+    found = None
+    if solvable:
+        from .symmetries import symmetries  # which few ask for
+
+        found = symmetries(equations, coupled, influence)
     return Structure(
         mass_constant=constant,
         mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
@@ -75,14 +80,8 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         influences=influence,
         blocks=blocks_of(influence, coupled),
         claims=claims_of(equations, coupled, bool(jumping)) if with_claims else (),
-        symmetries=_symmetries(equations, coupled, influence) if solvable else None,
+        symmetries=found,
     )
-
-
-def _symmetries(*of: object) -> Symmetries | None:
-    from .symmetries import symmetries  # which few ask for
-
-    return symmetries(*of)
 
 
 class _Seen:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...equations import Constraints, Quantity
-from ...graph.graph import BIT, Kind, Node
+from ...graph.graph import BIT, Kind
 from ...graph.normal import Normal
 from ...source import ModelError
 from ...tree import Expr, names
@@ -69,14 +69,10 @@ def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelEr
 def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
     """The nodes of lambda_NAME under that name and index, for outputs and events; of rows that are
     not there, as a scene holds what they tie, none."""
-    known = {} if constraints is None else _multipliers(constraints)
+    c = constraints
+    known = {q.name: x for q, x in zip(c.names, c.multipliers, strict=True)} if c else {}
     for item in x.model.constraints:
         for index, _ in x.unrolled(item.index, item.range):
             name = f"lambda_{item.name}"
             if indexed(name, index) in known:
                 x.define(name, index, known[indexed(name, index)])
-
-
-def _multipliers(constraints: Constraints) -> dict[str, Node]:
-    names = (q.name for q in constraints.names)
-    return dict(zip(names, constraints.multipliers, strict=True))

@@ -41,7 +41,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     wanted = Wanted(kernels)
     rates = rates_of_states(x, energies)
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
-    parameters = _parameters(x)
+    parameters = tuple(slot for item in model.parameters for slot in _slots(x, item))
     start_q, start_v, state_start = starts = _starts(x)
     rows = rows_of(x)
     wrong = wrong_starts(x.graph, rows, parameters, starts, energies.lagrangian, x.attitudes)
@@ -135,10 +135,6 @@ def _energies(x: Expander) -> Energies:
         potential=None if stated else potential,
         dissipation=totals["dissipation"],
     )
-
-
-def _parameters(x: Expander) -> tuple[ParameterSlot, ...]:
-    return tuple(slot for item in x.model.parameters for slot in _slots(x, item))
 
 
 def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:

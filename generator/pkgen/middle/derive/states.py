@@ -43,9 +43,8 @@ def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
         path = [first]
         while path:
             k = path[-1]
-            waiting = [
-                i for i in _rates_in(g, rates[k], count) if rate_of_state(g, i, count) not in found
-            ]
+            used = (s.index - count for s in symbols_in(g, [rates[k]], STATES))
+            waiting = [i for i in used if i >= 0 and rate_of_state(g, i, count) not in found]
             if not waiting:
                 (found[rate_of_state(g, k, count)],) = substituted(g, [rates[k]], found)
                 path.pop()
@@ -54,10 +53,6 @@ def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
             else:
                 path.append(waiting[0])
     return found
-
-
-def _rates_in(g: Graph, node: Node, count: int) -> list[int]:
-    return [s.index - count for s in symbols_in(g, [node], STATES) if s.index >= count]
 
 
 # -- for the C -----------------------------------------------------------------------------------
@@ -105,12 +100,13 @@ def as_rates(
     nodes = {field: getattr(e, field) for field in single if getattr(e, field) is not None}
     own = _unconstrained(g, e, there, rates)
     constraints = _constraints(e.constraints, there, count)
+    unseen = (Quantity(f"integral of {q.name}", "", "of no use: v has the state") for q in e.states)
     whole = replace(
         e,
         unconstrained=own,
         constraints=constraints,
         terms=_terms(g, constraints),
-        coordinates=(*e.coordinates, *(_integral(q) for q in e.states)),
+        coordinates=(*e.coordinates, *unseen),
         rates=(*e.rates, *e.states),
         momenta_names=(*e.momenta_names, *e.states),
         **dict(zip(nodes, there(nodes.values()), strict=True)),
@@ -132,11 +128,6 @@ def as_rates(
         n_first_order=count + len(e.turning),
     )
     return whole, _facts(structure, count, solved)
-
-
-def _integral(state: Quantity) -> Quantity:
-    """The coordinate that nobody sees."""
-    return Quantity(f"integral of {state.name}", "", "of no use: v has the state")
 
 
 def _switch(x: Switch, there, count: int) -> Switch:

@@ -20,7 +20,6 @@ from ...tree import (
     Number,
     Power,
     Prime,
-    Quantity,
     Sum,
     Vector,
 )
@@ -36,10 +35,6 @@ def _each(function: Callable[..., Node], *values: Value) -> Value:
     return function(*values)
 
 
-def _number(x: Names, expr: Number, loop: Loop) -> Value:
-    return x.graph.number(expr.value)
-
-
 def _prime(x: Names, expr: Prime, loop: Loop) -> Value:
     value = x.value(expr.of, loop)
     x.primes += [(node, expr.span) for node in (value if isinstance(value, tuple) else (value,))]
@@ -52,10 +47,6 @@ def _component(x: Names, expr: Component, loop: Loop) -> Value:
     if not isinstance(value, tuple) or expr.axis >= len(value):
         raise error(x.model, f"there is no component .{COMPONENTS[expr.axis]} here", expr.span)
     return value[expr.axis]
-
-
-def _negate(x: Names, expr: Negate, loop: Loop) -> Value:
-    return _each(x.graph.negate, x.value(expr.of, loop))
 
 
 def _add(x: Names, expr: Add, loop: Loop) -> Value:
@@ -179,26 +170,17 @@ def _sum(x: Names, expr: Sum, loop: Loop) -> Value:
     return ZERO if result is None else result
 
 
-def _vector(x: Names, expr: Vector, loop: Loop) -> Value:
-    return tuple(x.scalar(item, loop) for item in expr.items)
-
-
-def _quantity(x: Names, expr: Quantity, loop: Loop) -> Value:
-    raise AssertionError("check folds units in")
-
-
 _VECTOR = {"dot": _dot, "cross": _cross, "norm": _norm}
 EXPAND: dict[type, Callable[[Names, Expr, Loop], Value]] = {
-    Number: _number,
+    Number: lambda x, expr, loop: x.graph.number(expr.value),
     Name: lambda x, expr, loop: x.name(expr, loop),
     Prime: _prime,
     Component: _component,
-    Negate: _negate,
+    Negate: lambda x, expr, loop: _each(x.graph.negate, x.value(expr.of, loop)),
     Add: _add,
     Multiply: _multiply,
     Power: _power,
     Call: _call,
     Sum: _sum,
-    Vector: _vector,
-    Quantity: _quantity,
-}
+    Vector: lambda x, expr, loop: tuple(x.scalar(item, loop) for item in expr.items),
+}  # of units there are none left: check folds them in

@@ -60,9 +60,9 @@ class LoopExpander:
             elif end.at is not None:
                 ends.append((self.index(end.at, self.sizes), end))
             else:
-                ends.append(
-                    (lo - 1 if end.index is not None and _below(self, end, lo) else hi + 1, end)
-                )
+                first = lo.value(size_values(self.model))
+                below = end.index is not None and end.index < first
+                ends.append((lo - 1 if below else hi + 1, end))
         return Group(item, lo, hi, tuple(ends), periodic)
 
     def index(self, expr: Expr, loop: Loop) -> Affine:
@@ -238,10 +238,6 @@ class LoopExpander:
 def unlike_loops(size: str) -> str:
     """A size's name as a variable of index expressions."""
     return f"{size}'" if size in LOOPS else size
-
-
-def _below(x: LoopExpander, end, lo: Affine) -> bool:
-    return end.index < lo.value(size_values(x.model))
 
 
 def size_values(model: Model) -> dict[str, int]:

@@ -37,14 +37,9 @@ def pair_body(x: LoopExpander, term: Term, limits: list[Limit]) -> Node:
             raise Unrolled("a pair sum reaches beside its own members")
         group = x.coordinates[slot.name]
         low, high = (lo, hi) if slot.at == M else (first, last)
-        _within(low - group.lo, group.hi - high, lo, hi, limits)
+        for needs in (low - group.lo, group.hi - high):
+            limits.append(Limit(extremes(needs, {ROW: (lo, hi)})[0], hi - lo))
     return body
-
-
-def _within(below: Affine, above: Affine, lo: Affine, hi: Affine, limits: list[Limit]) -> None:
-    for needs in (below, above):
-        least, _ = extremes(needs, {ROW: (lo, hi)})
-        limits.append(Limit(least, hi - lo))
 
 
 def pair_force(

@@ -22,7 +22,7 @@ class Outputs:
         self.x, self.gather = x, gather
         self.totals: list[Total] = []
         x.sums = self.totals
-        x.make_total = self._total
+        x.make_total = lambda expr: gather.total([(term, 1) for term in terms(x, expr)])
         named = {"T": kinetic, "V": potential, "L": lagrangian, "energy": energy}
         named |= {"p_" + name: total for name, total in momenta.totals.items()}
         used = {name for item in (*x.model.observed, *x.model.conserved) for name in _names(item)}
@@ -30,9 +30,6 @@ class Outputs:
             if total is not None and name in used:
                 self.totals.append(total)
                 x.outputs[name] = x.slots.node("sum", str(len(self.totals) - 1))
-
-    def _total(self, expr) -> Total:
-        return self.gather.total([(term, 1) for term in terms(self.x, expr)])
 
     def nodes(self, items: tuple[Definition, ...]) -> tuple[Node, ...]:
         found = []

@@ -61,7 +61,8 @@ def _states(
     for kind, row in ((Kind.COORDINATE, given.start_q), (Kind.STATE, given.start_states)):
         for i, value in enumerate(evaluate(g, row, fixed)):
             start[Symbol(kind, i)] = value if math.isfinite(value) else 0.0
-    symbols = _symbols(g, matrices)
+    nodes = [node for matrix in matrices for node in matrix.values()]
+    symbols = symbols_in(g, nodes, VARIABLE)
     found = []
     for k in range(STATES):
         values = dict(fixed)
@@ -74,11 +75,6 @@ def _states(
 def _about(draw: random.Random, at: float, part: int) -> float:
     """Up to a part of it more or less; more than 0, which is special."""
     return at * (1 + draw.uniform(-1, 1) / part) or draw.uniform(0.1, 1) / part
-
-
-def _symbols(g: Graph, matrices: list[Entries]) -> list[Symbol]:
-    nodes = [node for matrix in matrices for node in matrix.values()]
-    return symbols_in(g, nodes, VARIABLE)
 
 
 def _in_numbers(
@@ -99,12 +95,7 @@ def _in_numbers(
         if same:
             same[0].append(k)
             continue
-        rest = column / (length or 1.0)
-        for _ in range(2):  # twice is enough
-            for unit in basis:
-                rest = rest - (unit @ rest) * unit
-        if np.linalg.norm(rest) > SAME:
-            basis.append(rest / np.linalg.norm(rest))
+        if _adds(basis, column / (length or 1.0)):
             groups.append([k])
     if not groups:
         return None
@@ -117,6 +108,19 @@ def _in_numbers(
     if any(found[k] < 0 for k in kept):
         return None
     return [groups[k] for k in kept]
+
+
+def _adds(basis: list, vector) -> bool:
+    """Whether a vector of length 1 is no combination of the basis, which then has what it adds."""
+    import numpy as np
+
+    for _ in range(2):  # twice is enough
+        for unit in basis:
+            vector = vector - (unit @ vector) * unit
+    size = np.linalg.norm(vector)
+    if size > SAME:
+        basis.append(vector / size)
+    return bool(size > SAME)
 
 
 def _near(a, b) -> bool:
@@ -186,12 +190,7 @@ def _independent(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[
         length = np.linalg.norm(coefficients)
         if len(chosen) == count or not (length > 0 and math.isfinite(whole)):
             continue
-        rest = np.array(coefficients) / length
-        for _ in range(2):
-            for unit in basis:
-                rest = rest - (unit @ rest) * unit
-        if np.linalg.norm(rest) > SAME:
-            basis.append(rest / np.linalg.norm(rest))
+        if _adds(basis, np.array(coefficients) / length):
             chosen.append(row)
     return chosen if len(chosen) == count else []
 
