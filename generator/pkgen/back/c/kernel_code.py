@@ -30,15 +30,13 @@ def statements(
     for s in found:
         if s.kind in (LOAD, LOCAL):
             yield Declare("const pk_real", s.target, s.text)
-        elif s.kind == STORE:
-            yield Assign(s.target, s.text)
+        elif s.kind in (STORE, ADD):
+            yield Assign(s.target, s.text, "=" if s.kind == STORE else "+=")
         elif s.kind == TRIG:
             yield Declare("pk_real", ", ".join(s.defines))
             yield sincos(s, lane, flag)
         elif s.kind == FILL:
             yield Loop(f"size_t k = 0; k < {s.text}; k++", [Assign(f"{s.target}[k]", "0")])
-        elif s.kind == ADD:
-            yield Assign(s.target, s.text, "+=")
         elif s.kind == CHECK and lane:
             noted = Assign("bad", f"(pk_bits)!({s.text})", "|=")
             yield If("pass != PK_IN_LANE", [noted]) if s.text in uniform else noted

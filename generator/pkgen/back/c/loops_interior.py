@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...graph.affine import ROW, Affine, variable
-from ...graph.collect import fewest, rewritten, settled
+from ...graph.collect import rewritten, settled
 from ...graph.count import operations
 from ...graph.graph import MINUS_ONE, ONE, ZERO, Node
 from ...graph.normal import WORK
@@ -97,10 +97,6 @@ class Interior:
             lows.append(part.hi + 1)
         else:
             highs.append(part.lo - 1)
-
-    def shortest(self, nodes: list[Node]) -> list[Node]:
-        """The same with fewer operations, where that is found quickly."""
-        return fewest(self.g, nodes) if nodes else nodes
 
     def factored(self, node: Node) -> Node:
         """The same in powers of its differences, if shorter: k d + b d^3 as d (k + b d^2)."""

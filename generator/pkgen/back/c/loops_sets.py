@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from ...graph.affine import Affine
+from ...graph.collect import fewest
 from ...graph.graph import ONE, ZERO, Node
 from ...middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Row, Total
 from ..targets import ADD, RETURN, STORE, Target
@@ -152,7 +153,7 @@ class Builder:
     def total(self, name: str, total: Total, as_derived: bool = False) -> TotalSet:
         rows = [Row(total.parts)]
         nodes, lows, highs = self.interior.interior(rows, None)
-        nodes = nodes if as_derived else self.interior.shortest(nodes)
+        nodes = nodes if as_derived else fewest(self.interior.g, nodes)
         found = self._set(name, rows, nodes, lows, highs) if total.parts else None
         pairs = [self._pair(p, Block.of(STORE, "r[0]", [p.node], PAIR)) for p in total.pairs]
         return TotalSet(name, Block.of(STORE, "total", [total.constant], INNER), found, pairs)

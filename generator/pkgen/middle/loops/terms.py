@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from ...graph.affine import Affine, variable
@@ -48,74 +50,65 @@ class Term:
         return product
 
 
-def terms(x: LoopExpander, expr: Expr, sign: int = 1) -> list[Term]:
-    found: list[Term] = []
-    _collect(x, expr if sign > 0 else Negate(expr, expr.span), [], dict(x.sizes), (), found)
-    return found
+@record
+class _Within:
+    """What an expression stands in: factors of it, what loop variables stand for, and ranges."""
+
+    factors: tuple[Factor, ...]
+    loop: Loop
+    ranges: tuple[tuple[str, Affine, Affine], ...] = ()
+
+    def times(self, *factors: Factor) -> _Within:
+        return replace(self, factors=(*self.factors, *factors))
 
 
-def _collect(
-    x: LoopExpander,
-    expr: Expr,
-    factors: list[Factor],
-    loop: Loop,
-    ranges: tuple[tuple[str, Affine, Affine], ...],
-    found: list[Term],
-) -> None:
-    """Adds the terms of factors * expr within the ranges."""
+def terms(x: LoopExpander, expr: Expr) -> list[Term]:
+    return list(_terms(x, expr, _Within((), dict(x.sizes))))
+
+
+def _terms(x: LoopExpander, expr: Expr, at: _Within) -> Iterator[Term]:
     if not has_sum(x, expr):
-        product = sorted([*factors, Factor(expr, 1, loop)], key=lambda f: -f.exponent)
-        found.append(Term(tuple(product), ranges))
+        product = sorted([*at.factors, Factor(expr, 1, at.loop)], key=lambda f: -f.exponent)
+        yield Term(tuple(product), at.ranges)
         return
     match expr:
         case Add(terms=parts, signs=signs):
             for part, sign in zip(parts, signs, strict=True):
-                signed = part if sign > 0 else Negate(part, part.span)
-                _collect(x, signed, factors, loop, ranges, found)
+                yield from _terms(x, part if sign > 0 else Negate(part, part.span), at)
         case Negate(of=of, span=span):
             minus = Negate(Number(Fraction(1), span), span)
-            _collect(x, of, [*factors, Factor(minus, 1, loop)], loop, ranges, found)
+            yield from _terms(x, of, at.times(Factor(minus, 1, at.loop)))
         case Multiply(factors=parts, exponents=exponents):
             summed = [i for i, part in enumerate(parts) if has_sum(x, part)]
             if len(summed) != 1 or exponents[summed[0]] != 1:
                 raise Unrolled("a sum is multiplied by a sum or divides")
-            rest = [
-                Factor(part, e, loop)
-                for i, (part, e) in enumerate(zip(parts, exponents, strict=True))
-                if i != summed[0]
-            ]
-            _collect(x, parts[summed[0]], [*factors, *rest], loop, ranges, found)
-        case Sum(body=body, ranges=inner):
-            _within(x, body, factors, loop, ranges, list(inner), found)
+            pairs = enumerate(zip(parts, exponents, strict=True))
+            rest = [Factor(part, e, at.loop) for i, (part, e) in pairs if i != summed[0]]
+            yield from _terms(x, parts[summed[0]], at.times(*rest))
+        case Sum(body=body, ranges=ranges):
+            yield from _of_sum(x, body, at, ranges)
         case Name(id=name, index=None):
-            _collect(x, x.definitions[name][-1].value, factors, loop, ranges, found)
+            yield from _terms(x, x.definitions[name][-1].value, at)
         case _:
             raise Unrolled("a sum stands inside a function, a power or a vector")
 
 
-def _within(
-    x: LoopExpander,
-    body: Expr,
-    factors: list[Factor],
-    loop: Loop,
-    ranges: tuple[tuple[str, Affine, Affine], ...],
-    left: list[Range],
-    found: list[Term],
-) -> None:
-    """The terms of a sum, one range after the other; short ranges are written out."""
-    if not left:
-        _collect(x, body, factors, loop, ranges, found)
+def _of_sum(x: LoopExpander, body: Expr, at: _Within, ranges: Sequence[Range]) -> Iterator[Term]:
+    """One range after the other; short ones are written out."""
+    if not ranges:
+        yield from _terms(x, body, at)
         return
-    item = left[0]
-    lo, hi = x.index(item.lo, loop), x.index(item.hi, loop)
+    item, *left = ranges
+    lo, hi = x.index(item.lo, at.loop), x.index(item.hi, at.loop)
     length = hi - lo
     if length.is_constant and length.constant < SHORT:
         for k in range(length.constant + 1):
-            at = {**loop, item.variable: lo + k}
-            _within(x, body, factors, at, ranges, left[1:], found)
+            inner = replace(at, loop={**at.loop, item.variable: lo + k})
+            yield from _of_sum(x, body, inner, left)
         return
-    if len(ranges) == 2:
+    if len(at.ranges) == 2:
         raise Unrolled("a sum over three indices")
-    own = f"{item.variable}#{len(ranges)}"  # apart from a name of a size
-    at = {**loop, item.variable: variable(own)}
-    _within(x, body, factors, at, (*ranges, (own, lo, hi)), left[1:], found)
+    own = f"{item.variable}#{len(at.ranges)}"  # apart from a name of a size
+    loop = {**at.loop, item.variable: variable(own)}
+    inner = replace(at, loop=loop, ranges=(*at.ranges, (own, lo, hi)))
+    yield from _of_sum(x, body, inner, left)
