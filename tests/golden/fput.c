@@ -83,6 +83,7 @@ int fput_prepare(struct fput_params *p)
     if (!(p->alpha > -PK_INFINITY && p->alpha < PK_INFINITY))
         return PK_FAILED(PK_FAILURE_PARAMETER, 0);
     p->c_[0] = (PK_C(1.0) / PK_C(3.0)) * p->alpha;
+
     /* x - x is 0 unless x is infinite or not a number. */
     for (k = 0; k < 1; k++)
         if (!(p->c_[k] - p->c_[k] == 0))

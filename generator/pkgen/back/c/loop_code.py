@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from .kernel_code import statements
 from .loops import Block
-from .loops_sets import Guarded, PairSet, RowSet, TotalSet
+from .loops_sets import PairSet, RowSet, TotalSet
 from .program import Statement
 from .tree import (
     Assign,
@@ -64,15 +64,6 @@ class LoopCode:
     def scaled(s: RowSet) -> str:
         """What the interior's r[0] stands for."""
         return f"{s.scale.value} * r[0]" if s.scale else "r[0]"
-
-    def assigned(self, x: Guarded, indent: int = 4) -> str:
-        """Statements for each member, or for one."""
-        body = list(statements(x.block.statements))
-        if x.lo:
-            nodes = [Loop(f"m = {x.lo}; m <= {x.hi}; m++", [Scope(body)])]
-        else:
-            nodes = [Scope(body)] if len(body) > 1 else body
-        return "\n".join(rendered(nodes, indent)) + "\n"
 
     # -- functions of a row -------------------------------------------------------------------
 

@@ -17,13 +17,16 @@ from ...record import record
 from ..facts import loop_facts, loop_invariants
 from ..kernels import KERNELS
 from ..targets import RETURN, STORE, Target
+from . import loop_parameters, parameter_code
 from .describe import labelled
 from .helpers import helpers
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
 from .loops_plan import TOTALS, VECTORS, emitted, entries, planned
 from .loops_sets import Builder, Guarded
-from .program import operations_text
+from .parameter_code import ParameterCode
+from .program import Interval, operations_text
 from .render import frame, pasted
+from .tree import Declare
 
 BLOCK = 16  # chunks of one stage before the next follows
 LEAD = 2  # chunks that have drifted before one is kicked
@@ -100,6 +103,7 @@ class _Context:
         main = plan.band or plan.rows["force" if "force" in plan.rows else "acceleration"]
         parameters = [self._parameter(k) for k in range(len(e.parameters))]
         system = self._system_kernels()
+        in_block = any(g.is_family for g in e.parameters)
         names = {
             "coordinates": [_quantity(g, "{}", "unit") for g in e.coordinates],
             "rates": [_quantity(g, "{}'", "rate_unit") for g in e.coordinates],
@@ -119,7 +123,15 @@ class _Context:
             "forms": (),
             "n_quadratures": 0,
             "n_hoisted": w.hoisted_count,
-            "prepare": w.prepare,
+            "parameter_functions": loop_parameters.functions(
+                model.name,
+                [self._parameter_code(k) for k in range(len(parameters))],
+                self.starts,
+                w.hoisted_count,
+                w.prepare,
+                factored=e.facts.mass_constant and not diagonal,
+                block=in_block or not diagonal,
+            ),
             "sizes": [
                 {"c_name": self.places.sizes[s.name], "name": s.name, "value": s.value}
                 | {"says": s.description}
@@ -141,8 +153,6 @@ class _Context:
             "with_mass": "mass" in self.kernels,
             "scalar_kernels": [k for k in TOTALS if k in plan.totals],
             "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS)},
-            "starts": self.starts,
-            "defaults": self.defaults,
             "outputs": {k: x.statements for k, x in self.outputs.items() if x.targets},
             "singularities": list(self._singularities()),
             "singular": {
@@ -178,25 +188,36 @@ class _Context:
         }
 
     def _parameter(self, k: int) -> dict[str, Any]:
-        group, block, bounds = self.e.parameters[k], self.bounds[k], self.e.bounds[k]
+        group, bounds = self.e.parameters[k], self.e.bounds[k]
         item = group.declared
-        ends = {s.target: s.text for s in block.statements if s.kind == STORE}
         return self.places.group(group) | {
             "unit": item.unit,
-            "field": self.places.fields[item.name],
-            "position": 0,
             "description": item.description,
+            "field": self.places.fields[item.name],
             "c_name": self.places.fields[item.name],
-            "member": self.places.member(item.name, M if group.is_family else None),
-            "index": k,
+            "position": 0,
             "follows": int(item.follows),
             "lo_open": int(item.bounds.lo_open or bounds.lo is None),
             "hi_open": int(item.bounds.hi_open or bounds.hi is None),
-            "least": ends.get("lo", "-PK_INFINITY"),
-            "greatest": ends.get("hi", "PK_INFINITY"),
-            "needs": [s for s in block.statements if s.kind != STORE],
-            "uses_index": "m" in block.words,
         }
+
+    def _parameter_code(self, k: int) -> ParameterCode:
+        group, block = self.e.parameters[k], self.bounds[k]
+        given = group.declared.bounds
+        ends = {s.target: s.text for s in block.statements if s.kind == STORE}
+        needs = tuple(s for s in block.statements if s.kind != STORE)
+        bounds = Interval(needs, ends.get("lo"), ends.get("hi"))
+        lo, hi = (self.places.index(x) if group.is_family else "" for x in (group.lo, group.hi))
+        field = self.places.member(group.name, M if group.is_family else None)
+        first = [Declare("const ptrdiff_t", "m", lo)] if "m" in block.words else []
+        return ParameterCode(
+            loop_parameters.assigned(self.defaults[k]),
+            group.declared.follows,
+            loop_parameters.each(
+                lo, hi, parameter_code.checked(field, k, bounds, given.lo_open, given.hi_open)
+            ),
+            [*first, *parameter_code.ends(k, bounds)],
+        )
 
     def _limit(self, limit: Limit) -> dict[str, str]:
         unless = "" if limit.unless is None else self.places.index(limit.unless)

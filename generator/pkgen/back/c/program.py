@@ -125,6 +125,10 @@ class Interval:
     lo: str | None
     hi: str | None
 
+    @property
+    def ends(self) -> tuple[str, str]:
+        return self.lo or "-PK_INFINITY", self.hi or "PK_INFINITY"
+
 
 @record
 class Field:

@@ -1,0 +1,80 @@
+"""Functions of the parameters of a model with loops: a member of a family after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from .kernel_code import statements
+from .loops_sets import Guarded
+from .parameter_code import BOUNDS, DERIVE, PREPARE, ParameterCode, checks, derived, hoisted
+from .program import Statement
+from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Scope
+
+
+def each(lo: str, hi: str, nodes: list[Node]) -> list[Node]:
+    """For the members lo..hi, if that is a range."""
+    if lo:
+        return [Loop(f"m = {lo}; m <= {hi}; m++", [Scope(nodes)])]
+    return [Scope(nodes)] if len(nodes) > 1 else nodes
+
+
+def assigned(x: Guarded) -> list[Node]:
+    return each(x.lo, x.hi, list(statements(x.block.statements)))
+
+
+def _index(nodes: Iterable[Node]) -> list[Node]:
+    """The declaration of m, where a loop needs it."""
+    needed = any(isinstance(node, Loop) for node in nodes)
+    return [Declare("ptrdiff_t", "m"), Blank()] if needed else []
+
+
+def functions(
+    model: str,
+    rows: list[ParameterCode],
+    starts: list[Guarded],
+    count: int,
+    prepare: Sequence[Statement],
+    factored: bool,
+    block: bool,
+) -> str:
+    """`prepare` computes the `count` hoisted constants; M is `factored` once, and that or families
+    of parameters are in a `block` of memory."""
+    params = f"struct {model}_params *p"
+    defaults = [node for row in rows for node in row.default]
+    follow = [node for row in rows if row.follows for node in row.default]
+    bounds = [Scope(row.bounds) for row in rows]
+    start = [node for x in starts for node in assigned(x)]
+    none = Loop(f"m = 0; m < (ptrdiff_t){model}_count(p); m++", [Assign("q[m] = v[m]", "0")])
+
+    def prepared() -> Iterator[Node]:
+        if count:
+            yield Declare("size_t", "k")
+        yield from _index(node for row in rows for node in row.check) or [Blank()]
+        unfit = f"!{model}_fits(p)" + " || !p->work_" * block
+        yield If(unfit, [Return("PK_FAILED(PK_FAILURE_SIZE, 0)")])
+        yield from checks(rows)
+        yield from hoisted(count, statements(prepare))
+        value = f"{model}_factored(p, 0, NULL, NULL, NULL)" if factored else "0"
+        yield from (Assign("p->failed_", value), Return("0"))
+
+    found = [
+        Function(
+            f"void {model}_defaults({params})",
+            [
+                *_index(defaults),
+                If(f"!{model}_fits(p)", [Return()]),
+                *defaults,
+                Call(f"(void){model}_prepare(p)"),
+            ],
+        ),
+        Function(
+            DERIVE.format(model), [*_index(follow), Call("(void)p, (void)given"), *derived(rows)]
+        ),
+        Function(PREPARE.format(model), [*prepared()]),
+        Function(BOUNDS.format(model), [Call("(void)p, (void)lo, (void)hi"), *bounds]),
+        Function(
+            f"void {model}_start(const {params}, pk_real *q, pk_real *v)",
+            [Declare("ptrdiff_t", "m"), Blank(), none, *start],
+        ),
+    ]
+    return "\n".join(function.text for function in found)
