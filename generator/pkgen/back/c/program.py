@@ -161,6 +161,10 @@ class Program:
         return next((k for k in self.kernels if k.name == name), None)
 
     @property
+    def all_kernels(self) -> tuple[Kernel, ...]:
+        return self.prepare, self.start, self.quadrature_start, *self.kernels
+
+    @property
     def has_sincos(self) -> bool:
         """Whether any kernel calls the inline pair."""
         return any(s.kind == TRIG for kernel in self.kernels for s in kernel.statements)

@@ -213,17 +213,7 @@ def _context(program: Program) -> dict[str, Any]:
         "operations": operations_rows(program),
         "proved": labelled(facts(equations, program.structure)),
         "constant": labelled(invariants(equations, program.structure)),
-        "apart": int(
-            any(
-                len(k.blocks) > 1
-                for k in (
-                    program.start,
-                    program.quadrature_start,
-                    program.prepare,
-                    *program.kernels,
-                )
-            )
-        ),
+        "apart": int(any(len(kernel.blocks) > 1 for kernel in program.all_kernels)),
         "helpers": helpers(program.helpers),
         "float_too": program.float_too,
         "singularities": tables.singularities(program),

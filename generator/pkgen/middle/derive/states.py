@@ -71,11 +71,11 @@ def as_rates(
     Matrices are n + count square then, of so many states. Every call is of equations that are not
     so yet."""
     if not e.states and not e.attitudes:
-        if e.constraints is None and not e.jolted:
+        own = _unconstrained(e.graph, e, tuple, ())
+        if own is None:
             return e, structure
-        pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
         terms = _terms(e.graph, e.constraints)
-        return replace(e, unconstrained=(e.momenta, pdot), inertia=e.mass, terms=terms), structure
+        return replace(e, unconstrained=own, inertia=e.mass, terms=terms), structure
     g, count = e.graph, len(e.states)
     n = len(e.coordinates)
     own = symbols(g, Kind.RATE, n + count)[n:]

@@ -219,7 +219,7 @@ class Names:
         if symbol.kind is Kind.COORDINATE:
             return self.graph.symbol(Symbol(Kind.RATE, symbol.index))
         if symbol.kind is Kind.INPUT:
-            return self.next_input(symbol)
+            return self.graph.symbol(Symbol(Kind.INPUT, next_input(self.orders, symbol.index)))
         if symbol.kind is Kind.STATE and symbol.index in self._attitude_of:
             attitude = self._attitude_of[symbol.index]
             return rate_of_quaternion(self.graph, attitude, symbol.index)
@@ -230,10 +230,6 @@ class Names:
         if self.solved is not None and symbol.kind is Kind.STATE:
             return self.derivative(self.solved[node])
         raise Acceleration
-
-    def next_input(self, symbol: Symbol) -> Node:
-        """The derivative of an input."""
-        return self.graph.symbol(Symbol(Kind.INPUT, next_input(self.orders, symbol.index)))
 
 
 def _ends(model: Model, coordinates: dict[str, Family]) -> dict[tuple[str, int | None], End]:

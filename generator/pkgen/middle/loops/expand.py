@@ -16,7 +16,7 @@ from ...tree import Expr, Name, Range, Sum, children
 from ..expand.names import BUILT_IN, Value, next_input
 from ..expand.terms import EXPAND
 from ..quantities import error, input_index
-from .loops import Group, Limit, Slot, Total, Unrolled
+from .loops import Group, Limit, Total, Unrolled
 from .slots import Slots
 
 Loop = dict[str, Affine]
@@ -224,15 +224,12 @@ class LoopExpander:
         if slot.kind == "q":
             return self.slots.node("v", slot.name, slot.at)
         if slot.kind == "input":
-            return self.next_input(slot)
+            return self.slots.node("input", str(next_input(self.orders, int(slot.name))))
         if slot.kind == "sum":
             raise Unrolled("the rate of a sum is an output")
         if slot.kind in ("v", "w", "d"):
             raise Unrolled("an output has an acceleration")
         return ZERO
-
-    def next_input(self, slot: Slot) -> Node:
-        return self.slots.node("input", str(next_input(self.orders, int(slot.name))))
 
 
 def unlike_loops(size: str) -> str:
