@@ -134,7 +134,7 @@ const Lab = (() => {
       $("scene").value = this.settings.scene || "";
       say(
         $("speed-is"),
-        this.model.time ? `${Text.number(this.speed())}×` : `${Text.number(this.speed())} /s`,
+        this.model.time ? `${Text.number(this.speed())}×` : `${Text.number(this.speed())} per s`,
       );
       $("speed").value = this.settings.speed;
       say($("note"), this.runs.error || this.stage.failed || "");

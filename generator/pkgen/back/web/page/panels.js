@@ -27,7 +27,8 @@ const Panels = (() => {
     const { coordinates, events } = model.description;
     const list = [];
     if (KINDS.get("drift").suits(model)) list.push("drift");
-    if (coordinates.length > 6 && PanelsModes.suits(model)) list.push("modes");
+    const chain = coordinates.filter((c) => c.family).length;
+    if (chain > 6 && PanelsModes.suits(model)) list.push("modes");
     list.push("time", "phase", "spectrum");
     if (events.some((e) => /section/.test(e.name))) list.splice(1, 0, "section");
     return list.slice(0, PLACES);

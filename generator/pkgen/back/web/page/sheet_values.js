@@ -175,16 +175,16 @@ const SheetValues = (() => {
       "button",
       {
         type: "button",
-        class: "quiet wide",
+        class: "quiet undo",
         onclick: () => {
           lab.settings.values.clear();
           lab.restart();
           lab.changed();
         },
       },
-      "All as the model says",
+      "↺ All as the model says",
     );
-    element.append(all);
+    element.prepend(all);
 
     function refresh() {
       for (const one of rows) one();
