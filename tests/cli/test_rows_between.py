@@ -153,3 +153,12 @@ def test_steps_that_divide_the_interval_land_as_they_did(pkgen, write, tmp_path:
     )
     assert between["report"]["steps"] == 700 and len(between["rows"]) == 1001
     assert between["rows"][-1][1:] == runs["7"][7.0]
+
+
+def test_a_model_with_events_has_rows_within_steps(pkgen, write) -> None:
+    """The step aside has the model's own parameters where no switch has sides."""
+    text = "model swings\ncoord x\nkinetic x'^2/2\npotential x^2/2\nstart x = 1\nevent zero: x\n"
+    options = ("--method", "rk4", "--step", "0.01", "--until", "1", "--every", "0.37")
+    rows = json.loads(pkgen("run", write(text), "--json", *options).stdout)["rows"]
+    assert [row[0] for row in rows] == pytest.approx([0, 0.37, 0.74, 1])
+    assert all(row[1] == pytest.approx(np.cos(row[0]), abs=1e-9) for row in rows)

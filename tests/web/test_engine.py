@@ -39,7 +39,8 @@ def asked(path: Path, *jobs: dict) -> dict:
     return json.loads(done.stdout)
 
 
-TIMES = [0.05 * k for k in range(1, 11)]
+EVERY = 0.0473  # within steps
+TIMES = [EVERY * k for k in range(1, 11)]
 
 
 def asked_of(method: dict) -> dict:
@@ -57,7 +58,7 @@ def compare(model: Path, folder: Path) -> int:
     compared = 0
     for method, found in zip(methods, asked(page(model, folder), *jobs)["found"], strict=True):
         name = method["name"]
-        why, rows = native.rows(native_, method, until=0.5, every=0.05, **asked_of(method))
+        why, rows = native.rows(native_, method, until=TIMES[-1], every=EVERY, **asked_of(method))
         assert "error" not in found, f"{name}: {found['error']}"
         assert bool(found["status"]) == bool(why), f"{name}: {found['status']}; {why}"
         ours = found["rows"][:-1] if why else found["rows"]

@@ -254,8 +254,11 @@ def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str,
 _NOT_OF_LOOPS = {
     "holonomic": "M",
     "jacobians": "Jacobians",
-    "linear": "the derivatives of the acceleration",
 }
+
+
+def _has_linear(compilation: Compilation) -> bool:
+    return not compilation.looped and compilation.equations.linear is not None
 
 
 def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str:
@@ -265,6 +268,8 @@ def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str
         return "it is for systems that are " + ", ".join(in_words(missing)) + ": not proved of this"
     if "no_inputs" in item["flags"] and named.inputs(compilation).count:
         return "it is for systems without inputs"
+    if "linear" in item["flags"] and not _has_linear(compilation):
+        return "it needs the derivatives of the acceleration, which so many coordinates are without"
     if compilation.looped:
         for flag, kernels in _NOT_OF_LOOPS.items():
             if flag in item["flags"]:

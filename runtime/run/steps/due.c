@@ -53,9 +53,13 @@ static struct moment at(struct run *run, pk_real t)
         if (run->events.params) /* with the sides of switches */
             problem.params = run->events.params;
         run->aside_block = memory_take(&run->memory, size, 1);
-        if (pk_integrator_init(&run->aside, &problem, it->method, &it->options, it->t, it->q, it->v,
-                               run->aside_block, size) < 0)
+        const enum pk_status begun = pk_integrator_init(&run->aside, &problem, it->method,
+                                                        &it->options, it->t, it->q, it->v,
+                                                        run->aside_block, size);
+        if (begun < 0) {
+            it->status = begun;
             return none;
+        }
     }
     run->aside.options.h = it->options.h;
     const enum pk_status status = it->status;

@@ -32,7 +32,7 @@ static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     e->shapes = (struct pk_shape *)(void *)shapes;
-    e->params = params;
+    e->params = system->switches.n ? params : NULL;
     return size * sizeof *base;
 }
 

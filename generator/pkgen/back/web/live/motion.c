@@ -17,7 +17,8 @@ struct live {
     size_t size, n;
     double *q, *v, *u; /* at t */
     double t;
-    double *crossings; /* event, t, q, v of each */
+    double *q0, *v0, t0; /* the start, which was taken */
+    double *crossings;   /* event, t, q, v of each */
     size_t n_crossings, room;
     size_t n_inputs;
 };
@@ -93,7 +94,7 @@ struct live *EXPORT(live_new)(const void *params, const char *method, double h, 
     m->n = pk_system_count(live_system, params);
     m->n_inputs = live_system->n_inputs;
     m->size = pk_integrator_size(&problem, found);
-    m->q = (double *)calloc(2 * m->n + m->n_inputs + 1, sizeof *m->q);
+    m->q = (double *)calloc(4 * m->n + m->n_inputs + 1, sizeof *m->q);
     m->block = calloc(1, m->size + 1);
     const size_t events_size = pk_events_size(&problem, found);
     m->events_block = calloc(1, events_size + 1);
@@ -103,7 +104,12 @@ struct live *EXPORT(live_new)(const void *params, const char *method, double h, 
         return NULL;
     }
     m->v = m->q + m->n;
-    m->u = m->v + m->n;
+    m->q0 = m->v + m->n;
+    m->v0 = m->q0 + m->n;
+    m->u = m->v0 + m->n;
+    m->t0 = t;
+    memcpy(m->q0, q, m->n * sizeof *q);
+    memcpy(m->v0, v, m->n * sizeof *v);
     if (m->n_inputs)
         memcpy(m->u, u, m->n_inputs * sizeof *u);
     if (pk_integrator_init(&m->it, &problem, found, &options, t, q, v, m->block, m->size) < 0) {
@@ -122,6 +128,18 @@ struct live *EXPORT(live_new)(const void *params, const char *method, double h, 
     return m;
 }
 
+/* The integrator of steps aside, when a step was made: from the start, since no other state is
+ * sure to be taken as one. */
+static int make_aside(struct live *m)
+{
+    struct pk_problem problem = m->it.problem;
+    if (m->events.sides) /* with the sides of switches */
+        problem.params = m->events.params;
+    m->aside_block = calloc(1, m->size + 1);
+    return m->aside_block && pk_integrator_init(&m->aside, &problem, m->it.method, &m->it.options,
+                                                m->t0, m->q0, m->v0, m->aside_block, m->size) >= 0;
+}
+
 /* The state at t in the last step. */
 static enum pk_status within(struct live *m, double t)
 {
@@ -131,19 +149,8 @@ static enum pk_status within(struct live *m, double t)
     }
     if (has(m, PK_DENSE))
         return pk_integrator_dense(&m->it, m->t = t, m->q, m->v);
-    if (!m->aside_block) {
-        struct pk_problem problem = m->it.problem;
-        if (m->events.params) /* with the sides of switches */
-            problem.params = m->events.params;
-        m->aside_block = calloc(1, m->size);
-        if (!m->aside_block)
-            return PK_NO_MEMORY;
-        const enum pk_status begun = pk_integrator_init(&m->aside, &problem, m->it.method,
-                                                        &m->it.options, m->it.t, m->it.q, m->it.v,
-                                                        m->aside_block, m->size);
-        if (begun < 0)
-            return begun;
-    }
+    if (!m->aside_block && !make_aside(m))
+        return m->it.status = m->aside.own || m->aside.status ? m->aside.status : PK_NO_MEMORY;
     m->aside.options.h = m->it.options.h;
     const enum pk_status found = pk_integrator_aside(&m->it, &m->aside, t);
     if (found >= 0)
