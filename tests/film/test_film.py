@@ -164,6 +164,12 @@ def test_a_swarm_is_a_cloud(tmp_path: Path) -> None:
         )
         return numpy.array(values.split(";"), float)
 
+    def first(disc: ElementTree.Element, name: str) -> float:
+        return float(disc.get(name))
+
+    assert len({first(disc, "cy") for disc in discs}) == 1  # all are at rest
+    starts = numpy.array([first(disc, "cx") for disc in discs])
+    assert numpy.diff(starts) == pytest.approx(numpy.diff(starts).mean(), abs=0.11)
     near, far = way(discs[0]), way(discs[-1])
     assert len(near) == 22 and numpy.ptp(far) > 300 > 10 > numpy.ptp(near)
     gif = film(PENDULUM, *words, "-o", tmp_path / "cloud.gif")

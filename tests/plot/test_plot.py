@@ -244,7 +244,7 @@ def test_a_path_is_recorded_beside_what_rows_have(folder: Path) -> None:
 
 def test_names_are_no_markup(folder: Path) -> None:
     """A formula of TeX, a tag, an underscore in front, which matplotlib hides."""
-    names = ["t", "$\\frac{", "<script>alert(1)</script>", "_hidden", "&amp;"]
+    names = ["t", "$\\frac{$", "<script>alert(1)</script>", "_hidden", "&amp;"]
     rows = [",".join(names), *(f"{k},{k},{k + 1},{k + 2},{k + 3}" for k in range(9))]
     (folder / "hostile.csv").write_text("\n".join(rows))
     plot(folder / "hostile.csv", "-o", folder / "hostile.svg")

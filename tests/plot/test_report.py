@@ -66,11 +66,9 @@ def test_all_of_a_run_is_on_its_page(folder: Path) -> None:
         assert said in page.said, said
     headings = re.findall(r"<h2>(.*?)</h2>", page.html)
     assert headings[:3] == ["Pictures", "Drifts", "Diagnostics"] and "Settings" in headings
-    assert (
-        "φ" in page.said
-        and "[rad]" in page.said
-        and re.search(r">l</td>\s*<td[^>]*>0.3<", page.html)
-    )
+    assert "φ" in page.said and "[rad]" in page.said
+    for name, value, unit in (("l", "0.3", "m"), ("psi&#x27;", "18", "rad/s")):
+        assert re.search(rf">{name}</td>\s*<td[^>]*>{value}</td>\s*<td>{unit}<", page.html)
 
 
 def test_the_page_asks_for_nothing_and_runs_nothing(folder: Path) -> None:

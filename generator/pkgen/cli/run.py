@@ -18,6 +18,7 @@ from ..api.prepare import Prepared, prepare
 from ..indices import hidden
 from ..model import Model
 from ..run import diagnostics, diagnostics_text
+from ..run.library import load
 from ..run.simulate import Outcome, csv_to_npy, sidecar, simulate
 from ..scenes import asked as parsing
 from ..scenes import run as scene_run
@@ -115,9 +116,9 @@ def _pictures(
         from ..plot.report import report
         from ..system.files import replace
 
-        time = "" if what.compilation.model.dimensionless else "s"
+        given = load(what.library).run(what.settings, idle=True, bare=True).given()
         told = _describe(what, outcome, path.name)
-        text = report(what.compilation, told, table, outcome.messages, wanted.view, time)
+        text = report(what.compilation, told, table, outcome.messages, wanted.view, given)
         replace({wanted.report: text})
 
 

@@ -56,9 +56,11 @@ def report(
     table: Table | None,
     messages: str,
     view: View,
-    time: str,
+    given: dict[str, list[float]],
 ) -> str:
-    """The page. `told` is what stands beside the rows; None: there are no rows."""
+    """The page. `told` is what stands beside the rows; without a table there are none. `given` are
+    the parameters and the start as they are in memory."""
+    time = "" if compilation.model.dimensionless else "s"
     model = compilation.declared
     found: dict = told["report"]  # type: ignore[assignment]
     scene = told.get("scene")
@@ -71,7 +73,7 @@ def report(
         *_drifts(found, time),
         *_diagnostics(found, time),
         *_events(found, time),
-        *_settings(compilation, told, time),
+        *_settings(compilation, told, given, time),
         f"<p>pkgen {escape(__version__)}; {escape(str(told['source']))}, SHA-256 "
         f"{escape(str(told['source_sha256']))}</p>",
     ]
@@ -245,7 +247,9 @@ def _events(found: dict, time: str) -> Iterable[str]:
     yield _table("Events", ("event", "crossings", f"at t{f' [{time}]' if time else ''}"), rows)
 
 
-def _settings(compilation: Compilation, told: dict, time: str) -> Iterable[str]:
+def _settings(
+    compilation: Compilation, told: dict, given: dict[str, list[float]], time: str
+) -> Iterable[str]:
     settings: dict = told["settings"]
     unit = f" {time}" if time else ""
     kept = (
@@ -259,30 +263,26 @@ def _settings(compilation: Compilation, told: dict, time: str) -> Iterable[str]:
         ("members", str(settings.get("ensemble", ""))),
     )
     yield _table("Settings", ("", ""), [(name, value) for name, value in kept if value])
-    yield _table("Set and started otherwise", ("", "value"), _set(compilation, settings))
+    yield from _given(compilation, given)
     yield _table("Columns", ("column", "unit", "what"), _columns(told))
 
 
-def _set(compilation: Compilation, settings: dict) -> Rows:
-    """Values that a scene or an option has set, by name."""
-    rows: Rows = []
-    kinds = (("inputs", named.inputs(compilation)),)
-    given = named.set_parameters(compilation, settings["parameters"], settings["members"])
-    for (name, index), value in given.items():
-        rows.append((name if index is None else f"{name}[{index}]", _number(value)))
-    for key, names in (
-        *kinds,
-        ("start_q", named.coordinates(compilation)),
-        ("start_v", named.coordinates(compilation, rates=True)),
-    ):
-        flat = [q for d in names.declared for q in _members(d)]
-        for k, value in settings[key]:
-            start = "(0)" if key != "inputs" else ""
-            if k < len(flat):
-                rows.append(
-                    (f"{flat[k].name}{start}", f"{value:.12g} {printed(flat[k].unit)}".strip())
-                )
-    return rows
+def _given(compilation: Compilation, given: dict[str, list[float]]) -> Iterable[str]:
+    """Values of parameters, and where the motion starts."""
+    headings = ("", "value", "unit", "what")
+    names = named.parameters(compilation)
+    yield _table("Parameters", headings, _values(names, given["parameters"]))
+    places, rates = (named.coordinates(compilation, rates=r) for r in (False, True))
+    start = [*_values(places, given["q"]), *_values(rates, given["v"])]
+    yield _table("Start", headings, start)
+
+
+def _values(names: named.Named, values: list[float]) -> Rows:
+    flat = [q for declared in names.declared for q in _members(declared)]
+    return [
+        (q.name, _number(x), printed(q.unit), q.description)
+        for q, x in zip(flat, values, strict=False)
+    ]
 
 
 def _members(declared: named.Declared) -> list:
