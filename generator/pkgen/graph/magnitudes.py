@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from .. import limits
+from .differentiate import reachable
 from .evaluate import value_of
 from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
 
@@ -50,15 +51,9 @@ class Magnitudes:
     def _of(self, constant: Node) -> str:
         """A constant that depends on nothing, its parts first."""
         g, values = self.graph, self._values
-        stack = [constant]
-        while stack:
-            node = stack[-1]
-            missing = [a for a in g.args[node] if a not in values]
-            if node in values or not missing:
-                stack.pop()
+        for node in reachable(g, [constant]):
+            if node not in values:
                 values[node] = value_of(g, node, [values[a] for a in g.args[node]], {})
-            else:
-                stack.extend(missing)
         value = values[constant]
         if math.isnan(value):
             return NO_VALUE

@@ -241,22 +241,12 @@ def shorter(g: Graph, energies: Energies, wanted: Wanted) -> Energies:
 def degree(g: Graph, output: Node) -> int | None:
     """The degree in the rates of a homogeneous expression; None where it is not seen to be."""
     found: dict[Node, int | None] = {}
-    stack = [output]
-    while stack:
-        node = stack[-1]
-        missing = [a for a in g.args[node] if a not in found and g.depends[a] & RATES]
-        if missing:
-            stack.extend(missing)
-            continue
-        stack.pop()
-        if node not in found:
-            found[node] = _degree_of(g, node, [found.get(a, 0) for a in g.args[node]])
-    return found[output]
+    for node in reachable(g, [output], RATES):
+        found[node] = _degree_of(g, node, [found.get(a, 0) for a in g.args[node]])
+    return found.get(output, 0)
 
 
 def _degree_of(g: Graph, node: Node, below: list[int | None]) -> int | None:
-    if not g.depends[node] & RATES:
-        return 0
     if None in below:
         return None
     op = g.op[node]

@@ -120,15 +120,8 @@ class _Reader:
                 raise _Unread
 
     def product(self, expr: Multiply, loop: Loop, factor: Node, bracket: int) -> Iterator[_Square]:
-        x, g = self.x, self.x.graph
-        moving = []
-        for part, exponent in zip(expr.factors, expr.exponents, strict=True):
-            if not self.moves(part, loop):
-                factor = g.multiply(factor, g.power(x.scalar(part, loop), exponent))
-            elif exponent < 0:
-                raise _Unread
-            else:
-                moving.append(part)
+        x = self.x
+        factor, moving = self.split(expr, loop, factor)
         if len(moving) == 2 and x.value(moving[0], loop) == x.value(moving[1], loop):
             yield from self.square(moving[0], loop, factor, bracket)
         elif len(moving) == 1:
@@ -137,14 +130,28 @@ class _Reader:
         else:
             raise _Unread
 
+    def split(
+        self, expr: Multiply, loop: Loop, factor: Node, power: int = 1
+    ) -> tuple[Node, list[Expr]]:
+        """The factor times what has no rates in a product, to a power; and what has."""
+        x, g, moving = self.x, self.x.graph, []
+        for part, exponent in zip(expr.factors, expr.exponents, strict=True):
+            if not self.moves(part, loop):
+                factor = g.multiply(factor, g.power(x.scalar(part, loop), power * exponent))
+            elif exponent < 0:
+                raise _Unread
+            else:
+                moving.append(part)
+        return factor, moving
+
     def square(self, base: Expr, loop: Loop, factor: Node, bracket: int) -> Iterator[_Square]:
         """factor * base^2."""
-        x, g = self.x, self.x.graph
         match base:
             case Prime(of=of):
                 name, known = self.named(of, loop)
                 named = isinstance(of, Name | Component)
-                yield _Square(factor, x.scalar(of, loop), name, known, named, bracket)
+                place = self.x.scalar(of, loop)
+                yield _Square(factor, place, name, known, named, bracket)
                 return
             case Name() if found := self.opened(base, loop):
                 yield from self.square(*found, factor, bracket)
@@ -158,13 +165,9 @@ class _Reader:
             case Call(function="sqrt", arguments=(of,)):
                 yield from self.terms(of, loop, factor, self.next())
                 return
-            case Multiply(factors=factors, exponents=exponents):
-                moving = [f for f in factors if self.moves(f, loop)]
-                if len(moving) == 1 and exponents[factors.index(moving[0])] > 0:
-                    for part, exponent in zip(factors, exponents, strict=True):
-                        if part is not moving[0]:
-                            raised = g.power(x.scalar(part, loop), 2 * exponent)
-                            factor = g.multiply(factor, raised)
+            case Multiply():
+                factor, moving = self.split(base, loop, factor, 2)
+                if len(moving) == 1:
                     yield from self.square(moving[0], loop, factor, bracket)
                     return
         raise _Unread

@@ -69,8 +69,8 @@ def singularities_of(
             for node, _ in zeros(g, ranges, base):
                 if node not in motions or use == DIVISOR:
                     motions[node] = use
-    found = {**motions, **dict.fromkeys(charts, COORDINATES)}
-    found = {node: found[node] for node in [*charts, *motions]}
+    found = dict.fromkeys(charts, COORDINATES)
+    found |= {node: use for node, use in motions.items() if node not in charts}
     squares = {square for node in found for square in squared(g, node)}
     return tuple(
         Singularity(Quantity(wording(g, about(g, node), name), "", ""), node, use)
