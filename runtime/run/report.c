@@ -9,76 +9,67 @@
 
 enum { MOST_LISTED = 10000 };
 
-void report_run(struct run *run, FILE *file)
+static void report_motion(struct json *j, const struct run *run)
 {
     const struct pk_integrator *it = &run->it;
-    const struct pk_method *method = run->settings.method;
-    const struct pk_counters *c = &it->count;
-    char reason[640];
-
-    fputs("{\n  \"model\": ", file);
-    report_text(file, run->settings.system->name);
-    fputs(",\n  \"source_hash\": ", file);
-    report_text(file, run->settings.system->source_hash);
-    trust_reason(run, reason, sizeof reason);
-    fprintf(file, ",\n  \"status\": \"%s\",\n  \"code\": %d,\n  \"text\": ",
-            run->beyond ? TRUST_BEYOND_NAME : pk_status_name(it->status),
-            run->beyond ? TRUST_BEYOND_CODE : (int)it->status);
-    report_text(file, run->beyond ? TRUST_BEYOND_TEXT : pk_status_text(it->status));
-    fputs(",\n  \"reason\": ", file);
-    report_text(file, reason);
-    fputs(",\n  \"besides\": ", file); /* "; the energy ..." */
-    report_text(file, run->besides && *run->besides ? run->besides + 2 : "");
-    trust_warning(run, reason, sizeof reason);
-    fputs(",\n  \"warning\": ", file);
-    report_text(file, reason);
-    fprintf(file, ",\n  \"interrupted\": %s,\n  \"whole\": %s,\n  \"t\": ",
-            run->interrupted ? "true" : "false",
-            it->status >= 0 && !run->beyond && rows_whole(run) ? "true" : "false");
-    report_real(file, it->t);
-    fputs(",\n  \"last_valid\": ", file);
-    report_real(file, trust_last_valid(run));
-    fputs(",\n  ", file);
     /* Of a large system the last row has them. */
-    const size_t coordinates = it->n - run->problem.system->n_first_order;
-    report_numbers(file, "q", it->q, it->n <= MOST_LISTED ? coordinates : 0);
-    fputs(", ", file);
-    report_numbers(file, "v", it->v, it->n <= MOST_LISTED ? it->n : 0);
-    if (it->z) {
-        fputs(", ", file);
-        report_numbers(file, "z", it->z, run->problem.system->quadratures.n);
-    }
-    fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n", method->name, method->order);
-    fputs("  \"step\": ", file);
-    if (method->traits & PK_ADAPTIVE || run->settings.n_parts)
-        fputs("null", file);
-    else
-        report_real(file, run->settings.options.h);
-    fputs(",\n  \"not_finite\": ", file);
-    if (run->not_finite)
-        report_text(file, run->not_finite);
-    else
-        fputs("null", file);
-    fputs(",\n  \"step_min\": ", file);
-    report_real(file, run->h_min);
-    fputs(",\n  \"step_max\": ", file);
-    report_real(file, run->h_max);
-    fputs(",\n  \"rtol\": ", file);
-    report_real(file, run->settings.options.rtol);
-    fputs(",\n  \"atol\": ", file);
-    if (run->settings.options.atol < 0) /* of the motion */
-        fputs("null", file);
-    else
-        report_real(file, run->settings.options.atol);
-    fprintf(file,
-            ",\n  \"rows\": %lu,\n  \"steps\": %lu,\n  \"rejections\": %lu,\n"
-            "  \"evaluations\": %lu,\n  \"jacobians\": %lu,\n  \"factorisations\": %lu,\n"
-            "  \"iterations\": %lu,\n  \"held\": %lu,\n  \"seconds\": %.6g,\n"
-            "  \"processor\": %.9g,\n  \"begun\": %s,\n  \"slow\": %s,\n",
-            run->rows, c->steps, c->rejections, c->evaluations, c->jacobians, c->factorisations,
-            c->iterations, c->held, run->seconds, run->processor, run->begun ? "true" : "false",
-            run->control.slow ? "true" : "false");
-    apart_report(run, file);
-    observe_report(run, file);
-    fputs("\n}\n", file);
+    const int listed = it->n <= MOST_LISTED;
+    json_real(j, "t", it->t);
+    json_real(j, "last_valid", trust_last_valid(run));
+    json_numbers(j, "q", it->q, listed ? it->n - run->problem.system->n_first_order : 0);
+    json_numbers(j, "v", it->v, listed ? it->n : 0);
+    if (it->z)
+        json_numbers(j, "z", it->z, run->problem.system->quadratures.n);
+}
+
+static void report_work(struct json *j, const struct run *run)
+{
+    const struct settings *s = &run->settings;
+    const struct pk_counters *c = &run->it.count;
+    json_text(j, "method", s->method->name);
+    json_real(j, "order", s->method->order);
+    json_real(j, "step", run_fixed(run) && !s->n_parts ? s->options.h : PK_INFINITY);
+    json_real(j, "step_min", run->h_min);
+    json_real(j, "step_max", run->h_max);
+    json_real(j, "rtol", s->options.rtol);
+    json_real(j, "atol", s->options.atol < 0 ? PK_INFINITY : s->options.atol); /* of the motion */
+    json_count(j, "rows", run->rows);
+    json_count(j, "steps", c->steps);
+    json_count(j, "rejections", c->rejections);
+    json_count(j, "evaluations", c->evaluations);
+    json_count(j, "jacobians", c->jacobians);
+    json_count(j, "factorisations", c->factorisations);
+    json_count(j, "iterations", c->iterations);
+    json_count(j, "held", c->held);
+    json_real(j, "seconds", (pk_real)run->seconds);
+    json_real(j, "processor", (pk_real)run->processor);
+    json_flag(j, "begun", run->begun);
+    json_flag(j, "slow", run->control.slow);
+}
+
+void report_run(struct run *run, FILE *file)
+{
+    const enum pk_status status = run->it.status;
+    struct json json = {.file = file}, *j = &json;
+    char text[640];
+    json_open(j, NULL, '{');
+    json_text(j, "model", run->settings.system->name);
+    json_text(j, "source_hash", run->settings.system->source_hash);
+    json_text(j, "status", run->beyond ? TRUST_BEYOND_NAME : pk_status_name(status));
+    json_real(j, "code", run->beyond ? TRUST_BEYOND_CODE : (int)status);
+    json_text(j, "text", run->beyond ? TRUST_BEYOND_TEXT : pk_status_text(status));
+    trust_reason(run, text, sizeof text);
+    json_text(j, "reason", text);
+    json_text(j, "besides",
+              run->besides && *run->besides ? run->besides + 2 : ""); /* "; the ..." */
+    trust_warning(run, text, sizeof text);
+    json_text(j, "warning", text);
+    json_flag(j, "interrupted", run->interrupted);
+    json_flag(j, "whole", status >= 0 && !run->beyond && rows_whole(run));
+    json_text(j, "not_finite", run->not_finite);
+    report_motion(j, run);
+    report_work(j, run);
+    apart_report(run, j);
+    observe_report(run, j);
+    json_close(j, '}');
 }

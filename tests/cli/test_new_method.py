@@ -35,10 +35,8 @@ void diagnose_extent(struct run *run, struct diagnostics *d)
         const pk_real q = d->rows[k * (1 + 2 * run->settings.n) + 1];
         most = q > most ? q : -q > most ? -q : most;
     }
-    if (diagnose_member(d, "extent", PK_DONE, "done")) {
-        diagnose_real(d, "most", most);
-        fputs("}", d->file);
-    }
+    if (diagnose_told(d, PK_DONE, "done"))
+        json_real(&d->json, "most", most);
 }
 """
 MODEL = "model swing\ncoord x\nkinetic x'^2/2\npotential 1 - cos(x)\nstart x = 1\n"

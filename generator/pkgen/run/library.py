@@ -174,7 +174,7 @@ class Library:
 
     def methods(self) -> list[dict[str, object]]:
         """What the runtime says of its methods."""
-        return [json.loads(line) for line in self.c.pk_run_methods().decode().splitlines()]
+        return json.loads(self.c.pk_run_methods())
 
     def settings(self, given: Settings, **more: object) -> _Settings:
         """As C has them; `more` are members that are set as they stand."""

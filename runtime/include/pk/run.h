@@ -150,8 +150,7 @@ void pk_run_stop(int whether);
 
 /* sizeof of pk_run_settings, pk_run_expected, pk_run_part, pk_stability_question: 0 to 3. */
 size_t pk_run_size(int which);
-/* The bit of a diagnostic, 0: there is none of that name. The list of methods, a line of JSON each.
- */
+/* The bit of a diagnostic, 0: there is none of that name. The list of methods in JSON. */
 unsigned pk_run_diagnostic(const char *name);
 const char *pk_run_methods(void);
 

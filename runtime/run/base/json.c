@@ -1,9 +1,9 @@
-/* Pieces of JSON, where a number that is not finite is null: it has no other word. */
+/* See json.h. */
 #include "json.h"
 
 #include "numbers.h"
 
-void report_text(FILE *file, const char *text)
+static void quoted(FILE *file, const char *text)
 {
     fputc('"', file);
     for (; *text; text++) {
@@ -18,30 +18,71 @@ void report_text(FILE *file, const char *text)
     fputc('"', file);
 }
 
-void report_real(FILE *file, pk_real x)
+/* What stands before a value. */
+static void begin(struct json *j, const char *key)
 {
+    if (j->behind)
+        fputs(j->depth == 1 ? ",\n  " : ", ", j->file);
+    j->behind = 1;
+    if (key) {
+        quoted(j->file, key);
+        fputs(": ", j->file);
+    }
+}
+
+void json_open(struct json *j, const char *key, char bracket)
+{
+    begin(j, key);
+    fputc(bracket, j->file);
+    j->behind = 0;
+    j->depth++;
+}
+
+void json_close(struct json *j, char bracket)
+{
+    fputc(bracket, j->file);
+    j->behind = 1;
+    if (--j->depth == 0)
+        fputc('\n', j->file);
+}
+
+void json_text(struct json *j, const char *key, const char *text)
+{
+    if (!text) {
+        json_raw(j, key, "null");
+        return;
+    }
+    begin(j, key);
+    quoted(j->file, text);
+}
+
+void json_raw(struct json *j, const char *key, const char *text)
+{
+    begin(j, key);
+    fputs(text, j->file);
+}
+
+void json_real(struct json *j, const char *key, pk_real x)
+{
+    begin(j, key);
     if (x - x == PK_C(0.0))
-        numbers_write(file, (double)x);
+        numbers_write(j->file, (double)x);
     else
-        fputs("null", file);
+        fputs("null", j->file);
 }
 
-void report_numbers(FILE *file, const char *key, const pk_real *x, size_t count)
+void json_count(struct json *j, const char *key, size_t x)
 {
-    fprintf(file, "\"%s\": [", key);
-    for (size_t i = 0; x && i < count; i++) {
-        fputs(i ? ", " : "", file);
-        report_real(file, x[i]);
-    }
-    fputs("]", file);
+    begin(j, key);
+    fprintf(j->file, "%zu", x);
 }
 
-void numbers_list(FILE *file, const char *key, const pk_real *x, size_t count)
+void json_flag(struct json *j, const char *key, int x) { json_raw(j, key, x ? "true" : "false"); }
+
+void json_numbers(struct json *j, const char *key, const pk_real *x, size_t count)
 {
-    fprintf(file, ", \"%s\": [", key);
-    for (size_t i = 0; i < count; i++) {
-        fputs(i ? ", " : "", file);
-        report_real(file, x[i]);
-    }
-    fputs("]", file);
+    json_open(j, key, '[');
+    for (size_t i = 0; x && i < count; i++)
+        json_real(j, NULL, x[i]);
+    json_close(j, ']');
 }

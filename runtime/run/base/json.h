@@ -1,4 +1,6 @@
-/* Pieces of JSON. */
+/* JSON, written as it is found. Commas come by themselves; a number that is not finite is null, for
+ * there is no other word. Keys are NULL in arrays. Each member of the outermost object has a line.
+ */
 #ifndef RUN_JSON_H
 #define RUN_JSON_H
 
@@ -6,10 +8,18 @@
 
 #include <pk/real.h>
 
-void report_text(FILE *file, const char *text);
-void report_real(FILE *file, pk_real x);
-void report_numbers(FILE *file, const char *key, const pk_real *x, size_t count);
-/* After other members: `, "key": [...]`. */
-void numbers_list(FILE *file, const char *key, const pk_real *x, size_t count);
+struct json {
+    FILE *file;
+    int depth, behind; /* brackets that are open; whether a value stands before */
+};
+
+void json_open(struct json *j, const char *key, char bracket);
+void json_close(struct json *j, char bracket);
+void json_text(struct json *j, const char *key, const char *text); /* NULL: null */
+void json_raw(struct json *j, const char *key, const char *text);  /* what is JSON already */
+void json_real(struct json *j, const char *key, pk_real x);
+void json_count(struct json *j, const char *key, size_t x);
+void json_flag(struct json *j, const char *key, int x);
+void json_numbers(struct json *j, const char *key, const pk_real *x, size_t count);
 
 #endif

@@ -22,33 +22,27 @@ static struct pk_action action_at(struct run *run, pk_real t, const pk_real *q, 
 static void rows(struct run *run, struct diagnostics *d, enum pk_orbit orbit, pk_real *u)
 {
     const size_t count = d->n_rows < ROWS ? d->n_rows : ROWS;
+    struct json *j = &d->json;
     struct pk_drift drift;
     struct pk_action at = {.orbit = orbit};
     pk_drift_init(&drift);
-    fputs(", \"rows\": [", d->file);
+    json_open(j, "rows", '[');
     for (size_t k = 0; k < count && at.orbit == orbit; k++) {
         const size_t row = count > 1 ? k * (d->n_rows - 1) / (count - 1) : 0;
         const pk_real *x = d->rows + row * 3; /* t, q, v */
         at = action_at(run, x[0], x + 1, x + 2, u);
         if (run_stopped(run, (double)k / (double)count))
             break;
-        fprintf(d->file, "%s[", k ? ", " : "");
-        report_real(d->file, x[0]);
-        fputs(", ", d->file);
-        report_real(d->file, at.orbit == orbit ? at.action : PK_INFINITY);
-        fputs(", ", d->file);
-        report_real(d->file, at.orbit == orbit ? at.period : PK_INFINITY);
-        fputs("]", d->file);
-        if (at.orbit == orbit)
+        const int same = at.orbit == orbit;
+        const pk_real numbers[] = {x[0], same ? at.action : PK_INFINITY,
+                                   same ? at.period : PK_INFINITY};
+        json_numbers(j, NULL, numbers, 3);
+        if (same)
             pk_drift_update(&drift, x[0], at.action);
     }
-    fputs("], \"changes\": ", d->file);
-    if (at.orbit == orbit)
-        fputs("null", d->file);
-    else
-        report_text(d->file, pk_orbit_text(at.orbit));
-    fputs(", \"drift\": ", d->file);
-    report_drift(d->file, "action", &drift);
+    json_close(j, ']');
+    json_text(j, "changes", at.orbit == orbit ? NULL : pk_orbit_text(at.orbit));
+    report_drift(j, "drift", "action", &drift);
 }
 
 void diagnose_action(struct run *run, struct diagnostics *d)
@@ -81,20 +75,20 @@ void diagnose_action(struct run *run, struct diagnostics *d)
     else
         snprintf(reason, sizeof reason, "%s", pk_orbit_text(found.orbit));
     const enum pk_status status = kinked || found.orbit >= PK_ORBIT_SEVERAL ? PK_REFUSED : PK_DONE;
-    if (diagnose_member(d, "action", status, reason)) {
-        fputs(", \"orbit\": ", d->file);
-        report_text(d->file, pk_orbit_text(found.orbit));
-        diagnose_real(d, "action", periodic ? found.action : PK_INFINITY);
-        diagnose_real(d, "period", periodic ? found.period : PK_INFINITY);
-        diagnose_real(d, "frequency", periodic ? 2 * PK_PI / found.period : PK_INFINITY);
-        diagnose_real(d, "error", periodic ? found.error : PK_INFINITY);
-        diagnose_real(d, "lo", found.orbit == PK_ORBIT_LIBRATION ? found.lo : PK_INFINITY);
-        diagnose_real(d, "hi", found.orbit == PK_ORBIT_LIBRATION ? found.hi : PK_INFINITY);
-        fprintf(d->file, ", \"nodes\": %zu, \"held\": %s, \"of_forces\": %s", found.nodes,
-                run->problem.system->facts & PK_AUTONOMOUS ? "false" : "true",
-                run->problem.system->facts & PK_VARIATIONAL ? "false" : "true");
+    if (diagnose_told(d, status, reason)) {
+        struct json *j = &d->json;
+        const int swings = found.orbit == PK_ORBIT_LIBRATION;
+        json_text(j, "orbit", pk_orbit_text(found.orbit));
+        json_real(j, "action", periodic ? found.action : PK_INFINITY);
+        json_real(j, "period", periodic ? found.period : PK_INFINITY);
+        json_real(j, "frequency", periodic ? 2 * PK_PI / found.period : PK_INFINITY);
+        json_real(j, "error", periodic ? found.error : PK_INFINITY);
+        json_real(j, "lo", swings ? found.lo : PK_INFINITY);
+        json_real(j, "hi", swings ? found.hi : PK_INFINITY);
+        json_count(j, "nodes", found.nodes);
+        json_flag(j, "held", !(run->problem.system->facts & PK_AUTONOMOUS));
+        json_flag(j, "of_forces", !(run->problem.system->facts & PK_VARIATIONAL));
         if (periodic && d->rows)
             rows(run, d, found.orbit, u);
-        fputs("}", d->file);
     }
 }

@@ -33,35 +33,30 @@ static int normal(const struct turning *x)
     return !x->moves[2] ? 2 : !x->moves[1] ? 1 : !x->moves[0] ? 0 : -1;
 }
 
-static void about(FILE *file, const struct turning *x, int centre)
+static void about(struct json *j, const char *key, const struct turning *x, int centre)
 {
     static const char *const axes[] = {"L_x", "L_y", "L_z"};
     const int only = normal(x);
-    const char *before = "";
-    fputs("{", file);
-    report_numbers(file, "first", x->first[centre], 3);
-    fputs(", ", file);
-    report_numbers(file, "final", x->last[centre], 3);
-    fputs(", \"torque\": ", file);
-    report_real(file, x->arm[centre] > 0 ? x->torque[centre] / x->arm[centre] : 0);
-    fputs(", \"drifts\": [", file);
-    for (int k = 0; k < 3; k++) {
-        if (only >= 0 && k != only)
-            continue;
-        fputs(before, file);
-        report_drift(file, axes[k], &x->drift[centre][k]);
-        before = ", ";
-    }
-    fputs("]}", file);
+    json_open(j, key, '{');
+    json_numbers(j, "first", x->first[centre], 3);
+    json_numbers(j, "final", x->last[centre], 3);
+    json_real(j, "torque", x->arm[centre] > 0 ? x->torque[centre] / x->arm[centre] : 0);
+    json_open(j, "drifts", '[');
+    for (int k = 0; k < 3; k++)
+        if (only < 0 || k == only)
+            report_drift(j, NULL, axes[k], &x->drift[centre][k]);
+    json_close(j, ']');
+    json_close(j, '}');
 }
 
 void diagnose_angular_momentum(struct run *run, struct diagnostics *d)
 {
     struct bodies b;
     struct turning x = {0};
+    struct json *j = &d->json;
     char reason[512];
     if (!bodies_begin(&b, run)) {
-        diagnose_member(d, "angular_momentum", PK_REFUSED, BODIES_NONE);
+        diagnose_told(d, PK_REFUSED, BODIES_NONE);
         return;
     }
     b.see = turn;
@@ -69,14 +64,12 @@ void diagnose_angular_momentum(struct run *run, struct diagnostics *d)
     turn(&x, &b, 0);
     memcpy(x.first, x.last, sizeof x.first);
     const enum pk_status status = bodies_follow(&b, reason, sizeof reason);
-    if (diagnose_member(d, "angular_momentum", status, reason)) {
-        fprintf(d->file, ", \"particles\": %zu, \"origin\": ", b.n);
-        about(d->file, &x, 0);
-        fputs(", \"centre\": ", d->file);
-        if (b.n > 1)
-            about(d->file, &x, 1);
-        else
-            fputs("null", d->file);
-        fputs("}", d->file);
-    }
+    if (!diagnose_told(d, status, reason))
+        return;
+    json_count(j, "particles", b.n);
+    about(j, "origin", &x, 0);
+    if (b.n > 1)
+        about(j, "centre", &x, 1);
+    else
+        json_text(j, "centre", NULL);
 }

@@ -12,14 +12,14 @@ struct loop {
     size_t *came;            /* how many rows each member has */
     pk_real *work;           /* of each member, who may run beside others: p and pdot */
     size_t whole;            /* of these: coordinates and states */
+    const char *gone;        /* what may have become of members that have not come to the end */
 };
 
 /* Room for them at the start and `count` times; else the exit code. */
 enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count);
 /* A member's state, its parameters in the settings; kept where it is at the next of its rows. */
 void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
-/* What came of it, as JSON for the report; returns the exit code, `code` unless it failed. `gone`:
- * what may have become of members that have not come to the end. */
+/* What came of it, as JSON for the report; returns the exit code, `code` unless it failed. */
 enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *gone);
 
 /* Of one of them at one row, in member order. */

@@ -204,8 +204,7 @@ static const char *words_of(const struct finding *f, enum quality quality)
 }
 
 /* What has become of the members that are not at all rows; 0: all are. */
-static int parted(const struct run *run, const struct finding *f, const char *gone, char *text,
-                  size_t size)
+static int parted(const struct run *run, const struct finding *f, char *text, size_t size)
 {
     const struct loop *l = f->l;
     size_t missing = 0, first = 0;
@@ -219,7 +218,7 @@ static int parted(const struct run *run, const struct finding *f, const char *go
             text, size,
             "%zu of %zu members, first member %ld, are not there at t = %.6g, for %s: the last "
             "row that all have is at t = %.6g",
-            missing, l->members, member_number(&run->settings, first), l->t[f->common], gone,
+            missing, l->members, member_number(&run->settings, first), l->t[f->common], l->gone,
             l->t[f->common - 1]);
     else
         snprintf(text, size,
@@ -228,24 +227,24 @@ static int parted(const struct run *run, const struct finding *f, const char *go
     return 1;
 }
 
-static void write_rows(struct run *run, struct diagnostics *d, const struct finding *f,
-                       const char *gone)
+static void write_rows(struct run *run, struct diagnostics *d, const struct finding *f)
 {
     const struct loop *l = f->l;
+    struct json *j = &d->json;
     struct pk_drift drift;
     double until = -1, size = 0; /* of the first row that has one: it may start all at rest */
     char ends[400] = "", apart[400] = "";
     int resolved = 1;
-    if (parted(run, f, gone, apart, sizeof apart)) {
+    if (parted(run, f, apart, sizeof apart)) {
         run_say(run, "diagnose area: %s", apart);
         d->code = 4;
     }
     pk_drift_init(&drift);
-    fprintf(d->file, ", \"members\": %zu, ", l->members);
-    report_numbers(d->file, "winding", f->winding, l->n);
-    diagnose_real(d, "threshold", RESOLVED);
-    fprintf(d->file, ", \"conserved\": %s, \"rows\": [",
-            run->settings.system->facts & PK_VARIATIONAL ? "true" : "false");
+    json_count(j, "members", l->members);
+    json_numbers(j, "winding", f->winding, l->n);
+    json_real(j, "threshold", RESOLVED);
+    json_flag(j, "conserved", (run->settings.system->facts & PK_VARIATIONAL) != 0);
+    json_open(j, "rows", '[');
     for (size_t k = 0; k < f->common; k++) {
         const struct row row = row_of(f, k);
         if (resolved && row.quality > NOISE) {
@@ -258,25 +257,15 @@ static void write_rows(struct run *run, struct diagnostics *d, const struct find
             until = l->t[k];
         }
         const double numbers[] = {l->t[k], row.area, row.tail, row.noise};
-        for (size_t i = 0; i < 4; i++) {
-            fputs(i ? ", " : k ? ",\n      [" : "\n      [", d->file);
-            report_real(d->file, numbers[i]);
-        }
-        fputs("]", d->file);
+        json_numbers(j, NULL, numbers, 4);
     }
-    fputs("]", d->file);
-    diagnose_real(d, "resolved_until", until);
-    fputs(", \"ends\": ", d->file);
-    if (*ends || *apart)
-        report_text(d->file, *ends ? ends : apart);
-    else
-        fputs("null", d->file);
-    fputs(", \"drift\": ", d->file);
+    json_close(j, ']');
+    json_real(j, "resolved_until", until);
+    json_text(j, "ends", *ends ? ends : *apart ? apart : NULL);
     if (drift.samples > 1)
-        report_drift(d->file, "area", &drift);
+        report_drift(j, "drift", "area", &drift);
     else
-        fputs("null", d->file);
-    fputs("}", d->file);
+        json_text(j, "drift", NULL);
 }
 
 static size_t rows_of_all(const struct loop *l)
@@ -287,12 +276,9 @@ static size_t rows_of_all(const struct loop *l)
     return least;
 }
 
-enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *gone)
+static void find(struct run *run, struct diagnostics *d)
 {
     struct loop *l = run->loop;
-    if (!l)
-        return code;
-    struct diagnostics *d = diagnose_open(run);
     struct finding f = {.l = l, .common = rows_of_all(l)};
     char reason[512] = "";
     f.smooth = (run->settings.system->facts & PK_SMOOTH) != 0;
@@ -316,9 +302,18 @@ enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *g
                  !f.common                 ? "there are members that could not start"
                  : status == PK_NOT_FINITE ? "q, p or the area is not finite at the start"
                                            : pk_status_text(status));
-    if (diagnose_member(d, "area", status, reason))
-        write_rows(run, d, &f, gone);
-    run_text_end(run);
+    if (diagnose_told(d, status, reason))
+        write_rows(run, d, &f);
+}
+
+enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *gone)
+{
+    if (!run->loop)
+        return code;
+    run->loop->gone = gone;
+    struct diagnostics *d = diagnose_open(run);
+    diagnose_one(d, "area", find);
+    diagnose_close(d);
     return code ? code : d->code;
 }
 #else

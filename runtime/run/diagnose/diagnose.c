@@ -39,12 +39,12 @@ enum pk_run_code diagnose_run(struct run *run, enum pk_run_code code)
     run->settings.options.context = run;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (names[i].make && (wanted & names[i].flag) && !run->control.stop)
-            names[i].make(run, d);
-    run_text_end(run);
+            diagnose_one(d, names[i].name, names[i].make);
+    diagnose_close(d);
     if (!run->control.stop)
         return d->code;
     run_say(run, "interrupted in --diagnose");
-    free(d->json);
-    d->json = NULL;
+    free(d->text);
+    d->text = NULL;
     return PK_RUN_INTERRUPTED;
 }

@@ -3,6 +3,7 @@
 #define RUN_DIAGNOSE_H
 
 #include "diagnostics.h"
+#include "../base/json.h"
 #include "../base/state.h"
 
 /* Flags, one a diagnostic. */
@@ -17,8 +18,8 @@ enum {
 /* Makes what the settings ask for and keeps it as JSON for the report; messages too.
  * The code, `code` unless a diagnostic failed. */
 enum pk_run_code diagnose_run(struct run *run, enum pk_run_code code);
-/* `, "diagnostics": {...}`, or nothing. */
-void diagnose_report(const struct run *run, FILE *file);
+/* The member "diagnostics", or nothing. */
+void diagnose_report(const struct run *run, struct json *j);
 void diagnose_free(struct run *run);
 
 #endif

@@ -57,24 +57,13 @@ static size_t negative(const double *lambda, size_t count)
     return found;
 }
 
-static void numbers(struct diagnostics *d, const char *key, const pk_real *x, size_t count)
-{
-    fprintf(d->file, ", \"%s\": [", key);
-    for (size_t i = 0; i < count; i++) {
-        fputs(i ? ", " : "", d->file);
-        report_real(d->file, x[i]);
-    }
-    fputs("]", d->file);
-}
-
-/* The neighbour along which the action falls the most, or rises the least. */
-static void neighbour(struct diagnostics *d, const struct pk_least_action *found, double *a,
-                      size_t m)
+/* By how much the action changes to the neighbour along which it falls the most, or rises the least.
+ */
+static double neighbour(const struct pk_least_action *found, double *a, size_t m)
 {
     for (size_t i = 0; i < m; i++)
         a[i] *= AMPLITUDE;
-    const double there = pk_least_action_at(found, a);
-    diagnose_real(d, "neighbour", there - found->action);
+    return pk_least_action_at(found, a) - found->action;
 }
 
 /* A conjugate point within the path is a way down, whether or not so few modes show it. */
@@ -88,18 +77,20 @@ static void write(struct diagnostics *d, const struct pk_least_action *found, co
                   double *lowest, size_t index_of_half)
 {
     const size_t m = found->n * found->modes, index = index_of(found, lambda);
-    diagnose_real(d, "action", found->action);
-    diagnose_real(d, "time", found->time);
-    diagnose_real(d, "slope", found->slope);
-    fprintf(d->file, ", \"minimum\": %s, \"index\": %zu, \"settled\": %s, \"modes\": %zu",
-            index ? "false" : "true", index, index == index_of_half ? "true" : "false",
-            found->modes);
-    numbers(d, "curvatures", lambda, m < SHOWN ? m : SHOWN);
-    numbers(d, "conjugate", found->conjugate,
-            found->n_conjugate < PK_CONJUGATE_MOST ? found->n_conjugate : PK_CONJUGATE_MOST);
-    neighbour(d, found, lowest, m);
-    diagnose_real(d, "expected", AMPLITUDE * AMPLITUDE * lambda[0] / 2);
-    fputs("}", d->file);
+    const size_t points = found->n_conjugate;
+    struct json *j = &d->json;
+    json_real(j, "action", found->action);
+    json_real(j, "time", found->time);
+    json_real(j, "slope", found->slope);
+    json_flag(j, "minimum", !index);
+    json_count(j, "index", index);
+    json_flag(j, "settled", index == index_of_half);
+    json_count(j, "modes", found->modes);
+    json_numbers(j, "curvatures", lambda, m < SHOWN ? m : SHOWN);
+    json_numbers(j, "conjugate", found->conjugate,
+                 points < PK_CONJUGATE_MOST ? points : PK_CONJUGATE_MOST);
+    json_real(j, "neighbour", neighbour(found, lowest, m));
+    json_real(j, "expected", AMPLITUDE * AMPLITUDE * lambda[0] / 2);
 }
 
 void diagnose_least_action(struct run *run, struct diagnostics *d)
@@ -140,19 +131,11 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
             *reason = 0;
         }
     }
-    if (diagnose_member(d, "least_action", x.status, reason))
+    if (diagnose_told(d, x.status, reason))
         write(d, &found, lambda, lambda + n * modes, half);
     pk_least_action_free(&found);
 }
 
 #else
-
-void diagnose_least_action(struct run *run, struct diagnostics *d)
-{
-    (void)run;
-    diagnose_member(d, "least_action", PK_REFUSED,
-                    "its eigenvalues are made by GSL, without which "
-                    "this was built");
-}
-
+DIAGNOSE_NEEDS_GSL(least_action)
 #endif

@@ -61,21 +61,18 @@ static void write_orbit(struct diagnostics *d, const struct bodies *b, const str
     const int round = !(x->size.first > (pk_real)ROUND);
     const pk_real periods = x->count > 1 ? (pk_real)(x->count - 1) : 0;
     const int turns = periods > 0 && !round;
-    fprintf(d->file, ", \"particles\": %zu", b->n);
-    diagnose_real(d, "k", x->lrl.k);
-    diagnose_real(d, "eccentricity", x->size.first);
-    fputs(", ", d->file);
-    report_numbers(d->file, "direction", direction, round ? 0 : 3);
-    diagnose_real(d, "varies", x->rate);
-    diagnose_real(d, "turned", round ? PK_INFINITY : x->lrl.angle);
-    diagnose_real(d, "rate", round ? PK_INFINITY : x->angle.cov / x->angle.var_t);
-    fprintf(d->file, ", \"pericentres\": %lu", round ? 0 : x->count);
-    diagnose_real(d, "period", turns ? (x->last_t - x->first_t) / periods : PK_INFINITY);
-    diagnose_real(d, "per_period",
-                  turns ? (x->last_angle - x->first_angle) / periods : PK_INFINITY);
-    fputs(", \"drift\": ", d->file);
-    report_drift(d->file, "eccentricity", &x->size);
-    fputs("}", d->file);
+    struct json *j = &d->json;
+    json_count(j, "particles", b->n);
+    json_real(j, "k", x->lrl.k);
+    json_real(j, "eccentricity", x->size.first);
+    json_numbers(j, "direction", direction, round ? 0 : 3);
+    json_real(j, "varies", x->rate);
+    json_real(j, "turned", round ? PK_INFINITY : x->lrl.angle);
+    json_real(j, "rate", round ? PK_INFINITY : x->angle.cov / x->angle.var_t);
+    json_count(j, "pericentres", round ? 0 : x->count);
+    json_real(j, "period", turns ? (x->last_t - x->first_t) / periods : PK_INFINITY);
+    json_real(j, "per_period", turns ? (x->last_angle - x->first_angle) / periods : PK_INFINITY);
+    report_drift(j, "drift", "eccentricity", &x->size);
 }
 
 void diagnose_lrl(struct run *run, struct diagnostics *d)
@@ -86,7 +83,7 @@ void diagnose_lrl(struct run *run, struct diagnostics *d)
     pk_real r[3], v[3], a[3];
     if (!bodies_begin(&b, run) || b.n > 2) {
         const char *several = "it is of one particle, or of two about each other";
-        diagnose_member(d, "lrl", PK_REFUSED, b.n > 2 ? several : BODIES_NONE);
+        diagnose_told(d, PK_REFUSED, b.n > 2 ? several : BODIES_NONE);
         return;
     }
     bodies_relative(&b, b.r, r);
@@ -107,9 +104,9 @@ void diagnose_lrl(struct run *run, struct diagnostics *d)
             speed * speed * distance > x.lrl.k)
             passage(&x, &b, 0);
         status = bodies_follow(&b, reason, sizeof reason);
-        if (diagnose_member(d, "lrl", status, reason))
+        if (diagnose_told(d, status, reason))
             write_orbit(d, &b, &x, direction);
     } else {
-        diagnose_member(d, "lrl", status, reason);
+        diagnose_told(d, status, reason);
     }
 }

@@ -91,19 +91,19 @@ void diagnose_lyapunov(struct run *run, struct diagnostics *d)
         pk_integrator_reason(&l.it, reason, sizeof reason);
     else
         strcpy(reason, pk_status_text(status));
-    if (diagnose_member(d, "lyapunov", status, reason)) {
+    if (diagnose_told(d, status, reason)) {
         pk_real error;
         const pk_real exponent = pk_lyapunov_exponent(&l, &error);
         const enum pk_motion motion = pk_lyapunov_motion(&l);
         if (motion == PK_CHAOTIC) /* leaving or not, round-off grows by it */
             d->exponent = (double)exponent;
-        diagnose_real(d, "exponent", exponent);
-        diagnose_real(d, "error", error);
-        diagnose_real(d, "megno", pk_lyapunov_megno(&l));
-        diagnose_real(d, "time", l.it.t);
         const int leaving = motion == PK_CHAOTIC && (excursion_leaves(&excursion, s) ||
                                                      !can_be_chaotic(run->problem.system));
-        fprintf(d->file, ", \"motion\": \"%s\"}", leaving ? "leaving" : motions[motion]);
+        json_real(&d->json, "exponent", exponent);
+        json_real(&d->json, "error", error);
+        json_real(&d->json, "megno", pk_lyapunov_megno(&l));
+        json_real(&d->json, "time", l.it.t);
+        json_text(&d->json, "motion", leaving ? "leaving" : motions[motion]);
     }
     pk_lyapunov_free(&l);
 }

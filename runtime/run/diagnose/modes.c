@@ -186,7 +186,7 @@ static enum fitness choose(struct modes *m)
     return best;
 }
 
-static void row(struct modes *m, FILE *file, double t, const double *q, const double *v, int first)
+static void row(struct modes *m, struct json *j, double t, const double *q, const double *v)
 {
     const struct pk_problem *problem = &m->run->problem;
     const size_t n = m->n, shown = n < MODES ? n : MODES;
@@ -204,45 +204,42 @@ static void row(struct modes *m, FILE *file, double t, const double *q, const do
     for (size_t k = 0; k < n; k++)
         sum += m->E[k];
     const double h = problem->system->energy(problem->params, t, q, v, NULL);
-    fputs(first ? "\n      [" : ",\n      [", file);
-    report_real(file, t);
-    fputs(", ", file);
-    report_real(file, sum);
-    fputs(", ", file);
-    report_real(file, h - *m->h - sum);
-    for (size_t k = 0; k < shown; k++) {
-        fputs(", ", file);
-        report_real(file, m->E[k]);
-    }
-    fputs("]", file);
+    json_open(j, NULL, '[');
+    json_real(j, NULL, t);
+    json_real(j, NULL, sum);
+    json_real(j, NULL, h - *m->h - sum);
+    for (size_t k = 0; k < shown; k++)
+        json_real(j, NULL, m->E[k]);
+    json_close(j, ']');
 }
 
 static void write_modes(struct modes *m, struct diagnostics *d)
 {
     const size_t n = m->n, shown = n < MODES ? n : MODES, width = 1 + 2 * n;
     const size_t rows = d->n_rows < ROWS ? d->n_rows : ROWS;
-    fputs(", ", d->file);
-    report_numbers(d->file, "equilibrium", m->q, n);
-    diagnose_real(d, "energy", *m->h);
-    fputs(", ", d->file);
-    report_numbers(d->file, "squares", m->squares, n);
-    fputs(", \"frequencies\": [", d->file);
-    for (size_t k = 0; k < n; k++) {
-        fputs(k ? ", " : "", d->file);
-        report_real(d->file, m->squares[k] < 0 ? PK_INFINITY : sqrt(m->squares[k]));
-    }
-    fputs("], \"shapes\": [", d->file);
+    struct json *j = &d->json;
+    json_numbers(j, "equilibrium", m->q, n);
+    json_real(j, "energy", *m->h);
+    json_numbers(j, "squares", m->squares, n);
+    json_open(j, "frequencies", '[');
+    for (size_t k = 0; k < n; k++)
+        json_real(j, NULL, m->squares[k] < 0 ? PK_INFINITY : sqrt(m->squares[k]));
+    json_close(j, ']');
+    json_open(j, "shapes", '[');
     for (size_t k = 0; k < shown; k++) {
-        fputs(k ? ",\n      {" : "{", d->file);
-        report_numbers(d->file, "shape", m->shapes + k * n, n);
-        fputs("}", d->file);
+        json_open(j, NULL, '{');
+        json_numbers(j, "shape", m->shapes + k * n, n);
+        json_close(j, '}');
     }
-    fprintf(d->file, "], \"modes\": %zu, \"left_out\": %zu, \"rows\": [", n, n - shown);
+    json_close(j, ']');
+    json_count(j, "modes", n);
+    json_count(j, "left_out", n - shown);
+    json_open(j, "rows", '[');
     for (size_t k = 0; k < rows; k++) {
         const double *x = d->rows + (rows > 1 ? k * (d->n_rows - 1) / (rows - 1) : 0) * width;
-        row(m, d->file, x[0], x + 1, x + 1 + n, k == 0);
+        row(m, j, x[0], x + 1, x + 1 + n);
     }
-    fputs("]}", d->file);
+    json_close(j, ']');
 }
 
 void diagnose_modes(struct run *run, struct diagnostics *d)
@@ -252,7 +249,7 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
     const size_t n = m.n;
     const char *reason = unfit(problem->system, n);
     if (reason) {
-        diagnose_member(d, "modes", PK_REFUSED, reason);
+        diagnose_told(d, PK_REFUSED, reason);
         return;
     }
     double *block = (double *)memory_take(&run->memory, 2 * n * n + 10 * n + 1, sizeof *block);
@@ -285,14 +282,9 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
         status = PK_REFUSED;
         reason = "where nothing pulls, next to the start, the coordinates themselves are singular";
     }
-    if (diagnose_member(d, "modes", status, reason))
+    if (diagnose_told(d, status, reason))
         write_modes(&m, d);
 }
 #else
-void diagnose_modes(struct run *run, struct diagnostics *d)
-{
-    (void)run;
-    diagnose_member(d, "modes", PK_REFUSED,
-                    "it needs the GNU Scientific Library, which is not here");
-}
+DIAGNOSE_NEEDS_GSL(modes)
 #endif

@@ -38,38 +38,41 @@ static void keep_row(struct run *run, const struct moment *at)
     memcpy(row + 1 + n, at->v, n * sizeof *row);
 }
 
-void diagnose_real(struct diagnostics *d, const char *key, pk_real x)
-{
-    fprintf(d->file, ", \"%s\": ", key);
-    report_real(d->file, x);
-}
-
 struct diagnostics *diagnose_open(struct run *run)
 {
     if (!run->diagnostics)
         run->diagnostics =
             (struct diagnostics *)memory_take(&run->memory, 1, sizeof *run->diagnostics);
     struct diagnostics *d = run->diagnostics;
-    d->file = run_text(run, &d->json);
+    d->json = (struct json){.file = run_text(run, &d->text)};
     d->run = run;
-    d->first = 1;
     d->all = run->settings.diagnose == DIAGNOSE_ALL;
+    json_open(&d->json, NULL, '{');
     return d;
 }
 
-int diagnose_member(struct diagnostics *d, const char *name, enum pk_status status,
-                    const char *reason)
+void diagnose_close(struct diagnostics *d)
 {
-    fprintf(d->file, "%s\n    \"%s\": {\"status\": \"%s\", \"reason\": ", d->first ? "" : ",", name,
-            pk_status_name(status));
-    d->first = 0;
-    report_text(d->file, reason);
-    if (status >= 0)
-        return 1;
-    fputs("}", d->file);
-    if (d->run->control.stop) /* told once, by diagnose() */
-        return 0;
-    run_say(d->run, "diagnose %s: %s", name, reason);
+    json_close(&d->json, '}');
+    run_text_end(d->run);
+}
+
+void diagnose_one(struct diagnostics *d, const char *name,
+                  void (*make)(struct run *run, struct diagnostics *d))
+{
+    d->name = name;
+    json_open(&d->json, name, '{');
+    make(d->run, d);
+    json_close(&d->json, '}');
+}
+
+int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason)
+{
+    json_text(&d->json, "status", pk_status_name(status));
+    json_text(&d->json, "reason", reason);
+    if (status >= 0 || d->run->control.stop) /* which is told once, by diagnose_run() */
+        return status >= 0;
+    run_say(d->run, "diagnose %s: %s", d->name, reason);
     if (d->code == 0 && status == PK_REFUSED)
         d->code = d->all ? PK_RUN_DONE : PK_RUN_USAGE; /* of all, those that apply */
     else if (d->code == 0)
@@ -118,10 +121,10 @@ int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to)
     return kink;
 }
 
-void diagnose_report(const struct run *run, FILE *file)
+void diagnose_report(const struct run *run, struct json *j)
 {
-    if (run->diagnostics && run->diagnostics->json)
-        fprintf(file, ",\n  \"diagnostics\": {%s\n  }", run->diagnostics->json);
+    if (run->diagnostics && run->diagnostics->text)
+        json_raw(j, "diagnostics", run->diagnostics->text);
 }
 
 const struct observer diagnose_observer = {.row = keep_row, .report = diagnose_report};
@@ -129,5 +132,5 @@ const struct observer diagnose_observer = {.row = keep_row, .report = diagnose_r
 void diagnose_free(struct run *run)
 {
     if (run->diagnostics)
-        free(run->diagnostics->json);
+        free(run->diagnostics->text);
 }

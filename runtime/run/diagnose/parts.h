@@ -9,20 +9,29 @@
 struct diagnostics {
     pk_real *rows; /* t, q, v of each */
     size_t n_rows, capacity;
-    char *json;
-    FILE *file; /* of json while it is made */
+    char *text;       /* the object of all, */
+    struct json json; /* while it is made */
     struct run *run;
+    const char *name; /* of the one that is made */
     enum pk_run_code code;
-    int first, all;
+    int all;
     double exponent; /* by Lyapunov, if that says chaotic or leaving */
 };
 
-/* What is there, ready for members. */
+/* What is there, ready for members; and the object closed. */
 struct diagnostics *diagnose_open(struct run *run);
-/* Opens a member, with how it went. 1 where its numbers are to follow; then it is still open. */
-int diagnose_member(struct diagnostics *d, const char *name, enum pk_status status,
-                    const char *reason);
-void diagnose_real(struct diagnostics *d, const char *key, pk_real x);
+void diagnose_close(struct diagnostics *d);
+/* A member, made by make(): its keys, status and reason first. */
+void diagnose_one(struct diagnostics *d, const char *name,
+                  void (*make)(struct run *run, struct diagnostics *d));
+/* How it went. 1 where its numbers are to follow, in d->json. */
+int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason);
+#define DIAGNOSE_NEEDS_GSL(name)                                                                \
+    void diagnose_##name(struct run *run, struct diagnostics *d)                                \
+    {                                                                                           \
+        (void)run;                                                                              \
+        diagnose_told(d, PK_REFUSED, "it needs the GNU Scientific Library, which is not here"); \
+    }
 
 /* Why (q, p) are not coordinates and their momenta, free of each other; or NULL. */
 const char *diagnose_not_free(const struct pk_system *system);

@@ -24,24 +24,19 @@ void diagnose_reversal(struct run *run, struct diagnostics *d)
         pk_integrator_reason(&it, reason, sizeof reason);
     else
         strcpy(reason, pk_status_text(status));
-    if (diagnose_member(d, "reversal", status, reason)) {
-        diagnose_real(d, "threshold", r.threshold);
-        fprintf(d->file, ", \"symmetric\": %s, \"lost\": %s",
-                s->method->traits & PK_SYMMETRIC ? "true" : "false", r.passed ? "true" : "false");
-        diagnose_real(d, "horizon_lo", r.horizon_lo);
-        diagnose_real(d, "horizon_hi", r.passed ? r.horizon_hi : PK_INFINITY);
-        diagnose_real(d, "predicted",
-                      d->exponent > 0 ? PK_F(log)(r.threshold / PK_EPSILON) / (pk_real)d->exponent
-                                      : PK_INFINITY);
-        fputs(", \"times\": [", d->file);
-        for (size_t i = 0; i < r.count; i++) {
-            fputs(i ? ", [" : "[", d->file);
-            report_real(d->file, r.at[i].t);
-            fputs(", ", d->file);
-            report_real(d->file, r.at[i].error);
-            fputs("]", d->file);
-        }
-        fputs("]}", d->file);
+    if (diagnose_told(d, status, reason)) {
+        struct json *j = &d->json;
+        const pk_real digits = PK_F(log)(r.threshold / PK_EPSILON);
+        json_real(j, "threshold", r.threshold);
+        json_flag(j, "symmetric", (s->method->traits & PK_SYMMETRIC) != 0);
+        json_flag(j, "lost", r.passed);
+        json_real(j, "horizon_lo", r.horizon_lo);
+        json_real(j, "horizon_hi", r.passed ? r.horizon_hi : PK_INFINITY);
+        json_real(j, "predicted", d->exponent > 0 ? digits / (pk_real)d->exponent : PK_INFINITY);
+        json_open(j, "times", '[');
+        for (size_t i = 0; i < r.count; i++)
+            json_numbers(j, NULL, (const pk_real[]){r.at[i].t, r.at[i].error}, 2);
+        json_close(j, ']');
     }
     pk_integrator_free(&it);
 }

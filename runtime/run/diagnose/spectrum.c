@@ -6,13 +6,12 @@
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
-#endif
 
-#ifdef PK_WITH_GSL
 static void spectrum_lines(struct run *run, struct diagnostics *d, const struct pk_spectrum *s,
-                           size_t i, int first, size_t count, double dt)
+                           size_t i, size_t count, double dt)
 {
     const size_t width = 1 + 2 * run->settings.n;
+    struct json *j = &d->json;
     double away = 0, size = 0; /* from mean + rate t; of x */
     char name[128];
     for (size_t k = 0; k < count; k++) {
@@ -24,23 +23,24 @@ static void spectrum_lines(struct run *run, struct diagnostics *d, const struct 
     const size_t n = run->settings.n;
     pk_system_name(system, run->settings.params, i < n ? system->coordinates : system->rates,
                    i < n ? i : i - n, name, sizeof name);
-    fputs(!first ? ",\n      {\"name\": " : "\n      {\"name\": ", d->file);
-    report_text(d->file, name);
-    diagnose_real(d, "mean", s->mean);
-    diagnose_real(d, "rate", s->rate);
-    diagnose_real(d, "residual", s->residual);
-    diagnose_real(d, "away", size > 0 ? away / size : 0);
-    diagnose_real(d, "drifts", size > 0 ? fabs(s->rate) * dt * (double)count / size : 0);
-    fputs(", \"lines\": [", d->file);
+    json_open(j, NULL, '{');
+    json_text(j, "name", name);
+    json_real(j, "mean", s->mean);
+    json_real(j, "rate", s->rate);
+    json_real(j, "residual", s->residual);
+    json_real(j, "away", size > 0 ? away / size : 0);
+    json_real(j, "drifts", size > 0 ? fabs(s->rate) * dt * (double)count / size : 0);
+    json_open(j, "lines", '[');
     for (size_t k = 0; k < s->count; k++) {
-        fputs(k ? ", {\"frequency\": " : "{\"frequency\": ", d->file);
-        report_real(d->file, s->lines[k].frequency);
-        diagnose_real(d, "error", s->lines[k].error);
-        diagnose_real(d, "amplitude", s->lines[k].amplitude);
-        diagnose_real(d, "phase", s->lines[k].phase);
-        fputs("}", d->file);
+        json_open(j, NULL, '{');
+        json_real(j, "frequency", s->lines[k].frequency);
+        json_real(j, "error", s->lines[k].error);
+        json_real(j, "amplitude", s->lines[k].amplitude);
+        json_real(j, "phase", s->lines[k].phase);
+        json_close(j, '}');
     }
-    fputs("]}", d->file);
+    json_close(j, ']');
+    json_close(j, '}');
 }
 
 /* Where the i-th quantity is in (q, v): the coordinates, then the states. */
@@ -66,7 +66,7 @@ void diagnose_spectrum(struct run *run, struct diagnostics *d)
             snprintf(reason, sizeof reason,
                      "%zu rows at equal times; at least %d are needed: --every", count,
                      (int)PK_SPECTRUM_LEAST);
-        diagnose_member(d, "spectrum", PK_REFUSED, reason);
+        diagnose_told(d, PK_REFUSED, reason);
         return;
     }
     const size_t size = pk_gsl_spectrum_size(count);
@@ -82,22 +82,18 @@ void diagnose_spectrum(struct run *run, struct diagnostics *d)
         if (run_stopped(run, (double)i / (double)n))
             break;
     }
-    if (diagnose_member(d, "spectrum", status, pk_status_text(status))) {
-        fprintf(d->file, ", \"rows\": %zu", count);
-        diagnose_real(d, "interval", dt);
-        diagnose_real(d, "nyquist", found[0].nyquist);
-        diagnose_real(d, "resolution", found[0].resolution);
-        fputs(", \"coordinates\": [", d->file);
+    if (diagnose_told(d, status, pk_status_text(status))) {
+        struct json *j = &d->json;
+        json_count(j, "rows", count);
+        json_real(j, "interval", dt);
+        json_real(j, "nyquist", found[0].nyquist);
+        json_real(j, "resolution", found[0].resolution);
+        json_open(j, "coordinates", '[');
         for (size_t i = 0; i < n; i++)
-            spectrum_lines(run, d, &found[i], column(i, n, seen), i == 0, count, dt);
-        fputs("]}", d->file);
+            spectrum_lines(run, d, &found[i], column(i, n, seen), count, dt);
+        json_close(j, ']');
     }
 }
 #else
-void diagnose_spectrum(struct run *run, struct diagnostics *d)
-{
-    (void)run;
-    diagnose_member(d, "spectrum", PK_REFUSED,
-                    "it needs the GNU Scientific Library, which is not here");
-}
+DIAGNOSE_NEEDS_GSL(spectrum)
 #endif

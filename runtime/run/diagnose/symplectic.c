@@ -42,16 +42,16 @@ void diagnose_symplectic(struct run *run, struct diagnostics *d)
                  : diagnose_no_variation(system)
                      ? diagnose_no_variation(system)
                      : "steps of this method have no length of their own: take one of fixed steps";
-    if (diagnose_member(d, "symplectic", made ? PK_DONE : last, reason)) {
-        diagnose_real(d, "defect", most.defect);
-        diagnose_real(d, "volume", most.volume);
-        diagnose_real(d, "rounding", most.rounding);
-        diagnose_real(d, "step", most.h);
-        diagnose_real(d, "t", t);
-        fprintf(d->file,
-                ", \"states\": %zu, \"failed\": %zu, \"symplectic\": %s, "
-                "\"variational\": %s}",
-                made, states - made, most.defect <= most.rounding ? "true" : "false",
-                system->facts & PK_VARIATIONAL ? "true" : "false");
+    if (diagnose_told(d, made ? PK_DONE : last, reason)) {
+        struct json *j = &d->json;
+        json_real(j, "defect", most.defect);
+        json_real(j, "volume", most.volume);
+        json_real(j, "rounding", most.rounding);
+        json_real(j, "step", most.h);
+        json_real(j, "t", t);
+        json_count(j, "states", made);
+        json_count(j, "failed", states - made);
+        json_flag(j, "symplectic", most.defect <= most.rounding);
+        json_flag(j, "variational", (system->facts & PK_VARIATIONAL) != 0);
     }
 }

@@ -4,7 +4,6 @@
  */
 #include <errno.h>
 
-#include "../base/json.h"
 #include "../diagnose/area.h"
 #include "../diagnose/diagnose.h"
 #include "../look/drifts.h"
@@ -93,43 +92,38 @@ static void report(const struct run *run, const struct batch *b, const struct ta
                    FILE *file)
 {
     const struct settings *s = &run->settings;
-    fputs("{\n  \"model\": ", file);
-    report_text(file, b->system->name);
-    fputs(",\n  \"source_hash\": ", file);
-    report_text(file, b->system->source_hash);
-    fprintf(file, ",\n  \"method\": \"%s\",\n  \"order\": %d,\n  \"step\": ", s->method->name,
-            s->method->order);
-    if (member_fixed(s))
-        report_real(file, s->options.h);
-    else
-        fputs("null", file);
-    fprintf(file,
-            ",\n  \"members\": %zu,\n  \"done\": %zu,\n  \"failed\": %zu,\n  \"first_failed\": ",
-            s->members, tally->done, tally->failed);
+    struct json json = {.file = file}, *j = &json;
+    json_open(j, NULL, '{');
+    json_text(j, "model", b->system->name);
+    json_text(j, "source_hash", b->system->source_hash);
+    json_text(j, "method", s->method->name);
+    json_real(j, "order", s->method->order);
+    json_real(j, "step", member_fixed(s) ? s->options.h : PK_INFINITY);
+    json_count(j, "members", s->members);
+    json_count(j, "done", tally->done);
+    json_count(j, "failed", tally->failed);
     if (tally->failed) {
-        fprintf(file, "{\"member\": %ld, \"status\": \"%s\", \"text\": \"%s\", \"t\": ",
-                member_number(s, tally->first_failed), pk_status_name(tally->status),
-                pk_status_text(tally->status));
-        report_real(file, tally->t);
-        fputs("}", file);
+        json_open(j, "first_failed", '{');
+        json_real(j, "member", (pk_real)member_number(s, tally->first_failed));
+        json_text(j, "status", pk_status_name(tally->status));
+        json_text(j, "text", pk_status_text(tally->status));
+        json_real(j, "t", tally->t);
+        json_close(j, '}');
     } else {
-        fputs("null", file);
+        json_text(j, "first_failed", NULL);
     }
-    fprintf(file, ",\n  \"astray\": %zu,\n  \"first_astray\": ", tally->astray);
-    if (tally->astray)
-        fprintf(file, "%ld", member_number(s, tally->first_astray));
-    else
-        fputs("null", file);
-    fputs(",\n", file);
-    watched_report(tally, s, file);
-    expect_report(run, file);
-    fprintf(file,
-            "  \"interrupted\": %s,\n  \"whole\": %s,\n  \"rows\": %lu,\n"
-            "  \"threads\": %zu,\n  \"seconds\": %.6g",
-            run->interrupted ? "true" : "false", rows_whole(run) ? "true" : "false", run->rows,
-            b->threads, run->seconds);
-    diagnose_report(run, file);
-    fputs("\n}\n", file);
+    json_count(j, "astray", tally->astray);
+    json_real(j, "first_astray",
+              tally->astray ? (pk_real)member_number(s, tally->first_astray) : PK_INFINITY);
+    watched_report(tally, s, j);
+    expect_report(run, j);
+    json_flag(j, "interrupted", run->interrupted);
+    json_flag(j, "whole", rows_whole(run));
+    json_count(j, "rows", run->rows);
+    json_count(j, "threads", b->threads);
+    json_real(j, "seconds", (pk_real)run->seconds);
+    diagnose_report(run, j);
+    json_close(j, '}');
 }
 
 /* What may have ended members before the end. */

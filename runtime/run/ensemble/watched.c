@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../base/json.h"
 #include "../diagnose/area.h"
 #include "../look/expect.h"
 #include "../look/rows.h"
@@ -209,14 +208,6 @@ void watched_batch(const struct batch *b, struct run *run, size_t first, size_t 
     memory_drop(memory, runs);
 }
 
-static void report_kind(FILE *file, const struct tally *tally, size_t k, const char *name)
-{
-    fputs("\n    {\"name\": ", file);
-    report_text(file, name);
-    fprintf(file, ", \"count\": %lu, \"never\": %lu, \"doubts\": %lu", tally->crossings[k],
-            tally->never[k], tally->doubts[k]);
-}
-
 void watched_warn(struct run *run, const struct tally *tally)
 {
     const struct settings *s = &run->settings;
@@ -226,27 +217,31 @@ void watched_warn(struct run *run, const struct tally *tally)
                     tally->doubts[k], WATCH_TOO_OFTEN);
 }
 
-void watched_report(const struct tally *tally, const struct settings *s, FILE *file)
+/* `from` events or switches on. */
+static void report_kind(const struct tally *tally, const struct settings *s, struct json *j,
+                        const char *key, size_t from, size_t count)
 {
-    const size_t m = s->system->events.n;
+    json_open(j, key, '[');
+    for (size_t k = from; k < from + count; k++) {
+        json_open(j, NULL, '{');
+        json_text(j, "name", watch_name(s->system, k));
+        json_count(j, "count", tally->crossings[k]);
+        json_count(j, "never", tally->never[k]);
+        json_count(j, "doubts", tally->doubts[k]);
+        if (k < s->system->events.n)
+            json_flag(j, "stop", s->system->events.table[k].stop);
+        if (k < s->system->events.n && tally->first)
+            json_numbers(j, "first", tally->first + k * s->members, s->members);
+        json_close(j, '}');
+    }
+    json_close(j, ']');
+}
+
+void watched_report(const struct tally *tally, const struct settings *s, struct json *j)
+{
     if (!tally->crossings)
         return;
-    fprintf(file, "  \"first_member\": %ld,\n  \"events\": [", member_number(s, 0));
-    for (size_t k = 0; k < m; k++) {
-        fputs(k ? "," : "", file);
-        report_kind(file, tally, k, s->system->events.table[k].what.name);
-        fprintf(file, ", \"stop\": %s", s->system->events.table[k].stop ? "true" : "false");
-        if (tally->first) {
-            fputs(", ", file);
-            report_numbers(file, "first", tally->first + k * s->members, s->members);
-        }
-        fputs("}", file);
-    }
-    fputs("],\n  \"switches\": [", file);
-    for (size_t k = m; k < kinds(s); k++) {
-        fputs(k > m ? "," : "", file);
-        report_kind(file, tally, k, s->system->switches.names[k - m].name);
-        fputs("}", file);
-    }
-    fputs("],\n", file);
+    json_real(j, "first_member", (pk_real)member_number(s, 0));
+    report_kind(tally, s, j, "events", 0, s->system->events.n);
+    report_kind(tally, s, j, "switches", s->system->events.n, s->system->switches.n);
 }

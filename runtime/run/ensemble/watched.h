@@ -2,6 +2,7 @@
 #ifndef RUN_WATCHED_H
 #define RUN_WATCHED_H
 
+#include "../base/json.h"
 #include "members.h"
 
 /* What has become of the members. */
@@ -22,6 +23,6 @@ void watched_begin(struct tally *tally, struct run *run);
 void watched_batch(const struct batch *b, struct run *run, size_t first, size_t count,
                    struct tally *tally);
 void watched_warn(struct run *run, const struct tally *tally);
-void watched_report(const struct tally *tally, const struct settings *s, FILE *file);
+void watched_report(const struct tally *tally, const struct settings *s, struct json *j);
 
 #endif

@@ -1,7 +1,6 @@
 /* Drifts of what is constant: the energy, momenta of cyclic coordinates, the author's claims. */
 #include "drifts.h"
 
-#include "../base/json.h"
 #include "expect.h"
 #include "observer.h"
 
@@ -22,56 +21,39 @@ static void step(struct run *run, const struct moment *at)
         pk_monitor_update(&run->monitor, at->t, at->q, at->v);
 }
 
-void report_drift(FILE *file, const char *name, const struct pk_drift *drift)
+void report_drift(struct json *j, const char *key, const char *name, const struct pk_drift *drift)
 {
-    fputs("{\"name\": ", file);
-    report_text(file, name);
-    fputs(", \"max\": ", file);
-    report_real(file, pk_drift_max(drift));
-    fputs(", \"final\": ", file);
-    report_real(file, pk_drift_final(drift));
-    fputs(", \"slope\": ", file);
-    report_real(file, pk_drift_slope(drift));
-    /* What the three are relative to: where it is round-off, so is the drift. */
-    fputs(", \"scale\": ", file);
-    report_real(file, drift->scale);
     pk_real exponent, spread;
     const enum pk_growth growth = pk_drift_growth(drift, &exponent, &spread);
-    fputs(", \"first\": ", file);
-    report_real(file, drift->first);
-    fputs(", \"exponent\": ", file);
-    report_real(file, exponent);
-    fputs(", \"spread\": ", file);
-    report_real(file, spread);
-    fputs(", \"growth\": ", file);
     /* That a drift grows no more does not make it small. */
     const int far = growth == PK_GROWTH_BOUNDED && pk_drift_max(drift) > LARGE;
-    report_text(file, far ? "off by more than a tenth" : pk_growth_text(growth));
-    fputs("}", file);
+    json_open(j, key, '{');
+    json_text(j, "name", name);
+    json_real(j, "max", pk_drift_max(drift));
+    json_real(j, "final", pk_drift_final(drift));
+    json_real(j, "slope", pk_drift_slope(drift));
+    /* What the three are relative to: where it is round-off, so is the drift. */
+    json_real(j, "scale", drift->scale);
+    json_real(j, "first", drift->first);
+    json_real(j, "exponent", exponent);
+    json_real(j, "spread", spread);
+    json_text(j, "growth", far ? "off by more than a tenth" : pk_growth_text(growth));
+    json_close(j, '}');
 }
 
-static void report(const struct run *run, FILE *file)
+static void report(const struct run *run, struct json *j)
 {
     const struct pk_system *system = run->problem.system;
     const struct pk_monitor *m = &run->monitor;
-    int first = 1;
-    fputs("  \"drifts\": [", file);
-    if (m->has_energy) {
-        report_drift(file, "energy", &m->energy);
-        first = 0;
-    }
+    json_open(j, "drifts", '[');
+    if (m->has_energy)
+        report_drift(j, NULL, "energy", &m->energy);
     for (size_t i = 0; m->momenta && i < run->settings.n; i++)
-        if (system->cyclic && system->cyclic[i]) {
-            fputs(first ? "" : ", ", file);
-            first = 0;
-            report_drift(file, system->momenta[i].name, &m->momenta[i]);
-        }
-    for (size_t i = 0; m->conserved && i < system->n_conserved; i++) {
-        fputs(first ? "" : ", ", file);
-        first = 0;
-        report_drift(file, system->conserved[i].name, &m->conserved[i]);
-    }
-    fputs("]", file);
+        if (system->cyclic && system->cyclic[i])
+            report_drift(j, NULL, system->momenta[i].name, &m->momenta[i]);
+    for (size_t i = 0; m->conserved && i < system->n_conserved; i++)
+        report_drift(j, NULL, system->conserved[i].name, &m->conserved[i]);
+    json_close(j, ']');
 }
 
 const struct observer drift_observer = {.step = step, .report = report};

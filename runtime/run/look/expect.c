@@ -3,7 +3,6 @@
 
 #include <math.h>
 
-#include "../base/json.h"
 #include "../settings/settings.h"
 #include "observer.h"
 #include "rows.h"
@@ -157,33 +156,31 @@ static void begin(struct run *run)
                                                sizeof *run->expected);
 }
 
-static void named_real(FILE *file, const char *key, pk_real x)
-{
-    fprintf(file, ", \"%s\": ", key);
-    report_real(file, x);
-}
-
-void expect_report(const struct run *run, FILE *file)
+void expect_report(const struct run *run, struct json *j)
 {
     const struct settings *s = &run->settings;
-    fputs("  \"expects\": [", file);
+    json_open(j, "expects", '[');
     for (size_t i = 0; i < s->n_expected; i++) {
         const struct expected *x = &s->expected[i];
-        fprintf(file, "%s\n    {\"count\": %lu, \"missed\": %lu, \"member\": %ld", i ? "," : "",
-                x->count, x->missed, member_number(s, x->member));
-        named_real(file, "value", x->value);
-        named_real(file, "bound", x->bound);
-        named_real(file, "within", x->allowed);
-        named_real(file, "t", x->t);
-        fputs("}", file);
+        json_open(j, NULL, '{');
+        json_count(j, "count", x->count);
+        json_count(j, "missed", x->missed);
+        json_real(j, "member", (pk_real)member_number(s, x->member));
+        json_real(j, "value", x->value);
+        json_real(j, "bound", x->bound);
+        json_real(j, "within", x->allowed);
+        json_real(j, "t", x->t);
+        json_close(j, '}');
     }
-    fputs("],\n  \"expect_drifts\": [", file);
+    json_close(j, ']');
+    json_open(j, "expect_drifts", '[');
     for (size_t i = 0; i < s->n_drifting; i++) {
-        fprintf(file, "%s{\"member\": %ld", i ? ", " : "", member_number(s, s->drifting[i].member));
-        named_real(file, "max", s->drifting[i].max);
-        fputs("}", file);
+        json_open(j, NULL, '{');
+        json_real(j, "member", (pk_real)member_number(s, s->drifting[i].member));
+        json_real(j, "max", s->drifting[i].max);
+        json_close(j, '}');
     }
-    fputs("],\n", file);
+    json_close(j, ']');
 }
 
 const struct observer expect_observer = {

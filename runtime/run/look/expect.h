@@ -4,6 +4,7 @@
 #ifndef RUN_EXPECT_H
 #define RUN_EXPECT_H
 
+#include "../base/json.h"
 #include "../base/state.h"
 
 /* The next time behind `from`, up to `limit`, at which something is expected. */
@@ -17,6 +18,6 @@ int expect_uses_h(const struct run *run);
 void expect_clear(struct settings *s);
 void expect_merge(struct settings *all, const struct settings *one);
 /* The members "expects" and "expect_drifts" of the report. */
-void expect_report(const struct run *run, FILE *file);
+void expect_report(const struct run *run, struct json *j);
 
 #endif

@@ -4,6 +4,7 @@
 #ifndef RUN_OBSERVER_H
 #define RUN_OBSERVER_H
 
+#include "../base/json.h"
 #include "../base/state.h"
 
 /* The functions that an observer has no use for are NULL. */
@@ -14,8 +15,8 @@ struct observer {
     /* Of an event, or behind these of a switch. */
     void (*event)(struct run *run, size_t event, const struct moment *at);
     void (*row)(struct run *run, const struct moment *at);
-    void (*end)(struct run *run);                      /* of one trajectory */
-    void (*report)(const struct run *run, FILE *file); /* members of the report, in JSON */
+    void (*end)(struct run *run);                          /* of one trajectory */
+    void (*report)(const struct run *run, struct json *j); /* members of the report, in JSON */
 };
 
 extern const struct observer watch_observer, rows_observer, expect_observer, drift_observer,

@@ -1,7 +1,6 @@
 /* Events of a run; see watch.h. */
 #include "watch.h"
 
-#include "../base/json.h"
 #include "observer.h"
 
 enum { FEW = 4 }; /* states, that say nothing: a stop at the event is one of them */
@@ -58,46 +57,45 @@ void watch_warn(struct run *run)
                     run->problem.system->events.table[k].what.name, (double)WATCH_NOISE);
 }
 
-static void report_times(FILE *file, const struct crossed *crossed)
-{
-    fprintf(file, ", \"doubts\": %lu, \"count\": %lu, \"times\": [", crossed->doubts,
-            crossed->count);
-    for (unsigned long i = 0; i < crossed->count && i < WATCH_TIMES; i++) {
-        fputs(i ? ", " : "", file);
-        report_real(file, crossed->t[i]);
-    }
-    fputs("]}", file);
-}
-
-static void report(const struct run *run, FILE *file)
+/* `from` events or switches on, by their times. */
+static void report_kind(const struct run *run, struct json *j, const char *key, size_t from,
+                        size_t count)
 {
     const struct pk_system *system = run->problem.system;
-    fputs("  \"events\": [", file);
-    for (size_t k = 0; run->crossed && k < system->events.n; k++) {
-        fprintf(file, "%s\n    {\"name\": ", k ? "," : "");
-        report_text(file, system->events.table[k].what.name);
-        fprintf(file, ", \"stop\": %s", system->events.table[k].stop ? "true" : "false");
-        report_times(file, &run->crossed[k]);
+    json_open(j, key, '[');
+    for (size_t k = from; run->crossed && k < from + count; k++) {
+        const struct crossed *crossed = &run->crossed[k];
+        json_open(j, NULL, '{');
+        json_text(j, "name", watch_name(system, k));
+        if (k < system->events.n)
+            json_flag(j, "stop", system->events.table[k].stop);
+        json_count(j, "doubts", crossed->doubts);
+        json_count(j, "count", crossed->count);
+        json_numbers(j, "times", crossed->t,
+                     crossed->count < WATCH_TIMES ? crossed->count : WATCH_TIMES);
+        json_close(j, '}');
     }
-    fputs("],\n  \"switches\": [", file);
-    for (size_t k = 0; run->crossed && k < system->switches.n; k++) {
-        fprintf(file, "%s\n    {\"name\": ", k ? "," : "");
-        report_text(file, system->switches.names[k].name);
-        report_times(file, &run->crossed[system->events.n + k]);
-    }
-    fprintf(file, "],\n  \"event_tries\": %lu,\n  \"passed_over\": [", run->events.tries);
+    json_close(j, ']');
+}
+
+static void report(const struct run *run, struct json *j)
+{
+    const struct pk_system *system = run->problem.system;
     const struct pk_integrator *it;
-    unsigned long listed = 0;
+    report_kind(run, j, "events", 0, system->events.n);
+    report_kind(run, j, "switches", system->events.n, system->switches.n);
+    json_count(j, "event_tries", run->events.tries);
+    json_open(j, "passed_over", '[');
     for (size_t k = 0; (it = integrator(run, k)) != NULL; k++) {
         if (!it->passed_over.count)
             continue;
-        fputs(listed++ ? ", {\"name\": " : "{\"name\": ", file);
-        report_text(file, it->problem.system->marks.names[it->passed_over.which].name);
-        fprintf(file, ", \"steps\": %lu, \"t\": ", it->passed_over.count);
-        report_real(file, it->passed_over.t);
-        fputs("}", file);
+        json_open(j, NULL, '{');
+        json_text(j, "name", it->problem.system->marks.names[it->passed_over.which].name);
+        json_count(j, "steps", it->passed_over.count);
+        json_real(j, "t", it->passed_over.t);
+        json_close(j, '}');
     }
-    fputs("],\n", file);
+    json_close(j, ']');
 }
 
 const struct observer watch_observer = {.event = note, .report = report};

@@ -1,5 +1,5 @@
-/* The methods, and their list, a line of JSON each: what each is and needs, and where its steps grow on
- * linear equations (pk/limits.h). A limit that is infinite is the word, one without an answer null.
+/* The methods, and their list in JSON: what each is and needs, and where its steps grow on linear
+ * equations (pk/limits.h). A limit that is infinite is the word, one without an answer null.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -7,7 +7,6 @@
 
 #include <string.h>
 
-#include "../base/json.h"
 #include "settings.h"
 
 #ifdef PK_WITH_GSL
@@ -15,6 +14,7 @@
 #endif
 
 enum { MOST_INTERVALS = 8 };
+#define ENDLESS PK_C(1e30)
 
 const struct pk_method *run_method_at(size_t index)
 {
@@ -36,54 +36,48 @@ const struct pk_method *run_method_find(const char *name)
     return NULL;
 }
 
-static void flags(FILE *file, unsigned set, const char *const *names, size_t count)
+static void flags(struct json *j, const char *key, unsigned set, const char *const *names,
+                  size_t count)
 {
-    int first = 1;
-    fputc('[', file);
+    json_open(j, key, '[');
     for (size_t i = 0; i < count; i++)
-        if (set & (1u << i)) {
-            fprintf(file, "%s\"%s\"", first ? "" : ", ", names[i]);
-            first = 0;
-        }
-    fputc(']', file);
+        if (set & (1u << i))
+            json_text(j, NULL, names[i]);
+    json_close(j, ']');
 }
 
-static void limit(FILE *file, pk_real x)
+static void limit(struct json *j, const char *key, pk_real x)
 {
-    if (x > PK_C(1e30))
-        fputs("\"infinite\"", file);
+    if (x > ENDLESS)
+        json_text(j, key, "infinite");
     else
-        report_real(file, x);
+        json_real(j, key, x);
 }
 
 /* Both limits, and [[from, to], ...] on the imaginary axis; the last one may have no end. */
-static void limits(FILE *file, const struct pk_method *method)
+static void limits(struct json *j, const struct pk_method *method)
 {
     pk_real found[2];
     int some = pk_method_growth(method, PK_AXIS_IMAGINARY, 0, found);
-    fputs("\"limits\": {\"imaginary\": ", file);
-    limit(file, some ? found[0] : PK_INFINITY - PK_INFINITY);
-    fputs(", \"real\": ", file);
-    limit(file, pk_method_limit(method, PK_AXIS_REAL));
-    fputs("}, \"growth\": [", file);
-    for (int i = 0; some && i < MOST_INTERVALS && found[0] < PK_C(1e30); i++) {
-        fputs(i ? ", [" : "[", file);
-        report_real(file, found[0]);
-        fputs(", ", file);
-        report_real(file, found[1]);
-        fputc(']', file);
-        some = found[1] < PK_C(1e30) &&
+    json_open(j, "limits", '{');
+    limit(j, "imaginary", some ? found[0] : PK_INFINITY - PK_INFINITY);
+    limit(j, "real", pk_method_limit(method, PK_AXIS_REAL));
+    json_close(j, '}');
+    json_open(j, "growth", '[');
+    for (int i = 0; some && i < MOST_INTERVALS && found[0] < ENDLESS; i++) {
+        json_numbers(j, NULL, found, 2);
+        some = found[1] < ENDLESS &&
                pk_method_growth(method, PK_AXIS_IMAGINARY, found[1] * (1 + PK_C(1e-9)), found);
     }
-    fputc(']', file);
+    json_close(j, ']');
 }
 
 const char *pk_run_methods(void)
 {
     static char *text; /* found once */
     size_t size;
-    FILE *file = text ? NULL : open_memstream(&text, &size);
-    if (!file)
+    struct json json = {.file = text ? NULL : open_memstream(&text, &size)}, *j = &json;
+    if (!json.file)
         return text;
     static const char *const traits[] = {"symplectic", "symmetric", "adaptive",  "implicit",
                                          "dense",      "jacobians", "linear",    "no_inputs",
@@ -91,20 +85,21 @@ const char *pk_run_methods(void)
     static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
                                         "separable",     "autonomous",    "conservative",
                                         "variational",   "smooth",        "affine"};
-    for (size_t i = 0; run_method_at(i); i++) {
-        const struct pk_method *m = run_method_at(i);
-        fprintf(file, "{\"name\": \"%s\", \"order\": %d, \"stages\": %d, \"dense_order\": %d, ",
-                m->name, m->order, m->stages, m->dense_order);
-        fputs("\"flags\": ", file);
-        flags(file, m->traits, traits, sizeof traits / sizeof *traits);
-        fputs(", \"requires\": ", file);
-        flags(file, m->needs, facts, sizeof facts / sizeof *facts);
-        fputs(", ", file);
-        limits(file, m);
-        fputs(", \"doc\": ", file);
-        report_text(file, m->doc);
-        fputs("}\n", file);
+    const struct pk_method *m;
+    json_open(j, NULL, '[');
+    for (size_t i = 0; (m = run_method_at(i)) != NULL; i++) {
+        json_open(j, NULL, '{');
+        json_text(j, "name", m->name);
+        json_real(j, "order", m->order);
+        json_real(j, "stages", m->stages);
+        json_real(j, "dense_order", m->dense_order);
+        flags(j, "flags", m->traits, traits, sizeof traits / sizeof *traits);
+        flags(j, "requires", m->needs, facts, sizeof facts / sizeof *facts);
+        limits(j, m);
+        json_text(j, "doc", m->doc);
+        json_close(j, '}');
     }
-    fclose(file);
+    json_close(j, ']');
+    fclose(json.file);
     return text;
 }

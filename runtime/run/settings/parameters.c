@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../base/json.h"
 #include "../base/numbers.h"
 
 enum { MOST_TOLD = 12 }; /* parameters */
@@ -71,17 +70,23 @@ void parameters_refused(FILE *file, const struct pk_system *system, const void *
     free(lo);
 }
 
+void json_parameters(struct json *j, const struct pk_system *system, const void *params)
+{
+    json_open(j, "parameters", '[');
+    for (size_t i = 0; i < system->n_parameters; i++) {
+        pk_real x;
+        memcpy(&x, (const char *)params + system->parameters[i].offset, sizeof x);
+        json_real(j, NULL, x);
+    }
+    json_close(j, ']');
+}
+
 void settings_tell(const struct settings *s, FILE *file)
 {
-    fputs("{\"parameters\": [", file);
-    for (size_t i = 0; i < s->system->n_parameters; i++) {
-        pk_real x;
-        memcpy(&x, (const char *)s->params + s->system->parameters[i].offset, sizeof x);
-        fputs(i ? ", " : "", file);
-        report_real(file, x);
-    }
-    fputs("]", file);
-    numbers_list(file, "q", s->q, pk_system_coordinates(s->system, s->params));
-    numbers_list(file, "v", s->v, s->n);
-    fputs("}\n", file);
+    struct json j = {.file = file};
+    json_open(&j, NULL, '{');
+    json_parameters(&j, s->system, s->params);
+    json_numbers(&j, "q", s->q, pk_system_coordinates(s->system, s->params));
+    json_numbers(&j, "v", s->v, s->n);
+    json_close(&j, '}');
 }

@@ -2,12 +2,14 @@
 #ifndef RUN_SETTINGS_H
 #define RUN_SETTINGS_H
 
+#include "../base/json.h"
 #include "../base/state.h"
 
 /* What was asked for, with parameters and starts computed; a code. */
 enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model,
                                const struct pk_run_settings *given);
-/* Parameters and start as they are in memory, one JSON object. */
+/* Parameters as they are in memory; with the start, one JSON object. */
+void json_parameters(struct json *j, const struct pk_system *system, const void *params);
 void settings_tell(const struct settings *s, FILE *file);
 /* Which parameter prepare() refused, its value and bounds; of what follows from all, their values.
  */

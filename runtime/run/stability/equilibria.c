@@ -43,23 +43,28 @@ static void clear_doubtful(struct stability *s, const double *q, const double *v
     }
 }
 
-static void print_modes(const struct stability *s, const struct modes *modes)
+static void print_modes(struct stability *s, const struct modes *modes)
 {
     const size_t n = s->n;
+    struct json *j = &s->out;
+    json_open(j, "modes", '[');
     for (size_t m = 0; m < modes->count; m++) {
-        fprintf(s->out, "%s{\"growth\": %.17g, \"frequency\": %.17g, ", m ? ", " : "",
-                modes->list[m].growth, modes->list[m].frequency);
-        report_numbers(s->out, "re", modes->shapes + m * 2 * n, n);
-        fputs(", ", s->out);
-        report_numbers(s->out, "im", modes->shapes + m * 2 * n + n, n);
-        fputs("}", s->out);
+        json_open(j, NULL, '{');
+        json_real(j, "growth", modes->list[m].growth);
+        json_real(j, "frequency", modes->list[m].frequency);
+        json_numbers(j, "re", modes->shapes + m * 2 * n, n);
+        json_numbers(j, "im", modes->shapes + m * 2 * n + n, n);
+        json_close(j, '}');
     }
+    json_close(j, ']');
 }
 
 static void print(struct stability *s, const struct pk_equilibria *found, struct modes *modes,
                   struct modes *beside)
 {
     const size_t n = s->n;
+    struct json *j = &s->out;
+    json_open(j, "equilibria", '[');
     for (size_t k = 0; k < found->count; k++) {
         double energy, vp, size;
         const double *q = found->q + k * n, *v = found->v + k * n;
@@ -67,16 +72,15 @@ static void print(struct stability *s, const struct pk_equilibria *found, struct
             pk_gsl_modes(&s->problem, q, v, modes->list, modes->shapes, &modes->count);
         clear_doubtful(s, q, v, found->doubt + k * n, modes, beside);
         stability_energies(s, 0, q, v, &energy, &vp, &size);
-        fputs(k ? ", {" : "{", s->out);
-        report_numbers(s->out, "q", q, n);
-        fputs(", ", s->out);
-        report_numbers(s->out, "v", v, n);
-        fputs(", \"energy\": ", s->out);
-        report_real(s->out, energy);
-        fprintf(s->out, ", \"status\": \"%s\", \"modes\": [", pk_status_name(solved));
+        json_open(j, NULL, '{');
+        json_numbers(j, "q", q, n);
+        json_numbers(j, "v", v, n);
+        json_real(j, "energy", energy);
+        json_text(j, "status", pk_status_name(solved));
         print_modes(s, modes);
-        fputs("]}", s->out);
+        json_close(j, '}');
     }
+    json_close(j, ']');
 }
 
 int stability_equilibria(struct stability *s, const struct pk_stability_question *x)
@@ -97,12 +101,12 @@ int stability_equilibria(struct stability *s, const struct pk_stability_question
         pk_gsl_equilibria(&s->problem, s->settings->q, s->settings->v, x->count, &found);
     for (size_t i = 0; i < n; i++)
         s->work[i] = found.turns[i];
-    fprintf(s->out, "{\"status\": \"%s\", \"failed\": %zu, \"singular\": %zu, \"more\": %s, ",
-            pk_status_name(status), found.failed, found.singular, found.more ? "true" : "false");
-    report_numbers(s->out, "turns", s->work, n);
-    fputs(", \"equilibria\": [", s->out);
+    json_text(&s->out, "status", pk_status_name(status));
+    json_count(&s->out, "failed", found.failed);
+    json_count(&s->out, "singular", found.singular);
+    json_flag(&s->out, "more", found.more);
+    json_numbers(&s->out, "turns", s->work, n);
     print(s, &found, &modes, &beside);
-    fputs("]}\n", s->out);
     return 1;
 }
 

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../settings/settings.h"
 #include "stability.h"
 
 enum { MOST_RECORDS = 4000000 };
@@ -108,19 +109,6 @@ static int leaves(const struct stability *s, double until, const double scales[3
     return away && (faster || turns_no_more(s, until));
 }
 
-static void print_parameters(const struct stability *s)
-{
-    const struct pk_system *system = s->problem.system;
-    fputs(", \"parameters\": [", s->out);
-    for (size_t i = 0; i < system->n_parameters; i++) {
-        double x;
-        memcpy(&x, (const char *)s->problem.params + system->parameters[i].offset, sizeof x);
-        fputs(i ? ", " : "", s->out);
-        report_real(s->out, x);
-    }
-    fputs("]", s->out);
-}
-
 static void begin(struct stability *s)
 {
     struct pk_options options = s->settings->options;
@@ -136,21 +124,18 @@ static void begin(struct stability *s)
     keep(s, 0, s->settings->q, s->settings->v);
 }
 
-static int print(const struct stability *s, double scale)
+static int print(struct stability *s, double scale)
 {
     const struct record *first = s->records, *last = first + s->n_records - 1;
-    fprintf(s->out, "{\"motion\": \"%s\", \"leaves\": %s, \"t\": %.17g, \"energy\": ",
-            s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE", s->leaves ? "true" : "false",
-            last->t);
-    report_real(s->out, first->energy);
-    fputs(", \"scale\": ", s->out);
-    report_real(s->out, scale);
-    fputs(", ", s->out);
-    report_numbers(s->out, "q", s->settings->q, s->n);
-    fputs(", ", s->out);
-    report_numbers(s->out, "v", s->settings->v, s->n);
-    print_parameters(s);
-    fputs("}\n", s->out);
+    struct json *j = &s->out;
+    json_text(j, "motion", s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE");
+    json_flag(j, "leaves", s->leaves);
+    json_real(j, "t", last->t);
+    json_real(j, "energy", first->energy);
+    json_real(j, "scale", scale);
+    json_numbers(j, "q", s->settings->q, s->n);
+    json_numbers(j, "v", s->settings->v, s->n);
+    json_parameters(j, s->problem.system, s->problem.params);
     return 1;
 }
 

@@ -184,13 +184,12 @@ int stability_near(struct stability *s, const struct pk_stability_question *x)
                          first);
         turn(s, &turning, it);
     }
-    fprintf(s->out,
-            "{\"near\": \"%s\", \"h\": %.17g, \"status\": \"%s\", \"steps\": %zu, \"growth\": ",
-            method->name, h, pk_status_name(status), turning.steps);
-    report_real(s->out, grown);
-    fputs(", \"turn\": ", s->out);
-    report_real(s->out, mean_turn(&turning));
-    fputs("}\n", s->out);
+    json_text(&s->out, "near", method->name);
+    json_real(&s->out, "h", h);
+    json_text(&s->out, "status", pk_status_name(status));
+    json_count(&s->out, "steps", turning.steps);
+    json_real(&s->out, "growth", grown);
+    json_real(&s->out, "turn", mean_turn(&turning));
     stability_end(s, it);
     memory_drop(&s->run->memory, weights);
     return 1;
@@ -223,10 +222,9 @@ int stability_leave(struct stability *s, const struct pk_stability_question *x)
     double rate = 0;
     if (it && (status = pk_integrator_to(it, until)) >= 0)
         rate = log(displacement(s, it->q) / first) / until;
-    fprintf(s->out, "{\"leave\": %zu, \"status\": \"%s\", \"rate\": ", from,
-            pk_status_name(status));
-    report_real(s->out, rate);
-    fputs("}\n", s->out);
+    json_count(&s->out, "leave", from);
+    json_text(&s->out, "status", pk_status_name(status));
+    json_real(&s->out, "rate", rate);
     stability_end(s, it);
     return 1;
 }

@@ -29,14 +29,11 @@ int stability_oscillator(struct stability *s, const struct pk_stability_question
     if (!(y > 0))
         return stability_wrong(s, "a step is positive");
     const enum pk_status status = pk_method_spring(method, x->stiffness, x->damping, y, map);
-    fprintf(s->out,
-            "{\"oscillator\": \"%s\", \"y\": %.17g, \"status\": \"%s\", \"growth\": ", method->name,
-            y, pk_status_name(status));
-    report_real(s->out, pk_map_growth(map));
-    fputs(", \"turn\": ", s->out);
-    report_real(s->out, rotation(map));
-    fputs(", \"trace\": ", s->out);
-    report_real(s->out, map[0] + map[3]);
-    fputs("}\n", s->out);
+    json_text(&s->out, "oscillator", method->name);
+    json_real(&s->out, "y", y);
+    json_text(&s->out, "status", pk_status_name(status));
+    json_real(&s->out, "growth", pk_map_growth(map));
+    json_real(&s->out, "turn", rotation(map));
+    json_real(&s->out, "trace", map[0] + map[3]);
     return 1;
 }

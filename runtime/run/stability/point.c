@@ -133,14 +133,13 @@ int stability_point(struct stability *s, const struct pk_stability_question *x)
         stability_begin(s, method, &options, s->settings->q, s->settings->v, &status);
     if (it)
         status = classify(s, it, steps, &e, &motion, &class);
-    fprintf(s->out,
-            "{\"point\": \"%s\", \"h\": %.17g, \"class\": \"%s\", \"status\": \"%s\", "
-            "\"steps\": %lu, \"rise\": ",
-            method->name, h, status < 0 ? failure(status) : class, pk_status_name(status), e.steps);
-    report_real(s->out, e.rise / motion.scale);
-    fputs(", \"away\": ", s->out);
-    report_real(s->out, e.away / motion.scale);
-    fputs("}\n", s->out);
+    json_text(&s->out, "point", method->name);
+    json_real(&s->out, "h", h);
+    json_text(&s->out, "class", status < 0 ? failure(status) : class);
+    json_text(&s->out, "status", pk_status_name(status));
+    json_count(&s->out, "steps", e.steps);
+    json_real(&s->out, "rise", e.rise / motion.scale);
+    json_real(&s->out, "away", e.away / motion.scale);
     stability_end(s, it);
     return 1;
 }

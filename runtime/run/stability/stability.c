@@ -64,8 +64,10 @@ static void answer(void *context)
     for (size_t i = 0; i < sizeof answers / sizeof *answers; i++) {
         if (strcmp(answers[i].what, asked->what) != 0)
             continue;
-        s->out = run_text(s->run, &s->answer);
+        s->out = (struct json){.file = run_text(s->run, &s->answer)};
+        json_open(&s->out, NULL, '{');
         asked->good = answers[i].answer(s, asked->question);
+        json_close(&s->out, '}');
         return;
     }
     run_say(s->run, "cannot be asked: %s", asked->what);

@@ -19,9 +19,9 @@ struct stability {
     const struct settings *settings;
     struct pk_problem problem;
     size_t n;
-    FILE *out;    /* of the answer, which is in */
-    char *answer; /* of malloc() */
-    double *work; /* 4 n + 1: a start, p, pdot */
+    struct json out; /* of the answer, which is in */
+    char *answer;    /* of malloc() */
+    double *work;    /* 4 n + 1: a start, p, pdot */
     /* Of the start as an equilibrium, once they are asked for. */
     int has_modes;
     size_t n_modes;

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../base/json.h"
 #include "../look/drifts.h"
 #include "../look/expect.h"
 #include "../settings/settings.h"
@@ -177,28 +176,31 @@ void apart_integrate(struct run *run)
     observe_end(run);
 }
 
-void apart_report(const struct run *run, FILE *file)
+void apart_report(const struct run *run, struct json *j)
 {
     const struct pk_apart *a = &run->apart;
     if (!run->settings.parts)
         return;
-    fputs("  \"parts\": [", file);
+    json_open(j, "parts", '[');
     for (size_t k = 0; a->parts && k < a->count; k++) {
         const struct pk_apart_part *part = &a->parts[k];
         const struct pk_choice *c = &run->choices[k];
-        const int adaptive = (c->method->traits & PK_ADAPTIVE) != 0;
-        fprintf(file, "%s\n    {\"coordinates\": [", k ? "," : "");
-        for (size_t i = 0; i < part->of.system->n; i++) {
-            fputs(i ? ", " : "", file);
-            report_text(file, part->of.system->coordinates[i].name);
-        }
-        fprintf(file, "], \"method\": \"%s\", \"status\": \"%s\", \"t\": ", c->method->name,
-                pk_status_name(part->it.status));
-        report_real(file, part->it.t);
-        fputs(adaptive ? ", \"rtol\": " : ", \"step\": ", file);
-        report_real(file, adaptive ? c->options.rtol : c->options.h);
-        fprintf(file, ", \"steps\": %lu, \"rejections\": %lu, \"evaluations\": %lu}",
-                part->it.count.steps, part->it.count.rejections, part->it.count.evaluations);
+        json_open(j, NULL, '{');
+        json_open(j, "coordinates", '[');
+        for (size_t i = 0; i < part->of.system->n; i++)
+            json_text(j, NULL, part->of.system->coordinates[i].name);
+        json_close(j, ']');
+        json_text(j, "method", c->method->name);
+        json_text(j, "status", pk_status_name(part->it.status));
+        json_real(j, "t", part->it.t);
+        if (c->method->traits & PK_ADAPTIVE)
+            json_real(j, "rtol", c->options.rtol);
+        else
+            json_real(j, "step", c->options.h);
+        json_count(j, "steps", part->it.count.steps);
+        json_count(j, "rejections", part->it.count.rejections);
+        json_count(j, "evaluations", part->it.count.evaluations);
+        json_close(j, '}');
     }
-    fputs("],\n", file);
+    json_close(j, ']');
 }

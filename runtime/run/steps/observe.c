@@ -26,4 +26,4 @@ void observe_row(struct run *run, const struct moment *at) { EACH(row)(run, at);
 
 void observe_end(struct run *run) { EACH(end)(run); }
 
-void observe_report(const struct run *run, FILE *file) { EACH(report)(run, file); }
+void observe_report(const struct run *run, struct json *j) { EACH(report)(run, j); }

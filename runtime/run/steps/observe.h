@@ -9,6 +9,6 @@ void observe_step(struct run *run, const struct moment *at);
 void observe_crossing(struct run *run, size_t event, const struct moment *at);
 void observe_row(struct run *run, const struct moment *at);
 void observe_end(struct run *run);
-void observe_report(const struct run *run, FILE *file);
+void observe_report(const struct run *run, struct json *j);
 
 #endif
