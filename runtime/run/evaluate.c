@@ -1,8 +1,6 @@
 /* Kernels at many states in one call: the acceleration in lanes, da/dq and da/dv by the kernel
  * `linear` or, where the system has none, by central differences, good to some PK_EPSILON^(2/3).
  */
-#include <math.h>
-#include <string.h>
 
 #include <pk/linear.h>
 
@@ -153,7 +151,7 @@ size_t pk_run_width(const struct pk_run *of, const char *what)
 {
     int known;
     const enum what found = find(what, &known);
-    return known ? width(&((const struct run *)of)->settings, found) : 0;
+    return known ? width(&of->settings, found) : 0;
 }
 
 /* `count` numbers, NULL without memory. */
@@ -165,14 +163,13 @@ struct work {
 
 static void take(void *context)
 {
-    struct work *work = (struct work *)context;
-    work->found = (pk_real *)memory_take(work->memory, work->count, sizeof *work->found);
+    struct work *work = context;
+    work->found = memory_take(work->memory, work->count, sizeof *work->found);
 }
 
-size_t pk_run_evaluate(struct pk_run *of, const char *what, size_t count, const double *t,
+size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
                        const double *q, const double *v, double *out)
 {
-    struct run *run = (struct run *)of;
     const struct settings *s = &run->settings;
     int known;
     const enum what wanted = find(what, &known);

@@ -3,23 +3,15 @@
 
 #include <pk/stability.h>
 
-#include <errno.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "diagnose/diagnose.h"
 #include "ensemble/ensemble.h"
-#include "look/rows.h"
-#include "look/trust.h"
-#include "look/watch.h"
-#include "report.h"
+#include "look/look.h"
 #include "settings/settings.h"
-#include "steps/observe.h"
 #include "steps/steps.h"
 
 #define LAP_SECONDS 1e-3 /* so many runs that the clock's own cost is nothing */
 
-static void tell_failure(struct run *run)
+static void tell_failure(struct pk_run *run)
 {
     char reason[640];
     const char *name = run->settings.method->name;
@@ -30,7 +22,7 @@ static void tell_failure(struct run *run)
 }
 
 /* What there is to say of one trajectory, and the code. */
-static enum pk_run_code finish(struct run *run, enum pk_run_code code)
+static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
 {
     char reason[640];
     code = rows_end(run, code);
@@ -64,7 +56,7 @@ static enum pk_run_code finish(struct run *run, enum pk_run_code code)
 }
 
 /* What stands for rows that are wanted and that there are none of. */
-static void ends(struct run *run)
+static void ends(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_integrator *it = &run->it;
@@ -80,7 +72,7 @@ static void ends(struct run *run)
         observe_row(run, &now);
 }
 
-static enum pk_run_code one(struct run *run)
+static enum pk_run_code one(struct pk_run *run)
 {
     const double began = run_now(), processor = run->control.began = run_processor();
     enum pk_run_code code = run_begin(run);
@@ -97,7 +89,7 @@ static enum pk_run_code one(struct run *run)
 }
 
 struct asked {
-    struct run *run;
+    struct pk_run *run;
     const struct pk_run_model *model;
     const struct pk_run_settings *settings;
 };
@@ -105,8 +97,8 @@ struct asked {
 /* Settings, and where rows go. */
 static void take(void *context)
 {
-    const struct asked *asked = (const struct asked *)context;
-    struct run *run = asked->run;
+    const struct asked *asked = context;
+    struct pk_run *run = asked->run;
     run->code = settings_take(run, asked->model, asked->settings);
     if (run->code || asked->settings->csv < 0 || run_open(run, asked->settings->csv))
         return;
@@ -116,25 +108,24 @@ static void take(void *context)
 
 struct pk_run *pk_run_new(const struct pk_run_model *model, const struct pk_run_settings *settings)
 {
-    struct run *run = (struct run *)calloc(1, sizeof *run);
+    struct pk_run *run = calloc(1, sizeof *run);
     struct asked asked = {run, model, settings};
     if (run && memory_try(&run->memory, take, &asked))
-        return (struct pk_run *)run;
-    pk_run_free((struct pk_run *)run);
+        return run;
+    pk_run_free(run);
     return NULL;
 }
 
 static void go(void *context)
 {
-    struct run *run = (struct run *)context;
+    struct pk_run *run = context;
     run->code = run_settle(run);
     if (!run->code)
         run->code = run->settings.members ? ensemble_run(run) : one(run);
 }
 
-enum pk_run_code pk_run_go(struct pk_run *of)
+enum pk_run_code pk_run_go(struct pk_run *run)
 {
-    struct run *run = (struct run *)of;
     if (run->code || run->control.began > 0 || memory_try(&run->memory, go, run))
         return run->code;
     memory_end(&run->memory);
@@ -145,19 +136,17 @@ enum pk_run_code pk_run_go(struct pk_run *of)
     return run->code = PK_RUN_FAILED;
 }
 
-size_t pk_run_rows(const struct pk_run *of, const double **rows, const double **low,
+size_t pk_run_rows(const struct pk_run *run, const double **rows, const double **low,
                    size_t *columns)
 {
-    const struct run *run = (const struct run *)of;
     *rows = run->kept;
     *low = run->kept_low;
     *columns = 1 + run->settings.n_show + (run->settings.members > 0);
     return run->n_kept;
 }
 
-const char *pk_run_report(struct pk_run *of)
+const char *pk_run_report(struct pk_run *run)
 {
-    struct run *run = (struct run *)of;
     size_t size;
     const int known = run->report || !run->it.method; /* an ensemble has its own */
     FILE *file = known ? NULL : open_memstream(&run->report, &size);
@@ -168,9 +157,8 @@ const char *pk_run_report(struct pk_run *of)
     return run->report ? run->report : "{}";
 }
 
-const char *pk_run_given(struct pk_run *of)
+const char *pk_run_given(struct pk_run *run)
 {
-    struct run *run = (struct run *)of;
     size_t size;
     FILE *file = run->told ? NULL : open_memstream(&run->told, &size);
     if (file) {
@@ -180,14 +168,13 @@ const char *pk_run_given(struct pk_run *of)
     return run->told ? run->told : "{}";
 }
 
-const char *pk_run_messages(const struct pk_run *of)
+const char *pk_run_messages(const struct pk_run *run)
 {
-    const struct run *run = (const struct run *)of;
     const int none = run->code == PK_RUN_FAILED; /* who fails otherwise has said why */
     return run->said ? run->said : none ? "out of memory\n" : "";
 }
 
-int pk_run_refused(const struct pk_run *of) { return ((const struct run *)of)->refused; }
+int pk_run_refused(const struct pk_run *of) { return of->refused; }
 
 size_t pk_run_size(int which)
 {
@@ -199,9 +186,8 @@ size_t pk_run_size(int which)
 
 /* Laps are longer until the clock shows them: under a limit of CPU time it goes by ticks of
  * milliseconds. */
-double pk_run_laps(struct pk_run *of, double seconds)
+double pk_run_laps(struct pk_run *run, double seconds)
 {
-    struct run *run = (struct run *)of;
     const struct settings *s = &run->settings;
     unsigned long block = 1;
     double best = 0, total = 0;
@@ -222,9 +208,8 @@ double pk_run_laps(struct pk_run *of, double seconds)
     return best;
 }
 
-void pk_run_free(struct pk_run *of)
+void pk_run_free(struct pk_run *run)
 {
-    struct run *run = (struct run *)of;
     if (!run)
         return;
     run_end(run);

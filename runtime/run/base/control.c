@@ -30,7 +30,7 @@ int run_ending(void *context)
     return stops;
 }
 
-int run_stopped(struct run *run, double part)
+int run_stopped(struct pk_run *run, double part)
 {
     struct control *c = run->settings.control;
     c->stop |= stops;
@@ -49,7 +49,7 @@ int run_stopped(struct run *run, double part)
     return c->stop = c->poll(c->context, part) != 0;
 }
 
-int run_open(struct run *run, int fd)
+int run_open(struct pk_run *run, int fd)
 {
     const int own = dup(fd);
     run->out = own < 0 ? NULL : fdopen(own, "w");

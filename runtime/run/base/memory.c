@@ -6,8 +6,6 @@
 #include "state.h"
 
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 
 struct piece {
     struct piece *next, *before;
@@ -48,7 +46,7 @@ void *memory_take(struct memory *m, size_t count, size_t size)
     const size_t most = SIZE_MAX - sizeof(struct piece);
     struct piece *piece = NULL;
     if (!size || count <= most / size)
-        piece = (struct piece *)calloc(1, sizeof *piece + count * size);
+        piece = calloc(1, sizeof *piece + count * size);
     if (!piece)
         longjmp(m->none, 1);
     link_in(m, piece);
@@ -89,7 +87,7 @@ void memory_end(struct memory *m)
     m->pieces = NULL;
 }
 
-void run_say(struct run *run, const char *format, ...)
+void run_say(struct pk_run *run, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
@@ -98,14 +96,14 @@ void run_say(struct run *run, const char *format, ...)
     if (length < 0)
         return;
     const size_t had = run->said ? strlen(run->said) : 0;
-    run->said = (char *)memory_grow(&run->memory, run->said, had + (size_t)length + 2, 1);
+    run->said = memory_grow(&run->memory, run->said, had + (size_t)length + 2, 1);
     va_start(list, format);
     vsnprintf(run->said + had, (size_t)length + 1, format, list);
     va_end(list);
     strcpy(run->said + had + (size_t)length, "\n");
 }
 
-FILE *run_text(struct run *run, char **text)
+FILE *run_text(struct pk_run *run, char **text)
 {
     run->memory.text = open_memstream(text, &run->memory.text_size);
     if (!run->memory.text)
@@ -113,7 +111,7 @@ FILE *run_text(struct run *run, char **text)
     return run->memory.text;
 }
 
-void run_text_end(struct run *run)
+void run_text_end(struct pk_run *run)
 {
     if (run->memory.text)
         fclose(run->memory.text);

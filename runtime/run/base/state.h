@@ -2,16 +2,20 @@
 #ifndef RUN_STATE_H
 #define RUN_STATE_H
 
+#include <errno.h>
+#include <math.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <pk/pk.h>
 #include <pk/run.h>
 
-struct run;
+struct pk_run;
 
 /* Memory of a run, of memory.c: zeroed, or the run ends. */
 struct memory {
@@ -30,9 +34,9 @@ void memory_end(struct memory *m);
 #if defined __GNUC__
 __attribute__((format(printf, 2, 3)))
 #endif
-void run_say(struct run *run, const char *format, ...);
-FILE *run_text(struct run *run, char **text);
-void run_text_end(struct run *run);
+void run_say(struct pk_run *run, const char *format, ...);
+FILE *run_text(struct pk_run *run, char **text);
+void run_text_end(struct pk_run *run);
 
 /* By how much a relation was missed at the worst. */
 struct expected {
@@ -112,7 +116,7 @@ struct crossed {
     pk_real parts;        /* beside the largest contribution to it so far */
 };
 
-struct run {
+struct pk_run {
     struct settings settings;
     struct memory memory;
     struct control control;
@@ -163,7 +167,7 @@ struct run {
     struct loop *loop;               /* of members, for their area */
 };
 
-static inline int run_fixed(const struct run *run)
+static inline int run_fixed(const struct pk_run *run)
 {
     return !(run->settings.method->traits & PK_ADAPTIVE);
 }
@@ -172,9 +176,9 @@ static inline int run_fixed(const struct run *run)
 double run_now(void);
 double run_processor(void);
 /* Whether it is to stop: asks `poll` now and then. */
-int run_stopped(struct run *run, double part);
+int run_stopped(struct pk_run *run, double part);
 int run_ending(void *context); /* of pk_options.stop: whether all runs are to end */
 /* Rows go to this file descriptor as CSV; 0: they cannot, which errno tells. */
-int run_open(struct run *run, int fd);
+int run_open(struct pk_run *run, int fd);
 
 #endif

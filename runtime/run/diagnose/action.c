@@ -1,14 +1,12 @@
 /* The action of a run of one degree of freedom: at the start, and at rows, each at its energy and
  * with its t held. Where L depends on time slowly that is the adiabatic invariant.
  */
-#include <stdlib.h>
-#include <string.h>
 
 #include "parts.h"
 
 enum { ROWS = 200 };
 
-static struct pk_action action_at(struct run *run, pk_real t, const pk_real *q, const pk_real *v,
+static struct pk_action action_at(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v,
                                   pk_real *u)
 {
     struct pk_action found;
@@ -19,7 +17,7 @@ static struct pk_action action_at(struct run *run, pk_real t, const pk_real *q, 
 }
 
 /* Rows of [t, J, T] as long as the orbit is of the kind that it began as. */
-static void rows(struct run *run, struct diagnostics *d, enum pk_orbit orbit, pk_real *u)
+static void rows(struct pk_run *run, struct diagnostics *d, enum pk_orbit orbit, pk_real *u)
 {
     const size_t count = d->n_rows < ROWS ? d->n_rows : ROWS;
     struct json *j = &d->json;
@@ -45,10 +43,10 @@ static void rows(struct run *run, struct diagnostics *d, enum pk_orbit orbit, pk
     report_drift(j, "drift", "action", &drift);
 }
 
-void diagnose_action(struct run *run, struct diagnostics *d)
+void diagnose_action(struct pk_run *run, struct diagnostics *d)
 {
     const struct settings *s = &run->settings;
-    pk_real *u = (pk_real *)memory_take(&run->memory, run->problem.system->n_inputs, sizeof *u);
+    pk_real *u = memory_take(&run->memory, run->problem.system->n_inputs, sizeof *u);
     const struct pk_action found = action_at(run, 0, s->q, s->v, u);
     const int periodic = found.orbit <= PK_ORBIT_ROTATION;
     const int turns = found.orbit == PK_ORBIT_ROTATION;

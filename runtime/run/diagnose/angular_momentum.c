@@ -1,9 +1,6 @@
 /* Angular momentum of a run's particles, and whether the model conserves it: by its torque. */
 #include "bodies.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 struct turning {
     struct pk_drift drift[2][3]; /* about the origin, about the centre of mass */
     pk_real first[2][3], last[2][3], torque[2], arm[2];
@@ -12,7 +9,7 @@ struct turning {
 
 static void turn(void *context, struct bodies *b, pk_real t)
 {
-    struct turning *x = (struct turning *)context;
+    struct turning *x = context;
     for (int centre = 0; centre < 2; centre++) {
         pk_real size, torque[3];
         pk_angular_momentum(b->n, b->m, b->r, b->v, centre, x->last[centre], &size);
@@ -49,7 +46,7 @@ static void about(struct json *j, const char *key, const struct turning *x, int 
     json_close(j, '}');
 }
 
-void diagnose_angular_momentum(struct run *run, struct diagnostics *d)
+void diagnose_angular_momentum(struct pk_run *run, struct diagnostics *d)
 {
     struct bodies b;
     struct turning x = {0};

@@ -3,18 +3,15 @@
  */
 #include "area.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 #include "diagnose.h"
-#include "../look/observer.h"
+#include "../look/look.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
 
 static const double BYTES = 2147483648.0; /* of q and p at all rows */
 
-static enum pk_run_code refuse(struct run *run, const char *why)
+static enum pk_run_code refuse(struct pk_run *run, const char *why)
 {
     run_say(run, "diagnose area: %s", why);
     return PK_RUN_USAGE;
@@ -39,7 +36,7 @@ static const char *unfit(const struct settings *s, size_t n)
     return NULL;
 }
 
-enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count)
+enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count)
 {
     const struct settings *s = &run->settings;
     const size_t n = pk_system_coordinates(run->settings.system, s->params);
@@ -51,22 +48,22 @@ enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count)
     if (16.0 * (double)s->members * (double)(count + 1) * (double)n > BYTES)
         return refuse(run,
                       "so many rows of so many members take more than 2 GB: record less often");
-    struct loop *l = (struct loop *)memory_take(&run->memory, 1, sizeof *l);
+    struct loop *l = memory_take(&run->memory, 1, sizeof *l);
     l->members = s->members;
     l->rows = count + 1;
     l->n = n;
     l->whole = s->n;
-    l->x = (double *)memory_take(&run->memory, 2 * l->rows * n * l->members, sizeof *l->x);
-    l->t = (double *)memory_take(&run->memory, l->rows, sizeof *l->t);
-    l->came = (size_t *)memory_take(&run->memory, l->members, sizeof *l->came);
-    l->work = (pk_real *)memory_take(&run->memory, 2 * l->whole * l->members, sizeof *l->work);
+    l->x = memory_take(&run->memory, 2 * l->rows * n * l->members, sizeof *l->x);
+    l->t = memory_take(&run->memory, l->rows, sizeof *l->t);
+    l->came = memory_take(&run->memory, l->members, sizeof *l->came);
+    l->work = memory_take(&run->memory, 2 * l->whole * l->members, sizeof *l->work);
     for (size_t k = 0; k < count; k++)
         l->t[k + 1] = (double)t[k];
     run->loop = l;
     return PK_RUN_DONE;
 }
 
-void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v)
 {
     struct loop *l = run->loop;
     if (!l)
@@ -85,7 +82,7 @@ void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
     l->came[member]++;
 }
 #else
-enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count)
+enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count)
 {
     (void)t, (void)count;
     if (!(run->settings.diagnose & DIAGNOSE_AREA))
@@ -93,13 +90,13 @@ enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count)
     run_say(run, "diagnose area: it needs the GNU Scientific Library, which is not here");
     return PK_RUN_USAGE;
 }
-void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v)
+void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v)
 {
     (void)run, (void)t, (void)q, (void)v;
 }
 #endif
 
-static void row(struct run *run, const struct moment *at)
+static void row(struct pk_run *run, const struct moment *at)
 {
     if (!run->at_event)
         area_note(run, at->t, at->q, at->v);

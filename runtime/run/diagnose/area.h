@@ -16,11 +16,11 @@ struct loop {
 };
 
 /* Room for them at the start and `count` times; else the exit code. */
-enum pk_run_code area_begin(struct run *run, const pk_real *t, size_t count);
+enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count);
 /* A member's state, its parameters in the settings; kept where it is at the next of its rows. */
-void area_note(struct run *run, pk_real t, const pk_real *q, const pk_real *v);
+void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v);
 /* What came of it, as JSON for the report; returns the exit code, `code` unless it failed. */
-enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *gone);
+enum pk_run_code area_find(struct pk_run *run, enum pk_run_code code, const char *gone);
 
 /* Of one of them at one row, in member order. */
 static inline double *area_series(const struct loop *l, size_t row, size_t i, int momentum)

@@ -11,10 +11,6 @@
  */
 #include "area.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "../settings/settings.h"
 #include "parts.h"
 
@@ -85,14 +81,14 @@ static struct row row_of(const struct finding *f, size_t row)
 }
 
 /* Whether q_i and q_i + turn are the same place: p and its rate of some members, at a rate. */
-static int is_turn(struct run *run, size_t i, double turn)
+static int is_turn(struct pk_run *run, size_t i, double turn)
 {
     const struct loop *l = run->loop;
     const struct settings *s = &run->settings;
     const size_t n = l->whole;
     const char *unit = run->settings.system->coordinates ? run->settings.system->coordinates[i].unit
                                                          : NULL;
-    pk_real *q = (pk_real *)memory_take(&run->memory, 6 * n, sizeof *q), *v = q + n;
+    pk_real *q = memory_take(&run->memory, 6 * n, sizeof *q), *v = q + n;
     pk_real *p = v + n, *P = p + 2 * n; /* here and there, with their rates */
     int same = !unit || !*unit || strcmp(unit, "1") == 0 || strcmp(unit, "rad") == 0;
     for (size_t k = 0; k < 3 && same; k++) {
@@ -115,7 +111,7 @@ static int is_turn(struct run *run, size_t i, double turn)
 }
 
 /* By how much a coordinate of the starts is more after once round: an angle, by turns. */
-static double winding_of(struct run *run, size_t i)
+static double winding_of(struct pk_run *run, size_t i)
 {
     const size_t count = run->loop->members;
     const double *q = area_series(run->loop, 0, i, 0);
@@ -136,7 +132,7 @@ static struct ends ends_of(const double *x, size_t count, double winding)
 
 /* Why the starts are no loop, or 0. Weights are the larger of those now and a row later, for q or p
  * may be 0 for all members at the start; a series that is 0, or round-off, is not checked. */
-static int no_loop(const struct run *run, const struct finding *f, const struct ends *ends,
+static int no_loop(const struct pk_run *run, const struct finding *f, const struct ends *ends,
                    char *reason, size_t size)
 {
     const struct loop *l = f->l;
@@ -171,7 +167,7 @@ static int no_loop(const struct run *run, const struct finding *f, const struct 
 }
 
 /* All rows that members have in common; their series are overwritten. */
-static enum pk_status transform(struct run *run, struct finding *f)
+static enum pk_status transform(struct pk_run *run, struct finding *f)
 {
     const struct loop *l = f->l;
     for (size_t row = 0; row < f->common; row++) {
@@ -204,7 +200,7 @@ static const char *words_of(const struct finding *f, enum quality quality)
 }
 
 /* What has become of the members that are not at all rows; 0: all are. */
-static int parted(const struct run *run, const struct finding *f, char *text, size_t size)
+static int parted(const struct pk_run *run, const struct finding *f, char *text, size_t size)
 {
     const struct loop *l = f->l;
     size_t missing = 0, first = 0;
@@ -227,7 +223,7 @@ static int parted(const struct run *run, const struct finding *f, char *text, si
     return 1;
 }
 
-static void write_rows(struct run *run, struct diagnostics *d, const struct finding *f)
+static void write_rows(struct pk_run *run, struct diagnostics *d, const struct finding *f)
 {
     const struct loop *l = f->l;
     struct json *j = &d->json;
@@ -276,16 +272,16 @@ static size_t rows_of_all(const struct loop *l)
     return least;
 }
 
-static void find(struct run *run, struct diagnostics *d)
+static void find(struct pk_run *run, struct diagnostics *d)
 {
     struct loop *l = run->loop;
     struct finding f = {.l = l, .common = rows_of_all(l)};
     char reason[512] = "";
     f.smooth = (run->settings.system->facts & PK_SMOOTH) != 0;
     f.adaptive = !member_fixed(&run->settings);
-    f.winding = (double *)memory_take(&run->memory, l->n, sizeof *f.winding);
-    f.parts = (struct pk_loop_area *)memory_take(&run->memory, l->rows * l->n, sizeof *f.parts);
-    struct ends *ends = (struct ends *)memory_take(&run->memory, 2 * l->n, sizeof *ends);
+    f.winding = memory_take(&run->memory, l->n, sizeof *f.winding);
+    f.parts = memory_take(&run->memory, l->rows * l->n, sizeof *f.parts);
+    struct ends *ends = memory_take(&run->memory, 2 * l->n, sizeof *ends);
     enum pk_status status = f.common ? PK_DONE : PK_NOT_FINITE;
     for (size_t i = 0; i < l->n && status == PK_DONE; i++) {
         f.winding[i] = winding_of(run, i);
@@ -306,7 +302,7 @@ static void find(struct run *run, struct diagnostics *d)
         write_rows(run, d, &f);
 }
 
-enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *gone)
+enum pk_run_code area_find(struct pk_run *run, enum pk_run_code code, const char *gone)
 {
     if (!run->loop)
         return code;
@@ -317,7 +313,7 @@ enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *g
     return code ? code : d->code;
 }
 #else
-enum pk_run_code area_find(struct run *run, enum pk_run_code code, const char *gone)
+enum pk_run_code area_find(struct pk_run *run, enum pk_run_code code, const char *gone)
 {
     (void)run, (void)gone;
     return code;

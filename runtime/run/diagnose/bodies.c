@@ -3,9 +3,6 @@
  */
 #include "bodies.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 void bodies_relative(const struct bodies *b, const pk_real *x, pk_real *out)
 {
     for (size_t k = 0; k < 3; k++)
@@ -43,7 +40,7 @@ static void place(struct bodies *b, pk_real t, const pk_real *q, const pk_real *
 
 static int found(void *context, const struct pk_events *events)
 {
-    struct bodies *b = (struct bodies *)context;
+    struct bodies *b = context;
     place(b, events->t, events->q, events->v);
     b->pericentre(b->context, b, events->t);
     return 0;
@@ -85,7 +82,7 @@ enum pk_status bodies_follow(struct bodies *b, char *reason, size_t size)
     return status < 0 ? status : PK_DONE;
 }
 
-int bodies_begin(struct bodies *b, struct run *run)
+int bodies_begin(struct bodies *b, struct pk_run *run)
 {
     const struct pk_system *system = run->problem.system;
     memset(b, 0, sizeof *b);
@@ -97,8 +94,7 @@ int bodies_begin(struct bodies *b, struct run *run)
     b->system.events.n = 0;
     b->problem = run->problem;
     b->problem.system = &b->system;
-    b->m = (pk_real *)memory_take(&run->memory, 10 * b->n + run->settings.n + system->n_inputs,
-                                  sizeof *b->m);
+    b->m = memory_take(&run->memory, 10 * b->n + run->settings.n + system->n_inputs, sizeof *b->m);
     b->r = b->m + b->n;
     b->v = b->r + 3 * b->n;
     b->a = b->v + 3 * b->n;

@@ -10,7 +10,7 @@
 
 /* The particles at a state. */
 struct bodies {
-    struct run *run;
+    struct pk_run *run;
     struct pk_system system; /* the model's, with the event `pericentre` alone, if any */
     struct pk_problem problem;
     size_t n;
@@ -23,7 +23,7 @@ struct bodies {
 };
 
 /* At the start. 0: there are none. */
-int bodies_begin(struct bodies *b, struct run *run);
+int bodies_begin(struct bodies *b, struct pk_run *run);
 /* Through all steps, as far as the run came. */
 enum pk_status bodies_follow(struct bodies *b, char *reason, size_t size);
 /* Of the second from the first of two; of one from the origin. And r.r' of these. */

@@ -1,6 +1,4 @@
 /* The diagnostics of a run, in order; see diagnose.h. */
-#include <stdlib.h>
-#include <string.h>
 
 #include "parts.h"
 
@@ -8,7 +6,7 @@
 static const struct {
     const char *name;
     unsigned flag;
-    void (*make)(struct run *run, struct diagnostics *d); /* in this order */
+    void (*make)(struct pk_run *run, struct diagnostics *d); /* in this order */
 } names[] = {DIAGNOSTICS(ROW){"all", DIAGNOSE_ALL, NULL},
              {"area", DIAGNOSE_AREA, NULL}}; /* see diagnose_area.h */
 
@@ -22,11 +20,11 @@ unsigned pk_run_diagnostic(const char *name)
 
 static int stop(void *context)
 {
-    struct run *run = (struct run *)context;
+    struct pk_run *run = context;
     return run_stopped(run, 1);
 }
 
-enum pk_run_code diagnose_run(struct run *run, enum pk_run_code code)
+enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code)
 {
     const unsigned wanted = run->settings.diagnose;
     if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0 ||

@@ -17,9 +17,9 @@ enum {
 
 /* Makes what the settings ask for and keeps it as JSON for the report; messages too.
  * The code, `code` unless a diagnostic failed. */
-enum pk_run_code diagnose_run(struct run *run, enum pk_run_code code);
+enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code);
 /* The member "diagnostics", or nothing. */
-void diagnose_report(const struct run *run, struct json *j);
-void diagnose_free(struct run *run);
+void diagnose_report(const struct pk_run *run, struct json *j);
+void diagnose_free(struct pk_run *run);
 
 #endif

@@ -1,13 +1,10 @@
 /* Hamilton's principle of a run: whether its action is a minimum among neighbours with the same
  * ends, and where conjugate points end that. Panels are doubled until the action has settled.
  */
-#include <stdlib.h>
-#include <string.h>
 
 #include "parts.h"
 
 #ifdef PK_WITH_GSL
-#include <math.h>
 
 #include <pk/gsl.h>
 
@@ -25,7 +22,7 @@ struct stage {
     enum pk_status status;
 };
 
-static void renew(struct stage *x, struct run *run, size_t panels, size_t modes)
+static void renew(struct stage *x, struct pk_run *run, size_t panels, size_t modes)
 {
     const struct settings *s = &run->settings;
     const size_t size = pk_least_action_size(&run->problem, s->method, panels, modes);
@@ -36,7 +33,7 @@ static void renew(struct stage *x, struct run *run, size_t panels, size_t modes)
 }
 
 /* With panels, each at most half a wave of the shortest mode, until the action has settled. */
-static void integrate(struct stage *x, struct run *run, size_t modes)
+static void integrate(struct stage *x, struct pk_run *run, size_t modes)
 {
     const size_t least = modes > PANELS ? modes : PANELS;
     double before = 0;
@@ -93,7 +90,7 @@ static void write(struct diagnostics *d, const struct pk_least_action *found, co
     json_real(j, "expected", AMPLITUDE * AMPLITUDE * lambda[0] / 2);
 }
 
-void diagnose_least_action(struct run *run, struct diagnostics *d)
+void diagnose_least_action(struct pk_run *run, struct diagnostics *d)
 {
     const struct pk_system *system = run->problem.system;
     const size_t n = run->settings.n;
@@ -119,7 +116,7 @@ void diagnose_least_action(struct run *run, struct diagnostics *d)
         strcpy(reason, pk_status_text(x.status));
         if (x.status < 0 && found.it.method)
             pk_integrator_reason(&found.it, reason, sizeof reason);
-        lambda = (double *)memory_take(&run->memory, 2 * m, sizeof *lambda);
+        lambda = memory_take(&run->memory, 2 * m, sizeof *lambda);
         if (x.status >= 0)
             x.status = pk_gsl_least_action(&found, modes / 2, lambda, NULL);
         half = x.status < 0 ? 0 : negative(lambda, n * (modes / 2));

@@ -1,9 +1,6 @@
 /* The vector of Laplace, Runge and Lenz along a run, and how far the pericentre turns. */
 #include "bodies.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 static const double ROUND = 1e-8; /* an eccentricity of rounding: the orbit has no direction */
 static const double AGAIN = 1e-6; /* of r/r': the passage of the start, found a rounding later */
 
@@ -31,7 +28,7 @@ static void update(struct apsides *x, struct bodies *b)
 
 static void orbit(void *context, struct bodies *b, pk_real t)
 {
-    struct apsides *x = (struct apsides *)context;
+    struct apsides *x = context;
     update(x, b);
     pk_drift_update(&x->size, t, x->lrl.eccentricity);
     pk_drift_update(&x->angle, t, x->lrl.angle);
@@ -40,7 +37,7 @@ static void orbit(void *context, struct bodies *b, pk_real t)
 
 static void passage(void *context, struct bodies *b, pk_real t)
 {
-    struct apsides *x = (struct apsides *)context;
+    struct apsides *x = context;
     pk_real r[3], v[3];
     bodies_relative(b, b->r, r);
     bodies_relative(b, b->v, v);
@@ -75,7 +72,7 @@ static void write_orbit(struct diagnostics *d, const struct bodies *b, const str
     report_drift(j, "drift", "eccentricity", &x->size);
 }
 
-void diagnose_lrl(struct run *run, struct diagnostics *d)
+void diagnose_lrl(struct pk_run *run, struct diagnostics *d)
 {
     struct bodies b;
     struct apsides x = {0};

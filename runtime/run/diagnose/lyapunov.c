@@ -6,8 +6,6 @@
  * two states, without explicit time cannot be chaotic: orbits are curves in a plane (Poincare and
  * Bendixson).
  */
-#include <stdlib.h>
-#include <string.h>
 
 #include "parts.h"
 
@@ -24,7 +22,7 @@ struct excursion {
 static void excursion_begin(struct excursion *e, struct memory *memory, size_t n)
 {
     e->count = 2 * n;
-    e->most[0] = (pk_real *)memory_take(memory, 2 * e->count, sizeof(pk_real));
+    e->most[0] = memory_take(memory, 2 * e->count, sizeof(pk_real));
     e->most[1] = e->most[0] + e->count;
 }
 
@@ -61,7 +59,7 @@ static int can_be_chaotic(const struct pk_system *system)
     return dimension > 2 || system->families.count || !(system->facts & PK_AUTONOMOUS);
 }
 
-void diagnose_lyapunov(struct run *run, struct diagnostics *d)
+void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
 {
     static const char *const motions[] = {"regular", "chaotic", "undecided"};
     struct excursion excursion;

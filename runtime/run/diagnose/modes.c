@@ -4,9 +4,6 @@
  * motion's energy, of those the nearest to which the way is nowhere higher, else the nearest; and
  * where none was found the nearest equilibrium of all, which is unstable.
  */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "parts.h"
 
@@ -19,7 +16,7 @@ enum { MOST = 256, ROWS = 200, MODES = 64, PLACES = 16, TRIES = 100, FEW = 8, WA
 static const double PART = 1e-6; /* of the way to the start */
 
 struct modes {
-    struct run *run;
+    struct pk_run *run;
     size_t n;
     double *q, *p, *h, *M, *squares, *shapes, *E, *x, *work; /* q, p, h: of the equilibrium */
     unsigned char *turns; /* whether q_i + 2 pi is the same place as q_i */
@@ -167,13 +164,13 @@ static enum fitness consider(struct modes *m, double *q, enum fitness best)
  * around. */
 static enum fitness choose(struct modes *m)
 {
-    struct run *run = m->run;
+    struct pk_run *run = m->run;
     const struct settings *s = &run->settings;
     struct pk_system still = *run->problem.system;
     struct pk_problem problem = run->problem;
-    double *q = (double *)memory_take(&run->memory, 2 * PLACES * m->n, sizeof *q);
+    double *q = memory_take(&run->memory, 2 * PLACES * m->n, sizeof *q);
     struct pk_equilibria found = {PLACES, q, q + PLACES * m->n, 0, 0, 0, 0, m->turns, NULL};
-    double *rest = (double *)memory_take(&run->memory, m->n, sizeof *rest);
+    double *rest = memory_take(&run->memory, m->n, sizeof *rest);
     still.cyclic = NULL; /* those that go on rest nowhere */
     problem.system = &still;
     enum fitness best = NOTHING;
@@ -242,7 +239,7 @@ static void write_modes(struct modes *m, struct diagnostics *d)
     json_close(j, ']');
 }
 
-void diagnose_modes(struct run *run, struct diagnostics *d)
+void diagnose_modes(struct pk_run *run, struct diagnostics *d)
 {
     const struct pk_problem *problem = &run->problem;
     struct modes m = {.run = run, .n = run->settings.n};
@@ -252,7 +249,7 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
         diagnose_told(d, PK_REFUSED, reason);
         return;
     }
-    double *block = (double *)memory_take(&run->memory, 2 * n * n + 10 * n + 1, sizeof *block);
+    double *block = memory_take(&run->memory, 2 * n * n + 10 * n + 1, sizeof *block);
     m.M = block;
     m.shapes = m.M + n * n;
     m.q = m.shapes + n * n;
@@ -262,7 +259,7 @@ void diagnose_modes(struct run *run, struct diagnostics *d)
     m.x = m.E + n;
     m.work = m.x + n; /* 5 n */
     m.h = m.work + 5 * n;
-    m.turns = (unsigned char *)memory_take(&run->memory, n, 1);
+    m.turns = memory_take(&run->memory, n, 1);
     const enum fitness best = choose(&m);
     enum pk_status status = best < NOTHING && best != KINKED ? PK_DONE : PK_REFUSED;
     reason = best == KINKED

@@ -3,10 +3,7 @@
  */
 #include "parts.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-#include "../look/observer.h"
+#include "../look/look.h"
 
 /* Diagnostics that are made of rows. */
 #define FLAG_OF_MOTION(name)
@@ -16,7 +13,7 @@
 static const unsigned OF_ROWS = 0 DIAGNOSTICS(FLAG);
 
 /* Spectra are of rows, and steps, actions and modes are looked at there. */
-static void keep_row(struct run *run, const struct moment *at)
+static void keep_row(struct pk_run *run, const struct moment *at)
 {
     const size_t n = run->settings.n, width = 1 + 2 * n;
     if (!(run->settings.diagnose & OF_ROWS))
@@ -24,13 +21,11 @@ static void keep_row(struct run *run, const struct moment *at)
     if (run->at_event && run->settings.has_every) /* spectra are of rows at equal times */
         return;
     if (!run->diagnostics)
-        run->diagnostics =
-            (struct diagnostics *)memory_take(&run->memory, 1, sizeof *run->diagnostics);
+        run->diagnostics = memory_take(&run->memory, 1, sizeof *run->diagnostics);
     struct diagnostics *d = run->diagnostics;
     if (d->n_rows == d->capacity) {
         d->capacity = d->capacity ? 2 * d->capacity : 1024;
-        d->rows =
-            (pk_real *)memory_grow(&run->memory, d->rows, d->capacity * width, sizeof *d->rows);
+        d->rows = memory_grow(&run->memory, d->rows, d->capacity * width, sizeof *d->rows);
     }
     pk_real *row = d->rows + d->n_rows++ * width;
     row[0] = at->t;
@@ -38,11 +33,10 @@ static void keep_row(struct run *run, const struct moment *at)
     memcpy(row + 1 + n, at->v, n * sizeof *row);
 }
 
-struct diagnostics *diagnose_open(struct run *run)
+struct diagnostics *diagnose_open(struct pk_run *run)
 {
     if (!run->diagnostics)
-        run->diagnostics =
-            (struct diagnostics *)memory_take(&run->memory, 1, sizeof *run->diagnostics);
+        run->diagnostics = memory_take(&run->memory, 1, sizeof *run->diagnostics);
     struct diagnostics *d = run->diagnostics;
     d->json = (struct json){.file = run_text(run, &d->text)};
     d->run = run;
@@ -58,7 +52,7 @@ void diagnose_close(struct diagnostics *d)
 }
 
 void diagnose_one(struct diagnostics *d, const char *name,
-                  void (*make)(struct run *run, struct diagnostics *d))
+                  void (*make)(struct pk_run *run, struct diagnostics *d))
 {
     d->name = name;
     json_open(&d->json, name, '{');
@@ -100,7 +94,7 @@ const char *diagnose_no_variation(const struct pk_system *system)
     return !system->linear ? NO_LINEAR : system->facts & PK_SMOOTH ? NULL : KINKS;
 }
 
-int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to)
+int diagnose_kink(struct pk_run *run, const pk_real *from, const pk_real *to)
 {
     enum { PLACES = 64 };
     const struct pk_system *system = run->problem.system;
@@ -108,7 +102,7 @@ int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to)
     const size_t n = s->n, m = system->switches.n;
     if (system->facts & PK_SMOOTH || m == 0)
         return !(system->facts & PK_SMOOTH);
-    pk_real *q = (pk_real *)memory_take(&run->memory, 2 * n + 2 * m, sizeof *q), *v = q + n;
+    pk_real *q = memory_take(&run->memory, 2 * n + 2 * m, sizeof *q), *v = q + n;
     pk_real *side = v + n, *first = side + m;
     int kink = 0;
     for (size_t k = 0; k <= PLACES && !kink; k++) {
@@ -121,7 +115,7 @@ int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to)
     return kink;
 }
 
-void diagnose_report(const struct run *run, struct json *j)
+void diagnose_report(const struct pk_run *run, struct json *j)
 {
     if (run->diagnostics && run->diagnostics->text)
         json_raw(j, "diagnostics", run->diagnostics->text);
@@ -129,7 +123,7 @@ void diagnose_report(const struct run *run, struct json *j)
 
 const struct observer diagnose_observer = {.row = keep_row, .report = diagnose_report};
 
-void diagnose_free(struct run *run)
+void diagnose_free(struct pk_run *run)
 {
     if (run->diagnostics)
         free(run->diagnostics->text);

@@ -3,7 +3,7 @@
 #define RUN_DIAGNOSE_PARTS_H
 
 #include "../base/json.h"
-#include "../look/drifts.h"
+#include "../look/look.h"
 #include "diagnose.h"
 
 struct diagnostics {
@@ -11,7 +11,7 @@ struct diagnostics {
     size_t n_rows, capacity;
     char *text;       /* the object of all, */
     struct json json; /* while it is made */
-    struct run *run;
+    struct pk_run *run;
     const char *name; /* of the one that is made */
     enum pk_run_code code;
     int all;
@@ -19,15 +19,15 @@ struct diagnostics {
 };
 
 /* What is there, ready for members; and the object closed. */
-struct diagnostics *diagnose_open(struct run *run);
+struct diagnostics *diagnose_open(struct pk_run *run);
 void diagnose_close(struct diagnostics *d);
 /* A member, made by make(): its keys, status and reason first. */
 void diagnose_one(struct diagnostics *d, const char *name,
-                  void (*make)(struct run *run, struct diagnostics *d));
+                  void (*make)(struct pk_run *run, struct diagnostics *d));
 /* How it went. 1 where its numbers are to follow, in d->json. */
 int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason);
 #define DIAGNOSE_NEEDS_GSL(name)                                                                \
-    void diagnose_##name(struct run *run, struct diagnostics *d)                                \
+    void diagnose_##name(struct pk_run *run, struct diagnostics *d)                             \
     {                                                                                           \
         (void)run;                                                                              \
         diagnose_told(d, PK_REFUSED, "it needs the GNU Scientific Library, which is not here"); \
@@ -40,10 +40,10 @@ const char *diagnose_no_variation(const struct pk_system *system);
 /* Whether the equations have a kink on the straight way from one place to another, at rest: a
  * switch that is 0 or changes its side. Of kinks without switches nobody knows where they are: 1.
  */
-int diagnose_kink(struct run *run, const pk_real *from, const pk_real *to);
+int diagnose_kink(struct pk_run *run, const pk_real *from, const pk_real *to);
 /* Each writes its member. */
 #define DIAGNOSE_DECLARE(name, of, kernels) \
-    void diagnose_##name(struct run *run, struct diagnostics *d);
+    void diagnose_##name(struct pk_run *run, struct diagnostics *d);
 DIAGNOSTICS(DIAGNOSE_DECLARE)
 
 #endif

@@ -1,11 +1,10 @@
 /* There and back: when the start is lost. */
-#include <string.h>
 
 #include "parts.h"
 
 static const double THRESHOLD = 1e-3; /* what has come so far from its start is lost */
 
-void diagnose_reversal(struct run *run, struct diagnostics *d)
+void diagnose_reversal(struct pk_run *run, struct diagnostics *d)
 {
     const struct settings *s = &run->settings;
     const size_t size = pk_reversal_size(&run->problem, s->method);

@@ -1,13 +1,11 @@
 /* The spectrum of each coordinate and state, of the rows of a run. */
-#include <math.h>
-#include <stdlib.h>
 
 #include "parts.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
 
-static void spectrum_lines(struct run *run, struct diagnostics *d, const struct pk_spectrum *s,
+static void spectrum_lines(struct pk_run *run, struct diagnostics *d, const struct pk_spectrum *s,
                            size_t i, size_t count, double dt)
 {
     const size_t width = 1 + 2 * run->settings.n;
@@ -47,7 +45,7 @@ static void spectrum_lines(struct run *run, struct diagnostics *d, const struct 
 static size_t column(size_t i, size_t n, size_t seen) { return i < seen ? i : n + i; }
 
 /* Rows at equal times: all but a last one that is nearer. */
-void diagnose_spectrum(struct run *run, struct diagnostics *d)
+void diagnose_spectrum(struct pk_run *run, struct diagnostics *d)
 {
     const struct settings *set = &run->settings;
     const size_t n = set->n, width = 1 + 2 * n;
@@ -71,9 +69,9 @@ void diagnose_spectrum(struct run *run, struct diagnostics *d)
     }
     const size_t size = pk_gsl_spectrum_size(count);
     void *block = memory_take(&run->memory, size, 1);
-    double *x = (double *)memory_take(&run->memory, count, sizeof *x);
+    double *x = memory_take(&run->memory, count, sizeof *x);
     enum pk_status status = PK_DONE;
-    struct pk_spectrum *found = (struct pk_spectrum *)memory_take(&run->memory, n, sizeof *found);
+    struct pk_spectrum *found = memory_take(&run->memory, n, sizeof *found);
     const size_t seen = pk_system_coordinates(run->problem.system, set->params);
     for (size_t i = 0; i < n && status >= 0; i++) {
         for (size_t k = 0; k < count; k++)

@@ -5,7 +5,7 @@ enum { STATES = 16 };
 
 /* The largest defect over states spread over the rows; a step that cannot be made at one of them is
  * counted, and is a failure if none could be. */
-void diagnose_symplectic(struct run *run, struct diagnostics *d)
+void diagnose_symplectic(struct pk_run *run, struct diagnostics *d)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = run->problem.system;

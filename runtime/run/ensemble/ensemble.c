@@ -2,27 +2,20 @@
  * at a time, rows in the order of members whatever thread made them. Every member's parameters
  * are checked before the first one runs.
  */
-#include <errno.h>
 
 #include "../diagnose/area.h"
 #include "../diagnose/diagnose.h"
-#include "../look/drifts.h"
-#include "../look/expect.h"
-#include "../look/rows.h"
-#include "../look/trust.h"
 #include "../settings/settings.h"
-#include "../steps/observe.h"
 #include "ensemble.h"
-#include "watched.h"
 
 static int stop(void *context)
 {
-    struct run *run = (struct run *)context;
+    struct pk_run *run = context;
     return pk_thread() ? run->control.stop : run_stopped(run, run->part);
 }
 
 /* A member's state at a time: its row, what is expected of it. */
-static void show(struct run *run, int has_row, const struct moment *at)
+static void show(struct pk_run *run, int has_row, const struct moment *at)
 {
     if (has_row)
         observe_row(run, at);
@@ -31,7 +24,7 @@ static void show(struct run *run, int has_row, const struct moment *at)
 
 /* All rows of a member, as far as it came; the driver's own columns take its parameters and inputs.
  * Drifts are those over its rows. */
-static void write_member(struct batch *b, struct run *run, size_t i, size_t member)
+static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t member)
 {
     const struct pk_ensemble *e = &b->e;
     struct settings *s = &run->settings;
@@ -61,7 +54,7 @@ static void write_member(struct batch *b, struct run *run, size_t i, size_t memb
 }
 
 /* Whether fixed steps have left a member with another energy than it began with. */
-static int is_astray(const struct batch *b, const struct run *run, size_t i)
+static int is_astray(const struct batch *b, const struct pk_run *run, size_t i)
 {
     if (!run->monitor_block || !member_fixed(b->s) || b->e.done[i] == 0)
         return 0;
@@ -69,7 +62,7 @@ static int is_astray(const struct batch *b, const struct run *run, size_t i)
     return !(PK_F(fabs)(final) <= TRUST_WRONG); /* true of a NaN */
 }
 
-static void write_batch(struct batch *b, struct run *run, size_t first, size_t count,
+static void write_batch(struct batch *b, struct pk_run *run, size_t first, size_t count,
                         struct tally *tally)
 {
     const struct pk_ensemble *e = &b->e;
@@ -88,7 +81,7 @@ static void write_batch(struct batch *b, struct run *run, size_t first, size_t c
     }
 }
 
-static void report(const struct run *run, const struct batch *b, const struct tally *tally,
+static void report(const struct pk_run *run, const struct batch *b, const struct tally *tally,
                    FILE *file)
 {
     const struct settings *s = &run->settings;
@@ -138,7 +131,7 @@ static const char *ended(const struct settings *s, const struct tally *tally)
 }
 
 /* What there is to say at the end, and the code. */
-static enum pk_run_code finish(struct run *run, const struct batch *b, const struct tally *tally)
+static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const struct tally *tally)
 {
     enum pk_run_code code = rows_end(run, PK_RUN_DONE);
     if (run->write_failed == EPIPE)
@@ -175,7 +168,7 @@ static enum pk_run_code finish(struct run *run, const struct batch *b, const str
     return code;
 }
 
-enum pk_run_code ensemble_run(struct run *run)
+enum pk_run_code ensemble_run(struct pk_run *run)
 {
     struct batch b = {0};
     struct tally tally = {0};

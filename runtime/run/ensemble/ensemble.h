@@ -3,9 +3,50 @@
 #ifndef RUN_ENSEMBLE_H
 #define RUN_ENSEMBLE_H
 
-#include "../base/state.h"
+#include "../steps/steps.h"
+
+/* A batch of members: parameters, starts and inputs, and room for their rows. */
+struct batch {
+    struct pk_ensemble e;
+    const struct settings *s;
+    const struct pk_system *system;
+    size_t n, size; /* members that it has room for */
+    char *params;
+    pk_real *q0, *v0, *z0, *u, *t; /* z0: NULL without quadratures */
+    unsigned char *given;
+    void *block;
+    size_t block_size, threads;
+};
+
+/* Room for as many members as fit. */
+void members_allocate(struct batch *b, struct pk_run *run, size_t rows);
+/* The next `count` members, of which `first` is the first. */
+enum pk_run_code members_set(struct batch *b, size_t first, size_t count, struct pk_run *run);
+/* Every member once, without running: a parameter out of bounds shows before the first row. */
+enum pk_run_code members_check(struct batch *b, struct pk_run *run);
+
+/* Members that run one by one since events are watched or there are switches. */
+/* What has become of the members. */
+struct tally {
+    size_t done, failed, stopped, first_failed;
+    size_t astray, first_astray; /* whose energy at the end is wrong */
+    enum pk_status status;       /* of the first that failed, */
+    pk_real t;
+    char reason[512];         /* in words */
+    unsigned long *crossings; /* of events and switches, in all, */
+    unsigned long *never;     /* and how many members had none, */
+    unsigned long *doubts;    /* or may have missed some */
+    pk_real *first; /* when each event was first in each member, infinite without; or NULL */
+};
+/* Memory of the tally; so many members; the members "events" and "switches" of the report. */
+enum { WATCHED_AT_ONCE = 1024 };
+void watched_begin(struct tally *tally, struct pk_run *run);
+void watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_t count,
+                   struct tally *tally);
+void watched_warn(struct pk_run *run, const struct tally *tally);
+void watched_report(const struct tally *tally, const struct settings *s, struct json *j);
 
 /* All of it, rows at equal times up to the end. */
-enum pk_run_code ensemble_run(struct run *run);
+enum pk_run_code ensemble_run(struct pk_run *run);
 
 #endif

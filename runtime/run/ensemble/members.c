@@ -1,8 +1,5 @@
 /* Members of an ensemble from their file into memory, and what that takes; see members.h. */
-#include "members.h"
-
-#include <stdlib.h>
-#include <string.h>
+#include "ensemble.h"
 
 #include "../settings/settings.h"
 
@@ -15,7 +12,7 @@ enum { CHUNK = 64 };
 
 /* Parameters, start and inputs of member i of the batch from a row of the file. */
 static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, const double *row,
-                                   struct run *run)
+                                   struct pk_run *run)
 {
     const struct settings *s = b->s;
     char *params = b->params + i * b->system->params_size;
@@ -61,7 +58,7 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, con
     return PK_RUN_DONE;
 }
 
-enum pk_run_code members_set(struct batch *b, size_t first, size_t count, struct run *run)
+enum pk_run_code members_set(struct batch *b, size_t first, size_t count, struct pk_run *run)
 {
     for (size_t i = 0; i < count; i++) {
         const enum pk_run_code code =
@@ -72,7 +69,7 @@ enum pk_run_code members_set(struct batch *b, size_t first, size_t count, struct
     return PK_RUN_DONE;
 }
 
-enum pk_run_code members_check(struct batch *b, struct run *run)
+enum pk_run_code members_check(struct batch *b, struct pk_run *run)
 {
     enum pk_run_code code = PK_RUN_DONE;
     for (size_t first = 0; code == PK_RUN_DONE && first < b->s->members; first += b->size) {
@@ -82,7 +79,7 @@ enum pk_run_code members_check(struct batch *b, struct run *run)
     return code;
 }
 
-void members_allocate(struct batch *b, struct run *run, size_t rows)
+void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
 {
     const struct settings *s = &run->settings;
     struct pk_ensemble *e = &b->e;
@@ -94,12 +91,12 @@ void members_allocate(struct batch *b, struct run *run, size_t rows)
     b->size = fit < s->members ? fit : s->members;
     if (b->size > CHUNK && b->size < s->members)
         b->size -= b->size % CHUNK; /* whole blocks */
-    b->params = (char *)memory_take(m, b->size, b->system->params_size);
-    b->q0 = (pk_real *)memory_take(m, b->size * b->n, sizeof *b->q0);
-    b->v0 = (pk_real *)memory_take(m, b->size * b->n, sizeof *b->v0);
-    b->u = (pk_real *)memory_take(m, b->size * b->system->n_inputs, sizeof *b->u);
-    b->t = (pk_real *)memory_take(m, rows, sizeof *b->t);
-    b->given = (unsigned char *)memory_take(m, b->system->n_parameters, 1);
+    b->params = memory_take(m, b->size, b->system->params_size);
+    b->q0 = memory_take(m, b->size * b->n, sizeof *b->q0);
+    b->v0 = memory_take(m, b->size * b->n, sizeof *b->v0);
+    b->u = memory_take(m, b->size * b->system->n_inputs, sizeof *b->u);
+    b->t = memory_take(m, rows, sizeof *b->t);
+    b->given = memory_take(m, b->system->n_parameters, 1);
     memcpy(b->params, s->params, b->system->params_size);
     *e = (struct pk_ensemble){.system = b->system,
                               .method = s->method,
@@ -111,16 +108,15 @@ void members_allocate(struct batch *b, struct run *run, size_t rows)
                               .u = b->u,
                               .rows = rows,
                               .t = b->t};
-    e->q = (pk_real *)memory_take(m, b->size * rows * b->n, sizeof *e->q);
-    e->v = (pk_real *)memory_take(m, b->size * rows * b->n, sizeof *e->v);
+    e->q = memory_take(m, b->size * rows * b->n, sizeof *e->q);
+    e->v = memory_take(m, b->size * rows * b->n, sizeof *e->v);
     if (b->system->quadratures.n) {
-        e->z0 = b->z0 =
-            (pk_real *)memory_take(m, b->size * b->system->quadratures.n, sizeof *b->z0);
-        e->z = (pk_real *)memory_take(m, b->size * rows * b->system->quadratures.n, sizeof *e->z);
+        e->z0 = b->z0 = memory_take(m, b->size * b->system->quadratures.n, sizeof *b->z0);
+        e->z = memory_take(m, b->size * rows * b->system->quadratures.n, sizeof *e->z);
     }
-    e->done = (size_t *)memory_take(m, b->size, sizeof *e->done);
-    e->last_t = (pk_real *)memory_take(m, b->size, sizeof *e->last_t);
-    e->status = (enum pk_status *)memory_take(m, b->size, sizeof *e->status);
+    e->done = memory_take(m, b->size, sizeof *e->done);
+    e->last_t = memory_take(m, b->size, sizeof *e->last_t);
+    e->status = memory_take(m, b->size, sizeof *e->status);
     b->threads = pk_ensemble_threads();
     if (s->threads && b->threads > 1)
         b->threads = s->threads;

@@ -2,22 +2,14 @@
  * of its own, with the rows and the verdicts of one, several at a time; what they wrote comes out
  * in their order.
  */
-#include <errno.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "../diagnose/area.h"
-#include "../look/expect.h"
-#include "../look/rows.h"
-#include "../look/watch.h"
 #include "../settings/settings.h"
-#include "../steps/steps.h"
-#include "watched.h"
+#include "ensemble.h"
 
 /* A member's run when it is over, its rows and how often each event and switch was crossed. */
 struct done {
-    struct run *run;
+    struct pk_run *run;
     char *text;
     size_t size;
     unsigned long *count; /* and behind, of doubts */
@@ -28,7 +20,7 @@ struct done {
 
 struct work {
     const struct batch *b;
-    const struct run *run; /* of all, whose settings they share */
+    const struct pk_run *run; /* of all, whose settings they share */
     struct pk_problem problem;
     size_t first;
     struct done *done;
@@ -40,7 +32,7 @@ static size_t kinds(const struct settings *s)
 }
 
 /* With a state, parameters, inputs, verdicts and memory of its own. */
-static void prepare(struct run *run, const struct work *w, size_t i)
+static void prepare(struct pk_run *run, const struct work *w, size_t i)
 {
     const struct batch *b = w->b;
     struct settings *s = &run->settings;
@@ -51,8 +43,8 @@ static void prepare(struct run *run, const struct work *w, size_t i)
     s->v = b->v0 + i * b->n;
     s->u = b->u + i * b->system->n_inputs;
     s->polls = pk_thread() == 0;
-    s->expected = (struct expected *)memory_take(s->memory, s->n_expected, sizeof *s->expected);
-    s->drifting = (struct drifting *)memory_take(s->memory, s->n_drifting, sizeof *s->drifting);
+    s->expected = memory_take(s->memory, s->n_expected, sizeof *s->expected);
+    s->drifting = memory_take(s->memory, s->n_drifting, sizeof *s->drifting);
     memcpy(s->expected, w->run->settings.expected, s->n_expected * sizeof *s->expected);
     memcpy(s->drifting, w->run->settings.drifting, s->n_drifting * sizeof *s->drifting);
     expect_clear(s);
@@ -67,7 +59,7 @@ static void prepare(struct run *run, const struct work *w, size_t i)
     run->problem.context = s;
 }
 
-static void integrate(struct run *run, const pk_real *z0)
+static void integrate(struct pk_run *run, const pk_real *z0)
 {
     if (run_begin(run) != PK_RUN_DONE) {
         if (run->it.status >= 0)
@@ -83,7 +75,7 @@ static void integrate(struct run *run, const pk_real *z0)
         run->it.status = PK_NO_MEMORY;
 }
 
-static void tell(struct done *done, struct run *run)
+static void tell(struct done *done, struct pk_run *run)
 {
     const size_t m = kinds(&run->settings);
     done->status = run->it.status;
@@ -105,7 +97,7 @@ struct one {
 
 static void follow(void *context)
 {
-    const struct one *one = (const struct one *)context;
+    const struct one *one = context;
     const struct batch *b = one->w->b;
     struct done *done = &one->w->done[one->i];
     const size_t m = b->system->quadratures.n;
@@ -122,7 +114,7 @@ static void member(void *context, size_t i)
 {
     struct one one = {(const struct work *)context, i};
     struct done *done = &one.w->done[i];
-    struct run *run = done->run;
+    struct pk_run *run = done->run;
     run->member = one.w->first + i;
     if (!memory_try(&run->memory, follow, &one)) {
         run->it.status = PK_NO_MEMORY;
@@ -136,9 +128,9 @@ static void member(void *context, size_t i)
 }
 
 /* What a member adds to what is known of all. */
-static void merge(struct run *run, struct done *done, struct tally *tally)
+static void merge(struct pk_run *run, struct done *done, struct tally *tally)
 {
-    struct run *of = done->run;
+    struct pk_run *of = done->run;
     const size_t i = of->member;
     if (done->size && fwrite(done->text, 1, done->size, run->out) != done->size)
         run->write_failed = errno ? errno : EIO;
@@ -170,29 +162,28 @@ static void merge(struct run *run, struct done *done, struct tally *tally)
     }
 }
 
-void watched_begin(struct tally *tally, struct run *run)
+void watched_begin(struct tally *tally, struct pk_run *run)
 {
     struct memory *memory = &run->memory;
     const struct settings *s = &run->settings;
     const size_t m = kinds(s);
-    tally->crossings = (unsigned long *)memory_take(memory, 3 * m, sizeof *tally->crossings);
+    tally->crossings = memory_take(memory, 3 * m, sizeof *tally->crossings);
     tally->never = tally->crossings + m;
     tally->doubts = tally->never + m;
     if (s->watch > 1)
-        tally->first =
-            (pk_real *)memory_take(memory, s->system->events.n * s->members, sizeof *tally->first);
+        tally->first = memory_take(memory, s->system->events.n * s->members, sizeof *tally->first);
 }
 
-void watched_batch(const struct batch *b, struct run *run, size_t first, size_t count,
+void watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_t count,
                    struct tally *tally)
 {
     struct memory *memory = &run->memory;
     const size_t m = kinds(&run->settings);
     struct work w = {.b = b, .run = run, .first = first, .problem = run_problem(run)};
-    struct run *runs = (struct run *)memory_take(memory, count, sizeof *runs);
-    unsigned long *counts = (unsigned long *)memory_take(memory, 2 * m * count, sizeof *counts);
-    pk_real *firsts = (pk_real *)memory_take(memory, m * count, sizeof *firsts);
-    w.done = (struct done *)memory_take(memory, count, sizeof *w.done);
+    struct pk_run *runs = memory_take(memory, count, sizeof *runs);
+    unsigned long *counts = memory_take(memory, 2 * m * count, sizeof *counts);
+    pk_real *firsts = memory_take(memory, m * count, sizeof *firsts);
+    w.done = memory_take(memory, count, sizeof *w.done);
     for (size_t i = 0; i < count; i++)
         w.done[i] =
             (struct done){.run = &runs[i], .count = counts + 2 * m * i, .first = firsts + m * i};
@@ -208,7 +199,7 @@ void watched_batch(const struct batch *b, struct run *run, size_t first, size_t 
     memory_drop(memory, runs);
 }
 
-void watched_warn(struct run *run, const struct tally *tally)
+void watched_warn(struct pk_run *run, const struct tally *tally)
 {
     const struct settings *s = &run->settings;
     for (size_t k = 0; tally->crossings && k < kinds(s); k++)

@@ -1,12 +1,9 @@
 /* Drifts of what is constant: the energy, momenta of cyclic coordinates, the author's claims. */
-#include "drifts.h"
-
-#include "expect.h"
-#include "observer.h"
+#include "look.h"
 
 #define LARGE PK_C(0.1) /* a drift, of its scale */
 
-void drift_begin(struct run *run, const struct pk_problem *problem)
+void drift_begin(struct pk_run *run, const struct pk_problem *problem)
 {
     const size_t size = pk_monitor_size(problem);
     if (!run->monitor_block)
@@ -15,7 +12,7 @@ void drift_begin(struct run *run, const struct pk_problem *problem)
     run->monitor.has_energy |= expect_uses_h(run);
 }
 
-static void step(struct run *run, const struct moment *at)
+static void step(struct pk_run *run, const struct moment *at)
 {
     if (run->monitor_block)
         pk_monitor_update(&run->monitor, at->t, at->q, at->v);
@@ -41,7 +38,7 @@ void report_drift(struct json *j, const char *key, const char *name, const struc
     json_close(j, '}');
 }
 
-static void report(const struct run *run, struct json *j)
+static void report(const struct pk_run *run, struct json *j)
 {
     const struct pk_system *system = run->problem.system;
     const struct pk_monitor *m = &run->monitor;

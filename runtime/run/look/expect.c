@@ -1,14 +1,10 @@
 /* Expectations of a scene; see expect.h. */
-#include "expect.h"
-
-#include <math.h>
+#include "look.h"
 
 #include "../settings/settings.h"
-#include "observer.h"
-#include "rows.h"
 
 /* What is off by the most so far: above 0 it is a miss, and no number is one as well. */
-static void compare(struct run *run, struct expected *x, pk_real t, pk_real a, pk_real b,
+static void compare(struct pk_run *run, struct expected *x, pk_real t, pk_real a, pk_real b,
                     pk_real within)
 {
     const pk_real d = x->of.relation == '>' ? b - a : a - b;
@@ -27,7 +23,7 @@ static void compare(struct run *run, struct expected *x, pk_real t, pk_real a, p
     x->member = run->member;
 }
 
-static const pk_real *outputs(struct run *run, const struct moment *at)
+static const pk_real *outputs(struct pk_run *run, const struct moment *at)
 {
     const struct settings *s = &run->settings;
     if (run->settings.system->n_observed)
@@ -36,12 +32,12 @@ static const pk_real *outputs(struct run *run, const struct moment *at)
 }
 
 /* Round-off of a time that a step was to end at. */
-static int is_at(const struct run *run, pk_real t, pk_real at)
+static int is_at(const struct pk_run *run, pk_real t, pk_real at)
 {
     return PK_F(fabs)(t - at) <= 8 * PK_EPSILON * run->settings.until;
 }
 
-pk_real expect_limit(const struct run *run, pk_real t, pk_real limit)
+pk_real expect_limit(const struct pk_run *run, pk_real t, pk_real limit)
 {
     pk_real next = limit;
     for (size_t i = 0; i < run->settings.n_expected; i++) {
@@ -54,7 +50,7 @@ pk_real expect_limit(const struct run *run, pk_real t, pk_real limit)
 }
 
 /* Those of a kind, and of that time or event. */
-static void compare_all(struct run *run, char when, size_t event, const struct moment *at)
+static void compare_all(struct pk_run *run, char when, size_t event, const struct moment *at)
 {
     const pk_real *out = NULL;
     for (size_t i = 0; i < run->settings.n_expected; i++) {
@@ -70,16 +66,16 @@ static void compare_all(struct run *run, char when, size_t event, const struct m
     }
 }
 
-void expect_landed(struct run *run, const struct moment *at) { compare_all(run, 't', 0, at); }
+void expect_landed(struct pk_run *run, const struct moment *at) { compare_all(run, 't', 0, at); }
 
-static void row(struct run *run, const struct moment *at) { compare_all(run, 'r', 0, at); }
+static void row(struct pk_run *run, const struct moment *at) { compare_all(run, 'r', 0, at); }
 
-static void event(struct run *run, size_t which, const struct moment *at)
+static void event(struct pk_run *run, size_t which, const struct moment *at)
 {
     compare_all(run, 'e', which, at);
 }
 
-static void step(struct run *run, const struct moment *at)
+static void step(struct pk_run *run, const struct moment *at)
 {
     const pk_real *out = NULL;
     for (size_t i = 0; i < run->settings.n_drifting; i++) {
@@ -93,7 +89,7 @@ static void step(struct run *run, const struct moment *at)
     expect_landed(run, at);
 }
 
-int expect_uses_h(const struct run *run)
+int expect_uses_h(const struct pk_run *run)
 {
     for (size_t i = 0; i < run->settings.n_drifting; i++)
         if (run->settings.drifting[i].energy)
@@ -102,7 +98,7 @@ int expect_uses_h(const struct run *run)
 }
 
 /* What has drifted so far is of one member, and the next one begins. */
-static void end(struct run *run)
+static void end(struct pk_run *run)
 {
     for (size_t i = 0; i < run->settings.n_drifting; i++) {
         struct drifting *d = &run->settings.drifting[i];
@@ -149,14 +145,14 @@ void expect_merge(struct settings *all, const struct settings *one)
     }
 }
 
-static void begin(struct run *run)
+static void begin(struct pk_run *run)
 {
     if (run->settings.n_expected || run->settings.n_drifting)
-        run->expected = (pk_real *)memory_take(&run->memory, run->settings.system->n_observed + 1,
-                                               sizeof *run->expected);
+        run->expected =
+            memory_take(&run->memory, run->settings.system->n_observed + 1, sizeof *run->expected);
 }
 
-void expect_report(const struct run *run, struct json *j)
+void expect_report(const struct pk_run *run, struct json *j)
 {
     const struct settings *s = &run->settings;
     json_open(j, "expects", '[');

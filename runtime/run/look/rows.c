@@ -1,24 +1,18 @@
 /* Rows: their columns computed, then written as CSV or kept. CSV quotes a name that holds a comma,
  * a quote or a blank (RFC 4180).
  */
-#include "rows.h"
-
-#include <errno.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "look.h"
 
 #include "../base/numbers.h"
 #include "../settings/settings.h"
-#include "observer.h"
 
-static void begin(struct run *run)
+static void begin(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
-    run->row = (pk_real *)memory_take(
-        &run->memory, 2 * s->n + system->n_observed + system->quadratures.n + 1, sizeof *run->row);
-    run->cells = (pk_real *)memory_take(&run->memory, 1 + s->n_show, sizeof *run->cells);
+    run->row = memory_take(&run->memory, 2 * s->n + system->n_observed + system->quadratures.n + 1,
+                           sizeof *run->row);
+    run->cells = memory_take(&run->memory, 1 + s->n_show, sizeof *run->cells);
 }
 
 static void csv_name(FILE *file, const char *name, int first)
@@ -41,7 +35,7 @@ static void csv_name(FILE *file, const char *name, int first)
 int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t size,
                        const char **unit)
 {
-    const struct settings *s = &((const struct run *)of)->settings;
+    const struct settings *s = &of->settings;
     const struct pk_system *system = s->system;
     const size_t before = 1 + (s->members > 0);
     const int dimensionless = !system->n || !*system->rates[0].unit;
@@ -72,18 +66,18 @@ int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t siz
     return 1;
 }
 
-void rows_header(struct run *run)
+void rows_header(struct pk_run *run)
 {
     char name[128];
     const char *unit;
     if (!run->out || !run->settings.header)
         return;
-    for (size_t i = 0; pk_run_column_name((struct pk_run *)run, i, name, sizeof name, &unit); i++)
+    for (size_t i = 0; pk_run_column_name(run, i, name, sizeof name, &unit); i++)
         csv_name(run->out, name, i == 0);
     fputc('\n', run->out);
 }
 
-pk_real rows_value(const struct run *run, const struct pk_run_column *column,
+pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
                    const struct moment *at, const pk_real *out)
 {
     const size_t i = column->index;
@@ -103,7 +97,7 @@ pk_real rows_value(const struct run *run, const struct pk_run_column *column,
 }
 
 /* The cells of a row; the name of the first that is not finite, or NULL. */
-static const char *fill(struct run *run, const struct moment *at)
+static const char *fill(struct pk_run *run, const struct moment *at)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
@@ -122,7 +116,7 @@ static const char *fill(struct run *run, const struct moment *at)
 }
 
 /* A number that is none has no sign. */
-static void write_csv(struct run *run)
+static void write_csv(struct pk_run *run)
 {
     FILE *file = run->out;
     if (run->settings.members)
@@ -140,16 +134,15 @@ static void write_csv(struct run *run)
         run->write_failed = errno ? errno : EIO;
 }
 
-static void grow(struct run *run, size_t width)
+static void grow(struct pk_run *run, size_t width)
 {
     run->room = run->room ? 2 * run->room : 256;
-    run->kept = (double *)memory_grow(&run->memory, run->kept, run->room * width, sizeof(double));
+    run->kept = memory_grow(&run->memory, run->kept, run->room * width, sizeof(double));
     if (sizeof(pk_real) > sizeof(double))
-        run->kept_low =
-            (double *)memory_grow(&run->memory, run->kept_low, run->room * width, sizeof(double));
+        run->kept_low = memory_grow(&run->memory, run->kept_low, run->room * width, sizeof(double));
 }
 
-static void keep(struct run *run)
+static void keep(struct pk_run *run)
 {
     const size_t first = run->settings.members > 0, width = first + 1 + run->settings.n_show;
     if (run->n_kept == run->room)
@@ -165,7 +158,7 @@ static void keep(struct run *run)
     }
 }
 
-void rows_take(struct run *run, const struct run *from)
+void rows_take(struct pk_run *run, const struct pk_run *from)
 {
     const size_t width = 2 + run->settings.n_show;
     if (!from->n_kept)
@@ -180,7 +173,7 @@ void rows_take(struct run *run, const struct run *from)
 }
 
 /* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
-static void write_row(struct run *run, const struct moment *at)
+static void write_row(struct pk_run *run, const struct moment *at)
 {
     const char *bad = fill(run, at);
     (run->out ? write_csv : keep)(run);
@@ -194,7 +187,7 @@ static void write_row(struct run *run, const struct moment *at)
 
 const struct observer rows_observer = {.begin = begin, .row = write_row};
 
-enum pk_run_code rows_end(struct run *run, enum pk_run_code code)
+enum pk_run_code rows_end(struct pk_run *run, enum pk_run_code code)
 {
     errno = 0;
     if (run->out && !run->write_failed && (fflush(run->out) || ferror(run->out)))
@@ -206,4 +199,4 @@ enum pk_run_code rows_end(struct run *run, enum pk_run_code code)
     return run->write_failed == EPIPE ? code : PK_RUN_USAGE;
 }
 
-int rows_whole(const struct run *run) { return !run->interrupted && !run->write_failed; }
+int rows_whole(const struct pk_run *run) { return !run->interrupted && !run->write_failed; }

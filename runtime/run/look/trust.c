@@ -1,8 +1,7 @@
 /* See trust.h. */
-#include "trust.h"
+#include "look.h"
 
 #include "../settings/settings.h"
-#include "observer.h"
 
 #define OFF "the energy, which the motion keeps, is off by more than %g of its scale after t = %.9g"
 #define LOOSE PK_C(1e-8)
@@ -11,7 +10,7 @@
 
 enum { MOST_VALUES = 5000000 }; /* of accelerations by the judge: a second or so */
 
-static void step(struct run *run, const struct moment *at)
+static void step(struct pk_run *run, const struct moment *at)
 {
     if (!run->monitor.has_energy || run->distrusted)
         return;
@@ -23,7 +22,7 @@ static void step(struct run *run, const struct moment *at)
 const struct observer trust_observer = {.step = step};
 
 /* Whether the status is one that the path may have come to by its steps alone. */
-static int doubtful(const struct run *run)
+static int doubtful(const struct pk_run *run)
 {
     switch (run->it.status) {
     case PK_SINGULAR_MASS:
@@ -39,7 +38,7 @@ static int doubtful(const struct run *run)
 }
 
 /* The same motion by another method up to t: where it ends, or that it goes on. */
-static void judge(struct run *run, pk_real t, FILE *file)
+static void judge(struct pk_run *run, pk_real t, FILE *file)
 {
     const struct settings *s = &run->settings;
     const struct pk_method *method = pk_method_find(JUDGE);
@@ -74,7 +73,7 @@ static void judge(struct run *run, pk_real t, FILE *file)
     memory_drop(&run->memory, block);
 }
 
-void trust_judge(struct run *run)
+void trust_judge(struct pk_run *run)
 {
     const int fixed = run_fixed(run), arrived = run->it.status >= 0;
     /* Steps that arrive with a wrong energy may have gone on behind the end of the motion. */
@@ -93,7 +92,7 @@ void trust_judge(struct run *run)
         run->besides[0] = '\0';
 }
 
-int trust_warning(const struct run *run, char *text, size_t size)
+int trust_warning(const struct pk_run *run, char *text, size_t size)
 {
     text[0] = '\0';
     if (!run->distrusted || run->it.status < 0 || run->beyond)
@@ -102,12 +101,12 @@ int trust_warning(const struct run *run, char *text, size_t size)
                     (double)TRUST_WRONG, (double)run->trusted) > 0;
 }
 
-pk_real trust_last_valid(const struct run *run)
+pk_real trust_last_valid(const struct pk_run *run)
 {
     return !run->beyond ? run->it.t : run->trusted < run->ends ? run->trusted : run->ends;
 }
 
-void trust_reason(const struct run *run, char *text, size_t size)
+void trust_reason(const struct pk_run *run, char *text, size_t size)
 {
     const struct pk_integrator *it = &run->it;
     char arrived[256], name[128];

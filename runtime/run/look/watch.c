@@ -1,11 +1,9 @@
 /* Events of a run; see watch.h. */
-#include "watch.h"
-
-#include "observer.h"
+#include "look.h"
 
 enum { FEW = 4 }; /* states, that say nothing: a stop at the event is one of them */
 
-static void note(struct run *run, size_t event, const struct moment *at)
+static void note(struct pk_run *run, size_t event, const struct moment *at)
 {
     struct crossed *crossed = &run->crossed[event];
     if (crossed->count < WATCH_TIMES)
@@ -20,14 +18,14 @@ const char *watch_name(const struct pk_system *system, size_t k)
 }
 
 /* The integrator of the run, or those of its parts; NULL behind the last. */
-static const struct pk_integrator *integrator(const struct run *run, size_t k)
+static const struct pk_integrator *integrator(const struct pk_run *run, size_t k)
 {
     if (run->settings.n_parts)
         return k < run->apart.count && run->apart.parts ? &run->apart.parts[k].it : NULL;
     return k == 0 ? &run->it : NULL;
 }
 
-static void warn_of_short_forces(struct run *run)
+static void warn_of_short_forces(struct pk_run *run)
 {
     const struct pk_integrator *it;
     for (size_t k = 0; (it = integrator(run, k)) != NULL; k++)
@@ -40,7 +38,7 @@ static void warn_of_short_forces(struct run *run)
                     (double)it->passed_over.t, it->passed_over.count);
 }
 
-void watch_warn(struct run *run)
+void watch_warn(struct pk_run *run)
 {
     const struct pk_system *system = run->problem.system;
     warn_of_short_forces(run);
@@ -58,7 +56,7 @@ void watch_warn(struct run *run)
 }
 
 /* `from` events or switches on, by their times. */
-static void report_kind(const struct run *run, struct json *j, const char *key, size_t from,
+static void report_kind(const struct pk_run *run, struct json *j, const char *key, size_t from,
                         size_t count)
 {
     const struct pk_system *system = run->problem.system;
@@ -78,7 +76,7 @@ static void report_kind(const struct run *run, struct json *j, const char *key, 
     json_close(j, ']');
 }
 
-static void report(const struct run *run, struct json *j)
+static void report(const struct pk_run *run, struct json *j)
 {
     const struct pk_system *system = run->problem.system;
     const struct pk_integrator *it;

@@ -5,8 +5,6 @@
 
 #include <pk/limits.h>
 
-#include <string.h>
-
 #include "settings.h"
 
 #ifdef PK_WITH_GSL

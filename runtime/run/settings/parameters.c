@@ -1,10 +1,6 @@
 /* Parameters in words: which one was refused, all that there are. */
 #include "settings.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "../base/numbers.h"
 
 enum { MOST_TOLD = 12 }; /* parameters */

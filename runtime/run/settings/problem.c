@@ -1,8 +1,6 @@
 /* What follows from settings: the problem to be integrated, its quadratures, kinds of members. */
 #include "settings.h"
 
-#include <string.h>
-
 const struct pk_words run_options = {
     .step = " (--step)",
     .rtol = " (--rtol)",
@@ -14,7 +12,7 @@ const struct pk_words run_options = {
 
 static void constant_input(void *context, pk_real t, pk_real *u)
 {
-    const struct settings *s = (const struct settings *)context;
+    const struct settings *s = context;
     (void)t;
     memcpy(u, s->u, s->system->n_inputs * sizeof *u);
 }
@@ -31,7 +29,7 @@ static int shows_quadratures(const struct settings *s)
     return 0;
 }
 
-struct pk_problem run_problem(struct run *run)
+struct pk_problem run_problem(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     run->bare = *s->system;
@@ -52,12 +50,12 @@ void settings_z(const struct settings *s, const void *params, pk_real *z)
             z[i] = s->z[i];
 }
 
-enum pk_status run_quadratures(struct run *run, struct pk_integrator *it)
+enum pk_status run_quadratures(struct pk_run *run, struct pk_integrator *it)
 {
     const struct settings *s = &run->settings;
     if (!it->z)
         return PK_DONE;
-    pk_real *z = (pk_real *)memory_take(s->memory, s->system->quadratures.n, sizeof *z);
+    pk_real *z = memory_take(s->memory, s->system->quadratures.n, sizeof *z);
     settings_z(s, it->problem.params, z);
     const enum pk_status status = pk_integrator_set_quadratures(it, z);
     memory_drop(s->memory, z);

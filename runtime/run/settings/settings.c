@@ -6,9 +6,6 @@
 
 #include "settings.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 struct pk_run_settings pk_run_defaults(void)
 {
     const struct pk_options o = pk_options_default();
@@ -40,10 +37,10 @@ static int sizes(struct settings *s, const struct pk_run_settings *given)
         system->families.attach(s->params,
                                 memory_take(s->memory, system->families.block_size(s->params), 1));
     s->n = pk_system_count(system, s->params);
-    s->q = (pk_real *)memory_take(s->memory, 2 * s->n + system->quadratures.n, sizeof *s->q);
+    s->q = memory_take(s->memory, 2 * s->n + system->quadratures.n, sizeof *s->q);
     s->v = s->q + s->n;
     s->z = s->v + s->n;
-    s->start_given = (unsigned char *)memory_take(s->memory, 2 * s->n + system->quadratures.n, 1);
+    s->start_given = memory_take(s->memory, 2 * s->n + system->quadratures.n, 1);
     system->defaults(s->params);
     return 1;
 }
@@ -78,7 +75,7 @@ static int parameter(struct settings *s, const struct pk_run_value *x, int membe
 static int parameters(struct settings *s, const struct pk_run_settings *given)
 {
     const struct pk_system *system = s->system;
-    unsigned char *whole = (unsigned char *)memory_take(s->memory, system->n_parameters, 1);
+    unsigned char *whole = memory_take(s->memory, system->n_parameters, 1);
     int families = 0;
     for (size_t k = 0; k < given->n_parameters; k++) {
         struct pk_range range = {0, 1, 0};
@@ -111,12 +108,12 @@ static int starts(struct settings *s, const struct pk_run_value *x, size_t n_x, 
     return 1;
 }
 
-static int start(struct run *run, const struct pk_run_settings *given)
+static int start(struct pk_run *run, const struct pk_run_settings *given)
 {
     struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
     const size_t n = s->n, quadratures = system->quadratures.n;
-    pk_real *q = (pk_real *)memory_take(s->memory, 2 * n, sizeof *q);
+    pk_real *q = memory_take(s->memory, 2 * n, sizeof *q);
     system->start(s->params, q, q + n);
     memcpy(s->q, q, 2 * n * sizeof *q);
     memory_drop(s->memory, q);
@@ -166,7 +163,7 @@ static int columns(struct settings *s, const struct pk_run_settings *given)
         return 1;
     for (size_t k = 0; k < 5; k++)
         all += counts[k];
-    s->show = (struct pk_run_column *)memory_take(s->memory, all, sizeof *s->show);
+    s->show = memory_take(s->memory, all, sizeof *s->show);
     for (size_t k = 0; k < 5; k++)
         for (size_t i = 0; i < counts[k]; i++) {
             int hidden = 0;
@@ -182,8 +179,8 @@ static int expectations(struct settings *s, const struct pk_run_settings *given)
 {
     s->n_expected = given->n_expected;
     s->n_drifting = given->n_drifts;
-    s->expected = (struct expected *)memory_take(s->memory, s->n_expected, sizeof *s->expected);
-    s->drifting = (struct drifting *)memory_take(s->memory, s->n_drifting, sizeof *s->drifting);
+    s->expected = memory_take(s->memory, s->n_expected, sizeof *s->expected);
+    s->drifting = memory_take(s->memory, s->n_drifting, sizeof *s->drifting);
     for (size_t i = 0; i < s->n_expected; i++) {
         const struct pk_run_expected *x = &given->expected[i];
         if (!strchr("=<>", x->relation) || !strchr("rte", x->when) || !is_column(s, x->a) ||
@@ -245,13 +242,13 @@ static int methods(struct settings *s, const struct pk_run_model *model,
     return s->method != NULL;
 }
 
-static enum pk_run_code refused(struct run *run, const char *what)
+static enum pk_run_code refused(struct pk_run *run, const char *what)
 {
     run_say(run, "%s", what);
     return PK_RUN_USAGE;
 }
 
-enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model,
+enum pk_run_code settings_take(struct pk_run *run, const struct pk_run_model *model,
                                const struct pk_run_settings *given)
 {
     struct settings *s = &run->settings;
@@ -275,8 +272,8 @@ enum pk_run_code settings_take(struct run *run, const struct pk_run_model *model
     s->options = pk_options_default();
     s->options.words = &run_options;
     s->params = memory_take(s->memory, 1, system->params_size);
-    s->given = (unsigned char *)memory_take(s->memory, system->n_parameters, 1);
-    s->u = (pk_real *)memory_take(s->memory, system->n_inputs, sizeof *s->u);
+    s->given = memory_take(s->memory, system->n_parameters, 1);
+    s->u = memory_take(s->memory, system->n_inputs, sizeof *s->u);
     if (!methods(s, model, given)) {
         run_say(run,
                 s->method ? "there is no such part, or no such method of one"

@@ -3,9 +3,6 @@
 
 #ifdef PK_WITH_GSL
 
-#include <math.h>
-#include <stdlib.h>
-
 enum { MOST = 32 };
 static const double SAME = 1e-2; /* relative difference of lambda here and beside */
 
@@ -19,7 +16,7 @@ struct modes {
 /* Where the linear terms vanish, what is left of them grows with the distance from the root, which
  * is about as large as Newton's last correction. A mode that is no longer there that far beside is
  * none: its lambda becomes 0. */
-static void clear_doubtful(struct stability *s, const double *q, const double *v,
+static void clear_doubtful(struct pk_stability *s, const double *q, const double *v,
                            const double *doubt, struct modes *modes, struct modes *beside)
 {
     const unsigned char *cyclic = s->problem.system->cyclic;
@@ -43,7 +40,7 @@ static void clear_doubtful(struct stability *s, const double *q, const double *v
     }
 }
 
-static void print_modes(struct stability *s, const struct modes *modes)
+static void print_modes(struct pk_stability *s, const struct modes *modes)
 {
     const size_t n = s->n;
     struct json *j = &s->out;
@@ -59,7 +56,7 @@ static void print_modes(struct stability *s, const struct modes *modes)
     json_close(j, ']');
 }
 
-static void print(struct stability *s, const struct pk_equilibria *found, struct modes *modes,
+static void print(struct pk_stability *s, const struct pk_equilibria *found, struct modes *modes,
                   struct modes *beside)
 {
     const size_t n = s->n;
@@ -83,20 +80,18 @@ static void print(struct stability *s, const struct pk_equilibria *found, struct
     json_close(j, ']');
 }
 
-int stability_equilibria(struct stability *s, const struct pk_stability_question *x)
+int stability_equilibria(struct pk_stability *s, const struct pk_stability_question *x)
 {
     const size_t n = s->n;
-    double *const room =
-        (double *)memory_take(&s->run->memory, 3 * MOST * n + 8 * n * n, sizeof *room);
+    double *const room = memory_take(&s->run->memory, 3 * MOST * n + 8 * n * n, sizeof *room);
     double *const shapes = room + 3 * MOST * n;
-    struct pk_mode *const list =
-        (struct pk_mode *)memory_take(&s->run->memory, 4 * n, sizeof *list);
+    struct pk_mode *const list = memory_take(&s->run->memory, 4 * n, sizeof *list);
     struct modes modes = {list, shapes, 0}, beside = {list + 2 * n, shapes + 4 * n * n, 0};
     struct pk_equilibria found = {.most = MOST,
                                   .q = room,
                                   .v = room + MOST * n,
                                   .doubt = room + 2 * MOST * n,
-                                  .turns = (unsigned char *)memory_take(&s->run->memory, n, 1)};
+                                  .turns = memory_take(&s->run->memory, n, 1)};
     const enum pk_status status =
         pk_gsl_equilibria(&s->problem, s->settings->q, s->settings->v, x->count, &found);
     for (size_t i = 0; i < n; i++)

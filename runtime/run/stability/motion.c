@@ -7,9 +7,6 @@
  * still grows by half in each of these quarters. x'' = x, a fall, a free flight do; a resonance
  * that is driven and a chain that drifts while it vibrates do not.
  */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "../settings/settings.h"
 #include "stability.h"
@@ -22,12 +19,11 @@ struct record {
     double t, energy, vp, size;
 };
 
-static void keep(struct stability *s, double t, const double *q, const double *v)
+static void keep(struct pk_stability *s, double t, const double *q, const double *v)
 {
     if (s->n_records == s->room) {
         s->room = s->room ? 2 * s->room : 1024;
-        s->records =
-            (struct record *)memory_grow(&s->run->memory, s->records, s->room, sizeof *s->records);
+        s->records = memory_grow(&s->run->memory, s->records, s->room, sizeof *s->records);
     }
     struct record *r = &s->records[s->n_records++];
     r->t = t;
@@ -35,7 +31,7 @@ static void keep(struct stability *s, double t, const double *q, const double *v
 }
 
 /* Goes on to `until`, or to where it ends; far is the largest |q - q0| of each coordinate. */
-static void go_on(struct stability *s, double until, double *far)
+static void go_on(struct pk_stability *s, double until, double *far)
 {
     struct pk_integrator *it = s->exact;
     while (s->motion >= 0 && it->t < until) {
@@ -48,7 +44,7 @@ static void go_on(struct stability *s, double until, double *far)
     }
 }
 
-static struct reference summary(const struct stability *s, double until)
+static struct reference summary(const struct pk_stability *s, double until)
 {
     const int constant = (s->problem.system->facts & PK_CONSERVATIVE) != 0;
     const struct record *r = s->records;
@@ -74,14 +70,14 @@ static struct reference summary(const struct stability *s, double until)
     return found;
 }
 
-struct reference stability_reference(struct stability *s, double until)
+struct reference stability_reference(struct pk_stability *s, double until)
 {
     go_on(s, until, s->far + 2 * s->n);
     return summary(s, until);
 }
 
 /* v.p has no extremum in the last half that is more than round-off. */
-static int turns_no_more(const struct stability *s, double until)
+static int turns_no_more(const struct pk_stability *s, double until)
 {
     double path = 0, least = HUGE_VAL, most = -HUGE_VAL, before = 0;
     for (size_t k = 0; k < s->n_records; k++) {
@@ -96,7 +92,7 @@ static int turns_no_more(const struct stability *s, double until)
     return path <= 1.01 * (most - least) + 1e-6 * fmax(fabs(most), fabs(least));
 }
 
-static int leaves(const struct stability *s, double until, const double scales[3])
+static int leaves(const struct pk_stability *s, double until, const double scales[3])
 {
     const struct pk_system *system = s->problem.system;
     int away = 0;
@@ -109,7 +105,7 @@ static int leaves(const struct stability *s, double until, const double scales[3
     return away && (faster || turns_no_more(s, until));
 }
 
-static void begin(struct stability *s)
+static void begin(struct pk_stability *s)
 {
     struct pk_options options = s->settings->options;
     options.rtol = 1e-10;
@@ -124,7 +120,7 @@ static void begin(struct stability *s)
     keep(s, 0, s->settings->q, s->settings->v);
 }
 
-static int print(struct stability *s, double scale)
+static int print(struct pk_stability *s, double scale)
 {
     const struct record *first = s->records, *last = first + s->n_records - 1;
     struct json *j = &s->out;
@@ -139,14 +135,14 @@ static int print(struct stability *s, double scale)
     return 1;
 }
 
-int stability_ready(struct stability *s, const struct pk_stability_question *x)
+int stability_ready(struct pk_stability *s, const struct pk_stability_question *x)
 {
     (void)x;
     begin(s);
     return print(s, summary(s, 0).scale);
 }
 
-int stability_motion(struct stability *s, const struct pk_stability_question *x)
+int stability_motion(struct pk_stability *s, const struct pk_stability_question *x)
 {
     (void)x;
     const double until = s->settings->until;

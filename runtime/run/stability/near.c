@@ -13,20 +13,16 @@
 
 #ifdef PK_WITH_GSL
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const double TWO_PI = 6.283185307179586476925;
 static const double FAR = 1e3; /* growth that settles it */
 
-static int is_cyclic(const struct stability *s, size_t i)
+static int is_cyclic(const struct pk_stability *s, size_t i)
 {
     return s->problem.system->cyclic && s->problem.system->cyclic[i];
 }
 
 /* The largest displacement from the equilibrium of what is not cyclic. */
-static double displacement(const struct stability *s, const double *q)
+static double displacement(const struct pk_stability *s, const double *q)
 {
     double most = 0;
     for (size_t i = 0; i < s->n; i++)
@@ -36,7 +32,7 @@ static double displacement(const struct stability *s, const double *q)
 }
 
 /* Adds a mode at some amplitude to the start in s->work: q, then v. */
-static void add_mode(struct stability *s, size_t k, double amplitude)
+static void add_mode(struct pk_stability *s, size_t k, double amplitude)
 {
     const size_t n = s->n;
     const struct pk_mode mode = s->modes[k];
@@ -48,7 +44,7 @@ static void add_mode(struct stability *s, size_t k, double amplitude)
 }
 
 /* The start: of several modes those that move and do not grow. */
-static void start_near(struct stability *s, size_t from, size_t to, double amplitude)
+static void start_near(struct pk_stability *s, size_t from, size_t to, double amplitude)
 {
     const size_t n = s->n;
     memcpy(s->work, s->settings->q, n * sizeof *s->work);
@@ -61,8 +57,8 @@ static void start_near(struct stability *s, size_t from, size_t to, double ampli
 }
 
 /* Mode k's part of the motion at q, v: its amplitude times u.M u. `weights` is M u. */
-static double part_of(const struct stability *s, size_t k, const double *weights, const double *q,
-                      const double *v)
+static double part_of(const struct pk_stability *s, size_t k, const double *weights,
+                      const double *q, const double *v)
 {
     double place = 0, rate = 0;
     for (size_t i = 0; i < s->n; i++) {
@@ -72,7 +68,7 @@ static double part_of(const struct stability *s, size_t k, const double *weights
     return hypot(place, rate / s->modes[k].frequency);
 }
 
-static void weigh(const struct stability *s, size_t k, double *weights, double *mass)
+static void weigh(const struct pk_stability *s, size_t k, double *weights, double *mass)
 {
     const struct settings *at = s->settings;
     const size_t n = s->n;
@@ -86,7 +82,7 @@ static void weigh(const struct stability *s, size_t k, double *weights, double *
 }
 
 /* Modes from..to - 1: one, or all (-1). 0: there are none. */
-static int take_modes(struct stability *s, long mode, size_t *from, size_t *to)
+static int take_modes(struct pk_stability *s, long mode, size_t *from, size_t *to)
 {
     if (!s->has_modes) {
         const enum pk_status status = pk_gsl_modes(&s->problem, s->settings->q, s->settings->v,
@@ -109,14 +105,14 @@ struct turning {
     double sums[2]; /* of what was turned by, over either half */
 };
 
-static double phase(const struct stability *s, const struct turning *x,
+static double phase(const struct pk_stability *s, const struct turning *x,
                     const struct pk_integrator *it)
 {
     return atan2(s->settings->v[x->lead] - it->v[x->lead],
                  x->omega * (it->q[x->lead] - s->settings->q[x->lead]));
 }
 
-static void turn(const struct stability *s, struct turning *x, const struct pk_integrator *it)
+static void turn(const struct pk_stability *s, struct turning *x, const struct pk_integrator *it)
 {
     const double now = phase(s, x, it);
     x->turned += now < x->angle ? now - x->angle + TWO_PI : now - x->angle;
@@ -137,7 +133,7 @@ static double mean_turn(const struct turning *x)
 }
 
 /* The coordinate that is not cyclic with the largest part in a mode. */
-static size_t leading(const struct stability *s, size_t mode)
+static size_t leading(const struct pk_stability *s, size_t mode)
 {
     const double *re = s->shapes + mode * 2 * s->n;
     size_t lead = 0;
@@ -147,7 +143,7 @@ static size_t leading(const struct stability *s, size_t mode)
     return lead;
 }
 
-int stability_near(struct stability *s, const struct pk_stability_question *x)
+int stability_near(struct pk_stability *s, const struct pk_stability_question *x)
 {
     const struct pk_method *method = stability_method(s, x->method);
     const size_t steps = x->count, other = x->other < 0 ? 0 : (size_t)x->other;
@@ -161,7 +157,7 @@ int stability_near(struct stability *s, const struct pk_stability_question *x)
         return stability_wrong(s, "a step is positive, and a mode one of those that there are");
     const size_t n = s->n;
     start_near(s, from, to, amplitude);
-    double *weights = (double *)memory_take(&s->run->memory, n * (n + 1), sizeof *weights);
+    double *weights = memory_take(&s->run->memory, n * (n + 1), sizeof *weights);
     if (seeded) {
         add_mode(s, other, seed);
         weigh(s, other, weights, weights + n);
@@ -195,7 +191,7 @@ int stability_near(struct stability *s, const struct pk_stability_question *x)
     return 1;
 }
 
-int stability_leave(struct stability *s, const struct pk_stability_question *x)
+int stability_leave(struct pk_stability *s, const struct pk_stability_question *x)
 {
     size_t from, to;
     double most = 0;

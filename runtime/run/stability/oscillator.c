@@ -1,7 +1,6 @@
 /* A method on q'' = -SIGN q - DAMPING q': the 2 by 2 map of (q, v) that one step is. It is the
  * method's own: in it are its limit of stability, its frequency, its damping.
  */
-#include <math.h>
 
 #include <pk/limits.h>
 
@@ -19,7 +18,7 @@ static double rotation(const double map[4])
     return map[1] < 0 ? TWO_PI - pk_map_angle(map) : pk_map_angle(map);
 }
 
-int stability_oscillator(struct stability *s, const struct pk_stability_question *x)
+int stability_oscillator(struct pk_stability *s, const struct pk_stability_question *x)
 {
     const struct pk_method *method = stability_method(s, x->method);
     double map[4] = {none, none, none, none};

@@ -1,11 +1,9 @@
 /* What the answers share. */
 #include "stability.h"
 
-#include <math.h>
-
 #include "../settings/settings.h"
 
-void stability_energies(struct stability *s, double t, const double *q, const double *v,
+void stability_energies(struct pk_stability *s, double t, const double *q, const double *v,
                         double *energy, double *vp, double *size)
 {
     const struct pk_system *system = s->problem.system;
@@ -18,13 +16,13 @@ void stability_energies(struct stability *s, double t, const double *q, const do
     *size = fabs(*vp) + fabs(*vp - *energy);
 }
 
-struct pk_integrator *stability_begin(struct stability *s, const struct pk_method *method,
+struct pk_integrator *stability_begin(struct pk_stability *s, const struct pk_method *method,
                                       const struct pk_options *options, const double *q,
                                       const double *v, enum pk_status *status)
 {
     struct memory *memory = &s->run->memory;
     const size_t size = pk_integrator_size(&s->problem, method);
-    struct pk_integrator *it = (struct pk_integrator *)memory_take(memory, 1, sizeof *it + size);
+    struct pk_integrator *it = memory_take(memory, 1, sizeof *it + size);
     *status = pk_integrator_init(it, &s->problem, method, options, 0, q, v, it + 1, size);
     if (*status >= 0)
         return it;
@@ -33,7 +31,7 @@ struct pk_integrator *stability_begin(struct stability *s, const struct pk_metho
     return NULL;
 }
 
-void stability_end(struct stability *s, struct pk_integrator *it)
+void stability_end(struct pk_stability *s, struct pk_integrator *it)
 {
     if (!it)
         return;
@@ -41,13 +39,13 @@ void stability_end(struct stability *s, struct pk_integrator *it)
     memory_drop(&s->run->memory, it);
 }
 
-int stability_wrong(struct stability *s, const char *message)
+int stability_wrong(struct pk_stability *s, const char *message)
 {
     run_say(s->run, "%s", message);
     return 0;
 }
 
-const struct pk_method *stability_method(struct stability *s, const char *name)
+const struct pk_method *stability_method(struct pk_stability *s, const char *name)
 {
     const struct pk_method *method = run_method_find(name);
     if (method && !(method->traits & PK_ADAPTIVE))

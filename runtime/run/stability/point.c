@@ -19,7 +19,6 @@
  * Below a limit Verlet's energy may rise by E0/(1 - y^2/4) and come back: that is bounded. All
  * other classes are statuses of the runtime.
  */
-#include <math.h>
 
 #include "stability.h"
 
@@ -56,7 +55,7 @@ struct energies {
 };
 
 /* Steps on until there are `steps` in all, and compares with as much of the motion. */
-static enum pk_status follow(struct stability *s, struct pk_integrator *it, unsigned long steps,
+static enum pk_status follow(struct pk_stability *s, struct pk_integrator *it, unsigned long steps,
                              struct energies *e, struct reference *motion)
 {
     const unsigned long early = steps / 8, late = steps - steps / 4;
@@ -88,8 +87,9 @@ static enum pk_status follow(struct stability *s, struct pk_integrator *it, unsi
 static int has_left(const struct energies *e) { return e->away > (e->high - e->low) / 4; }
 
 /* PK_DONE with the class, or what ended the run. */
-static enum pk_status classify(struct stability *s, struct pk_integrator *it, unsigned long steps,
-                               struct energies *e, struct reference *motion, const char **class)
+static enum pk_status classify(struct pk_stability *s, struct pk_integrator *it,
+                               unsigned long steps, struct energies *e, struct reference *motion,
+                               const char **class)
 {
     enum pk_status status = follow(s, it, steps, e, motion);
     if (status < 0)
@@ -112,7 +112,7 @@ static enum pk_status classify(struct stability *s, struct pk_integrator *it, un
     return status;
 }
 
-int stability_point(struct stability *s, const struct pk_stability_question *x)
+int stability_point(struct pk_stability *s, const struct pk_stability_question *x)
 {
     const struct pk_method *method = stability_method(s, x->method);
     const double h = x->h;

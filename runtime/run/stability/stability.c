@@ -1,48 +1,45 @@
 /* Questions and their answers; see pk/stability.h. */
 #include "stability.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "../settings/settings.h"
 
 /* Memory for all questions. */
 static void prepare(void *context)
 {
-    struct stability *s = (struct stability *)context;
+    struct pk_stability *s = context;
     struct memory *memory = &s->run->memory;
     const size_t n = s->run->settings.n;
     s->n = n;
     s->run->settings.bare = 1;
     s->run->settings.options.stop = run_ending;
     s->problem = run_problem(s->run);
-    s->work = (double *)memory_take(memory, 4 * n + 1, sizeof *s->work);
-    s->far = (double *)memory_take(memory, 3 * n, sizeof *s->far);
+    s->work = memory_take(memory, 4 * n + 1, sizeof *s->work);
+    s->far = memory_take(memory, 3 * n, sizeof *s->far);
 #ifdef PK_WITH_GSL
-    s->modes = (struct pk_mode *)memory_take(memory, 2 * n, sizeof *s->modes);
+    s->modes = memory_take(memory, 2 * n, sizeof *s->modes);
 #endif
-    s->shapes = (double *)memory_take(memory, 4 * n * n, sizeof *s->shapes);
+    s->shapes = memory_take(memory, 4 * n * n, sizeof *s->shapes);
 }
 
 struct pk_stability *pk_stability_new(const struct pk_run_model *model,
                                       const struct pk_run_settings *settings)
 {
-    struct stability *s = (struct stability *)calloc(1, sizeof *s);
-    struct run *run = (struct run *)pk_run_new(model, settings);
+    struct pk_stability *s = calloc(1, sizeof *s);
+    struct pk_run *run = pk_run_new(model, settings);
     if (s && run) {
         s->run = run;
         s->settings = &run->settings;
         if (run->code || memory_try(&run->memory, prepare, s))
-            return (struct pk_stability *)s;
+            return s;
     }
     free(s);
-    pk_run_free((struct pk_run *)run);
+    pk_run_free(run);
     return NULL;
 }
 
 static const struct {
     const char *what;
-    int (*answer)(struct stability *s, const struct pk_stability_question *q);
+    int (*answer)(struct pk_stability *s, const struct pk_stability_question *q);
 } answers[] = {{"start", stability_ready},           {"motion", stability_motion},
 #ifdef PK_WITH_GSL
                {"equilibria", stability_equilibria}, {"near", stability_near},
@@ -51,7 +48,7 @@ static const struct {
                {"point", stability_point},           {"oscillator", stability_oscillator}};
 
 struct asked {
-    struct stability *stability;
+    struct pk_stability *stability;
     const char *what;
     const struct pk_stability_question *question;
     int good;
@@ -59,8 +56,8 @@ struct asked {
 
 static void answer(void *context)
 {
-    struct asked *asked = (struct asked *)context;
-    struct stability *s = asked->stability;
+    struct asked *asked = context;
+    struct pk_stability *s = asked->stability;
     for (size_t i = 0; i < sizeof answers / sizeof *answers; i++) {
         if (strcmp(answers[i].what, asked->what) != 0)
             continue;
@@ -73,10 +70,9 @@ static void answer(void *context)
     run_say(s->run, "cannot be asked: %s", asked->what);
 }
 
-const char *pk_stability_ask(struct pk_stability *of, const char *what,
+const char *pk_stability_ask(struct pk_stability *s, const char *what,
                              const struct pk_stability_question *question)
 {
-    struct stability *s = (struct stability *)of;
     struct asked asked = {s, what, question, 0};
     free(s->answer);
     s->answer = NULL;
@@ -85,20 +81,18 @@ const char *pk_stability_ask(struct pk_stability *of, const char *what,
     return good ? s->answer : NULL;
 }
 
-const char *pk_stability_wrong(const struct pk_stability *of)
+const char *pk_stability_wrong(const struct pk_stability *s)
 {
-    const struct stability *s = (const struct stability *)of;
     return s->run->said ? s->run->said : "out of memory\n";
 }
 
-void pk_stability_free(struct pk_stability *of)
+void pk_stability_free(struct pk_stability *s)
 {
-    struct stability *s = (struct stability *)of;
     if (!s)
         return;
     if (s->exact)
         pk_integrator_free(s->exact);
-    pk_run_free((struct pk_run *)s->run);
+    pk_run_free(s->run);
     free(s->answer);
     free(s);
 }

@@ -14,8 +14,8 @@
 struct pk_mode;
 struct record;
 
-struct stability {
-    struct run *run; /* not integrated: its settings, problem, memory and messages */
+struct pk_stability {
+    struct pk_run *run; /* not integrated: its settings, problem, memory and messages */
     const struct settings *settings;
     struct pk_problem problem;
     size_t n;
@@ -46,28 +46,28 @@ struct reference {
 };
 
 /* Energy, v.p and |v.p| + |L| of a state. */
-void stability_energies(struct stability *s, double t, const double *q, const double *v,
+void stability_energies(struct pk_stability *s, double t, const double *q, const double *v,
                         double *energy, double *vp, double *size);
 /* An integrator with memory of its own, or NULL with the status of what refused. */
-struct pk_integrator *stability_begin(struct stability *s, const struct pk_method *method,
+struct pk_integrator *stability_begin(struct pk_stability *s, const struct pk_method *method,
                                       const struct pk_options *options, const double *q,
                                       const double *v, enum pk_status *status);
-void stability_end(struct stability *s, struct pk_integrator *it);
+void stability_end(struct pk_stability *s, struct pk_integrator *it);
 
 /* After the motion is known: follows it to `until`, if it has not been yet. */
-struct reference stability_reference(struct stability *s, double until);
+struct reference stability_reference(struct pk_stability *s, double until);
 
 /* Answers. 1, or 0 with a message. */
-int stability_ready(struct stability *s, const struct pk_stability_question *q);
-int stability_motion(struct stability *s, const struct pk_stability_question *q);
-int stability_point(struct stability *s, const struct pk_stability_question *q);
-int stability_oscillator(struct stability *s, const struct pk_stability_question *q);
-int stability_equilibria(struct stability *s, const struct pk_stability_question *q);
-int stability_near(struct stability *s, const struct pk_stability_question *q);
-int stability_leave(struct stability *s, const struct pk_stability_question *q);
+int stability_ready(struct pk_stability *s, const struct pk_stability_question *q);
+int stability_motion(struct pk_stability *s, const struct pk_stability_question *q);
+int stability_point(struct pk_stability *s, const struct pk_stability_question *q);
+int stability_oscillator(struct pk_stability *s, const struct pk_stability_question *q);
+int stability_equilibria(struct pk_stability *s, const struct pk_stability_question *q);
+int stability_near(struct pk_stability *s, const struct pk_stability_question *q);
+int stability_leave(struct pk_stability *s, const struct pk_stability_question *q);
 /* A message; 0. */
-int stability_wrong(struct stability *s, const char *message);
+int stability_wrong(struct pk_stability *s, const char *message);
 /* Of that name, and of a fixed step; NULL with a message. */
-const struct pk_method *stability_method(struct stability *s, const char *name);
+const struct pk_method *stability_method(struct pk_stability *s, const char *name);
 
 #endif

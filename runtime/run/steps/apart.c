@@ -1,16 +1,9 @@
 /* See apart.h. Adaptive parts land on rows; fixed-step parts reach rows by a second integrator.
  * run->it makes no steps: it has time, state and summed counts.
  */
-#include "apart.h"
-
-#include <stdlib.h>
-#include <string.h>
-
-#include "../look/drifts.h"
-#include "../look/expect.h"
-#include "../settings/settings.h"
-#include "observe.h"
 #include "steps.h"
+
+#include "../settings/settings.h"
 
 /* What was given of part k, and the rest as for the whole. */
 static struct pk_choice choice_of(const struct settings *s, size_t k)
@@ -26,7 +19,7 @@ static struct pk_choice choice_of(const struct settings *s, size_t k)
     return c;
 }
 
-enum pk_run_code apart_choose(struct run *run)
+enum pk_run_code apart_choose(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     const char *none = s->members                       ? "ensembles"
@@ -47,8 +40,7 @@ enum pk_run_code apart_choose(struct run *run)
     }
     s->land = 1;
     run->count = run_intervals(s->until, s->every);
-    run->choices =
-        (struct pk_choice *)memory_take(&run->memory, run->settings.n_parts, sizeof *run->choices);
+    run->choices = memory_take(&run->memory, run->settings.n_parts, sizeof *run->choices);
     for (size_t k = 0; k < run->settings.n_parts; k++) {
         struct pk_choice *c = &run->choices[k];
         *c = choice_of(s, k);
@@ -67,7 +59,7 @@ enum pk_run_code apart_choose(struct run *run)
 }
 
 /* What rows, drifts and the report look at. */
-static void look(struct run *run)
+static void look(struct pk_run *run)
 {
     const struct pk_apart *a = &run->apart;
     struct pk_integrator *it = &run->it;
@@ -92,7 +84,7 @@ static void look(struct run *run)
     }
 }
 
-enum pk_run_code apart_begin(struct run *run)
+enum pk_run_code apart_begin(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     const size_t m = run->settings.system->quadratures.n;
@@ -116,12 +108,12 @@ enum pk_run_code apart_begin(struct run *run)
  * points does. So what an energy is measured by is seen at each step of each part. */
 static void stepped(void *context, size_t k)
 {
-    struct run *run = (struct run *)context;
+    struct pk_run *run = context;
     const struct pk_integrator *it = &run->apart.parts[k].it;
     pk_monitor_update(&run->part_monitors[k], it->t, it->q, it->v);
 }
 
-static void scale(struct run *run)
+static void scale(struct pk_run *run)
 {
     pk_real sum = 0;
     for (size_t k = 0; k < run->settings.n_parts; k++)
@@ -130,15 +122,14 @@ static void scale(struct run *run)
         run->monitor.energy.scale = sum;
 }
 
-static void watch_parts(struct run *run)
+static void watch_parts(struct pk_run *run)
 {
     struct pk_apart *a = &run->apart;
     size_t size = 0;
     for (size_t k = 0; k < a->count; k++)
         size += pk_monitor_size(&a->parts[k].it.problem);
-    run->part_monitors =
-        (struct pk_monitor *)memory_take(&run->memory, a->count, sizeof *run->part_monitors);
-    char *block = (char *)memory_take(&run->memory, size, 1);
+    run->part_monitors = memory_take(&run->memory, a->count, sizeof *run->part_monitors);
+    char *block = memory_take(&run->memory, size, 1);
     for (size_t k = 0; k < a->count; k++) {
         const struct pk_problem *problem = &a->parts[k].it.problem;
         size = pk_monitor_size(problem);
@@ -150,7 +141,7 @@ static void watch_parts(struct run *run)
     a->context = run;
 }
 
-void apart_integrate(struct run *run)
+void apart_integrate(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     struct pk_apart *a = &run->apart;
@@ -176,7 +167,7 @@ void apart_integrate(struct run *run)
     observe_end(run);
 }
 
-void apart_report(const struct run *run, struct json *j)
+void apart_report(const struct pk_run *run, struct json *j)
 {
     const struct pk_apart *a = &run->apart;
     if (!run->settings.parts)

@@ -1,14 +1,11 @@
 /* Steps that look for crossings: rows at them, what is due before them, where they stop. */
-#include <string.h>
 
-#include "../look/watch.h"
-#include "observe.h"
 #include "steps.h"
 
 /* The step is about to be ended here, and with it its dense output. */
 static void switched(void *context, const struct pk_events *events)
 {
-    struct run *run = (struct run *)context;
+    struct pk_run *run = context;
     const struct moment at = {events->t, events->q, events->v, events->z};
     observe_crossing(run, run->problem.system->events.n + events->which, &at);
     run_due(run, events->t);
@@ -16,7 +13,7 @@ static void switched(void *context, const struct pk_events *events)
 
 static int found(void *context, const struct pk_events *events)
 {
-    struct run *run = (struct run *)context;
+    struct pk_run *run = context;
     const struct moment at = {events->t, events->q, events->v, events->z};
     observe_crossing(run, events->which, &at);
     if (!run_due(run, events->t))
@@ -31,12 +28,12 @@ static int found(void *context, const struct pk_events *events)
 
 static void doubtful(void *context, const struct pk_events *events)
 {
-    struct crossed *crossed = &((struct run *)context)->crossed[events->which];
+    struct crossed *crossed = &((struct pk_run *)context)->crossed[events->which];
     if (crossed->doubts++ == 0)
         crossed->doubtful_t = events->t;
 }
 
-enum pk_run_code crossings_begin(struct run *run)
+enum pk_run_code crossings_begin(struct pk_run *run)
 {
     const struct pk_system *system = run->problem.system;
     const size_t m = system->events.n, all = m + system->switches.n;
@@ -44,11 +41,10 @@ enum pk_run_code crossings_begin(struct run *run)
     if (all == 0)
         return PK_RUN_DONE;
     struct memory *memory = &run->memory;
-    run->crossed = (struct crossed *)memory_take(memory, all, sizeof *run->crossed);
-    run->event_values =
-        (pk_real *)memory_take(memory, 2 * m + 2 * run->it.n, sizeof *run->event_values);
+    run->crossed = memory_take(memory, all, sizeof *run->crossed);
+    run->event_values = memory_take(memory, 2 * m + 2 * run->it.n, sizeof *run->event_values);
     for (size_t k = 0; k < all; k++)
-        run->crossed[k].t = (pk_real *)memory_take(memory, WATCH_TIMES, sizeof(pk_real));
+        run->crossed[k].t = memory_take(memory, WATCH_TIMES, sizeof(pk_real));
     const enum pk_status status =
         pk_events_init(&run->events, &run->it, memory_take(memory, size, 1), size);
     if (status < 0) {
@@ -65,7 +61,7 @@ enum pk_run_code crossings_begin(struct run *run)
 /* A function that is zero but for errors, as that of a constant of the motion, crosses zero by
  * these errors alone. It is seen by what each coordinate and rate contributes to it: |dg/dx| |x|.
  */
-static void note_leaving(struct run *run)
+static void note_leaving(struct pk_run *run)
 {
     const struct pk_system *system = run->problem.system;
     const size_t n = run->it.n, m = system->events.n;
@@ -94,7 +90,7 @@ static void note_leaving(struct run *run)
     }
 }
 
-enum pk_status crossings_step(struct run *run, pk_real limit)
+enum pk_status crossings_step(struct pk_run *run, pk_real limit)
 {
     if (!run->crossed)
         return pk_integrator_step(&run->it, limit);

@@ -6,8 +6,6 @@
  * where that is as accurate as its steps: that of gauss is; dopri5's and dop853's lose digits at
  * tight tolerances (measured in tests/runtime), so they land.
  */
-#include "../look/expect.h"
-#include "observe.h"
 #include "steps.h"
 
 /* How many intervals of `every` cover `until`; a quotient that is whole up to round-off counts
@@ -26,14 +24,14 @@ pk_real run_step(pk_real interval, pk_real h)
     return PK_F(fabs)(interval / count - h) <= PK_C(1e-12) * h ? interval / count : h;
 }
 
-struct moment run_moment(const struct run *run)
+struct moment run_moment(const struct pk_run *run)
 {
     const struct moment now = {run->it.t, run->it.q, run->it.v, run->it.z};
     return now;
 }
 
 /* The motion at t within the last step; q is NULL where that fails. */
-static struct moment at(struct run *run, pk_real t)
+static struct moment at(struct pk_run *run, pk_real t)
 {
     struct pk_integrator *it = &run->it;
     const struct moment none = {t, NULL, NULL, NULL}, now = {t, it->q, it->v, it->z};
@@ -70,13 +68,13 @@ static struct moment at(struct run *run, pk_real t)
     return found;
 }
 
-pk_real run_row_time(const struct run *run, pk_real k, pk_real count)
+pk_real run_row_time(const struct pk_run *run, pk_real k, pk_real count)
 {
     return k < count ? (pk_real)(double)(k * run->settings.every) : run->settings.until;
 }
 
 /* The next time up to `limit` for which a row or what is expected asks. */
-pk_real run_wanted(const struct run *run, pk_real from, pk_real limit)
+pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit)
 {
     const int rows = run->next <= run->count && run->settings.every > 0;
     const pk_real row = rows ? run_row_time(run, run->next, run->count) : limit;
@@ -85,7 +83,7 @@ pk_real run_wanted(const struct run *run, pk_real from, pk_real limit)
 
 /* Where a step is to end at the latest. Adaptive ones land on rows, or not, and on what is
  * expected. */
-pk_real run_limit(const struct run *run)
+pk_real run_limit(const struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     if (!run_fixed(run))
@@ -94,7 +92,7 @@ pk_real run_limit(const struct run *run)
     return pk_integrator_limit(&run->it, run_wanted(run, run->it.t, s->until), s->until);
 }
 
-int run_due(struct run *run, pk_real end)
+int run_due(struct pk_run *run, pk_real end)
 {
     const struct settings *s = &run->settings;
     pk_real from = run->it.last_t, t = 0;

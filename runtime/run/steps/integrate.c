@@ -1,9 +1,8 @@
 /* One trajectory from the start to the end, row by row. */
-#include "observe.h"
 #include "steps.h"
 
 /* Many steps of a large system at once: some 0.1 s of them. Drifts are measured where they end. */
-static enum pk_status many(struct run *run, pk_real end)
+static enum pk_status many(struct pk_run *run, pk_real end)
 {
     struct pk_integrator *it = &run->it;
     const unsigned long most = (unsigned long)(50000000 / it->n) + 2;
@@ -15,19 +14,19 @@ static enum pk_status many(struct run *run, pk_real end)
                                end > next && whole < (pk_real)most ? (unsigned long)whole : most);
 }
 
-static void step_ended(struct run *run)
+static void step_ended(struct pk_run *run)
 {
     const struct moment now = run_moment(run);
     observe_step(run, &now);
 }
 
-static void row_now(struct run *run)
+static void row_now(struct pk_run *run)
 {
     const struct moment now = run_moment(run);
     observe_row(run, &now);
 }
 
-static int step(struct run *run)
+static int step(struct pk_run *run)
 {
     struct pk_integrator *it = &run->it;
     const int fused = run->problem.system->families.advance && run_fixed(run);
@@ -48,7 +47,7 @@ static int step(struct run *run)
     return status == PK_DONE && !run->interrupted && !run->write_failed;
 }
 
-void run_integrate(struct run *run)
+void run_integrate(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_integrator *it = &run->it;

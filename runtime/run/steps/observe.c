@@ -1,7 +1,7 @@
 /* See observe.h. Events come first, whose times stand above all rows of the report; drifts come
  * before trust, which judges by them; diagnostics close the report.
  */
-#include "observe.h"
+#include "steps.h"
 
 static const struct observer *const observers[] = {
     &watch_observer, &rows_observer,     &expect_observer, &drift_observer,
@@ -13,17 +13,17 @@ static const struct observer *const observers[] = {
         if (observers[i]->call)                                       \
     observers[i]->call
 
-void observe_begin(struct run *run) { EACH(begin)(run); }
+void observe_begin(struct pk_run *run) { EACH(begin)(run); }
 
-void observe_step(struct run *run, const struct moment *at) { EACH(step)(run, at); }
+void observe_step(struct pk_run *run, const struct moment *at) { EACH(step)(run, at); }
 
-void observe_crossing(struct run *run, size_t event, const struct moment *at)
+void observe_crossing(struct pk_run *run, size_t event, const struct moment *at)
 {
     EACH(event)(run, event, at);
 }
 
-void observe_row(struct run *run, const struct moment *at) { EACH(row)(run, at); }
+void observe_row(struct pk_run *run, const struct moment *at) { EACH(row)(run, at); }
 
-void observe_end(struct run *run) { EACH(end)(run); }
+void observe_end(struct pk_run *run) { EACH(end)(run); }
 
-void observe_report(const struct run *run, struct json *j) { EACH(report)(run, j); }
+void observe_report(const struct pk_run *run, struct json *j) { EACH(report)(run, j); }

@@ -1,15 +1,10 @@
 /* One trajectory: its settings settled, begun, its steps, and what it took given back. */
 #include "../diagnose/diagnose.h"
-#include "../look/drifts.h"
 #include "../settings/settings.h"
-#include "apart.h"
-#include "observe.h"
 #include "steps.h"
 
-#include <stdlib.h>
-
 /* The recording interval, the fixed step, landing. */
-static enum pk_run_code settle(struct run *run)
+static enum pk_run_code settle(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     const int fixed = s->members ? member_fixed(s) : !(s->method->traits & PK_ADAPTIVE);
@@ -50,7 +45,7 @@ static enum pk_run_code settle(struct run *run)
     return PK_RUN_DONE;
 }
 
-static enum pk_run_code start(struct run *run)
+static enum pk_run_code start(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     if (!run->problem.system) /* that of a member is known */
@@ -71,12 +66,12 @@ static enum pk_run_code start(struct run *run)
     return PK_RUN_DONE;
 }
 
-enum pk_run_code run_settle(struct run *run)
+enum pk_run_code run_settle(struct pk_run *run)
 {
     return run->settings.n_parts ? apart_choose(run) : settle(run);
 }
 
-enum pk_run_code run_begin(struct run *run)
+enum pk_run_code run_begin(struct pk_run *run)
 {
     observe_begin(run);
     if (run->settings.n_parts)
@@ -85,9 +80,12 @@ enum pk_run_code run_begin(struct run *run)
     return code ? code : crossings_begin(run);
 }
 
-void run_steps(struct run *run) { (run->settings.n_parts ? apart_integrate : run_integrate)(run); }
+void run_steps(struct pk_run *run)
+{
+    (run->settings.n_parts ? apart_integrate : run_integrate)(run);
+}
 
-void run_end(struct run *run)
+void run_end(struct pk_run *run)
 {
     pk_apart_free(&run->apart);
     pk_events_free(&run->events);

@@ -1,15 +1,9 @@
 /* The report of one trajectory. */
-#include "report.h"
-
-#include "base/json.h"
-#include "look/rows.h"
-#include "look/trust.h"
-#include "steps/apart.h"
-#include "steps/observe.h"
+#include "steps.h"
 
 enum { MOST_LISTED = 10000 };
 
-static void report_motion(struct json *j, const struct run *run)
+static void report_motion(struct json *j, const struct pk_run *run)
 {
     const struct pk_integrator *it = &run->it;
     /* Of a large system the last row has them. */
@@ -22,7 +16,7 @@ static void report_motion(struct json *j, const struct run *run)
         json_numbers(j, "z", it->z, run->problem.system->quadratures.n);
 }
 
-static void report_work(struct json *j, const struct run *run)
+static void report_work(struct json *j, const struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_counters *c = &run->it.count;
@@ -47,7 +41,7 @@ static void report_work(struct json *j, const struct run *run)
     json_flag(j, "slow", run->control.slow);
 }
 
-void report_run(struct run *run, FILE *file)
+void report_run(struct pk_run *run, FILE *file)
 {
     const enum pk_status status = run->it.status;
     struct json json = {.file = file}, *j = &json;

@@ -1,0 +1,91 @@
+/* What looks at a run: rows, expectations, drifts, events, trust. Each is an observer, a row of the
+ * table in steps/observe.c, and knows nothing of who calls it.
+ */
+#ifndef RUN_LOOK_H
+#define RUN_LOOK_H
+
+#include "../base/json.h"
+#include "../base/state.h"
+
+/* The functions that an observer has no use for are NULL. */
+struct observer {
+    void (*begin)(struct pk_run *run); /* takes memory */
+    /* At the start, and where each step ends. */
+    void (*step)(struct pk_run *run, const struct moment *at);
+    /* Of an event, or behind these of a switch. */
+    void (*event)(struct pk_run *run, size_t event, const struct moment *at);
+    void (*row)(struct pk_run *run, const struct moment *at);
+    void (*end)(struct pk_run *run);                          /* of one trajectory */
+    void (*report)(const struct pk_run *run, struct json *j); /* members of the report, in JSON */
+};
+
+extern const struct observer watch_observer, rows_observer, expect_observer, drift_observer,
+    trust_observer, diagnose_observer, area_observer;
+
+/* Rows. */
+void rows_header(struct pk_run *run);
+/* The rows that a member has kept, behind those of the run. */
+void rows_take(struct pk_run *run, const struct pk_run *from);
+/* A column's value; `out` are the outputs there, where the system has any. */
+pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
+                   const struct moment *at, const pk_real *out);
+/* All are written; the code with what there is to say. */
+enum pk_run_code rows_end(struct pk_run *run, enum pk_run_code code);
+/* Whether all are. */
+int rows_whole(const struct pk_run *run);
+
+/* What a scene expects of its run: columns compared at times, at events or in all rows, and drifts
+ * of outputs. It is measured here; what is said of it is pkgen's. */
+/* The next time behind `from`, up to `limit`, at which something is expected. */
+pk_real expect_limit(const struct pk_run *run, pk_real from, pk_real limit);
+/* At such a time within a step. */
+void expect_landed(struct pk_run *run, const struct moment *at);
+/* Whether the drift of the energy is asked for. It is then watched where the equations do not show
+ * it to be constant as well: a parameter that makes it so may be left to the run (--no-reduce). */
+int expect_uses_h(const struct pk_run *run);
+/* Nothing is known yet; and what is known of one member goes to that of all, in their order. */
+void expect_clear(struct settings *s);
+void expect_merge(struct settings *all, const struct settings *one);
+/* The members "expects" and "expect_drifts" of the report. */
+void expect_report(const struct pk_run *run, struct json *j);
+
+/* Drifts of what is constant along a run. */
+/* Memory and reference values of the drifts; those of a member of an ensemble each time anew. */
+void drift_begin(struct pk_run *run, const struct pk_problem *problem);
+/* {"name": ..., "max": ...} of it; as a member where it has a key. */
+void report_drift(struct json *j, const char *key, const char *name, const struct pk_drift *drift);
+
+/* Events: their times for the report, and what is doubtful of them. */
+enum { WATCH_TIMES = 1000 };   /* of an event, in the report */
+#define WATCH_NOISE PK_C(1e-8) /* of the size of what is subtracted: no more than errors */
+
+/* Of an event, or behind these of a switch; why crossings of it may be missed. */
+const char *watch_name(const struct pk_system *system, size_t k);
+#define WATCH_TOO_OFTEN                                                                           \
+    "its function turns too often within a step for all its crossings to be found: take shorter " \
+    "steps (--step, --max-step)"
+/* Says which events are crossings of errors alone, and which may be missing. */
+void watch_warn(struct pk_run *run);
+
+/* How far a run that failed can be trusted. A status is about the path that the steps made, and
+ * that may have left the motion long before: then it says nothing about the motion. */
+#define TRUST_WRONG PK_C(1e-2) /* of the energy's scale */
+/* The status in a report of steps that went on behind the end of the motion: known to the driver
+ * alone, so it is none of the core's. */
+#define TRUST_BEYOND_NAME "RUN_BEYOND_END"
+#define TRUST_BEYOND_TEXT "the motion ends before these steps do"
+enum { TRUST_BEYOND_CODE = -100 };
+
+/* Sets run->besides to what there is to say behind the reason of a failure: since when the energy
+ * of a conservative system is wrong, and what dop853 at 1e-9 makes of the same motion where the
+ * method's own steps are no judge of it (fixed, or of a loose tolerance). Likewise asks it of fixed
+ * steps that arrive, or stop at an event, with a wrong energy: run->beyond where the motion ends
+ * before they do, at run->ends. */
+void trust_judge(struct pk_run *run);
+/* Of a run that was judged. The time until which it is right, as far as is known; its reason. */
+pk_real trust_last_valid(const struct pk_run *run);
+/* What there is to say of one that arrived with a wrong energy all the same; 0 if nothing. */
+int trust_warning(const struct pk_run *run, char *text, size_t size);
+void trust_reason(const struct pk_run *run, char *text, size_t size);
+
+#endif
