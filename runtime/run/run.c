@@ -28,7 +28,7 @@ static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
     code = rows_end(run, code);
     if (run->write_failed == EPIPE)
         return PK_RUN_DONE; /* who read them has read enough */
-    if (!run->settings.bare && !run->settings.compared) {
+    if (!run->settings.asked.bare && !run->settings.asked.compared) {
         trust_judge(run);
         watch_warn(run);
     }
@@ -60,15 +60,13 @@ static void ends(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_integrator *it = &run->it;
-    pk_real *z = run->row + 2 * s->n + s->system->n_observed;
-    const struct moment start = {0, s->q, s->v, z}, now = run_moment(run);
-    if (s->compared && s->at && run->begun && it->status >= 0 && !run->n_kept) {
-        settings_z(s, s->params, z);
+    const struct moment start = {0, s->q, s->v, s->z}, now = run_moment(run);
+    if (s->asked.compared && s->asked.at && run->begun && it->status >= 0 && !run->n_kept) {
         observe_row(run, &start);
         observe_row(run, &now);
         run->rows = 0;
     }
-    if (s->bare && !s->has_every && run->begun)
+    if (s->asked.bare && !s->has_every && run->begun)
         observe_row(run, &now);
 }
 
@@ -121,7 +119,7 @@ static void go(void *context)
     struct pk_run *run = context;
     run->code = run_settle(run);
     if (!run->code)
-        run->code = run->settings.members ? ensemble_run(run) : one(run);
+        run->code = run->settings.asked.members ? ensemble_run(run) : one(run);
 }
 
 enum pk_run_code pk_run_go(struct pk_run *run)
@@ -141,7 +139,7 @@ size_t pk_run_rows(const struct pk_run *run, const double **rows, const double *
 {
     *rows = run->kept;
     *low = run->kept_low;
-    *columns = 1 + run->settings.n_show + (run->settings.members > 0);
+    *columns = 1 + run->settings.n_show + (run->settings.asked.members > 0);
     return run->n_kept;
 }
 

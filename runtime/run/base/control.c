@@ -36,9 +36,10 @@ int run_stopped(struct pk_run *run, double part)
     c->stop |= stops;
     if (c->stop || !run->settings.polls)
         return c->stop;
-    if (c->cap > 0 && run_processor() - c->began > c->cap)
+    const struct pk_run_settings *asked = &run->settings.asked;
+    if (asked->cap > 0 && run_processor() - c->began > asked->cap)
         return c->slow = c->stop = 1;
-    if (!c->poll)
+    if (!asked->poll)
         return 0;
     const double t = run_now();
     c->often = t - c->looked < SHORT ? SELDOM : 1;
@@ -46,7 +47,7 @@ int run_stopped(struct pk_run *run, double part)
     if (t - c->last < BETWEEN)
         return 0;
     c->last = t;
-    return c->stop = c->poll(c->context, part) != 0;
+    return c->stop = asked->poll(asked->context, part) != 0;
 }
 
 int run_open(struct pk_run *run, int fd)

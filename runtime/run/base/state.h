@@ -56,47 +56,35 @@ struct drifting {
 
 /* Whether a run is to stop; shared by an ensemble's members. */
 struct control {
-    int (*poll)(void *context, double part);
-    void *context;
     volatile sig_atomic_t stop;
-    double last, began, cap; /* cap: seconds of the processor, 0 without */
-    int slow;                /* given up at the cap */
-    double looked;           /* at the clock, last, */
-    unsigned often;          /* and the steps from one look to the next */
+    double last, began; /* seconds of the processor */
+    int slow;           /* given up at the cap */
+    double looked;      /* at the clock, last, */
+    unsigned often;     /* and the steps from one look to the next */
 };
 
 /* Settings as the run uses them. */
 struct settings {
+    struct pk_run_settings asked; /* of its lists those of parts and members are there for long */
+    struct pk_run *run;
     const struct pk_system *system;
     const struct pk_part *parts;
     size_t n_parts;
-    const struct pk_run_part *part_given; /* n_parts of them, or NULL */
     const struct pk_method *method;
     struct memory *memory;
     struct control *control;
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */
     struct pk_options options;
-    int has_every, has_step, bare, compared, polls;
-    int land;          /* rows: 1 by a step that ends there, 0 by dense output */
-    unsigned diagnose; /* flags of diagnose.h */
-    size_t n;          /* degrees of freedom */
+    int has_every, has_step, polls;
+    size_t n; /* degrees of freedom */
     void *params;
     unsigned char *given;       /* which parameters were set */
-    pk_real *q, *v, *z, *u;     /* z: of those that were given */
+    pk_real *q, *v, *z, *u;     /* the start */
     unsigned char *start_given; /* 2 n flags, and of each quadrature */
     struct pk_run_column *show; /* the columns of rows behind t */
     size_t n_show;
     struct expected *expected;
     struct drifting *drifting;
-    size_t n_expected, n_drifting;
-    int watch; /* events of an ensemble's members; 2: and their first times are reported */
-    size_t at; /* 1 + which event has rows; 0: none */
-    size_t members, threads, n_columns; /* members 0: one trajectory */
-    const struct pk_run_column *columns;
-    const double *values;    /* of members, a row of columns each */
-    const char *member_name; /* the column that counts members */
-    long first_member;       /* and the number of the first */
-    int header;
 };
 
 /* The motion at a time: q, v and, where the system has any, quadratures. */
@@ -122,6 +110,7 @@ struct pk_run {
     struct control control;
     char *said;
     char *report, *told; /* JSON; of malloc() */
+    char *csv;           /* of a member, its rows; of malloc() */
     enum pk_run_code code;
     int refused;           /* what prepare() made of the parameters */
     struct pk_system bare; /* the system without quadratures and, of a bare run, events */

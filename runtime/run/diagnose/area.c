@@ -3,7 +3,6 @@
  */
 #include "area.h"
 
-#include "diagnose.h"
 #include "../look/look.h"
 
 #ifdef PK_WITH_GSL
@@ -19,18 +18,18 @@ static enum pk_run_code refuse(struct pk_run *run, const char *why)
 
 static const char *unfit(const struct settings *s, size_t n)
 {
-    for (size_t k = 0; k < s->n_columns; k++)
-        if (s->columns[k].kind == 'p' || s->columns[k].kind == 'i')
+    for (size_t k = 0; k < s->asked.n_member_columns; k++)
+        if (s->asked.member_columns[k].kind == 'p' || s->asked.member_columns[k].kind == 'i')
             return "members with parameters or inputs of their own are no loop of one motion: let "
                    "starts alone differ";
     if (n == 0)
         return "the model has states alone, which have no momenta: there is no area";
     if (!s->system->canonical)
         return "the system has no kernel canonical";
-    if (!pk_gsl_loop_takes(s->members))
+    if (!pk_gsl_loop_takes(s->asked.members))
         return "a loop has 32 members at least, and a number of them without a prime factor above "
                "1000: take 1000, 1024 or 100000";
-    if (s->at && !s->has_every)
+    if (s->asked.at && !s->has_every)
         return "rows at an event are at other times for each member: give --every, for rows that "
                "they have in common";
     return NULL;
@@ -40,16 +39,16 @@ enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count)
 {
     const struct settings *s = &run->settings;
     const size_t n = pk_system_coordinates(run->settings.system, s->params);
-    if (!(s->diagnose & DIAGNOSE_AREA))
+    if (!(s->asked.diagnose & DIAGNOSE_AREA))
         return PK_RUN_DONE;
     const char *why = unfit(s, n);
     if (why)
         return refuse(run, why);
-    if (16.0 * (double)s->members * (double)(count + 1) * (double)n > BYTES)
+    if (16.0 * (double)s->asked.members * (double)(count + 1) * (double)n > BYTES)
         return refuse(run,
                       "so many rows of so many members take more than 2 GB: record less often");
     struct loop *l = memory_take(&run->memory, 1, sizeof *l);
-    l->members = s->members;
+    l->members = s->asked.members;
     l->rows = count + 1;
     l->n = n;
     l->whole = s->n;
@@ -85,7 +84,7 @@ void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v
 enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count)
 {
     (void)t, (void)count;
-    if (!(run->settings.diagnose & DIAGNOSE_AREA))
+    if (!(run->settings.asked.diagnose & DIAGNOSE_AREA))
         return PK_RUN_DONE;
     run_say(run, "diagnose area: it needs the GNU Scientific Library, which is not here");
     return PK_RUN_USAGE;

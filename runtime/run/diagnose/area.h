@@ -2,7 +2,7 @@
 #ifndef RUN_DIAGNOSE_AREA_H
 #define RUN_DIAGNOSE_AREA_H
 
-#include "../base/state.h"
+#include "parts.h"
 
 /* q and p of all members at the rows that they have in common, as far as each has come. */
 struct loop {
@@ -14,13 +14,6 @@ struct loop {
     size_t whole;            /* of these: coordinates and states */
     const char *gone;        /* what may have become of members that have not come to the end */
 };
-
-/* Room for them at the start and `count` times; else the exit code. */
-enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count);
-/* A member's state, its parameters in the settings; kept where it is at the next of its rows. */
-void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v);
-/* What came of it, as JSON for the report; returns the exit code, `code` unless it failed. */
-enum pk_run_code area_find(struct pk_run *run, enum pk_run_code code, const char *gone);
 
 /* Of one of them at one row, in member order. */
 static inline double *area_series(const struct loop *l, size_t row, size_t i, int momentum)

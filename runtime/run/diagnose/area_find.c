@@ -12,7 +12,6 @@
 #include "area.h"
 
 #include "../settings/settings.h"
-#include "parts.h"
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>

@@ -26,7 +26,7 @@ static int stop(void *context)
 
 enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code)
 {
-    const unsigned wanted = run->settings.diagnose;
+    const unsigned wanted = run->settings.asked.diagnose;
     if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0 ||
         !(run->it.t > 0))
         return code;

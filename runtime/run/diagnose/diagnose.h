@@ -22,4 +22,12 @@ enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code);
 void diagnose_report(const struct pk_run *run, struct json *j);
 void diagnose_free(struct pk_run *run);
 
+/* Of an ensemble whose members are a closed loop of starts: area.c.
+ * Room for them at the start and `count` times; else the exit code. */
+enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count);
+/* A member's state, its parameters in the settings; kept where it is at the next of its rows. */
+void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v);
+/* What came of it, as JSON for the report; returns the exit code, `code` unless it failed. */
+enum pk_run_code area_find(struct pk_run *run, enum pk_run_code code, const char *gone);
+
 #endif

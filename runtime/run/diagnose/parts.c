@@ -16,7 +16,7 @@ static const unsigned OF_ROWS = 0 DIAGNOSTICS(FLAG);
 static void keep_row(struct pk_run *run, const struct moment *at)
 {
     const size_t n = run->settings.n, width = 1 + 2 * n;
-    if (!(run->settings.diagnose & OF_ROWS))
+    if (!(run->settings.asked.diagnose & OF_ROWS))
         return;
     if (run->at_event && run->settings.has_every) /* spectra are of rows at equal times */
         return;
@@ -40,7 +40,7 @@ struct diagnostics *diagnose_open(struct pk_run *run)
     struct diagnostics *d = run->diagnostics;
     d->json = (struct json){.file = run_text(run, &d->text)};
     d->run = run;
-    d->all = run->settings.diagnose == DIAGNOSE_ALL;
+    d->all = run->settings.asked.diagnose == DIAGNOSE_ALL;
     json_open(&d->json, NULL, '{');
     return d;
 }

@@ -53,13 +53,13 @@ void diagnose_spectrum(struct pk_run *run, struct diagnostics *d)
     size_t count = d->n_rows;
     if (count > 1 && d->rows[(count - 1) * width] < (double)(count - 1) * dt * (1 - 1e-12))
         count--;
-    const int at_events = set->at && !set->has_every;
+    const int at_events = set->asked.at && !set->has_every;
     if (count < PK_SPECTRUM_LEAST || at_events) {
         char reason[200];
         if (at_events)
             snprintf(reason, sizeof reason,
                      "rows are at event %s alone: give --every too, for rows at equal times",
-                     run->problem.system->events.table[set->at - 1].what.name);
+                     run->problem.system->events.table[set->asked.at - 1].what.name);
         else
             snprintf(reason, sizeof reason,
                      "%zu rows at equal times; at least %d are needed: --every", count,

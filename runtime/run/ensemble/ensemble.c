@@ -3,7 +3,6 @@
  * are checked before the first one runs.
  */
 
-#include "../diagnose/area.h"
 #include "../diagnose/diagnose.h"
 #include "../settings/settings.h"
 #include "ensemble.h"
@@ -56,7 +55,7 @@ static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t m
 /* Whether fixed steps have left a member with another energy than it began with. */
 static int is_astray(const struct batch *b, const struct pk_run *run, size_t i)
 {
-    if (!run->monitor_block || !member_fixed(b->s) || b->e.done[i] == 0)
+    if (!run->monitor_block || !member_fixed(&run->settings) || b->e.done[i] == 0)
         return 0;
     const pk_real final = pk_drift_final(&run->monitor.energy);
     return !(PK_F(fabs)(final) <= TRUST_WRONG); /* true of a NaN */
@@ -68,16 +67,8 @@ static void write_batch(struct batch *b, struct pk_run *run, size_t first, size_
     const struct pk_ensemble *e = &b->e;
     for (size_t i = 0; i < count; i++) {
         write_member(b, run, i, first + i);
-        if (is_astray(b, run, i) && tally->astray++ == 0)
-            tally->first_astray = first + i;
-        tally->done += e->status[i] == PK_DONE;
-        tally->stopped += e->status[i] > 0;
-        if (e->status[i] < 0 && tally->failed++ == 0) {
-            tally->first_failed = first + i;
-            tally->status = e->status[i];
-            tally->t = e->last_t[i];
+        if (tally_note(tally, first + i, e->status[i], e->last_t[i], is_astray(b, run, i)))
             pk_ensemble_reason(e, i, b->block, b->block_size, tally->reason, sizeof tally->reason);
-        }
     }
 }
 
@@ -92,7 +83,7 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
     json_text(j, "method", s->method->name);
     json_real(j, "order", s->method->order);
     json_real(j, "step", member_fixed(s) ? s->options.h : PK_INFINITY);
-    json_count(j, "members", s->members);
+    json_count(j, "members", s->asked.members);
     json_count(j, "done", tally->done);
     json_count(j, "failed", tally->failed);
     if (tally->failed) {
@@ -123,7 +114,7 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
 static const char *ended(const struct settings *s, const struct tally *tally)
 {
     int stops = 0;
-    for (size_t k = 0; s->watch && k < s->system->events.n; k++)
+    for (size_t k = 0; s->asked.watch && k < s->system->events.n; k++)
         stops |= s->system->events.table[k].stop;
     return !stops          ? "they failed"
            : tally->failed ? "they failed or an event stopped them"
@@ -138,7 +129,7 @@ static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const 
         return code;
     if (tally->failed) {
         run_say(run, "%s: %zu of %zu members failed, first member %ld: %s",
-                run->settings.method->name, tally->failed, run->settings.members,
+                run->settings.method->name, tally->failed, run->settings.asked.members,
                 member_number(&run->settings, tally->first_failed), tally->reason);
         code = PK_RUN_FAILED;
     }
@@ -147,7 +138,7 @@ static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const 
         run_say(run,
                 "warning: energy off by more than %g of its scale at the end in %zu of %zu "
                 "members, first member %ld: make the step shorter (--step)",
-                (double)TRUST_WRONG, tally->astray, run->settings.members,
+                (double)TRUST_WRONG, tally->astray, run->settings.asked.members,
                 member_number(&run->settings, tally->first_astray));
     if (run->not_finite) {
         run_say(run, "%s is not finite in %lu of %lu rows, first at t = %.17g", run->not_finite,
@@ -159,7 +150,8 @@ static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const 
         code = area_find(run, code, ended(&run->settings, tally));
     run->interrupted = run->control.stop;
     if (run->interrupted) {
-        run_say(run, "interrupted after %zu of %zu members", tally->done, run->settings.members);
+        run_say(run, "interrupted after %zu of %zu members", tally->done,
+                run->settings.asked.members);
         code = PK_RUN_INTERRUPTED;
     }
     FILE *file = run_text(run, &run->report);
@@ -198,11 +190,11 @@ enum pk_run_code ensemble_run(struct pk_run *run)
     if (code)
         return code;
     rows_header(run);
-    for (size_t first = 0; first < s->members && !run->control.stop && !run->write_failed;
+    for (size_t first = 0; first < s->asked.members && !run->control.stop && !run->write_failed;
          first += b.size) {
-        const size_t left = s->members - first;
+        const size_t left = s->asked.members - first;
         b.e.members = left < b.size ? left : b.size;
-        run->part = (double)first / (double)s->members;
+        run->part = (double)first / (double)s->asked.members;
         members_set(&b, first, b.e.members, run);
         if (watched) {
             watched_batch(&b, run, first, b.e.members, &tally);
@@ -210,7 +202,7 @@ enum pk_run_code ensemble_run(struct pk_run *run)
             pk_ensemble_run_threads(&b.e, b.threads, b.block, b.block_size);
             write_batch(&b, run, first, b.e.members, &tally);
         }
-        run_stopped(run, (double)(first + b.e.members) / (double)s->members);
+        run_stopped(run, (double)(first + b.e.members) / (double)s->asked.members);
     }
     run->seconds = run_now() - began;
     return finish(run, &b, &tally);

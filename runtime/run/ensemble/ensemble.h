@@ -8,7 +8,6 @@
 /* A batch of members: parameters, starts and inputs, and room for their rows. */
 struct batch {
     struct pk_ensemble e;
-    const struct settings *s;
     const struct pk_system *system;
     size_t n, size; /* members that it has room for */
     char *params;
@@ -28,7 +27,7 @@ enum pk_run_code members_check(struct batch *b, struct pk_run *run);
 /* Members that run one by one since events are watched or there are switches. */
 /* What has become of the members. */
 struct tally {
-    size_t done, failed, stopped, first_failed;
+    size_t done, failed, first_failed;
     size_t astray, first_astray; /* whose energy at the end is wrong */
     enum pk_status status;       /* of the first that failed, */
     pk_real t;
@@ -45,6 +44,9 @@ void watched_batch(const struct batch *b, struct pk_run *run, size_t first, size
                    struct tally *tally);
 void watched_warn(struct pk_run *run, const struct tally *tally);
 void watched_report(const struct tally *tally, const struct settings *s, struct json *j);
+
+/* Counts how a member ended; 1: it is the first that failed. */
+int tally_note(struct tally *tally, size_t member, enum pk_status status, pk_real t, int astray);
 
 /* All of it, rows at equal times up to the end. */
 enum pk_run_code ensemble_run(struct pk_run *run);

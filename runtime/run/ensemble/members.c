@@ -1,7 +1,6 @@
-/* Members of an ensemble from their file into memory, and what that takes; see members.h. */
-#include "ensemble.h"
-
+/* Members of an ensemble from their file into memory, and what that takes. */
 #include "../settings/settings.h"
+#include "ensemble.h"
 
 /* A batch is as many members as keep their rows within this; less to test more than one. */
 #ifndef RUN_BATCH_BYTES
@@ -11,44 +10,42 @@
 enum { CHUNK = 64 };
 
 /* Parameters, start and inputs of member i of the batch from a row of the file. */
-static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, const double *row,
-                                   struct pk_run *run)
+static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, struct pk_run *run)
 {
-    const struct settings *s = b->s;
-    char *params = b->params + i * b->system->params_size;
-    pk_real *q = b->q0 + i * b->n, *v = b->v0 + i * b->n, *u = b->u + i * b->system->n_inputs;
-    memcpy(params, s->params, b->system->params_size);
-    memcpy(u, s->u, b->system->n_inputs * sizeof *u);
-    memcpy(b->given, s->given, b->system->n_parameters);
-    for (size_t k = 0; k < s->n_columns; k++)
-        if (s->columns[k].kind == 'p') {
-            const pk_real x = (pk_real)row[k];
-            memcpy(params + b->system->parameters[s->columns[k].index].offset, &x, sizeof x);
-            b->given[s->columns[k].index] = 1;
-        }
-    b->system->derive(params, b->given);
-    const int outside = b->system->prepare(params);
+    const struct settings *s = &run->settings;
+    const struct pk_system *system = b->system;
+    const size_t n = b->n, m = system->quadratures.n, n_columns = s->asked.n_member_columns;
+    const double *row = s->asked.member_values + member * n_columns;
+    char *params = b->params + i * system->params_size;
+    pk_real *q = b->q0 + i * n, *v = b->v0 + i * n, *z = b->z0 + i * m;
+    pk_real *u = b->u + i * system->n_inputs;
+    char who[40];
+    memcpy(params, s->params, system->params_size);
+    memcpy(u, s->u, system->n_inputs * sizeof *u);
+    memcpy(b->given, s->given, system->n_parameters);
+    for (size_t k = 0; k < n_columns; k++) {
+        const struct pk_run_column c = s->asked.member_columns[k];
+        const pk_real x = (pk_real)row[k];
+        if (c.kind != 'p')
+            continue;
+        memcpy(params + system->parameters[c.index].offset, &x, sizeof x);
+        b->given[c.index] = 1;
+    }
+    system->derive(params, b->given);
+    const int outside = system->prepare(params);
     if (outside) {
-        char *text = NULL;
-        FILE *file = run_text(run, &text);
-        parameters_refused(file, b->system, params, outside);
-        run_text_end(run);
-        run_say(run, "member %ld: %s", member_number(s, member), text);
-        free(text);
+        snprintf(who, sizeof who, "member %ld: ", member_number(s, member));
+        settings_refused(run, params, outside, who);
         return PK_RUN_USAGE;
     }
-    b->system->start(params, q, v);
-    for (size_t k = 0; k < b->n; k++) {
-        if (s->start_given[k])
-            q[k] = s->q[k];
-        if (s->start_given[b->n + k])
-            v[k] = s->v[k];
-    }
-    if (b->z0)
-        settings_z(s, params, b->z0 + i * b->system->quadratures.n);
-    for (size_t k = 0; k < s->n_columns; k++) {
-        const struct pk_run_column c = s->columns[k];
-        pk_real *z = b->z0 ? b->z0 + i * b->system->quadratures.n : NULL;
+    system->start(params, q, v);
+    if (system->quadratures.start)
+        system->quadratures.start(params, z);
+    for (size_t k = 0; k < 2 * n + m; k++)
+        if (s->start_given[k]) /* q, v and z of the settings stand together */
+            *(k < n ? q + k : k < 2 * n ? v + (k - n) : z + (k - 2 * n)) = s->q[k];
+    for (size_t k = 0; k < n_columns; k++) {
+        const struct pk_run_column c = s->asked.member_columns[k];
         if (c.kind != 'p')
             (c.kind == 'i'   ? u
              : c.kind == 'q' ? q
@@ -60,66 +57,75 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, con
 
 enum pk_run_code members_set(struct batch *b, size_t first, size_t count, struct pk_run *run)
 {
-    for (size_t i = 0; i < count; i++) {
-        const enum pk_run_code code =
-            set_member(b, i, first + i, b->s->values + (first + i) * b->s->n_columns, run);
-        if (code)
-            return code;
-    }
-    return PK_RUN_DONE;
+    enum pk_run_code code = PK_RUN_DONE;
+    for (size_t i = 0; i < count && !code; i++)
+        code = set_member(b, i, first + i, run);
+    return code;
 }
 
 enum pk_run_code members_check(struct batch *b, struct pk_run *run)
 {
+    const size_t all = run->settings.asked.members;
     enum pk_run_code code = PK_RUN_DONE;
-    for (size_t first = 0; code == PK_RUN_DONE && first < b->s->members; first += b->size) {
-        const size_t left = b->s->members - first;
-        code = members_set(b, first, left < b->size ? left : b->size, run);
-    }
+    for (size_t first = 0; !code && first < all; first += b->size)
+        code = members_set(b, first, all - first < b->size ? all - first : b->size, run);
     return code;
+}
+
+int tally_note(struct tally *tally, size_t member, enum pk_status status, pk_real t, int astray)
+{
+    tally->done += status == PK_DONE || status == PK_STOPPED_EVENT;
+    if (astray && tally->astray++ == 0)
+        tally->first_astray = member;
+    if (status >= 0 || tally->failed++)
+        return 0;
+    tally->first_failed = member;
+    tally->status = status;
+    tally->t = t;
+    return 1;
 }
 
 void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
 {
     const struct settings *s = &run->settings;
+    const struct pk_system *system = b->system = s->system;
+    const size_t n = b->n = s->n, m = system->quadratures.n, all = s->asked.members;
+    const size_t fit = RUN_BATCH_BYTES / (2 * n * rows * sizeof(pk_real)) + 1;
+    struct memory *memory = &run->memory;
     struct pk_ensemble *e = &b->e;
-    b->s = s;
-    struct memory *m = &run->memory;
-    b->system = s->system;
-    b->n = pk_system_count(b->system, s->params);
-    const size_t fit = RUN_BATCH_BYTES / (2 * b->n * rows * sizeof(pk_real)) + 1;
-    b->size = fit < s->members ? fit : s->members;
-    if (b->size > CHUNK && b->size < s->members)
-        b->size -= b->size % CHUNK; /* whole blocks */
-    b->params = memory_take(m, b->size, b->system->params_size);
-    b->q0 = memory_take(m, b->size * b->n, sizeof *b->q0);
-    b->v0 = memory_take(m, b->size * b->n, sizeof *b->v0);
-    b->u = memory_take(m, b->size * b->system->n_inputs, sizeof *b->u);
-    b->t = memory_take(m, rows, sizeof *b->t);
-    b->given = memory_take(m, b->system->n_parameters, 1);
-    memcpy(b->params, s->params, b->system->params_size);
-    *e = (struct pk_ensemble){.system = b->system,
+    size_t size = fit < all ? fit : all;
+    if (size > CHUNK && size < all)
+        size -= size % CHUNK; /* whole blocks */
+    b->size = size;
+    b->params = memory_take(memory, size, system->params_size);
+    b->q0 = memory_take(memory, size * n, sizeof *b->q0);
+    b->v0 = memory_take(memory, size * n, sizeof *b->v0);
+    b->z0 = memory_take(memory, size * m, sizeof *b->z0);
+    b->u = memory_take(memory, size * system->n_inputs, sizeof *b->u);
+    b->t = memory_take(memory, rows, sizeof *b->t);
+    b->given = memory_take(memory, system->n_parameters, 1);
+    memcpy(b->params, s->params, system->params_size);
+    *e = (struct pk_ensemble){.system = system,
                               .method = s->method,
                               .options = s->options,
-                              .members = b->size,
+                              .members = size,
                               .params = b->params,
                               .q0 = b->q0,
                               .v0 = b->v0,
+                              .z0 = m ? b->z0 : NULL,
                               .u = b->u,
                               .rows = rows,
-                              .t = b->t};
-    e->q = memory_take(m, b->size * rows * b->n, sizeof *e->q);
-    e->v = memory_take(m, b->size * rows * b->n, sizeof *e->v);
-    if (b->system->quadratures.n) {
-        e->z0 = b->z0 = memory_take(m, b->size * b->system->quadratures.n, sizeof *b->z0);
-        e->z = memory_take(m, b->size * rows * b->system->quadratures.n, sizeof *e->z);
-    }
-    e->done = memory_take(m, b->size, sizeof *e->done);
-    e->last_t = memory_take(m, b->size, sizeof *e->last_t);
-    e->status = memory_take(m, b->size, sizeof *e->status);
+                              .t = b->t,
+                              .q = memory_take(memory, size * rows * n, sizeof *e->q),
+                              .v = memory_take(memory, size * rows * n, sizeof *e->v),
+                              .done = memory_take(memory, size, sizeof *e->done),
+                              .last_t = memory_take(memory, size, sizeof *e->last_t),
+                              .status = memory_take(memory, size, sizeof *e->status)};
+    if (m)
+        e->z = memory_take(memory, size * rows * m, sizeof *e->z);
     b->threads = pk_ensemble_threads();
-    if (s->threads && b->threads > 1)
-        b->threads = s->threads;
+    if (s->asked.threads && b->threads > 1)
+        b->threads = s->asked.threads;
     b->block_size = b->threads * pk_ensemble_size(e);
-    b->block = memory_take(m, b->block_size, 1);
+    b->block = memory_take(memory, b->block_size, 1);
 }

@@ -40,7 +40,7 @@ static int is_at(const struct pk_run *run, pk_real t, pk_real at)
 pk_real expect_limit(const struct pk_run *run, pk_real t, pk_real limit)
 {
     pk_real next = limit;
-    for (size_t i = 0; i < run->settings.n_expected; i++) {
+    for (size_t i = 0; i < run->settings.asked.n_expected; i++) {
         const struct expected *x = &run->settings.expected[i];
         if (x->of.when == 't' && (pk_real)x->of.at < next && (pk_real)x->of.at > t &&
             !is_at(run, t, (pk_real)x->of.at) && !is_at(run, limit, (pk_real)x->of.at))
@@ -53,7 +53,7 @@ pk_real expect_limit(const struct pk_run *run, pk_real t, pk_real limit)
 static void compare_all(struct pk_run *run, char when, size_t event, const struct moment *at)
 {
     const pk_real *out = NULL;
-    for (size_t i = 0; i < run->settings.n_expected; i++) {
+    for (size_t i = 0; i < run->settings.asked.n_expected; i++) {
         struct expected *x = &run->settings.expected[i];
         if (x->of.when != when || (when == 'e' && x->of.event != event) ||
             (when == 't' && !is_at(run, at->t, (pk_real)x->of.at)))
@@ -78,7 +78,7 @@ static void event(struct pk_run *run, size_t which, const struct moment *at)
 static void step(struct pk_run *run, const struct moment *at)
 {
     const pk_real *out = NULL;
-    for (size_t i = 0; i < run->settings.n_drifting; i++) {
+    for (size_t i = 0; i < run->settings.asked.n_drifts; i++) {
         struct drifting *d = &run->settings.drifting[i];
         if (d->energy)
             continue;
@@ -91,7 +91,7 @@ static void step(struct pk_run *run, const struct moment *at)
 
 int expect_uses_h(const struct pk_run *run)
 {
-    for (size_t i = 0; i < run->settings.n_drifting; i++)
+    for (size_t i = 0; i < run->settings.asked.n_drifts; i++)
         if (run->settings.drifting[i].energy)
             return run->settings.system->energy && run->settings.system->canonical;
     return 0;
@@ -100,7 +100,7 @@ int expect_uses_h(const struct pk_run *run)
 /* What has drifted so far is of one member, and the next one begins. */
 static void end(struct pk_run *run)
 {
-    for (size_t i = 0; i < run->settings.n_drifting; i++) {
+    for (size_t i = 0; i < run->settings.asked.n_drifts; i++) {
         struct drifting *d = &run->settings.drifting[i];
         const struct pk_drift *drift = d->energy ? &run->monitor.energy : &d->drift;
         const pk_real max = drift->samples ? pk_drift_max(drift) : (pk_real)NAN;
@@ -114,19 +114,25 @@ static void end(struct pk_run *run)
     }
 }
 
-void expect_clear(struct settings *s)
+void expect_own(struct settings *s)
 {
-    for (size_t i = 0; i < s->n_expected; i++)
-        s->expected[i].count = s->expected[i].missed = 0, s->expected[i].off = 0;
-    for (size_t i = 0; i < s->n_drifting; i++)
-        s->drifting[i].members = 0, s->drifting[i].max = 0;
+    const struct expected *expected = s->expected;
+    const struct drifting *drifting = s->drifting;
+    s->expected = memory_take(s->memory, s->asked.n_expected, sizeof *s->expected);
+    s->drifting = memory_take(s->memory, s->asked.n_drifts, sizeof *s->drifting);
+    for (size_t i = 0; i < s->asked.n_expected; i++)
+        s->expected[i].of = expected[i].of;
+    for (size_t i = 0; i < s->asked.n_drifts; i++) {
+        s->drifting[i].energy = drifting[i].energy;
+        s->drifting[i].output = drifting[i].output;
+    }
 }
 
 static int is_number(pk_real x) { return x - x == PK_C(0.0); }
 
 void expect_merge(struct settings *all, const struct settings *one)
 {
-    for (size_t i = 0; i < all->n_expected; i++) {
+    for (size_t i = 0; i < all->asked.n_expected; i++) {
         struct expected *to = &all->expected[i];
         const struct expected *from = &one->expected[i];
         const unsigned long count = to->count + from->count, missed = to->missed + from->missed;
@@ -135,7 +141,7 @@ void expect_merge(struct settings *all, const struct settings *one)
         to->count = count;
         to->missed = missed;
     }
-    for (size_t i = 0; i < all->n_drifting; i++) {
+    for (size_t i = 0; i < all->asked.n_drifts; i++) {
         struct drifting *to = &all->drifting[i];
         const struct drifting *from = &one->drifting[i];
         const size_t members = to->members + from->members;
@@ -147,7 +153,7 @@ void expect_merge(struct settings *all, const struct settings *one)
 
 static void begin(struct pk_run *run)
 {
-    if (run->settings.n_expected || run->settings.n_drifting)
+    if (run->settings.asked.n_expected || run->settings.asked.n_drifts)
         run->expected =
             memory_take(&run->memory, run->settings.system->n_observed + 1, sizeof *run->expected);
 }
@@ -156,7 +162,7 @@ void expect_report(const struct pk_run *run, struct json *j)
 {
     const struct settings *s = &run->settings;
     json_open(j, "expects", '[');
-    for (size_t i = 0; i < s->n_expected; i++) {
+    for (size_t i = 0; i < s->asked.n_expected; i++) {
         const struct expected *x = &s->expected[i];
         json_open(j, NULL, '{');
         json_count(j, "count", x->count);
@@ -170,7 +176,7 @@ void expect_report(const struct pk_run *run, struct json *j)
     }
     json_close(j, ']');
     json_open(j, "expect_drifts", '[');
-    for (size_t i = 0; i < s->n_drifting; i++) {
+    for (size_t i = 0; i < s->asked.n_drifts; i++) {
         json_open(j, NULL, '{');
         json_real(j, "member", (pk_real)member_number(s, s->drifting[i].member));
         json_real(j, "max", s->drifting[i].max);

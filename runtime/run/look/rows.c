@@ -37,12 +37,12 @@ int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t siz
 {
     const struct settings *s = &of->settings;
     const struct pk_system *system = s->system;
-    const size_t before = 1 + (s->members > 0);
+    const size_t before = 1 + (s->asked.members > 0);
     const int dimensionless = !system->n || !*system->rates[0].unit;
     *unit = "";
     if (i < before) {
         *unit = i + 1 == before && !dimensionless ? "s" : "";
-        snprintf(name, size, "%s", i + 1 == before ? "t" : s->member_name);
+        snprintf(name, size, "%s", i + 1 == before ? "t" : s->asked.member_name);
         return 1;
     }
     if (i - before >= s->n_show)
@@ -70,7 +70,7 @@ void rows_header(struct pk_run *run)
 {
     char name[128];
     const char *unit;
-    if (!run->out || !run->settings.header)
+    if (!run->out || !run->settings.asked.header)
         return;
     for (size_t i = 0; pk_run_column_name(run, i, name, sizeof name, &unit); i++)
         csv_name(run->out, name, i == 0);
@@ -119,7 +119,7 @@ static const char *fill(struct pk_run *run, const struct moment *at)
 static void write_csv(struct pk_run *run)
 {
     FILE *file = run->out;
-    if (run->settings.members)
+    if (run->settings.asked.members)
         fprintf(file, "%ld,", member_number(&run->settings, run->member));
     for (size_t i = 0; i <= run->settings.n_show; i++) {
         if (i)
@@ -144,7 +144,7 @@ static void grow(struct pk_run *run, size_t width)
 
 static void keep(struct pk_run *run)
 {
-    const size_t first = run->settings.members > 0, width = first + 1 + run->settings.n_show;
+    const size_t first = run->settings.asked.members > 0, width = first + 1 + run->settings.n_show;
     if (run->n_kept == run->room)
         grow(run, width);
     const size_t at = run->n_kept++ * width;

@@ -13,7 +13,7 @@ static void tell(FILE *file, pk_real x)
         numbers_write(file, (double)x);
 }
 
-void parameters_refused(FILE *file, const struct pk_system *system, const void *params, int outside)
+static void refused(FILE *file, const struct pk_system *system, const void *params, int outside)
 {
     const enum pk_failure failure = PK_FAILURE(outside);
     const size_t n = system->n_parameters;
@@ -64,6 +64,15 @@ void parameters_refused(FILE *file, const struct pk_system *system, const void *
         break;
     }
     free(lo);
+}
+
+void settings_refused(struct pk_run *run, const void *params, int outside, const char *whose)
+{
+    char *text = NULL;
+    refused(run_text(run, &text), run->settings.system, params, outside);
+    run_text_end(run);
+    run_say(run, "%s%s", whose, text);
+    free(text);
 }
 
 void json_parameters(struct json *j, const struct pk_system *system, const void *params)

@@ -1,35 +1,67 @@
 /* What was asked for, as the run uses it: sizes first, since they say how many numbers there are,
  * then parameters by default, those given, and those that follow; then the start, computed from
- * them, and what is given of it.
+ * them, and what is given of it. Each step says what is wrong, or NULL.
  */
-#define _POSIX_C_SOURCE 200809L
-
 #include "settings.h"
 
 struct pk_run_settings pk_run_defaults(void)
 {
     const struct pk_options o = pk_options_default();
-    const struct pk_run_settings s = {.every = -1,
-                                      .rtol = (double)o.rtol,
-                                      .atol = (double)o.atol,
-                                      .max_steps = o.max_steps,
-                                      .land = -1,
-                                      .first_member = 1,
-                                      .csv = -1,
-                                      .header = 1};
-    return s;
+    return (struct pk_run_settings){.every = -1,
+                                    .rtol = (double)o.rtol,
+                                    .atol = (double)o.atol,
+                                    .max_steps = o.max_steps,
+                                    .land = -1,
+                                    .first_member = 1,
+                                    .csv = -1,
+                                    .header = 1};
+}
+
+static void *copy(struct settings *s, const void *from, size_t count, size_t size)
+{
+    void *to = memory_take(s->memory, count, size);
+    if (count)
+        memcpy(to, from, count * size);
+    return to;
+}
+
+static const char *steps(struct settings *s)
+{
+    const struct pk_run_settings *x = &s->asked;
+    if (x->n_parts && x->n_parts != s->n_parts)
+        return "there is no such part, or no such method of one";
+    s->asked.parts = x->n_parts ? copy(s, x->parts, s->n_parts, sizeof *x->parts) : NULL;
+    for (size_t k = 0; x->parts && k < s->n_parts; k++)
+        if (x->parts[k].method && !run_method_find(x->parts[k].method))
+            return "there is no such part, or no such method of one";
+    s->options = pk_options_default();
+    s->options.words = &run_options;
+    s->options.h = (pk_real)x->step;
+    s->options.rtol = (pk_real)x->rtol;
+    s->options.atol = (pk_real)x->atol;
+    s->options.h_min = (pk_real)x->h_min;
+    s->options.h_max = (pk_real)x->h_max;
+    s->options.max_steps = x->max_steps;
+    s->options.iteration = x->fixed_point ? PK_FIXED_POINT : PK_NEWTON;
+    s->until = (pk_real)x->until;
+    s->every = (pk_real)x->every;
+    if (!(x->until > 0) || !isfinite(x->until))
+        return "`until` must be positive";
+    if (!(x->step >= 0) || !(x->rtol >= 0) || !(x->h_min >= 0) || !(x->h_max >= 0))
+        return "steps and tolerances must not be negative";
+    return NULL;
 }
 
 /* Sizes and memory that depends on them, and all defaults. */
-static int sizes(struct settings *s, const struct pk_run_settings *given)
+static const char *sizes(struct settings *s)
 {
     const struct pk_system *system = s->system;
     if (system->families.set_sizes)
         system->families.set_sizes(s->params);
-    for (size_t k = 0; k < given->n_sizes; k++) {
-        const struct pk_run_value x = given->sizes[k];
+    for (size_t k = 0; k < s->asked.n_sizes; k++) {
+        const struct pk_run_value x = s->asked.sizes[k];
         if (x.index >= system->families.n_sizes || !(x.value >= 1) || !(x.value < PTRDIFF_MAX / 64))
-            return 0;
+            return "there is no such size";
         const ptrdiff_t length = (ptrdiff_t)x.value;
         memcpy((char *)s->params + system->families.sizes[x.index].offset, &length, sizeof length);
     }
@@ -42,268 +74,220 @@ static int sizes(struct settings *s, const struct pk_run_settings *given)
     s->z = s->v + s->n;
     s->start_given = memory_take(s->memory, 2 * s->n + system->quadratures.n, 1);
     system->defaults(s->params);
-    return 1;
+    return NULL;
+}
+
+static struct pk_range range_of(const struct settings *s, size_t parameter)
+{
+    struct pk_range range = {0, 1, 0};
+    if (s->system->families.range)
+        s->system->families.range(s->params, 1, parameter, &range);
+    return range;
 }
 
 /* Sets one parameter; a member of a family only if `members`, after the dependent defaults are
  * computed. 0: there is none. */
-static int parameter(struct settings *s, const struct pk_run_value *x, int members)
+static int set(struct settings *s, const struct pk_run_value *x, int members)
 {
-    const struct pk_system *system = s->system;
-    struct pk_range range = {0, 1, 0};
     const pk_real value = (pk_real)x->value;
     pk_real *values;
-    if (x->index >= system->n_parameters || !(x->value - x->value == 0))
+    if (x->index >= s->system->n_parameters || !isfinite(x->value))
         return 0;
-    if (system->families.range)
-        system->families.range(s->params, 1, x->index, &range);
-    void *const place = (char *)s->params + system->parameters[x->index].offset;
+    const struct pk_range range = range_of(s, x->index);
+    void *const place = (char *)s->params + s->system->parameters[x->index].offset;
     s->given[x->index] = 1;
     if (!range.is_family) {
         memcpy(place, &value, sizeof value);
         return 1;
     }
     memcpy(&values, place, sizeof values);
-    if (x->member >= range.count)
-        return 0;
-    if (members)
+    if (x->member < range.count && members)
         values[x->member] = value;
-    return 1;
+    return x->member < range.count;
 }
 
 /* Defaults that follow. Of a family of which some members are given, the others follow first. */
-static int parameters(struct settings *s, const struct pk_run_settings *given)
+static const char *parameters(struct settings *s)
 {
-    const struct pk_system *system = s->system;
-    unsigned char *whole = memory_take(s->memory, system->n_parameters, 1);
+    const struct pk_run_value *given = s->asked.parameters;
+    unsigned char *whole = memory_take(s->memory, s->system->n_parameters, 1);
     int families = 0;
-    for (size_t k = 0; k < given->n_parameters; k++) {
-        struct pk_range range = {0, 1, 0};
-        if (!parameter(s, &given->parameters[k], 0))
-            return 0;
-        const size_t i = given->parameters[k].index;
-        if (system->families.range)
-            system->families.range(s->params, 1, i, &range);
-        families |= range.is_family;
-        whole[i] = !range.is_family;
+    for (size_t k = 0; k < s->asked.n_parameters; k++) {
+        if (!set(s, &given[k], 0))
+            return "there is no such parameter";
+        whole[given[k].index] = !range_of(s, given[k].index).is_family;
+        families |= !whole[given[k].index];
     }
     if (families) {
-        system->derive(s->params, whole);
-        for (size_t k = 0; k < given->n_parameters; k++)
-            parameter(s, &given->parameters[k], 1);
+        s->system->derive(s->params, whole);
+        for (size_t k = 0; k < s->asked.n_parameters; k++)
+            set(s, &given[k], 1);
     }
-    system->derive(s->params, s->given);
-    return 1;
+    s->system->derive(s->params, s->given);
+    return NULL;
 }
 
-static int starts(struct settings *s, const struct pk_run_value *x, size_t n_x, pk_real *to,
-                  size_t n)
+/* Values given of n numbers, which are those of the start or, without flags, inputs. */
+static int take(const struct pk_run_value *x, size_t n_x, pk_real *to, size_t n,
+                unsigned char *flags)
 {
     for (size_t k = 0; k < n_x; k++) {
-        if (x[k].index >= n || !(x[k].value - x[k].value == 0))
+        if (x[k].index >= n || (flags && !isfinite(x[k].value)))
             return 0;
         to[x[k].index] = (pk_real)x[k].value;
-        s->start_given[(size_t)(to - s->q) + x[k].index] = 1;
+        if (flags)
+            flags[x[k].index] = 1;
     }
     return 1;
 }
 
-static int start(struct pk_run *run, const struct pk_run_settings *given)
+static const char *start(struct settings *s)
 {
-    struct settings *s = &run->settings;
+    const struct pk_run_settings *x = &s->asked;
+    const size_t n = s->n, m = s->system->quadratures.n;
+    unsigned char *const given = s->start_given;
+    s->system->start(s->params, s->q, s->v);
+    if (s->system->quadratures.start)
+        s->system->quadratures.start(s->params, s->z);
+    return take(x->inputs, x->n_inputs, s->u, s->system->n_inputs, NULL) &&
+                   take(x->q, x->n_q, s->q, n, given) && take(x->v, x->n_v, s->v, n, given + n) &&
+                   take(x->z, x->n_z, s->z, m, given + 2 * n)
+               ? NULL
+               : "there is no such start or input";
+}
+
+/* How many columns there are of a kind. */
+static size_t count_of(const struct settings *s, char kind)
+{
     const struct pk_system *system = s->system;
-    const size_t n = s->n, quadratures = system->quadratures.n;
-    pk_real *q = memory_take(s->memory, 2 * n, sizeof *q);
-    system->start(s->params, q, q + n);
-    memcpy(s->q, q, 2 * n * sizeof *q);
-    memory_drop(s->memory, q);
-    for (size_t k = 0; k < given->n_inputs; k++) {
-        if (given->inputs[k].index >= system->n_inputs)
-            return 0;
-        s->u[given->inputs[k].index] = (pk_real)given->inputs[k].value;
-    }
-    return starts(s, given->q, given->n_q, s->q, n) && starts(s, given->v, given->n_v, s->v, n) &&
-           starts(s, given->z, given->n_z, s->z, quadratures);
+    const struct {
+        char kind;
+        size_t count;
+    } counts[] = {{'q', s->n},
+                  {'v', s->n},
+                  {'o', system->n_observed},
+                  {'z', system->quadratures.n},
+                  {'i', system->n_inputs},
+                  {'p', system->n_parameters},
+                  {'e', system->energy != NULL}};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++)
+        if (counts[k].kind == kind)
+            return counts[k].count;
+    return 0;
 }
 
 static int is_column(const struct settings *s, struct pk_run_column c)
 {
-    const struct pk_system *system = s->system;
-    const size_t count = c.kind == 'q' || c.kind == 'v' ? s->n
-                         : c.kind == 'o'                ? system->n_observed
-                         : c.kind == 'z'                ? system->quadratures.n
-                         : c.kind == 'i'                ? system->n_inputs
-                         : c.kind == 'p'                ? system->n_parameters
-                                                        : c.kind == 'e' && system->energy;
-    return c.index < count;
-}
-
-static void *copy(struct settings *s, const void *from, size_t count, size_t size)
-{
-    void *to = memory_take(s->memory, count, size);
-    if (count)
-        memcpy(to, from, count * size);
-    return to;
+    return c.index < count_of(s, c.kind);
 }
 
 /* The columns of rows: those asked for, or all that are not hidden. */
-static int columns(struct settings *s, const struct pk_run_settings *given)
+static const char *columns(struct settings *s)
 {
-    const struct pk_system *system = s->system;
-    const size_t q = pk_system_coordinates(system, s->params);
-    const size_t counts[] = {q, s->n, system->n_observed, system->quadratures.n,
-                             system->energy != NULL};
+    static const char kinds[] = "qvoze";
+    const struct pk_run_settings *x = &s->asked;
     size_t all = 0;
-    s->n_show = given->n_columns;
-    s->show = (struct pk_run_column *)copy(s, given->columns, s->n_show, sizeof *s->show);
+    s->n_show = x->n_columns;
+    s->show = copy(s, x->columns, s->n_show, sizeof *s->show);
     for (size_t i = 0; i < s->n_show; i++)
         if (!is_column(s, s->show[i]))
-            return 0;
+            return "there is no such column or event";
     if (s->n_show)
-        return 1;
-    for (size_t k = 0; k < 5; k++)
-        all += counts[k];
+        return NULL;
+    for (const char *kind = kinds; *kind; kind++)
+        all += count_of(s, *kind);
     s->show = memory_take(s->memory, all, sizeof *s->show);
-    for (size_t k = 0; k < 5; k++)
-        for (size_t i = 0; i < counts[k]; i++) {
+    for (const char *kind = kinds; *kind; kind++) {
+        const size_t count = *kind == 'q' ? pk_system_coordinates(s->system, s->params)
+                                          : count_of(s, *kind);
+        for (size_t i = 0; i < count; i++) {
             int hidden = 0;
-            for (size_t j = 0; k == 2 && j < given->n_hidden; j++)
-                hidden |= given->hidden[j] == i;
+            for (size_t j = 0; *kind == 'o' && j < x->n_hidden; j++)
+                hidden |= x->hidden[j] == i;
             if (!hidden)
-                s->show[s->n_show++] = (struct pk_run_column){"qvoze"[k], i};
+                s->show[s->n_show++] = (struct pk_run_column){*kind, i};
         }
-    return 1;
+    }
+    return NULL;
 }
 
-static int expectations(struct settings *s, const struct pk_run_settings *given)
+static const char *expectations(struct settings *s)
 {
-    s->n_expected = given->n_expected;
-    s->n_drifting = given->n_drifts;
-    s->expected = memory_take(s->memory, s->n_expected, sizeof *s->expected);
-    s->drifting = memory_take(s->memory, s->n_drifting, sizeof *s->drifting);
-    for (size_t i = 0; i < s->n_expected; i++) {
-        const struct pk_run_expected *x = &given->expected[i];
+    static const char none[] = "there is no such column or event";
+    const struct pk_run_settings *asked = &s->asked;
+    s->expected = memory_take(s->memory, asked->n_expected, sizeof *s->expected);
+    s->drifting = memory_take(s->memory, asked->n_drifts, sizeof *s->drifting);
+    for (size_t i = 0; i < asked->n_expected; i++) {
+        const struct pk_run_expected *x = &asked->expected[i];
         if (!strchr("=<>", x->relation) || !strchr("rte", x->when) || !is_column(s, x->a) ||
             !is_column(s, x->b) || (x->within.kind && !is_column(s, x->within)) ||
             (x->when == 'e' && x->event >= s->system->events.n))
-            return 0;
+            return none;
         s->expected[i].of = *x;
     }
-    for (size_t i = 0; i < s->n_drifting; i++) {
-        const struct pk_run_column c = given->drifts[i];
+    for (size_t i = 0; i < asked->n_drifts; i++) {
+        const struct pk_run_column c = asked->drifts[i];
         s->drifting[i].energy = c.kind == 'e';
         s->drifting[i].output = c.index;
         if (c.kind == 'o' && !is_column(s, c))
-            return 0;
+            return none;
     }
-    return 1;
+    return asked->at > s->system->events.n ? none : NULL;
 }
 
-static int members(struct settings *s, const struct pk_run_settings *given)
+static const char *members(struct settings *s)
 {
-    s->members = given->members;
-    s->threads = given->threads;
-    s->watch = given->watch;
-    s->n_columns = given->n_member_columns;
-    s->first_member = given->first_member;
-    const char *name = given->member_name ? given->member_name : "member";
-    s->member_name = (const char *)copy(s, name, strlen(name) + 1, 1);
-    s->columns = (const struct pk_run_column *)copy(s, given->member_columns, s->n_columns,
-                                                    sizeof *s->columns);
-    for (size_t i = 0; i < s->n_columns; i++)
-        if (!strchr("piqvz", s->columns[i].kind) || !is_column(s, s->columns[i]))
-            return 0;
-    s->values =
-        (const double *)copy(s, given->member_values, s->members * s->n_columns, sizeof *s->values);
-    return 1;
+    struct pk_run_settings *x = &s->asked;
+    const char *name = x->member_name ? x->member_name : "member";
+    x->member_name = copy(s, name, strlen(name) + 1, 1);
+    x->member_columns = copy(s, x->member_columns, x->n_member_columns, sizeof *x->member_columns);
+    for (size_t i = 0; i < x->n_member_columns; i++)
+        if (!strchr("piqvz", x->member_columns[i].kind) || !is_column(s, x->member_columns[i]))
+            return "members have no such column";
+    x->member_values =
+        copy(s, x->member_values, x->members * x->n_member_columns, sizeof *x->member_values);
+    return NULL;
 }
 
-static int methods(struct settings *s, const struct pk_run_model *model,
-                   const struct pk_run_settings *given)
+static const char *prepare(struct settings *s)
 {
-    s->method = run_method_find(given->method);
-    s->parts = model->parts;
-    s->n_parts = model->parts ? model->n_parts : 0;
-    if (given->n_parts && given->n_parts != s->n_parts)
-        return 0;
-    if (given->n_parts)
-        s->part_given =
-            (const struct pk_run_part *)copy(s, given->parts, s->n_parts, sizeof *given->parts);
-    for (size_t k = 0; s->part_given && k < s->n_parts; k++)
-        if (s->part_given[k].method && !run_method_find(s->part_given[k].method))
-            return 0;
-    s->options.h = (pk_real)given->step;
-    s->options.rtol = (pk_real)given->rtol;
-    s->options.atol = (pk_real)given->atol;
-    s->options.h_min = (pk_real)given->h_min;
-    s->options.h_max = (pk_real)given->h_max;
-    s->options.max_steps = given->max_steps;
-    s->options.iteration = given->fixed_point ? PK_FIXED_POINT : PK_NEWTON;
-    return s->method != NULL;
-}
-
-static enum pk_run_code refused(struct pk_run *run, const char *what)
-{
-    run_say(run, "%s", what);
-    return PK_RUN_USAGE;
+    struct pk_run *run = s->run;
+    run->refused = s->system->prepare(s->params);
+    if (run->refused)
+        settings_refused(run, s->params, run->refused,
+                         PK_FAILURE(run->refused) == PK_FAILURE_PARAMETER ? "parameter " : "");
+    return run->refused ? "" : NULL;
 }
 
 enum pk_run_code settings_take(struct pk_run *run, const struct pk_run_model *model,
                                const struct pk_run_settings *given)
 {
+    static const char *(*const each[])(struct settings *s) = {
+        steps, sizes, parameters, prepare, start, columns, expectations, members};
     struct settings *s = &run->settings;
-    const struct pk_system *system = s->system = model->system;
+    const struct pk_system *system = model->system;
+    const char *wrong = NULL;
+    *s = (struct settings){.asked = *given,
+                           .run = run,
+                           .system = system,
+                           .parts = model->parts,
+                           .n_parts = model->parts ? model->n_parts : 0,
+                           .method = run_method_find(given->method),
+                           .memory = &run->memory,
+                           .control = &run->control,
+                           .polls = 1};
     if (system->abi != PK_ABI)
-        return refused(run, "the model was compiled for another runtime: compile it anew");
-    s->memory = &run->memory;
-    s->control = &run->control;
-    s->control->poll = given->poll;
-    s->control->context = given->context;
-    s->control->cap = given->cap;
-    s->polls = 1;
-    s->until = (pk_real)given->until;
-    s->every = (pk_real)given->every;
-    s->land = given->land;
-    s->bare = given->bare;
-    s->compared = given->compared;
-    s->at = given->at;
-    s->diagnose = given->diagnose;
-    s->header = given->header;
-    s->options = pk_options_default();
-    s->options.words = &run_options;
+        wrong = "the model was compiled for another runtime: compile it anew";
+    if (!wrong && !s->method) {
+        run_say(run, "there is no such method: %s", given->method ? given->method : "");
+        return PK_RUN_USAGE;
+    }
     s->params = memory_take(s->memory, 1, system->params_size);
     s->given = memory_take(s->memory, system->n_parameters, 1);
     s->u = memory_take(s->memory, system->n_inputs, sizeof *s->u);
-    if (!methods(s, model, given)) {
-        run_say(run,
-                s->method ? "there is no such part, or no such method of one"
-                          : "there is no such method: %s",
-                given->method ? given->method : "");
-        return PK_RUN_USAGE;
-    }
-    if (!(given->until > 0) || !(given->until - given->until == 0))
-        return refused(run, "`until` must be positive");
-    if (!(given->step >= 0) || !(given->rtol >= 0) || !(given->h_min >= 0) || !(given->h_max >= 0))
-        return refused(run, "steps and tolerances must not be negative");
-    if (!sizes(s, given))
-        return refused(run, "there is no such size");
-    if (!parameters(s, given))
-        return refused(run, "there is no such parameter");
-    const int outside = run->refused = system->prepare(s->params);
-    if (outside) {
-        char *text = NULL;
-        FILE *file = run_text(run, &text);
-        parameters_refused(file, system, s->params, outside);
-        run_text_end(run);
-        run_say(run, "%s%s", PK_FAILURE(outside) == PK_FAILURE_PARAMETER ? "parameter " : "", text);
-        free(text);
-        return PK_RUN_USAGE;
-    }
-    if (!start(run, given))
-        return refused(run, "there is no such start or input");
-    if (!columns(s, given) || !expectations(s, given) || s->at > system->events.n)
-        return refused(run, "there is no such column or event");
-    if (!members(s, given))
-        return refused(run, "members have no such column");
-    return PK_RUN_DONE;
+    for (size_t i = 0; i < sizeof each / sizeof *each && !wrong; i++)
+        wrong = each[i](s);
+    if (wrong && *wrong)
+        run_say(run, "%s", wrong);
+    return wrong ? PK_RUN_USAGE : PK_RUN_DONE;
 }

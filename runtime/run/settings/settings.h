@@ -11,18 +11,13 @@ enum pk_run_code settings_take(struct pk_run *run, const struct pk_run_model *mo
 /* Parameters as they are in memory; with the start, one JSON object. */
 void json_parameters(struct json *j, const struct pk_system *system, const void *params);
 void settings_tell(const struct settings *s, FILE *file);
-/* Which parameter prepare() refused, its value and bounds; of what follows from all, their values.
- */
-void parameters_refused(FILE *file, const struct pk_system *system, const void *params,
-                        int outside);
+/* Says which parameter prepare() refused, its value and bounds; of what follows from all, their
+ * values. `whose` stands before. */
+void settings_refused(struct pk_run *run, const void *params, int outside, const char *whose);
 
 /* Of the model with these parameters, its inputs constant; without quadratures that nothing shows.
  */
 struct pk_problem run_problem(struct pk_run *run);
-/* Quadratures at the start: those given, the others as the parameters say; and into an integrator.
- */
-void settings_z(const struct settings *s, const void *params, pk_real *z);
-enum pk_status run_quadratures(struct pk_run *run, struct pk_integrator *it);
 /* How the options of `pkgen run`, and of a program that it builds, call settings. */
 extern const struct pk_words run_options;
 

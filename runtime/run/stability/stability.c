@@ -10,7 +10,7 @@ static void prepare(void *context)
     struct memory *memory = &s->run->memory;
     const size_t n = s->run->settings.n;
     s->n = n;
-    s->run->settings.bare = 1;
+    s->run->settings.asked.bare = 1;
     s->run->settings.options.stop = run_ending;
     s->problem = run_problem(s->run);
     s->work = memory_take(memory, 4 * n + 1, sizeof *s->work);

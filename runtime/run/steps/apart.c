@@ -8,7 +8,7 @@
 /* What was given of part k, and the rest as for the whole. */
 static struct pk_choice choice_of(const struct settings *s, size_t k)
 {
-    const struct pk_run_part none = {0}, *given = s->part_given ? &s->part_given[k] : &none;
+    const struct pk_run_part none = {0}, *given = s->asked.parts ? &s->asked.parts[k] : &none;
     struct pk_choice c = {given->method ? run_method_find(given->method) : s->method, s->options};
     if (given->step > 0)
         c.options.h = (pk_real)given->step;
@@ -22,10 +22,10 @@ static struct pk_choice choice_of(const struct settings *s, size_t k)
 enum pk_run_code apart_choose(struct pk_run *run)
 {
     struct settings *s = &run->settings;
-    const char *none = s->members                       ? "ensembles"
+    const char *none = s->asked.members                 ? "ensembles"
                        : run->settings.system->events.n ? "events"
-                       : s->diagnose                    ? "diagnostics"
-                       : s->land == 0                   ? "dense rows"
+                       : s->asked.diagnose              ? "diagnostics"
+                       : s->asked.land == 0             ? "dense rows"
                                                         : NULL;
     s->has_every = s->every >= 0;
     if (!s->has_every)
@@ -38,7 +38,7 @@ enum pk_run_code apart_choose(struct pk_run *run)
         run_say(run, "blocks integrated apart have no %s", none);
         return PK_RUN_USAGE;
     }
-    s->land = 1;
+    s->asked.land = 1;
     run->count = run_intervals(s->until, s->every);
     run->choices = memory_take(&run->memory, run->settings.n_parts, sizeof *run->choices);
     for (size_t k = 0; k < run->settings.n_parts; k++) {
@@ -96,10 +96,8 @@ enum pk_run_code apart_begin(struct pk_run *run)
     enum pk_status status = pk_apart_init(&run->apart, &run->problem, run->settings.parts,
                                           run->choices, run->settings.n_parts, 0, s->q, s->v,
                                           run->block, size);
-    if (status >= 0 && m) {
-        settings_z(s, s->params, run->row);
-        status = pk_apart_set_quadratures(&run->apart, run->row);
-    }
+    if (status >= 0 && m)
+        status = pk_apart_set_quadratures(&run->apart, s->z);
     look(run);
     return status < 0 ? PK_RUN_FAILED : PK_RUN_DONE;
 }

@@ -18,7 +18,7 @@ static int found(void *context, const struct pk_events *events)
     observe_crossing(run, events->which, &at);
     if (!run_due(run, events->t))
         return 1;
-    if (run->settings.at == events->which + 1) {
+    if (run->settings.asked.at == events->which + 1) {
         run->at_event = 1;
         observe_row(run, &at);
         run->at_event = 0;

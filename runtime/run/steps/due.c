@@ -87,8 +87,8 @@ pk_real run_limit(const struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     if (!run_fixed(run))
-        return s->land ? run_wanted(run, run->it.t, s->until)
-                       : expect_limit(run, run->it.t, s->until);
+        return s->asked.land ? run_wanted(run, run->it.t, s->until)
+                             : expect_limit(run, run->it.t, s->until);
     return pk_integrator_limit(&run->it, run_wanted(run, run->it.t, s->until), s->until);
 }
 

@@ -51,8 +51,9 @@ void run_integrate(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_integrator *it = &run->it;
-    const int by_time = s->has_every || (!s->bare && !s->at), each = by_time && !(s->every > 0);
-    if (by_time && (s->has_every || !s->members)) /* of a member the final state alone */
+    const int by_time = s->has_every || (!s->asked.bare && !s->asked.at),
+              each = by_time && !(s->every > 0);
+    if (by_time && (s->has_every || !s->asked.members)) /* of a member the final state alone */
         row_now(run);
     step_ended(run);
     while (it->t < s->until && step(run) && run_due(run, it->t))

@@ -7,17 +7,17 @@
 static enum pk_run_code settle(struct pk_run *run)
 {
     struct settings *s = &run->settings;
-    const int fixed = s->members ? member_fixed(s) : !(s->method->traits & PK_ADAPTIVE);
+    const int fixed = s->asked.members ? member_fixed(s) : !(s->method->traits & PK_ADAPTIVE);
     s->has_every = s->every >= 0;
     if (!s->has_every)
-        s->every = s->members ? s->until : s->until / 1000;
+        s->every = s->asked.members ? s->until : s->until / 1000;
     if (s->every > s->until)
         s->every = s->until;
-    if ((!fixed || s->members) && !(s->every > 0)) {
+    if ((!fixed || s->asked.members) && !(s->every > 0)) {
         run_say(run, "every 0 (each step) is for one run of a method of a fixed step");
         return PK_RUN_USAGE;
     }
-    if (!s->has_every && (s->bare || s->at))
+    if (!s->has_every && (s->asked.bare || s->asked.at))
         s->every = 0;
     const pk_real interval = s->every > 0 ? s->every : s->until;
     if (!(interval > 10 * PK_EPSILON * s->until) ||
@@ -36,26 +36,25 @@ static enum pk_run_code settle(struct pk_run *run)
         return PK_RUN_USAGE;
     }
     if (fixed)
-        s->options.h = s->bare ? s->until / run_intervals(s->until, s->options.h)
-                               : run_step(interval, s->options.h);
-    if (s->land < 0)
-        s->land = s->method->dense_order < s->method->order;
+        s->options.h = s->asked.bare ? s->until / run_intervals(s->until, s->options.h)
+                                     : run_step(interval, s->options.h);
+    if (s->asked.land < 0)
+        s->asked.land = s->method->dense_order < s->method->order;
     if (!(s->method->traits & PK_DENSE))
-        s->land = 1;
+        s->asked.land = 1;
     return PK_RUN_DONE;
 }
 
 static enum pk_run_code start(struct pk_run *run)
 {
     struct settings *s = &run->settings;
-    if (!run->problem.system) /* that of a member is known */
-        run->problem = run_problem(run);
+    run->problem = run_problem(run);
     const size_t size = pk_integrator_size(&run->problem, s->method);
     run->block = memory_take(&run->memory, size, 1);
     drift_begin(run, &run->problem);
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
                            run->block, size) < 0 ||
-        run_quadratures(run, &run->it) < 0)
+        (run->it.z && pk_integrator_set_quadratures(&run->it, s->z) < 0))
         return PK_RUN_FAILED;
     /* Steps as long as rows are apart may be too long to see events in. */
     if (run->problem.system->events.n && s->method->resolved && !s->has_step) {
