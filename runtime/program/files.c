@@ -1,97 +1,71 @@
 /* What is written beside CSV: rows as a NumPy array, and the description of a run in JSON. */
+#define _POSIX_C_SOURCE 200809L
+
+#include "../run/base/json.h"
 #include "program.h"
 
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-static void text(FILE *file, const char *from, char quote)
-{
-    fputc(quote, file);
-    for (; *from; from++) {
-        if (*from == quote || *from == '\\')
-            fputc('\\', file);
-        fputc(*from, file);
-    }
-    fputc(quote, file);
-}
-
-/* Name and unit of column i of the rows; 0 behind the last. */
-static int column(const struct pk_run *run, size_t i, char *name, size_t size, const char **unit)
-{
-    return pk_run_column_name(run, i, name, size, unit);
-}
-
-int write_npy(const struct program *p, const struct pk_run *run, const char *path)
+int write_npy(const struct pk_run *run, const char *path)
 {
     const double *rows, *low;
     const char *unit;
     char name[256], *header = NULL;
-    size_t size, columns, length;
+    size_t size = 0, columns;
     const size_t count = pk_run_rows(run, &rows, &low, &columns);
-    FILE *file = fopen(path, "wb"), *head = NULL;
-    (void)p;
-    if (!file || !(head = tmpfile()))
+    FILE *file = fopen(path, "wb"), *head = open_memstream(&header, &size);
+    if (!file || !head)
         return 1;
     fputs("{'descr': [", head);
-    for (size_t i = 0; column(run, i, name, sizeof name, &unit); i++) {
-        fputs(i ? ", (" : "(", head);
-        text(head, name, '\'');
-        fputs(", '<f8')", head);
+    for (size_t i = 0; pk_run_column_name(run, i, name, sizeof name, &unit); i++) {
+        fputs(i ? ", ('" : "('", head);
+        for (const char *c = name; *c; c++)
+            fprintf(head, *c == '\'' || *c == '\\' ? "\\%c" : "%c", *c);
+        fputs("', '<f8')", head);
     }
     fprintf(head, "], 'fortran_order': False, 'shape': (%zu,), }", count);
+    int failed = fclose(head) != 0;
     /* The magic string, version 1.0 and the length; all of it a multiple of 64. */
-    size = (size_t)ftell(head);
-    length = (size + 11 + 63) / 64 * 64 - 10;
-    header = (char *)malloc(size + 1);
-    rewind(head);
-    int failed = !header || fread(header, 1, size, head) != size || length > UINT16_MAX;
-    /* clang-format off */
-    const unsigned char begin[] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0,
-                                   (unsigned char)(length & 255), (unsigned char)(length >> 8)};
-    /* clang-format on */
+    const size_t length = (size + 11 + 63) / 64 * 64 - 10;
+    failed |= length > UINT16_MAX;
     if (!failed) {
-        fwrite(begin, 1, sizeof begin, file);
-        fwrite(header, 1, size, file);
-        for (size_t i = size; i + 1 < length; i++)
-            fputc(' ', file);
-        fputc('\n', file);
+        fprintf(file, "\x93NUMPY%c%c%c%c%s%*s\n", 1, 0, (int)(length & 255), (int)(length >> 8),
+                header, (int)(length - size - 1), "");
         failed = count && fwrite(rows, columns * sizeof *rows, count, file) != count;
     }
     free(header);
-    fclose(head);
     return fclose(file) || failed;
 }
 
 void write_description(const struct program *p, struct pk_run *run, FILE *file)
 {
+    struct json json = {.file = file}, *j = &json;
     const double *rows, *low;
     const char *unit;
     char name[256];
     size_t columns;
-    fputs("{\"model\": ", file);
-    text(file, program_model.system->name, '"');
-    fputs(", \"data\": ", file);
-    text(file, p->output ? p->output : "rows", '"');
-    fputs(", \"columns\": [", file);
-    for (size_t i = 0; column(run, i, name, sizeof name, &unit); i++) {
-        fputs(i ? ", {\"name\": " : "{\"name\": ", file);
-        text(file, name, '"');
-        fputs(", \"unit\": ", file);
-        text(file, unit, '"');
-        fputs("}", file);
+    json_open(j, NULL, '{');
+    json_text(j, "model", program_model.system->name);
+    json_text(j, "data", p->output ? p->output : "rows");
+    json_open(j, "columns", '[');
+    for (size_t i = 0; pk_run_column_name(run, i, name, sizeof name, &unit); i++) {
+        json_open(j, NULL, '{');
+        json_text(j, "name", name);
+        json_text(j, "unit", unit);
+        json_close(j, '}');
     }
-    fprintf(file, "], \"report\": %s", pk_run_report(run));
+    json_close(j, ']');
+    json_raw(j, "report", pk_run_report(run));
     const size_t count = p->output ? 0 : pk_run_rows(run, &rows, &low, &columns);
-    fputs(count ? ", \"rows\": [" : "", file);
+    if (count)
+        json_open(j, "rows", '[');
     for (size_t i = 0; i < count; i++)
-        for (size_t k = 0; k < columns; k++)
-            fprintf(file, "%s%.17g%s",
-                    k   ? ", "
-                    : i ? ", ["
-                        : "[",
-                    rows[i * columns + k], k + 1 < columns ? "" : "]");
-    fputs(count ? "]}\n" : "}\n", file);
+        json_numbers(j, NULL, rows + i * columns, columns);
+    if (count)
+        json_close(j, ']');
+    json_close(j, '}');
 }
 
 void write_summary(struct pk_run *run, FILE *file)

@@ -104,7 +104,7 @@ static int go(struct program *p)
         fprintf(stderr, "run: %.*s\n", length, line);
         line += length + (line[length] == '\n');
     }
-    if (run && binary && code != PK_RUN_USAGE && write_npy(p, run, partial))
+    if (run && binary && code != PK_RUN_USAGE && write_npy(run, partial))
         code = failed("write", partial);
     if (run && p->output && code != PK_RUN_USAGE) {
         const int whole = strstr(pk_run_report(run), "\"whole\": true") != NULL;

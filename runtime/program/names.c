@@ -20,51 +20,36 @@ void *keep(struct program *p, void *old, size_t size)
     return memory;
 }
 
-static int among(const struct pk_quantity *list, size_t count, size_t stride, const char *name,
-                 size_t length, size_t *index, const char **unit)
+int find_name(const char *name, size_t length, char kind, size_t *index, const char **unit)
 {
-    for (size_t i = 0; list && i < count; i++) {
-        const struct pk_quantity *q =
-            (const struct pk_quantity *)(const void *)((const char *)list + i * stride);
-        if (strlen(q->name) == length && strncmp(q->name, name, length) == 0) {
+    const struct pk_system *s = program_model.system;
+    const int families = s->families.count != NULL;
+    const size_t one = sizeof(struct pk_quantity), n = families ? s->families.n_coordinates : s->n;
+    const struct {
+        char kind;
+        const void *first; /* a struct pk_quantity, or what begins with one */
+        size_t count, stride;
+    } lists[] = {
+        {'p', s->parameters, s->n_parameters, sizeof *s->parameters},
+        {'i', s->inputs, s->n_inputs, one},
+        {'q', s->coordinates, n - (families ? 0 : s->n_first_order), one},
+        {'v', s->rates, n, one},
+        {'o', s->observed, s->n_observed, one},
+        {'z', s->quadratures.names, s->quadratures.n, one},
+        {'s', s->families.sizes, s->families.n_sizes, sizeof *s->families.sizes},
+        {'e', s->events.table, s->events.n, sizeof *s->events.table},
+    };
+    for (size_t k = 0; k < sizeof lists / sizeof *lists; k++)
+        for (size_t i = 0; lists[k].kind == kind && lists[k].first && i < lists[k].count; i++) {
+            const void *place = (const char *)lists[k].first + i * lists[k].stride;
+            const struct pk_quantity *q = place;
+            if (strlen(q->name) != length || strncmp(q->name, name, length) != 0)
+                continue;
             *index = i;
             *unit = q->unit;
             return 1;
         }
-    }
     return 0;
-}
-
-int find_name(const char *name, size_t length, char kind, size_t *index, size_t *member,
-              const char **unit)
-{
-    const struct pk_system *s = program_model.system;
-    const size_t one = sizeof(struct pk_quantity),
-                 n = s->families.count ? s->families.n_coordinates : s->n;
-    const size_t rates = s->families.count ? 2 * s->families.n_coordinates : s->n;
-    *member = 0;
-    switch (kind) {
-    case 'p':
-        return s->n_parameters && among(&s->parameters->what, s->n_parameters,
-                                        sizeof *s->parameters, name, length, index, unit);
-    case 'i':
-        return among(s->inputs, s->n_inputs, one, name, length, index, unit);
-    case 'q':
-        return among(s->coordinates, n - (s->families.count ? 0 : s->n_first_order), one, name,
-                     length, index, unit);
-    case 'v':
-        return among(s->rates, s->families.count ? n : rates, one, name, length, index, unit);
-    case 'o':
-        return among(s->observed, s->n_observed, one, name, length, index, unit);
-    case 'z':
-        return among(s->quadratures.names, s->quadratures.n, one, name, length, index, unit);
-    case 's':
-        return s->families.n_sizes && among(&s->families.sizes->what, s->families.n_sizes,
-                                            sizeof *s->families.sizes, name, length, index, unit);
-    default:
-        return s->events.n && among(&s->events.table->what, s->events.n, sizeof *s->events.table,
-                                    name, length, index, unit);
-    }
 }
 
 int read_number(const char *text, const char *unit, double *x)

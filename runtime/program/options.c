@@ -17,51 +17,52 @@ void options_free(struct program *p)
         free(p->lists[k]);
 }
 
-static struct pk_run_value *add(struct program *p, const struct pk_run_value **list, size_t *count,
-                                const struct pk_run_value *fixed)
+/* The lists of settings that are assigned to, by kind. */
+static const struct list {
+    char kind;
+    size_t list, count; /* where they are in the settings */
+} assigned[] = {
+#define PLACE(member) offsetof(struct pk_run_settings, member)
+    {'p', PLACE(parameters), PLACE(n_parameters)},
+    {'i', PLACE(inputs), PLACE(n_inputs)},
+    {'q', PLACE(q), PLACE(n_q)},
+    {'v', PLACE(v), PLACE(n_v)},
+    {'s', PLACE(sizes), PLACE(n_sizes)},
+};
+
+/* Behind those of the scene, which are constant. */
+static void add(struct program *p, const struct list *of, struct pk_run_value x)
 {
-    const int own = *list != fixed;
-    struct pk_run_value *more = (struct pk_run_value *)keep(p, own ? (void *)(size_t)*list : NULL,
-                                                            (*count + 1) * sizeof *more);
-    if (!own && *count)
-        memcpy(more, fixed, *count * sizeof *more);
-    *list = more;
-    return &more[(*count)++];
+    struct pk_run_value *list, *fixed;
+    size_t count;
+    memcpy(&list, (char *)&p->settings + of->list, sizeof list);
+    memcpy(&fixed, (const char *)&program_settings + of->list, sizeof fixed);
+    memcpy(&count, (char *)&p->settings + of->count, sizeof count);
+    struct pk_run_value *more = keep(p, list == fixed ? NULL : list, (count + 1) * sizeof *more);
+    if (list == fixed && count)
+        memcpy(more, fixed, count * sizeof *more);
+    more[count++] = x;
+    memcpy((char *)&p->settings + of->list, &more, sizeof more);
+    memcpy((char *)&p->settings + of->count, &count, sizeof count);
 }
 
 /* NAME=VALUE of `kinds`, each with its list. */
 static int assign(struct program *p, const char *option, const char *text, const char *kinds)
 {
-    struct pk_run_settings *s = &p->settings;
-    const struct pk_run_settings *f = &program_settings;
     const char *equals = strchr(text, '='), *unit = "";
-    size_t index, member;
+    struct pk_run_value x = {0, 0, 0};
     if (!equals)
         return usage(option, text, "give a name and a value");
-    for (; *kinds; kinds++) {
-        if (!find_name(text, (size_t)(equals - text), *kinds, &index, &member, &unit))
+    for (size_t k = 0; k < sizeof assigned / sizeof *assigned; k++) {
+        const struct list *of = &assigned[k];
+        if (!strchr(kinds, of->kind) ||
+            !find_name(text, (size_t)(equals - text), of->kind, &x.index, &unit))
             continue;
-        struct pk_run_value x = {index, member, 0};
         if (!read_number(equals + 1, unit, &x.value))
             return usage(option, text,
                          *unit ? "not a number in SI, nor with the unit that it has"
                                : "not a number");
-        switch (*kinds) {
-        case 'p':
-            *add(p, &s->parameters, &s->n_parameters, f->parameters) = x;
-            break;
-        case 'i':
-            *add(p, &s->inputs, &s->n_inputs, f->inputs) = x;
-            break;
-        case 'q':
-            *add(p, &s->q, &s->n_q, f->q) = x;
-            break;
-        case 'v':
-            *add(p, &s->v, &s->n_v, f->v) = x;
-            break;
-        default:
-            *add(p, &s->sizes, &s->n_sizes, f->sizes) = x;
-        }
+        add(p, of, x);
         return 0;
     }
     return usage(option, text, "the model has no such name; see --help");
@@ -73,19 +74,19 @@ static int record(struct program *p, const char *text)
     struct pk_run_settings *s = &p->settings;
     struct pk_run_column *columns = NULL;
     const char *unit;
-    size_t member, count = 0;
+    size_t count = 0;
     for (const char *name = text; name; name = strchr(name, ',') ? strchr(name, ',') + 1 : NULL) {
         const size_t length = strcspn(name, ",");
         const char *kind = "qvoz";
         struct pk_run_column c = {0, 0};
         for (; *kind && !c.kind; kind++)
-            if (find_name(name, length, *kind, &c.index, &member, &unit))
+            if (find_name(name, length, *kind, &c.index, &unit))
                 c.kind = *kind;
         if (!c.kind && length == 6 && strncmp(name, "energy", 6) == 0)
             c.kind = 'e';
         if (!c.kind)
             return usage("--record", text, "the rows have no such column; see --help");
-        columns = (struct pk_run_column *)keep(p, columns, (count + 1) * sizeof *columns);
+        columns = keep(p, columns, (count + 1) * sizeof *columns);
         columns[count++] = c;
     }
     s->columns = columns;
@@ -110,8 +111,8 @@ static int diagnose(struct program *p, const char *text)
 static int at(struct program *p, const char *text)
 {
     const char *unit;
-    size_t index, member;
-    if (!find_name(text, strlen(text), 'E', &index, &member, &unit))
+    size_t index;
+    if (!find_name(text, strlen(text), 'e', &index, &unit))
         return usage("--at", text, "the model has no such event");
     p->settings.at = index + 1;
     return 0;
@@ -141,7 +142,6 @@ static const struct option {
     enum kind kind;
     size_t offset; /* in the settings */
 } options[] = {
-#define PLACE(member) offsetof(struct pk_run_settings, member)
     {"--set", "p=VALUE", "a parameter or input", SET, 0},
     {"--start", "a=VALUE", "a coordinate or a rate", START, 0},
     {"--size", "N=64", "length of a family", SIZE, 0},

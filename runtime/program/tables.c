@@ -28,9 +28,9 @@ int table_read(struct program *p, const char *path)
     struct pk_run_column *columns = NULL;
     const char *unit;
     double *values = NULL;
-    size_t n = 0, member, room = 0, line = 1;
+    size_t n = 0, room = 0, line = 1;
     FILE *file = fopen(path, "r");
-    char *text = (char *)keep(p, NULL, LINE);
+    char *text = keep(p, NULL, LINE);
     int code = 0;
     if (!file || !fgets(text, LINE, file)) {
         fprintf(stderr, "run: cannot read %s: %s\n", path, file ? "it is empty" : strerror(errno));
@@ -38,8 +38,8 @@ int table_read(struct program *p, const char *path)
     }
     for (char *rest = text; rest && !code;) {
         const char *name = cell(&rest), *kind = "piqvz";
-        columns = (struct pk_run_column *)keep(p, columns, (n + 1) * sizeof *columns);
-        while (*kind && !find_name(name, strlen(name), *kind, &columns[n].index, &member, &unit))
+        columns = keep(p, columns, (n + 1) * sizeof *columns);
+        while (*kind && !find_name(name, strlen(name), *kind, &columns[n].index, &unit))
             kind++;
         columns[n++].kind = *kind;
         code = *kind ? 0 : wrong(path, 1, "a column of no parameter, input, coordinate or rate");
@@ -51,7 +51,7 @@ int table_read(struct program *p, const char *path)
             continue;
         if (s->members == room) {
             room = room ? 2 * room : 64;
-            values = (double *)keep(p, values, room * n * sizeof *values);
+            values = keep(p, values, room * n * sizeof *values);
         }
         for (size_t i = 0; i < n && !code; i++)
             if (!rest || !read_number(cell(&rest), "", &values[s->members * n + i]))

@@ -49,61 +49,53 @@ static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *
                                 : status == PK_DONE;
 }
 
-/* What is asked for, and its numbers at a state of n numbers. */
-static const struct {
+/* What is asked for: how many numbers it has at a state, 0 where the system has none. */
+struct kernel {
     const char *name;
-    enum what { ACCELERATION, FORCE, MASS, MOMENTA, ENERGY, OUTPUTS, JACOBIAN } what;
-} kinds[] = {{"acceleration", ACCELERATION}, {"force", FORCE},   {"mass", MASS},
-             {"momenta", MOMENTA},           {"energy", ENERGY}, {"outputs", OUTPUTS},
-             {"jacobian", JACOBIAN}};
+    enum { ACCELERATION, JACOBIAN, MOMENTA, ENERGY, PLAIN } kind;
+    size_t width;
+    pk_kernel *plain;
+};
 
-static size_t width(const struct settings *s, enum what what)
+static struct kernel find(const struct settings *s, const char *name)
 {
     const struct pk_system *system = s->system;
-    switch (what) {
-    case MASS:
-        return system->mass ? s->n * s->n : 0;
-    case JACOBIAN:
-        return system->acceleration ? 2 * s->n * s->n : 0;
-    case ENERGY:
-        return system->energy != NULL;
-    case OUTPUTS:
-        return system->n_observed;
-    case MOMENTA:
-        return system->canonical ? s->n : 0;
-    case FORCE:
-        return system->force ? s->n : 0;
-    default:
-        return system->acceleration ? s->n : 0;
-    }
+    const size_t n = s->n, solved = system->acceleration ? n : 0;
+    const struct kernel kernels[] = {
+        {"acceleration", ACCELERATION, solved, NULL},
+        {"jacobian", JACOBIAN, 2 * n * solved, NULL},
+        {"momenta", MOMENTA, system->canonical ? n : 0, NULL},
+        {"energy", ENERGY, system->energy != NULL, NULL},
+        {"force", PLAIN, system->force ? n : 0, system->force},
+        {"mass", PLAIN, system->mass ? n * n : 0, system->mass},
+        {"outputs", PLAIN, system->n_observed, system->observe},
+        {"", PLAIN, 0, NULL},
+    };
+    const struct kernel *k = kernels;
+    while (*k->name && strcmp(k->name, name) != 0)
+        k++;
+    return *k;
 }
 
 /* One state. 0 where M is singular: `out` is not a number then. */
-static int at(const struct settings *s, const struct pk_problem *problem, enum what what, pk_real t,
-              const pk_real *q, const pk_real *v, pk_real *out, pk_real *work)
+static int at(const struct settings *s, const struct pk_problem *problem, const struct kernel *k,
+              pk_real t, const pk_real *q, const pk_real *v, pk_real *out, pk_real *work)
 {
     const struct pk_system *system = s->system;
-    const void *params = s->params;
-    switch (what) {
+    switch (k->kind) {
     case ACCELERATION:
-        return system->acceleration(params, t, q, v, s->u, out) == 0;
-    case FORCE:
-        system->force(params, t, q, v, s->u, out);
-        return 1;
-    case MASS:
-        system->mass(params, t, q, v, s->u, out);
-        return 1;
+        return system->acceleration(s->params, t, q, v, s->u, out) == 0;
+    case JACOBIAN:
+        return jacobian(problem, t, q, v, s->u, out, out + s->n * s->n, work);
     case MOMENTA:
-        system->canonical(params, t, q, v, s->u, out, work);
+        system->canonical(s->params, t, q, v, s->u, out, work);
         return 1;
     case ENERGY:
-        *out = system->energy(params, t, q, v, s->u);
-        return 1;
-    case OUTPUTS:
-        system->observe(params, t, q, v, s->u, out);
+        *out = system->energy(s->params, t, q, v, s->u);
         return 1;
     default:
-        return jacobian(problem, t, q, v, s->u, out, out + s->n * s->n, work);
+        k->plain(s->params, t, q, v, s->u, out);
+        return 1;
     }
 }
 
@@ -139,50 +131,25 @@ static size_t in_lanes(const struct settings *s, size_t count, const double *t, 
     return failed;
 }
 
-static enum what find(const char *what, int *known)
+size_t pk_run_width(const struct pk_run *run, const char *what)
 {
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if ((*known = strcmp(kinds[i].name, what) == 0))
-            return kinds[i].what;
-    return ACCELERATION;
-}
-
-size_t pk_run_width(const struct pk_run *of, const char *what)
-{
-    int known;
-    const enum what found = find(what, &known);
-    return known ? width(&of->settings, found) : 0;
-}
-
-/* `count` numbers, NULL without memory. */
-struct work {
-    struct memory *memory;
-    size_t count;
-    pk_real *found;
-};
-
-static void take(void *context)
-{
-    struct work *work = context;
-    work->found = memory_take(work->memory, work->count, sizeof *work->found);
+    return find(&run->settings, what).width;
 }
 
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
                        const double *q, const double *v, double *out)
 {
     const struct settings *s = &run->settings;
-    int known;
-    const enum what wanted = find(what, &known);
-    const size_t n = s->n, wide = known && !run->code ? width(s, wanted) : 0;
-    if (!wide)
+    const struct kernel kernel = find(s, what);
+    const size_t n = s->n, wide = kernel.width;
+    if (!wide || run->code)
         return count;
     const struct pk_problem problem = run_problem(run);
     const size_t lanes = (3 * n + 1 + s->system->n_inputs) * PK_LANES, one = 3 * n + wide;
-    struct work room = {&run->memory, lanes + one + jacobian_size(&problem), NULL};
-    if (!memory_try(&run->memory, take, &room))
+    pk_real *work = memory_ask(&run->memory, lanes + one + jacobian_size(&problem), sizeof *work);
+    if (!work)
         return count;
-    pk_real *const work = room.found;
-    if (wanted == ACCELERATION && s->system->lanes) {
+    if (kernel.kind == ACCELERATION && s->system->lanes) {
         const size_t failed = in_lanes(s, count, t, q, v, out, work);
         memory_drop(&run->memory, work);
         return failed;
@@ -194,7 +161,7 @@ size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const
             Q[i] = (pk_real)q[k * n + i];
             V[i] = (pk_real)v[k * n + i];
         }
-        const int good = at(s, &problem, wanted, (pk_real)t[k], Q, V, found, rest);
+        const int good = at(s, &problem, &kernel, (pk_real)t[k], Q, V, found, rest);
         failed += !good;
         for (size_t i = 0; i < wide; i++)
             out[k * wide + i] = good ? (double)found[i] : (double)NAN;

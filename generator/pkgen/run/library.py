@@ -1,8 +1,7 @@
 """A compiled model in process: the runtime's layer of runs (pk/run.h, pk/stability.h) by ctypes.
 
-The structures below are those of the headers, member by member; `pk_run_size` tells their sizes,
-and a library of others is refused. A run holds no lock of the interpreter. What is to end it is
-seen in `poll`, some ten times a second.
+`pk_run_size` tells the sizes of structures, and a library of others is refused. A run holds no lock
+of the interpreter. What is to end it is seen in `poll`, some ten times a second.
 """
 
 from __future__ import annotations
@@ -11,144 +10,30 @@ import ctypes
 import json
 import threading
 from collections.abc import Callable, Sequence
-from ctypes import (
-    CFUNCTYPE,
-    POINTER,
-    Structure,
-    c_char,
-    c_char_p,
-    c_double,
-    c_int,
-    c_long,
-    c_size_t,
-    c_uint,
-    c_ulong,
-    c_void_p,
-)
+from ctypes import POINTER, Structure, c_double, c_size_t, c_void_p
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..system import children
 from ..system.exits import BuildError, NumericsFailed, UsageError
-from .settings import Settings, Shown
+from .header import FUNCTIONS, STRUCTURES
+from .settings import Compared, Settings, Shown
 
 if TYPE_CHECKING:
     import numpy
 
-    from .ensemble import Ensemble
+    from .ensemble import Column, Ensemble
 
 DONE, USAGE, FAILED, INTERRUPTED = 0, 2, 4, 130  # enum pk_run_code
 DERIVED = 4  # PK_FAILURE_DERIVED
-POLL = CFUNCTYPE(c_int, c_void_p, c_double)
+_SIZED = [
+    STRUCTURES[f"struct pk_{name}"]
+    for name in ("run_settings", "run_expected", "run_part", "stability_question")
+]
+_Settings, *_, _Question = _SIZED
+_FIELDS = dict(_Settings._fields_)
 Poll = Callable[[float], bool]  # of the part that is done; True: stop
-
-
-class _Value(Structure):
-    _fields_ = (("index", c_size_t), ("member", c_size_t), ("value", c_double))
-
-
-class _Column(Structure):
-    _fields_ = (("kind", c_char), ("index", c_size_t))
-
-
-class _Expected(Structure):
-    _fields_ = (
-        ("relation", c_char),
-        ("when", c_char),
-        ("a", _Column),
-        ("b", _Column),
-        ("within", _Column),
-        ("at", c_double),
-        ("event", c_size_t),
-    )
-
-
-class _Part(Structure):
-    _fields_ = (("method", c_char_p), ("step", c_double), ("rtol", c_double), ("h_max", c_double))
-
-
-class _Settings(Structure):
-    _fields_ = (
-        ("method", c_char_p),
-        *(
-            (name, c_double)
-            for name in ("until", "every", "step", "rtol", "atol", "h_min", "h_max")
-        ),
-        ("fixed_point", c_int),
-        ("max_steps", c_ulong),
-        ("land", c_int),
-        *((f"n_{name}", c_size_t) for name in ("sizes", "parameters", "inputs", "q", "v", "z")),
-        *((name, POINTER(_Value)) for name in ("sizes", "parameters", "inputs", "q", "v", "z")),
-        ("n_columns", c_size_t),
-        ("columns", POINTER(_Column)),
-        ("n_hidden", c_size_t),
-        ("hidden", POINTER(c_size_t)),
-        ("at", c_size_t),
-        ("n_expected", c_size_t),
-        ("n_drifts", c_size_t),
-        ("expected", POINTER(_Expected)),
-        ("drifts", POINTER(_Column)),
-        ("diagnose", c_uint),
-        ("n_parts", c_size_t),
-        ("parts", POINTER(_Part)),
-        ("bare", c_int),
-        ("compared", c_int),
-        ("cap", c_double),
-        ("members", c_size_t),
-        ("n_member_columns", c_size_t),
-        ("member_columns", POINTER(_Column)),
-        ("member_values", POINTER(c_double)),
-        ("member_name", c_char_p),
-        ("first_member", c_long),
-        ("threads", c_size_t),
-        ("watch", c_int),
-        ("csv", c_int),
-        ("header", c_int),
-        ("poll", POLL),
-        ("context", c_void_p),
-    )
-
-
-class _Question(Structure):
-    _fields_ = (
-        ("method", c_char_p),
-        *((name, c_double) for name in ("h", "amplitude", "seed", "stiffness", "damping")),
-        ("mode", c_long),
-        ("other", c_long),
-        ("count", c_size_t),
-    )
-
-
-# Results and arguments of each function.
-_FUNCTIONS = {
-    "pk_run_size": (c_size_t, c_int),
-    "pk_run_defaults": (_Settings,),
-    "pk_run_new": (c_void_p, c_void_p, POINTER(_Settings)),
-    "pk_run_go": (c_int, c_void_p),
-    "pk_run_rows": (
-        c_size_t,
-        c_void_p,
-        POINTER(POINTER(c_double)),
-        POINTER(POINTER(c_double)),
-        POINTER(c_size_t),
-    ),
-    "pk_run_report": (c_char_p, c_void_p),
-    "pk_run_messages": (c_char_p, c_void_p),
-    "pk_run_refused": (c_int, c_void_p),
-    "pk_run_laps": (c_double, c_void_p, c_double),
-    "pk_run_given": (c_char_p, c_void_p),
-    "pk_run_evaluate": (c_size_t, c_void_p, c_char_p, c_size_t, *[POINTER(c_double)] * 4),
-    "pk_run_width": (c_size_t, c_void_p, c_char_p),
-    "pk_run_free": (None, c_void_p),
-    "pk_run_stop": (None, c_int),
-    "pk_run_diagnostic": (c_uint, c_char_p),
-    "pk_run_methods": (c_char_p,),
-    "pk_stability_new": (c_void_p, c_void_p, POINTER(_Settings)),
-    "pk_stability_ask": (c_char_p, c_void_p, c_char_p, POINTER(_Question)),
-    "pk_stability_wrong": (c_char_p, c_void_p),
-    "pk_stability_free": (None, c_void_p),
-}
 
 
 @cache
@@ -163,20 +48,19 @@ class Library:
             self.c = ctypes.CDLL(str(path))
         except OSError as error:
             raise BuildError(f"cannot load the compiled model: {error}") from None
-        for name, (result, *arguments) in _FUNCTIONS.items():
+        for name, (result, arguments) in FUNCTIONS.items():
             function = getattr(self.c, name)
             function.restype, function.argtypes = result, arguments
-        sizes = [_Settings, _Expected, _Part, _Question]
-        if [self.c.pk_run_size(k) for k in range(len(sizes))] != [*map(ctypes.sizeof, sizes)]:
+        if [self.c.pk_run_size(k) for k in range(len(_SIZED))] != [*map(ctypes.sizeof, _SIZED)]:
             raise BuildError("the compiled model is of another version of pkgen")
         children.on_end(self.c.pk_run_stop)
-        self.model = ctypes.addressof(ctypes.c_char.in_dll(self.c, "pk_model"))
+        self.model = STRUCTURES["struct pk_run_model"].in_dll(self.c, "pk_model")
 
     def methods(self) -> list[dict[str, object]]:
         """What the runtime says of its methods."""
         return json.loads(self.c.pk_run_methods())
 
-    def settings(self, given: Settings, **more: object) -> _Settings:
+    def settings(self, given: Settings, **more: object) -> Structure:
         """As C has them; `more` are members that are set as they stand."""
         s = self.c.pk_run_defaults()
         s.method = given.method.encode()
@@ -187,21 +71,20 @@ class Library:
         s.fixed_point = given.iteration == "fixed"
         s.max_steps = given.max_steps
         s.land = {"": -1, "land": 1, "dense": 0}[given.rows]
-        single = [_Value(i, 0, x) for i, x in given.parameters]
-        _fill(s, "parameters", [*single, *(_Value(i, k, x) for i, k, x in given.members)], _Value)
-        _fill(s, "inputs", [_Value(i, 0, x) for i, x in given.inputs], _Value)
-        _fill(s, "q", [_Value(i, 0, x) for i, x in given.start_q], _Value)
-        _fill(s, "v", [_Value(i, 0, x) for i, x in given.start_v], _Value)
-        _fill(s, "z", [_Value(i, 0, x) for i, x in given.start_z], _Value)
-        _fill(s, "columns", [_column(c) for c in given.show], _Column)
-        _fill(s, "hidden", given.watched.hidden, c_size_t)
+        given_of = [*((i, 0, x) for i, x in given.parameters), *given.members]
+        _fill(s, "parameters", given_of)
+        for name in ("inputs", "q", "v", "z"):
+            pairs = given.inputs if name == "inputs" else getattr(given, f"start_{name}")
+            _fill(s, name, [(i, 0, x) for i, x in pairs])
+        _fill(s, "columns", [_column(c) for c in given.show])
+        _fill(s, "hidden", given.watched.hidden)
         s.at = 0 if given.at is None else given.at + 1
-        _fill(s, "expected", [_expected(c) for c in given.watched.compared], _Expected)
-        drifts = [_Column(b"e", 0) if d is None else _Column(b"o", d) for d in given.watched.drifts]
-        _fill(s, "drifts", drifts, _Column)
+        _fill(s, "expected", [_expected(c) for c in given.watched.compared])
+        _fill(s, "drifts", [(b"e", 0) if d is None else (b"o", d) for d in given.watched.drifts])
         for name in given.diagnose:
             s.diagnose |= self.c.pk_run_diagnostic(name.encode())
-        _fill(s, "parts", [_part(p) for p in given.parts], _Part)
+        parts = [(p.method.encode(), p.step or 0, p.rtol, p.max_step or 0) for p in given.parts]
+        _fill(s, "parts", parts)
         s.watch = {"": 0, "events": 1, "times": 2}[given.watch]
         for name, value in more.items():
             setattr(s, name, value)
@@ -221,9 +104,7 @@ class Library:
             count = len(ensemble.lines) * len(ensemble.columns)
             values = (c_double * count).from_buffer(ensemble.values) if count else None
             s.members = len(ensemble.lines)
-            columns = [_Column(c.kind[0].encode(), c.index) for c in ensemble.columns]
-            s.n_member_columns = len(columns)
-            s.member_columns = (_Column * len(columns))(*columns)
+            _fill(s, "member_columns", [_column(c) for c in ensemble.columns])
             s.member_values = ctypes.cast(values, POINTER(c_double))
             if ensemble.counted:
                 s.member_name = ensemble.counted.encode()
@@ -234,7 +115,7 @@ class Library:
 class Run:
     """A run that is over: `code`, `report`, `messages`; `not_finite` if a constant is not."""
 
-    def __init__(self, library: Library, settings: _Settings, poll: Poll | None, idle: bool):
+    def __init__(self, library: Library, settings: Structure, poll: Poll | None, idle: bool):
         self._c = library.c
         self._run = None
         ended: list[BaseException | bool] = []
@@ -247,7 +128,7 @@ class Run:
                 ended.append(error)
             return int(bool(ended))
 
-        settings.poll = POLL(ask)
+        settings.poll = _FIELDS["poll"](ask)
         self._run = c_void_p(self._c.pk_run_new(library.model, settings))
         if not self._run:
             raise NumericsFailed("out of memory")
@@ -348,53 +229,39 @@ class Stability:
             self._c.pk_stability_free(of)
 
 
-def _fill(s: _Settings, name: str, values: Sequence[object], kind: type) -> None:
+def _fill(s: Structure, name: str, values: Sequence[object]) -> None:
     setattr(s, f"n_{name}", len(values))
-    setattr(s, name, (kind * len(values))(*values))
+    setattr(s, name, (_FIELDS[name]._type_ * len(values))(*values))
 
 
-def _column(shown: Shown) -> _Column:
-    return _Column(shown.kind[0].encode(), shown.index)
+def _column(shown: Shown | Column) -> tuple[bytes, int]:
+    return shown.kind[0].encode(), shown.index
 
 
-def _expected(c) -> _Expected:
+def _expected(c: Compared) -> tuple[object, ...]:
     when = b"t" if c.at is not None else b"r" if c.event is None else b"e"
-    within = _Column() if c.within is None else _column(c.within)
-    relation = c.relation.encode()
-    return _Expected(relation, when, _column(c.a), _column(c.b), within, c.at or 0, c.event or 0)
+    within = (b"\0", 0) if c.within is None else _column(c.within)
+    sides = _column(c.a), _column(c.b), within
+    return c.relation.encode(), when, *sides, c.at or 0, c.event or 0
 
 
-def _part(part) -> _Part:
-    return _Part(part.method.encode(), part.step or 0, part.rtol, part.max_step or 0)
-
-
-def initializer(s: _Settings) -> str:
+def initializer(s: Structure) -> str:
     """The C that has these settings, as `program_settings`."""
     lists, members = [], []
-    for name, kind in _Settings._fields_:
+    for name, kind in _FIELDS.items():
         value = getattr(s, name)
         if name in ("poll", "context", "member_values"):
             continue
-        if isinstance(kind, type) and issubclass(kind, ctypes._Pointer):
-            count = getattr(s, f"n_{name}")
-            of = kind._type_
-            what = _C_NAMES.get(of, "size_t")
-            items = ", ".join(_literal(value[k]) for k in range(count))
-            if count:
-                lists.append(f"static const {what} {name}[] = {{{items}}};")
-                members.append(f".{name} = {name}")
-        else:
+        if not issubclass(kind, ctypes._Pointer):
             members.append(f".{name} = {_literal(value)}")
+        elif count := getattr(s, f"n_{name}"):
+            of = kind._type_
+            what = f"struct {of.__name__}" if issubclass(of, Structure) else "size_t"
+            items = ", ".join(_literal(value[k]) for k in range(count))
+            lists.append(f"static const {what} {name}[] = {{{items}}};")
+            members.append(f".{name} = {name}")
     text = "\n".join(lists)
     return f"{text}\nconst struct pk_run_settings program_settings = {{{', '.join(members)}}};\n"
-
-
-_C_NAMES = {
-    _Value: "struct pk_run_value",
-    _Column: "struct pk_run_column",
-    _Expected: "struct pk_run_expected",
-    _Part: "struct pk_run_part",
-}
 
 
 def _literal(value: object) -> str:

@@ -41,16 +41,24 @@ int memory_try(struct memory *m, void (*work)(void *context), void *context)
     return 1;
 }
 
-void *memory_take(struct memory *m, size_t count, size_t size)
+void *memory_ask(struct memory *m, size_t count, size_t size)
 {
     const size_t most = SIZE_MAX - sizeof(struct piece);
     struct piece *piece = NULL;
     if (!size || count <= most / size)
         piece = calloc(1, sizeof *piece + count * size);
     if (!piece)
-        longjmp(m->none, 1);
+        return NULL;
     link_in(m, piece);
     return piece->begin;
+}
+
+void *memory_take(struct memory *m, size_t count, size_t size)
+{
+    void *begin = memory_ask(m, count, size);
+    if (!begin)
+        longjmp(m->none, 1);
+    return begin;
 }
 
 void *memory_grow(struct memory *m, void *old, size_t count, size_t size)
@@ -60,7 +68,7 @@ void *memory_grow(struct memory *m, void *old, size_t count, size_t size)
     struct piece *was = piece_of(old), *piece = NULL;
     unlink_from(m, was);
     if (count <= (SIZE_MAX - sizeof *was) / size)
-        piece = (struct piece *)realloc(was, sizeof *was + count * size);
+        piece = realloc(was, sizeof *was + count * size);
     link_in(m, piece ? piece : was);
     if (!piece)
         longjmp(m->none, 1);

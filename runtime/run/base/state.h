@@ -27,6 +27,7 @@ struct memory {
 /* Does `work`; 0: there was no memory for it. */
 int memory_try(struct memory *m, void (*work)(void *context), void *context);
 void *memory_take(struct memory *m, size_t count, size_t size);
+void *memory_ask(struct memory *m, size_t count, size_t size); /* or NULL */
 void *memory_grow(struct memory *m, void *old, size_t count, size_t size);
 void memory_drop(struct memory *m, void *begin);
 void memory_end(struct memory *m);
