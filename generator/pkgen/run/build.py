@@ -103,12 +103,12 @@ def _gsl(tools: Toolchain) -> list[str]:
     return ["-DPK_WITH_GSL", *(tools.gsl_cflags or ())] if tools.has_gsl else []
 
 
-# What the library is linked with, beside the model; no model can be called that.
+# What says which model is run, and in which parts; no model can be called that.
 CHOICE_FILE = "which-model.c"
 CHOICE = """#include <pk/run.h>
 extern const struct pk_system {name}_system;
-{parts}extern const struct pk_run_model pk_model;
-const struct pk_run_model pk_model = {{&{name}_system, {blocks}, {count}}};
+{parts}extern const struct pk_run_model {of};
+const struct pk_run_model {of} = {{&{name}_system, {blocks}, {count}}};
 """
 # What a library of a model shows: the documented functions and the model's own.
 EXPORTS_FILE = "exports"
@@ -117,8 +117,7 @@ EXPORTS = "{{ global: pk_model; pk_run_*; pk_stability_*; {name}_*; local: *; }}
 Parts = Sequence[tuple[str, Sequence[int]]]  # of a model: the name of each, its coordinates
 
 
-def _choice(name: str, parts: Parts, form: str = CHOICE) -> str:
-    """The C that says which model is run, and in which parts."""
+def _choice(of: str, name: str, parts: Parts) -> str:
     text = ""
     for k, (part, coordinates) in enumerate(parts):
         text += f"extern const struct pk_system {part}_system;\n"
@@ -127,7 +126,32 @@ def _choice(name: str, parts: Parts, form: str = CHOICE) -> str:
         rows = ", ".join(f"{{&{part}_system, part{k}}}" for k, (part, _) in enumerate(parts))
         text += f"static const struct pk_part parts[] = {{{rows}}};\n"
     blocks = "parts" if parts else "NULL"
-    return form.format(name=name, parts=text, blocks=blocks, count=len(parts))
+    return CHOICE.format(of=of, name=name, parts=text, blocks=blocks, count=len(parts))
+
+
+def _portable(tools: Toolchain, files: dict[str, str]) -> Toolchain:
+    """The runtime is to be so where the model is."""
+    return replace(tools, flags=(*tools.flags, "-DPK_PORTABLE")) if is_portable(files) else tools
+
+
+def _linked(
+    tools: Toolchain,
+    files: dict[str, str],
+    name: str,
+    parts: Parts,
+    arguments: list[str],
+    folder: Path,
+    form: Sequence[str] = (),
+) -> None:
+    """Compiles the files of a model and links it by these arguments. Of a model in parts the steps
+    are theirs: it has no more than outputs, and is compiled without."""
+    for file_name, text in files.items():
+        (folder / file_name).write_text(text, encoding="utf-8")
+    sources = [CHOICE_FILE, *([f"{part}.c" for part, _ in parts] or [f"{name}.c"])]
+    if parts:
+        compile_c(tools, [*form, "-DPK_RUNTIME", "-c", f"{name}.c"], folder)
+        sources.append(f"{name}.o")
+    compile_c(tools, [*form, "-DPK_RUNTIME", *sources, *arguments], folder)
 
 
 def build_library(
@@ -144,39 +168,22 @@ def build_library(
 
     Raises BuildError with what the compiler said.
     """
-    tools = tools or find_toolchain()
-    if is_portable(files):  # the runtime is then to be so as well
-        tools = replace(tools, flags=(*tools.flags, "-DPK_PORTABLE"))
+    tools = _portable(tools or find_toolchain(), files)
     inlined = inline_flags(methods)
     inlined += ["-DPK_INLINE_ENSEMBLE"] if inlined and ensemble else []
-    choice = _choice(name, parts)
+    choice = _choice("pk_model", name, parts)
     made_of = (_runtime_name(tools), inlined, choice, sorted(files.items()))
     digest = hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]
 
     def make(new: Path) -> None:
         library = runtime_library(tools)
-        exports = EXPORTS.format(name=name)
-        for file_name, text in {**files, CHOICE_FILE: choice, EXPORTS_FILE: exports}.items():
-            (new / file_name).write_text(text, encoding="utf-8")
-        libraries = ["-Wl,--whole-archive", str(library / "librun.a"), "-Wl,--no-whole-archive"]
-        libraries += runtime_links(tools, library)
-        sources = [CHOICE_FILE, *([f"{part}.c" for part, _ in parts] or [f"{name}.c"])]
-        if parts:
-            compile_c(tools, [*SHARED, "-DPK_RUNTIME", "-c", f"{name}.c"], new)
-            sources.append(f"{name}.o")
-        shared = ["-shared", f"-Wl,--version-script={EXPORTS_FILE}"]
-        linked = [*shared, *sources, "-o", "model.so", *libraries]
-        compile_c(tools, [*SHARED, "-DPK_RUNTIME", *inlined, *linked], new)
+        every = {**files, CHOICE_FILE: choice, EXPORTS_FILE: EXPORTS.format(name=name)}
+        linked = [*inlined, "-shared", f"-Wl,--version-script={EXPORTS_FILE}", "-o", "model.so"]
+        linked += ["-Wl,--whole-archive", str(library / "librun.a"), "-Wl,--no-whole-archive"]
+        linked += runtime_links(tools, library)
+        _linked(tools, every, name, parts, linked, new, SHARED)
 
     return cached("models", f"{name[:40]}-{digest}", make) / "model.so"
-
-
-PROGRAM = """#include <pk/run.h>
-extern const struct pk_system {name}_system;
-{parts}extern const struct pk_run_model program_model;
-extern const struct pk_run_settings program_settings;
-const struct pk_run_model program_model = {{&{name}_system, {blocks}, {count}}};
-"""
 
 
 def build_program(
@@ -197,21 +204,15 @@ def build_program(
         tools = replace(tools, gsl_cflags=None, gsl_libs=())
     if not native:
         tools = replace(tools, flags=tuple(f for f in tools.flags if (f,) not in NATIVE))
-    if is_portable(files):
-        tools = replace(tools, flags=(*tools.flags, "-DPK_PORTABLE"))
+    tools = _portable(tools, files)
     library = runtime_library(tools)
+    declared = "extern const struct pk_run_settings program_settings;\n"
+    choice = _choice("program_model", name, parts) + declared + settings
+    linked = [*inline_flags(methods), *map(str, sorted((RUNTIME / "program").glob("*.c")))]
+    linked += ["-o", "program", str(library / "librun.a"), *(["-static"] if static else [])]
+    linked += runtime_links(tools, library)
     with scratch() as folder:
-        text = _choice(name, parts, PROGRAM) + settings
-        for file_name, content in {**files, CHOICE_FILE: text}.items():
-            (folder / file_name).write_text(content, encoding="utf-8")
-        linked = [CHOICE_FILE, *([f"{part}.c" for part, _ in parts] or [f"{name}.c"])]
-        if parts:
-            compile_c(tools, ["-DPK_RUNTIME", "-c", f"{name}.c"], folder)
-            linked.append(f"{name}.o")
-        linked += [str(path) for path in sorted((RUNTIME / "program").glob("*.c"))]
-        linked += ["-o", "program", str(library / "librun.a"), *(["-static"] if static else [])]
-        linked += runtime_links(tools, library)
-        compile_c(tools, ["-DPK_RUNTIME", *inline_flags(methods), *linked], folder)
+        _linked(tools, {**files, CHOICE_FILE: choice}, name, parts, linked, folder)
         output.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(folder / "program", output)
 

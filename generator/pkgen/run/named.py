@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import sys
+from collections.abc import Iterable, Iterator, Sequence
 
 from ..compiler import Compilation
 from ..equations import Quantity
 from ..indices import indexed, parted
 from ..middle.quantities import families, input_quantities
-from ..model import Coordinate, Model, Parameter
+from ..model import Model, Parameter, State
 from ..record import record
 
 SUGGESTED = 12  # members of a family that a hint goes through
@@ -28,6 +29,12 @@ class Declared:
         shown = indexed(name, index) + "'" * primes
         return Quantity(shown, self.quantity.unit, self.quantity.description)
 
+    def members(self, most: int = sys.maxsize) -> list[Quantity]:
+        """The first of them."""
+        if self.lo is None:
+            return [self.quantity]
+        return [self.member(index) for index in range(self.lo, self.lo + min(self.count, most))]
+
     @property
     def count(self) -> int:
         return 1 if self.lo is None else self.hi - self.lo + 1
@@ -42,15 +49,12 @@ class Named:
 
     def find(self, name: str) -> tuple[Declared, int | None] | None:
         """What was declared, and the index of the member."""
-        if name in self._by_name and self._by_name[name].lo is None:
-            return self._by_name[name], None
-        base, index = parted(name)
-        found = self._by_name.get(base)
-        if found is None or (found.lo is None) != (index is None):
-            return None
-        if index is not None and not found.lo <= index <= found.hi:
-            return None
-        return found, index
+        for base, index in ((name, None), parted(name)):
+            found = self._by_name.get(base)
+            one = found is not None and found.lo is None and index is None
+            if one or (found and None not in (found.lo, index) and found.lo <= index <= found.hi):
+                return found, index
+        return None
 
     def __contains__(self, name: str) -> bool:
         return self.find(name) is not None
@@ -65,11 +69,7 @@ class Named:
 
     def __iter__(self) -> Iterator[str]:
         for item in self.declared:
-            if item.lo is None:
-                yield item.quantity.name
-            else:
-                for index in range(item.lo, min(item.hi, item.lo + SUGGESTED) + 1):
-                    yield item.member(index).name
+            yield from (quantity.name for quantity in item.members(SUGGESTED + 1))
 
     @property
     def count(self) -> int:
@@ -79,12 +79,10 @@ class Named:
         """A quantity a column; of a family of more than `most` members one for all: q[1..N]."""
         found = []
         for item in self.declared:
-            if item.lo is None:
-                found.append(item.quantity)
-            elif item.count > most:
+            if item.count > most:
                 found.append(item.member(f"{item.lo}..{item.hi}"))  # type: ignore[arg-type]
             else:
-                found += [item.member(index) for index in range(item.lo, item.hi + 1)]
+                found += item.members()
         return found
 
 
@@ -100,11 +98,7 @@ def coordinates(compilation: Compilation, rates: bool = False) -> Named:
 def declared(compilation: Compilation) -> Named:
     """The coordinates and states that the model declares."""
     model = compilation.declared
-    found = families(model, model.states)
-    states = [
-        _declared(Quantity(s.name, s.unit, s.description), found[s.name]) for s in model.states
-    ]
-    return Named(_coordinates(model, False).declared + states)
+    return Named(_coordinates(model, False).declared + _plain(model, model.states))
 
 
 def states(compilation: Compilation) -> frozenset[str]:
@@ -138,27 +132,25 @@ def has_energy(compilation: Compilation) -> bool:
 
 
 def _coordinates(model: Model, rates: bool) -> Named:
-    declared = [c for c in model.coordinates if not c.rate]
     found = families(model, model.coordinates)
-
-    def quantity(c: Coordinate) -> Quantity:
-        unit = c.rate_unit if rates else c.unit
-        return Quantity(c.name + ("'" if rates else ""), unit, c.description)
-
-    return Named([_declared(quantity(c), found[c.name]) for c in declared])
+    mark = "'" if rates else ""
+    return Named(
+        [
+            _declared(
+                Quantity(c.name + mark, c.rate_unit if rates else c.unit, c.description),
+                found[c.name],
+            )
+            for c in model.coordinates
+            if not c.rate
+        ]
+    )
 
 
 def parameters(compilation: Compilation) -> Named:
     """By flat index; see position() for what the loops of C count."""
     if not compilation.looped:
         return Named(_each(slot.quantity for slot in compilation.program.equations.parameters))
-    model = compilation.model
-    found = families(model, model.parameters)
-
-    def quantity(p: Parameter) -> Quantity:
-        return Quantity(p.name, p.unit, p.description)
-
-    return Named([_declared(quantity(p), found[p.name]) for p in model.parameters])
+    return Named(_plain(compilation.model, compilation.model.parameters))
 
 
 def quadratures(compilation: Compilation) -> list[Quantity]:
@@ -173,21 +165,29 @@ def events(compilation: Compilation) -> list[str]:
 
 
 def inputs(compilation: Compilation) -> Named:
-    equations = compilation.equations
-    listed = (
-        input_quantities(compilation.model, equations.orders)
-        if compilation.looped
-        else equations.inputs
-    )
-    return Named([Declared(q, i, None, None) for i, q in enumerate(listed)])
+    e = compilation.equations
+    looped = compilation.looped
+    return Named(_each(input_quantities(compilation.model, e.orders) if looped else e.inputs))
 
 
 def observed(compilation: Compilation) -> list[Quantity]:
+    e = compilation.equations
     if compilation.looped:
-        return [
-            Quantity(o.name, o.unit, o.description) for o in compilation.equations.model.observed
-        ]
-    return list(compilation.equations.observed_names)
+        return [Quantity(o.name, o.unit, o.description) for o in e.model.observed]
+    return list(e.observed_names)
+
+
+def kinds(compilation: Compilation) -> dict[str, Named]:
+    """The columns that rows have, in their order, by the driver's word for their kind."""
+    unit = "" if compilation.model.dimensionless else "J"
+    energy = [Quantity("energy", unit, "q'.dL/dq' - L")] if has_energy(compilation) else []
+    return {
+        "q": coordinates(compilation),
+        "v": coordinates(compilation, rates=True),
+        "observed": Named(_each(observed(compilation))),
+        "z": Named(_each(quadratures(compilation))),
+        "energy": Named(_each(energy)),
+    }
 
 
 def set_parameters(
@@ -206,6 +206,11 @@ def set_parameters(
 def _each(quantities: Iterable[Quantity]) -> list[Declared]:
     """Each by itself, members of families too."""
     return [Declared(q, i, None, None) for i, q in enumerate(quantities)]
+
+
+def _plain(model: Model, items: Sequence[Parameter | State]) -> list[Declared]:
+    found = families(model, items)
+    return [_declared(Quantity(x.name, x.unit, x.description), found[x.name]) for x in items]
 
 
 def _declared(quantity: Quantity, family) -> Declared:

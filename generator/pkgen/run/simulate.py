@@ -49,39 +49,12 @@ def columns(
 ) -> list[Quantity]:
     """The columns of the CSV, in order; of a family of more than `listed` members one for all."""
     time = Quantity("t", "" if compilation.model.dimensionless else "s", "time")
-    energy = Quantity("energy", "" if compilation.model.dimensionless else "J", "q'.dL/dq' - L")
-    member = [ensemble.member] if ensemble else []
+    kinds = named.kinds(compilation)
     if show:
-        coordinates, rates = (named.coordinates(compilation, rates=r) for r in (False, True))
-        return [*member, time, *(_column(compilation, c, coordinates, rates, energy) for c in show)]
-    return [
-        *member,
-        time,
-        *named.coordinates(compilation).columns(listed),
-        *named.coordinates(compilation, rates=True).columns(listed),
-        *(q for q in named.observed(compilation) if not hidden(q.name)),
-        *named.quadratures(compilation),
-        *([energy] if named.has_energy(compilation) else []),
-    ]
-
-
-def _column(
-    compilation: Compilation,
-    shown: Shown,
-    coordinates: named.Named,
-    rates: named.Named,
-    energy: Quantity,
-) -> Quantity:
-    match shown.kind:
-        case "q":
-            return coordinates[shown.name][1]
-        case "v":
-            return rates[shown.name][1]
-        case "observed":
-            return named.observed(compilation)[shown.index]
-        case "z":
-            return named.quadratures(compilation)[shown.index]
-    return energy
+        rows = [kinds[c.kind][c.name][1] for c in show]
+    else:
+        rows = [c for kind in kinds.values() for c in kind.columns(listed) if not hidden(c.name)]
+    return [*([ensemble.member] if ensemble else []), time, *rows]
 
 
 def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | None) -> Path:

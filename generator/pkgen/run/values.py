@@ -161,23 +161,12 @@ class Values:
 
     def shown(self, name: str, option: str = "--record") -> Shown:
         """A column of the rows, by the index that the driver counts."""
-        kinds = self._kinds()
+        kinds = named.kinds(self.compilation)
         for kind, known in kinds.items():
             if name in known:
-                index = known.index(name) if isinstance(known, list) else known[name][0]
-                return Shown(kind, index, name)
+                return Shown(kind, known[name][0], name)
         columns = [c for known in kinds.values() for c in known if not hidden(c)]
         raise UsageError(unknown(option, name, columns, "column"))
-
-    def _kinds(self) -> dict[str, named.Named | list[str]]:
-        """The columns that rows have, by the driver's word for their kind."""
-        return {
-            "q": self.coordinates,
-            "v": self.rates,
-            "observed": [q.name for q in named.observed(self.compilation)],
-            "z": [q.name for q in named.quadratures(self.compilation)],
-            "energy": ["energy"] if named.has_energy(self.compilation) else [],
-        }
 
     def standard(self) -> list[Shown]:
         """What rows have of a model with rotations, in the order in which it is declared."""
