@@ -46,30 +46,37 @@ static void add(struct program *p, const struct list *of, struct pk_run_value x)
     memcpy((char *)&p->settings + of->count, &count, sizeof count);
 }
 
-/* NAME=VALUE of `kinds`, each with its list. */
-static int assign(struct program *p, const char *option, const char *text, const char *kinds)
+struct option {
+    const char *name, *value, *help;
+    int (*take)(struct program *p, const struct option *o, const char *text);
+    size_t offset;     /* in the settings */
+    const char *kinds; /* of what is assigned to */
+};
+
+/* NAME=VALUE, each with its list. */
+static int assign(struct program *p, const struct option *o, const char *text)
 {
     const char *equals = strchr(text, '='), *unit = "";
     struct pk_run_value x = {0, 0, 0};
     if (!equals)
-        return usage(option, text, "give a name and a value");
+        return usage(o->name, text, "give a name and a value");
     for (size_t k = 0; k < sizeof assigned / sizeof *assigned; k++) {
         const struct list *of = &assigned[k];
-        if (!strchr(kinds, of->kind) ||
+        if (!strchr(o->kinds, of->kind) ||
             !find_name(text, (size_t)(equals - text), of->kind, &x.index, &unit))
             continue;
         if (!read_number(equals + 1, unit, &x.value))
-            return usage(option, text,
+            return usage(o->name, text,
                          *unit ? "not a number in SI, nor with the unit that it has"
                                : "not a number");
         add(p, of, x);
         return 0;
     }
-    return usage(option, text, "the model has no such name; see --help");
+    return usage(o->name, text, "the model has no such name; see --help");
 }
 
 /* --record a,b,energy */
-static int record(struct program *p, const char *text)
+static int record(struct program *p, const struct option *o, const char *text)
 {
     struct pk_run_settings *s = &p->settings;
     struct pk_run_column *columns = NULL;
@@ -85,7 +92,7 @@ static int record(struct program *p, const char *text)
         if (!c.kind && length == 6 && strncmp(name, "energy", 6) == 0)
             c.kind = 'e';
         if (!c.kind)
-            return usage("--record", text, "the rows have no such column; see --help");
+            return usage(o->name, text, "the rows have no such column; see --help");
         columns = keep(p, columns, (count + 1) * sizeof *columns);
         columns[count++] = c;
     }
@@ -94,7 +101,7 @@ static int record(struct program *p, const char *text)
     return 0;
 }
 
-static int diagnose(struct program *p, const char *text)
+static int diagnose(struct program *p, const struct option *o, const char *text)
 {
     char name[64];
     for (const char *from = text; from; from = strchr(from, ',') ? strchr(from, ',') + 1 : NULL) {
@@ -102,64 +109,91 @@ static int diagnose(struct program *p, const char *text)
         memcpy(name, from, length < 63 ? length : 63);
         name[length < 63 ? length : 63] = '\0';
         if (!pk_run_diagnostic(name))
-            return usage("--diagnose", text, "there is no such diagnostic");
+            return usage(o->name, text, "there is no such diagnostic");
         p->settings.diagnose |= pk_run_diagnostic(name);
     }
     return 0;
 }
 
-static int at(struct program *p, const char *text)
+static int at(struct program *p, const struct option *o, const char *text)
 {
     const char *unit;
     size_t index;
     if (!find_name(text, strlen(text), 'e', &index, &unit))
-        return usage("--at", text, "the model has no such event");
+        return usage(o->name, text, "the model has no such event");
     p->settings.at = index + 1;
     return 0;
 }
 
-static int output(struct program *p, const char *path)
+static int output(struct program *p, const struct option *o, const char *path)
 {
     const size_t length = strlen(path);
     p->output = strcmp(path, "-") == 0 ? NULL : path;
     return !p->output || (length > 4 && (strcmp(path + length - 4, ".csv") == 0 ||
                                          strcmp(path + length - 4, ".npy") == 0))
                ? 0
-               : usage("-o", path, "the file's name must end in .csv or .npy");
+               : usage(o->name, path, "the file's name must end in .csv or .npy");
 }
 
-static int whole(const char *text, unsigned long *x)
+static int number(struct program *p, const struct option *o, const char *text)
+{
+    double x;
+    if (!read_number(text, strchr("THD", o->value[0]) ? "s" : "", &x) || !(x > 0))
+        return usage(o->name, text, "not a positive number in SI");
+    memcpy((char *)&p->settings + o->offset, &x, sizeof x);
+    return 0;
+}
+
+static int count(struct program *p, const struct option *o, const char *text)
 {
     char *end;
-    *x = strtoul(text, &end, 10);
-    return isdigit((unsigned char)*text) && *end == '\0' && *x > 0;
+    const unsigned long x = strtoul(text, &end, 10);
+    if (!isdigit((unsigned char)*text) || *end || !x)
+        return usage(o->name, text, "not a positive whole number");
+    memcpy((char *)&p->settings + o->offset, &x, sizeof x); /* size_t is as long */
+    return 0;
 }
 
-enum kind { NUMBER, COUNT, TEXT, SET, START, SIZE, RECORD, AT, DIAGNOSE, TABLE, OUTPUT, ITERATION };
+static int method(struct program *p, const struct option *o, const char *text)
+{
+    (void)o;
+    p->settings.method = text;
+    return 0;
+}
 
-static const struct option {
-    const char *name, *value, *help;
-    enum kind kind;
-    size_t offset; /* in the settings */
-} options[] = {
-    {"--set", "p=VALUE", "a parameter or input", SET, 0},
-    {"--start", "a=VALUE", "a coordinate or a rate", START, 0},
-    {"--size", "N=64", "length of a family", SIZE, 0},
-    {"--until", "T", "duration", NUMBER, PLACE(until)},
-    {"--method", "NAME", "see pkgen methods", TEXT, PLACE(method)},
-    {"--step", "H", "of a method with fixed steps; else the first step", NUMBER, PLACE(step)},
-    {"--max-step", "H", "of an adaptive method", NUMBER, PLACE(h_max)},
-    {"--rtol", "R", "of an adaptive method", NUMBER, PLACE(rtol)},
-    {"--atol", "A", "default: R times the scale that the motion shows", NUMBER, PLACE(atol)},
-    {"--every", "DT", "time between rows", NUMBER, PLACE(every)},
-    {"--record", "a,b,energy", "only these columns, behind t", RECORD, 0},
-    {"--at", "EVENT", "a row at each crossing", AT, 0},
-    {"--ensemble", "FILE.csv", "a row a trajectory: parameters, starts, inputs", TABLE, 0},
-    {"--threads", "N", "of an ensemble (default: all cores)", COUNT, PLACE(threads)},
-    {"--iteration", "newton|fixed", "of implicit methods", ITERATION, 0},
-    {"--diagnose", "LIST", "as of pkgen run", DIAGNOSE, 0},
-    {"--max-steps", "N", "", COUNT, PLACE(max_steps)},
-    {"-o", "FILE", "FILE.csv or FILE.npy; default: standard output", OUTPUT, 0},
+static int table(struct program *p, const struct option *o, const char *path)
+{
+    (void)o;
+    return table_read(p, path);
+}
+
+static int iteration(struct program *p, const struct option *o, const char *text)
+{
+    p->settings.fixed_point = strcmp(text, "fixed") == 0;
+    return p->settings.fixed_point || strcmp(text, "newton") == 0
+               ? 0
+               : usage(o->name, text, "newton or fixed");
+}
+
+static const struct option options[] = {
+    {"--set", "p=VALUE", "a parameter or input", assign, 0, "pi"},
+    {"--start", "a=VALUE", "a coordinate or a rate", assign, 0, "qv"},
+    {"--size", "N=64", "length of a family", assign, 0, "s"},
+    {"--until", "T", "duration", number, PLACE(until), ""},
+    {"--method", "NAME", "see pkgen methods", method, 0, ""},
+    {"--step", "H", "of a method with fixed steps; else the first step", number, PLACE(step), ""},
+    {"--max-step", "H", "of an adaptive method", number, PLACE(h_max), ""},
+    {"--rtol", "R", "of an adaptive method", number, PLACE(rtol), ""},
+    {"--atol", "A", "default: R times the scale that the motion shows", number, PLACE(atol), ""},
+    {"--every", "DT", "time between rows", number, PLACE(every), ""},
+    {"--record", "a,b,energy", "only these columns, behind t", record, 0, ""},
+    {"--at", "EVENT", "a row at each crossing", at, 0, ""},
+    {"--ensemble", "FILE.csv", "a row a trajectory: parameters, starts, inputs", table, 0, ""},
+    {"--threads", "N", "of an ensemble (default: all cores)", count, PLACE(threads), ""},
+    {"--iteration", "newton|fixed", "of implicit methods", iteration, 0, ""},
+    {"--diagnose", "LIST", "as of pkgen run", diagnose, 0, ""},
+    {"--max-steps", "N", "", count, PLACE(max_steps), ""},
+    {"-o", "FILE", "FILE.csv or FILE.npy; default: standard output", output, 0, ""},
 };
 
 void options_help(FILE *file)
@@ -169,49 +203,6 @@ void options_help(FILE *file)
     fputs("  --json                      the report as JSON\n"
           "  --help                      this, and the names of the model\n",
           file);
-}
-
-static int take(struct program *p, const struct option *o, const char *value)
-{
-    char *const place = (char *)&p->settings + o->offset;
-    unsigned long count;
-    double x;
-    switch (o->kind) {
-    case NUMBER:
-        if (!read_number(value, strchr("THD", o->value[0]) ? "s" : "", &x) || !(x > 0))
-            return usage(o->name, value, "not a positive number in SI");
-        memcpy(place, &x, sizeof x);
-        return 0;
-    case COUNT:
-        if (!whole(value, &count))
-            return usage(o->name, value, "not a positive whole number");
-        memcpy(place, &count, sizeof count); /* size_t is as long */
-        return 0;
-    case TEXT:
-        memcpy(place, &value, sizeof value);
-        return 0;
-    case SET:
-        return assign(p, o->name, value, "pi");
-    case START:
-        return assign(p, o->name, value, "qv");
-    case SIZE:
-        return assign(p, o->name, value, "s");
-    case RECORD:
-        return record(p, value);
-    case AT:
-        return at(p, value);
-    case DIAGNOSE:
-        return diagnose(p, value);
-    case TABLE:
-        return table_read(p, value);
-    case ITERATION:
-        p->settings.fixed_point = strcmp(value, "fixed") == 0;
-        return p->settings.fixed_point || strcmp(value, "newton") == 0
-                   ? 0
-                   : usage(o->name, value, "newton or fixed");
-    default:
-        return output(p, value);
-    }
 }
 
 int options_read(struct program *p, int argc, char **argv)
@@ -234,7 +225,7 @@ int options_read(struct program *p, int argc, char **argv)
             return usage(word, NULL, "there is no such option; see --help");
         if (!joined && i + 1 == argc)
             return usage(word, NULL, "a value is missing");
-        const int code = take(p, &options[k], joined ? word + length + 1 : argv[++i]);
+        const int code = options[k].take(p, &options[k], joined ? word + length + 1 : argv[++i]);
         if (code)
             return code;
     }

@@ -73,7 +73,7 @@ void diagnose_action(struct pk_run *run, struct diagnostics *d)
     else
         snprintf(reason, sizeof reason, "%s", pk_orbit_text(found.orbit));
     const enum pk_status status = kinked || found.orbit >= PK_ORBIT_SEVERAL ? PK_REFUSED : PK_DONE;
-    if (diagnose_told(d, status, reason)) {
+    if (diagnose_told(d, status, reason, NULL)) {
         struct json *j = &d->json;
         const int swings = found.orbit == PK_ORBIT_LIBRATION;
         json_text(j, "orbit", pk_orbit_text(found.orbit));

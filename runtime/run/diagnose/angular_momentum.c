@@ -51,17 +51,16 @@ void diagnose_angular_momentum(struct pk_run *run, struct diagnostics *d)
     struct bodies b;
     struct turning x = {0};
     struct json *j = &d->json;
-    char reason[512];
     if (!bodies_begin(&b, run)) {
-        diagnose_told(d, PK_REFUSED, BODIES_NONE);
+        diagnose_told(d, PK_REFUSED, BODIES_NONE, NULL);
         return;
     }
     b.see = turn;
     b.context = &x;
     turn(&x, &b, 0);
     memcpy(x.first, x.last, sizeof x.first);
-    const enum pk_status status = bodies_follow(&b, reason, sizeof reason);
-    if (!diagnose_told(d, status, reason))
+    const enum pk_status status = bodies_follow(&b);
+    if (!diagnose_told(d, status, NULL, &b.it))
         return;
     json_count(j, "particles", b.n);
     about(j, "origin", &x, 0);

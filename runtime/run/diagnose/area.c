@@ -7,6 +7,7 @@
 
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
+#endif
 
 static const double BYTES = 2147483648.0; /* of q and p at all rows */
 
@@ -26,9 +27,13 @@ static const char *unfit(const struct settings *s, size_t n)
         return "the model has states alone, which have no momenta: there is no area";
     if (!s->system->canonical)
         return "the system has no kernel canonical";
+#ifdef PK_WITH_GSL
     if (!pk_gsl_loop_takes(s->asked.members))
         return "a loop has 32 members at least, and a number of them without a prime factor above "
                "1000: take 1000, 1024 or 100000";
+#else
+    return "it needs the GNU Scientific Library, which is not here";
+#endif
     if (s->asked.at && !s->has_every)
         return "rows at an event are at other times for each member: give --every, for rows that "
                "they have in common";
@@ -80,20 +85,6 @@ void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v
     }
     l->came[member]++;
 }
-#else
-enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count)
-{
-    (void)t, (void)count;
-    if (!(run->settings.asked.diagnose & DIAGNOSE_AREA))
-        return PK_RUN_DONE;
-    run_say(run, "diagnose area: it needs the GNU Scientific Library, which is not here");
-    return PK_RUN_USAGE;
-}
-void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v)
-{
-    (void)run, (void)t, (void)q, (void)v;
-}
-#endif
 
 static void row(struct pk_run *run, const struct moment *at)
 {

@@ -297,7 +297,7 @@ static void find(struct pk_run *run, struct diagnostics *d)
                  !f.common                 ? "there are members that could not start"
                  : status == PK_NOT_FINITE ? "q, p or the area is not finite at the start"
                                            : pk_status_text(status));
-    if (diagnose_told(d, status, reason))
+    if (diagnose_told(d, status, reason, NULL))
         write_rows(run, d, &f);
 }
 

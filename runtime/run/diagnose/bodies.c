@@ -46,7 +46,7 @@ static int found(void *context, const struct pk_events *events)
     return 0;
 }
 
-enum pk_status bodies_follow(struct bodies *b, char *reason, size_t size)
+enum pk_status bodies_follow(struct bodies *b)
 {
     const struct settings *s = &b->run->settings;
     static const struct pk_event pericentres[] = {{{"pericentre", "", ""}, +1, 0}};
@@ -59,26 +59,23 @@ enum pk_status bodies_follow(struct bodies *b, char *reason, size_t size)
     const size_t events_size = pk_events_size(&b->problem, s->method);
     void *block = memory_take(&b->run->memory, it_size, 1);
     void *events_block = memory_take(&b->run->memory, events_size + 1, 1);
-    struct pk_integrator it = {0};
+    struct pk_integrator *it = &b->it;
     struct pk_events events = {0};
     enum pk_status status =
-        pk_integrator_init(&it, &b->problem, s->method, &s->options, 0, s->q, s->v, block, it_size);
+        pk_integrator_init(it, &b->problem, s->method, &s->options, 0, s->q, s->v, block, it_size);
     if (status >= 0)
-        status = pk_events_init(&events, &it, events_block, events_size);
+        status = pk_events_init(&events, it, events_block, events_size);
     events.found = b->pericentre ? found : NULL;
     events.context = b;
-    while (status >= 0 && it.t < b->run->it.t) {
-        status = pk_events_step(&events, &it, b->run->it.t);
+    while (status >= 0 && it->t < b->run->it.t) {
+        status = pk_events_step(&events, it, b->run->it.t);
         if (status < 0 || status == PK_STOPPED_USER)
             break;
-        place(b, it.t, it.q, it.v);
-        b->see(b->context, b, it.t);
+        place(b, it->t, it->q, it->v);
+        b->see(b->context, b, it->t);
     }
-    snprintf(reason, size, "%s", pk_status_text(status < 0 ? status : PK_DONE));
-    if (status < 0 && it.method)
-        pk_integrator_reason(&it, reason, size);
     pk_events_free(&events);
-    pk_integrator_free(&it);
+    pk_integrator_free(it);
     return status < 0 ? status : PK_DONE;
 }
 

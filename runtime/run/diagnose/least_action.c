@@ -12,10 +12,6 @@ enum { MODES = 24, MOST = 400, PANELS = 32, MOST_PANELS = 4096, SHOWN = 8 };
 static const double SETTLED = 1e-12;  /* of the action, from panels to twice as many */
 static const double AMPLITUDE = 1e-3; /* of a neighbour, in the length in which B is 1 */
 
-static const char FORCES[] =
-    "forces act besides those of L (dissipation or force): the motion is no "
-    "extremum of an action";
-
 struct stage {
     struct pk_least_action *found;
     void *block;
@@ -97,38 +93,31 @@ void diagnose_least_action(struct pk_run *run, struct diagnostics *d)
     size_t modes = MODES * n <= MOST ? MODES : MOST / n;
     struct pk_least_action found = {0};
     struct stage x = {&found, NULL, PK_REFUSED};
-    char reason[512] = "";
-    if (diagnose_not_free(system))
-        strcpy(reason, diagnose_not_free(system));
-    else if (system->n_first_order)
-        strcpy(reason, "the model has states, whose rates follow from no action");
-    else if (!(system->facts & PK_VARIATIONAL))
-        strcpy(reason, FORCES);
-    else if (diagnose_no_variation(system))
-        strcpy(reason, diagnose_no_variation(system));
-    else if (modes < 2)
-        strcpy(reason, "too many coordinates for its neighbours: 200 at most");
+    const char *why = diagnose_not_free(system);
+    if (!why && system->n_first_order)
+        why = "the model has states, whose rates follow from no action";
+    if (!why && !(system->facts & PK_VARIATIONAL))
+        why = "forces act besides those of L (dissipation or force): the motion is no extremum of "
+              "an action";
+    why = why ? why : diagnose_no_variation(system);
+    if (!why && modes < 2)
+        why = "too many coordinates for its neighbours: 200 at most";
     double *lambda = NULL;
     size_t half = 0;
-    while (!*reason) {
+    for (int more = !why; more;) {
         const size_t m = n * modes;
         integrate(&x, run, modes);
-        strcpy(reason, pk_status_text(x.status));
-        if (x.status < 0 && found.it.method)
-            pk_integrator_reason(&found.it, reason, sizeof reason);
         lambda = memory_take(&run->memory, 2 * m, sizeof *lambda);
         if (x.status >= 0)
             x.status = pk_gsl_least_action(&found, modes / 2, lambda, NULL);
         half = x.status < 0 ? 0 : negative(lambda, n * (modes / 2));
-        if (x.status >= 0 &&
-            (x.status = pk_gsl_least_action(&found, modes, lambda, lambda + m)) < 0)
-            strcpy(reason, pk_status_text(x.status));
-        if (x.status >= 0 && half < index_of(&found, lambda) && 2 * m <= MOST) {
-            modes *= 2; /* so few do not show all ways yet */
-            *reason = 0;
-        }
+        if (x.status >= 0)
+            x.status = pk_gsl_least_action(&found, modes, lambda, lambda + m);
+        /* So few may not show all ways yet. */
+        more = x.status >= 0 && half < index_of(&found, lambda) && 2 * m <= MOST;
+        modes *= more ? 2 : 1;
     }
-    if (diagnose_told(d, x.status, reason))
+    if (diagnose_told(d, x.status, why, &found.it))
         write(d, &found, lambda, lambda + n * modes, half);
     pk_least_action_free(&found);
 }

@@ -76,34 +76,32 @@ void diagnose_lrl(struct pk_run *run, struct diagnostics *d)
 {
     struct bodies b;
     struct apsides x = {0};
-    char reason[512];
     pk_real r[3], v[3], a[3];
     if (!bodies_begin(&b, run) || b.n > 2) {
         const char *several = "it is of one particle, or of two about each other";
-        diagnose_told(d, PK_REFUSED, b.n > 2 ? several : BODIES_NONE);
+        diagnose_told(d, PK_REFUSED, b.n > 2 ? several : BODIES_NONE, NULL);
         return;
     }
     bodies_relative(&b, b.r, r);
     bodies_relative(&b, b.v, v);
     bodies_relative(&b, b.a, a);
-    enum pk_status status = pk_lrl_init(&x.lrl, r, v, a);
-    strcpy(reason, b.n > 1 ? "at the start the two do not attract each other"
-                           : "at the start the particle is not drawn to the origin");
-    if (status >= 0) {
-        const pk_real direction[3] = {x.lrl.along[0], x.lrl.along[1], x.lrl.along[2]};
-        const pk_real closing = bodies_approach(&b);
-        const pk_real distance = length(r), speed = length(v);
-        b.see = orbit;
-        b.pericentre = passage;
-        b.context = &x;
-        orbit(&x, &b, 0);
-        if (PK_F(fabs)(closing) <= 16 * PK_EPSILON * distance * speed &&
-            speed * speed * distance > x.lrl.k)
-            passage(&x, &b, 0);
-        status = bodies_follow(&b, reason, sizeof reason);
-        if (diagnose_told(d, status, reason))
-            write_orbit(d, &b, &x, direction);
-    } else {
-        diagnose_told(d, status, reason);
+    const enum pk_status status = pk_lrl_init(&x.lrl, r, v, a);
+    if (status < 0) {
+        diagnose_told(d, status,
+                      b.n > 1 ? "at the start the two do not attract each other"
+                              : "at the start the particle is not drawn to the origin",
+                      NULL);
+        return;
     }
+    const pk_real direction[3] = {x.lrl.along[0], x.lrl.along[1], x.lrl.along[2]};
+    const pk_real distance = length(r), speed = length(v);
+    b.see = orbit;
+    b.pericentre = passage;
+    b.context = &x;
+    orbit(&x, &b, 0);
+    if (PK_F(fabs)(bodies_approach(&b)) <= 16 * PK_EPSILON * distance * speed &&
+        speed * speed * distance > x.lrl.k)
+        passage(&x, &b, 0);
+    if (diagnose_told(d, bodies_follow(&b), NULL, &b.it))
+        write_orbit(d, &b, &x, direction);
 }

@@ -67,7 +67,6 @@ void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
     const size_t size = pk_lyapunov_size(&run->problem, s->method);
     void *block = memory_take(&run->memory, size, 1);
     struct pk_lyapunov l = {0};
-    char reason[512] = "";
     /* A displacement off the constraints grows as nothing on them does. */
     const int bound = run->problem.system->constraints.n > 0;
     enum pk_status status = PK_REFUSED;
@@ -81,15 +80,10 @@ void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
         if (run_stopped(run, (double)(l.it.t / run->it.t)))
             break;
     }
-    if (bound)
-        strcpy(reason, diagnose_not_free(run->problem.system));
-    else if (status == PK_REFUSED && diagnose_no_variation(run->problem.system))
-        strcpy(reason, diagnose_no_variation(run->problem.system));
-    else if (status < 0 && l.it.method)
-        pk_integrator_reason(&l.it, reason, sizeof reason);
-    else
-        strcpy(reason, pk_status_text(status));
-    if (diagnose_told(d, status, reason)) {
+    const char *why = bound                  ? diagnose_not_free(run->problem.system)
+                      : status == PK_REFUSED ? diagnose_no_variation(run->problem.system)
+                                             : NULL;
+    if (diagnose_told(d, status, why, &l.it)) {
         pk_real error;
         const pk_real exponent = pk_lyapunov_exponent(&l, &error);
         const enum pk_motion motion = pk_lyapunov_motion(&l);

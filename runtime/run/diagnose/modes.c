@@ -246,7 +246,7 @@ void diagnose_modes(struct pk_run *run, struct diagnostics *d)
     const size_t n = m.n;
     const char *reason = unfit(problem->system, n);
     if (reason) {
-        diagnose_told(d, PK_REFUSED, reason);
+        diagnose_told(d, PK_REFUSED, reason, NULL);
         return;
     }
     double *block = memory_take(&run->memory, 2 * n * n + 10 * n + 1, sizeof *block);
@@ -279,7 +279,7 @@ void diagnose_modes(struct pk_run *run, struct diagnostics *d)
         status = PK_REFUSED;
         reason = "where nothing pulls, next to the start, the coordinates themselves are singular";
     }
-    if (diagnose_told(d, status, reason))
+    if (diagnose_told(d, status, reason, NULL))
         write_modes(&m, d);
 }
 #else

@@ -60,8 +60,15 @@ void diagnose_one(struct diagnostics *d, const char *name,
     json_close(&d->json, '}');
 }
 
-int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason)
+int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason,
+                  const struct pk_integrator *it)
 {
+    char text[512];
+    if (!reason && status < 0 && it && it->method) {
+        pk_integrator_reason(it, text, sizeof text);
+        reason = text;
+    }
+    reason = reason ? reason : pk_status_text(status);
     json_text(&d->json, "status", pk_status_name(status));
     json_text(&d->json, "reason", reason);
     if (status >= 0 || d->run->control.stop) /* which is told once, by diagnose_run() */

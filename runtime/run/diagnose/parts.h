@@ -24,13 +24,16 @@ void diagnose_close(struct diagnostics *d);
 /* A member, made by make(): its keys, status and reason first. */
 void diagnose_one(struct diagnostics *d, const char *name,
                   void (*make)(struct pk_run *run, struct diagnostics *d));
-/* How it went. 1 where its numbers are to follow, in d->json. */
-int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason);
-#define DIAGNOSE_NEEDS_GSL(name)                                                                \
-    void diagnose_##name(struct pk_run *run, struct diagnostics *d)                             \
-    {                                                                                           \
-        (void)run;                                                                              \
-        diagnose_told(d, PK_REFUSED, "it needs the GNU Scientific Library, which is not here"); \
+/* How it went, with the reason, NULL: that of an integrator which was to make it, or of the status.
+ * 1 where its numbers are to follow, in d->json. */
+int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason,
+                  const struct pk_integrator *it);
+#define DIAGNOSE_NEEDS_GSL(name)                                                               \
+    void diagnose_##name(struct pk_run *run, struct diagnostics *d)                            \
+    {                                                                                          \
+        (void)run;                                                                             \
+        diagnose_told(d, PK_REFUSED, "it needs the GNU Scientific Library, which is not here", \
+                      NULL);                                                                   \
     }
 
 /* Why (q, p) are not coordinates and their momenta, free of each other; or NULL. */

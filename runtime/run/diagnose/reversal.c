@@ -11,19 +11,16 @@ void diagnose_reversal(struct pk_run *run, struct diagnostics *d)
     void *block = memory_take(&run->memory, size, 1);
     struct pk_integrator it = {0};
     struct pk_reversal r = {0};
-    char reason[512];
     const enum pk_status status = pk_reversal_find(&r, &it, &run->problem, s->method, &s->options,
                                                    0, s->q, s->v, run->it.t, (pk_real)THRESHOLD,
                                                    block, size);
-    if (status == PK_REFUSED && run->settings.system->switches.n &&
-        !run->settings.system->switches.impulses && !(run->settings.system->facts & PK_SMOOTH))
-        strcpy(reason, "the way back is not followed through switches: give a method that needs no "
-                       "smooth equations, as dop853");
-    else if (status < 0 && it.method)
-        pk_integrator_reason(&it, reason, sizeof reason);
-    else
-        strcpy(reason, pk_status_text(status));
-    if (diagnose_told(d, status, reason)) {
+    const struct pk_system *system = s->system;
+    const int sides = system->switches.n && !system->switches.impulses;
+    const char *why = status == PK_REFUSED && sides && !(system->facts & PK_SMOOTH)
+                          ? "the way back is not followed through switches: give a method that "
+                            "needs no smooth equations, as dop853"
+                          : NULL;
+    if (diagnose_told(d, status, why, &it)) {
         struct json *j = &d->json;
         const pk_real digits = PK_F(log)(r.threshold / PK_EPSILON);
         json_real(j, "threshold", r.threshold);

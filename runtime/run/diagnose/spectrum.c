@@ -64,7 +64,7 @@ void diagnose_spectrum(struct pk_run *run, struct diagnostics *d)
             snprintf(reason, sizeof reason,
                      "%zu rows at equal times; at least %d are needed: --every", count,
                      (int)PK_SPECTRUM_LEAST);
-        diagnose_told(d, PK_REFUSED, reason);
+        diagnose_told(d, PK_REFUSED, reason, NULL);
         return;
     }
     const size_t size = pk_gsl_spectrum_size(count);
@@ -80,7 +80,7 @@ void diagnose_spectrum(struct pk_run *run, struct diagnostics *d)
         if (run_stopped(run, (double)i / (double)n))
             break;
     }
-    if (diagnose_told(d, status, pk_status_text(status))) {
+    if (diagnose_told(d, status, NULL, NULL)) {
         struct json *j = &d->json;
         json_count(j, "rows", count);
         json_real(j, "interval", dt);

@@ -42,7 +42,7 @@ void diagnose_symplectic(struct pk_run *run, struct diagnostics *d)
                  : diagnose_no_variation(system)
                      ? diagnose_no_variation(system)
                      : "steps of this method have no length of their own: take one of fixed steps";
-    if (diagnose_told(d, made ? PK_DONE : last, reason)) {
+    if (diagnose_told(d, made ? PK_DONE : last, reason, NULL)) {
         struct json *j = &d->json;
         json_real(j, "defect", most.defect);
         json_real(j, "volume", most.volume);
