@@ -139,7 +139,7 @@ size_t pk_run_rows(const struct pk_run *run, const double **rows, const double *
 {
     *rows = run->kept;
     *low = run->kept_low;
-    *columns = 1 + run->settings.n_show + (run->settings.asked.members > 0);
+    *columns = run_width(run);
     return run->n_kept;
 }
 

@@ -99,5 +99,8 @@ size_t numbers_text(char text[NUMBERS_LONGEST], double x)
 void numbers_write(FILE *file, double x)
 {
     char text[NUMBERS_LONGEST];
-    fwrite(text, 1, numbers_text(text, x), file);
+    if (x > 0 || x <= 0)
+        fwrite(text, 1, numbers_text(text, x), file);
+    else
+        fputs("nan", file); /* what is no number has no sign */
 }

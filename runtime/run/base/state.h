@@ -127,7 +127,7 @@ struct pk_run {
     pk_real *event_values;   /* work of watch.c */
     pk_real *expected;       /* outputs, work of expect.c */
     size_t member;           /* of an ensemble, whose state is looked at */
-    pk_real *row, *cells;    /* q, v, observed, quadratures of a row; t and the columns of one */
+    pk_real *row, *cells;    /* q, v, observed, quadratures of a row; the numbers of one */
     FILE *out;               /* where rows go as CSV; NULL: they are kept */
     double *kept, *kept_low; /* rows; what they lack of more digits */
     size_t n_kept, room;
@@ -140,7 +140,7 @@ struct pk_run {
     unsigned long rows;
     int begun;            /* it could start */
     pk_real h_min, h_max; /* steps made */
-    pk_real trusted;      /* until when the energy was what it is to be; see trust.h */
+    pk_real trusted;      /* until when the energy was what it is to be; see look.h */
     int distrusted;
     pk_real ends;  /* end of the motion according to dop853 */
     int beyond;    /* the steps have gone on past that end */
@@ -156,6 +156,12 @@ struct pk_run {
     struct diagnostics *diagnostics; /* NULL: none asked for */
     struct loop *loop;               /* of members, for their area */
 };
+
+/* Numbers of a row: the member of an ensemble, t, the columns. */
+static inline size_t run_width(const struct pk_run *run)
+{
+    return (run->settings.asked.members ? 2u : 1u) + run->settings.n_show;
+}
 
 static inline int run_fixed(const struct pk_run *run)
 {

@@ -1,4 +1,4 @@
-/* Particles of a run; see diagnose_bodies.h. The event `pericentre` is of a kernel, which knows the
+/* Particles of a run; see bodies.h. The event `pericentre` is of a kernel, which knows the
  * parameters alone: whose particles it is of stands beside.
  */
 #include "bodies.h"

@@ -8,7 +8,7 @@ static const struct {
     unsigned flag;
     void (*make)(struct pk_run *run, struct diagnostics *d); /* in this order */
 } names[] = {DIAGNOSTICS(ROW){"all", DIAGNOSE_ALL, NULL},
-             {"area", DIAGNOSE_AREA, NULL}}; /* see diagnose_area.h */
+             {"area", DIAGNOSE_AREA, NULL}}; /* see area.h */
 
 unsigned pk_run_diagnostic(const char *name)
 {

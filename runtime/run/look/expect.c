@@ -1,7 +1,15 @@
-/* Expectations of a scene; see expect.h. */
+/* What a scene expects of its run; an observer. */
 #include "look.h"
 
 #include "../settings/settings.h"
+
+static int is_number(pk_real x) { return x - x == PK_C(0.0); }
+
+/* Whether it is the worst of what was seen so far; no number is worse than all. */
+static int is_worst(int first, pk_real now, pk_real before)
+{
+    return first || (is_number(before) && !(now <= before));
+}
 
 /* What is off by the most so far: above 0 it is a miss, and no number is one as well. */
 static void compare(struct pk_run *run, struct expected *x, pk_real t, pk_real a, pk_real b,
@@ -10,10 +18,10 @@ static void compare(struct pk_run *run, struct expected *x, pk_real t, pk_real a
     const pk_real d = x->of.relation == '>' ? b - a : a - b;
     const pk_real off = x->of.relation == '=' ? PK_F(fabs)(d) - within : d;
     const int met = x->of.relation == '=' ? off <= 0 : off < 0;
-    const int worse = x->count == 0 || !(off <= x->off); /* true of no number */
+    const int worst = is_worst(x->count == 0, off, x->off);
     x->count++;
     x->missed += !met;
-    if (!worse || !(x->off - x->off == PK_C(0.0)))
+    if (!worst)
         return;
     x->off = off;
     x->value = a;
@@ -104,8 +112,7 @@ static void end(struct pk_run *run)
         struct drifting *d = &run->settings.drifting[i];
         const struct pk_drift *drift = d->energy ? &run->monitor.energy : &d->drift;
         const pk_real max = drift->samples ? pk_drift_max(drift) : (pk_real)NAN;
-        const int worse = !d->members || !(max <= d->max);
-        if (worse && d->max - d->max == PK_C(0.0)) {
+        if (is_worst(!d->members, max, d->max)) {
             d->max = max;
             d->member = run->member;
         }
@@ -128,15 +135,13 @@ void expect_own(struct settings *s)
     }
 }
 
-static int is_number(pk_real x) { return x - x == PK_C(0.0); }
-
 void expect_merge(struct settings *all, const struct settings *one)
 {
     for (size_t i = 0; i < all->asked.n_expected; i++) {
         struct expected *to = &all->expected[i];
         const struct expected *from = &one->expected[i];
         const unsigned long count = to->count + from->count, missed = to->missed + from->missed;
-        if (from->count && (to->count == 0 || (is_number(to->off) && !(from->off <= to->off))))
+        if (from->count && is_worst(to->count == 0, from->off, to->off))
             *to = *from;
         to->count = count;
         to->missed = missed;
@@ -145,7 +150,7 @@ void expect_merge(struct settings *all, const struct settings *one)
         struct drifting *to = &all->drifting[i];
         const struct drifting *from = &one->drifting[i];
         const size_t members = to->members + from->members;
-        if (from->members && (to->members == 0 || (is_number(to->max) && !(from->max <= to->max))))
+        if (from->members && is_worst(to->members == 0, from->max, to->max))
             *to = *from;
         to->members = members;
     }

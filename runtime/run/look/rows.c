@@ -12,24 +12,16 @@ static void begin(struct pk_run *run)
     const struct pk_system *system = s->system;
     run->row = memory_take(&run->memory, 2 * s->n + system->n_observed + system->quadratures.n + 1,
                            sizeof *run->row);
-    run->cells = memory_take(&run->memory, 1 + s->n_show, sizeof *run->cells);
+    run->cells = memory_take(&run->memory, run_width(run), sizeof *run->cells);
 }
 
-static void csv_name(FILE *file, const char *name, int first)
+static void csv_name(FILE *file, const char *name)
 {
-    if (!first)
-        fputc(',', file);
-    if (!strpbrk(name, ",\" \n")) {
-        fputs(name, file);
-        return;
-    }
-    fputc('"', file);
-    for (; *name; name++) {
-        if (*name == '"')
-            fputc('"', file);
-        fputc(*name, file);
-    }
-    fputc('"', file);
+    const int quoted = strpbrk(name, ",\" \n") != NULL;
+    fputs(quoted ? "\"" : "", file);
+    for (; *name; name++)
+        fprintf(file, *name == '"' ? "\"%c" : "%c", *name);
+    fputs(quoted ? "\"" : "", file);
 }
 
 int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t size,
@@ -72,8 +64,10 @@ void rows_header(struct pk_run *run)
     const char *unit;
     if (!run->out || !run->settings.asked.header)
         return;
-    for (size_t i = 0; pk_run_column_name(run, i, name, sizeof name, &unit); i++)
-        csv_name(run->out, name, i == 0);
+    for (size_t i = 0; pk_run_column_name(run, i, name, sizeof name, &unit); i++) {
+        fputs(i ? "," : "", run->out);
+        csv_name(run->out, name);
+    }
     fputc('\n', run->out);
 }
 
@@ -105,70 +99,65 @@ static const char *fill(struct pk_run *run, const struct moment *at)
     pk_real *out = run->row + 2 * s->n;
     if (system->n_observed)
         system->observe(s->params, at->t, at->q, at->v, s->u, out);
-    run->cells[0] = at->t;
+    pk_real *cell = run->cells;
+    if (s->asked.members)
+        *cell++ = (pk_real)member_number(s, run->member);
+    *cell++ = at->t;
     for (size_t i = 0; i < s->n_show; i++) {
         const struct pk_run_column *show = &s->show[i];
-        const pk_real x = run->cells[1 + i] = rows_value(run, show, at, out);
+        const pk_real x = *cell++ = rows_value(run, show, at, out);
         if (!(x - x == PK_C(0.0)) && !bad)
             bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
     }
     return bad;
 }
 
-/* A number that is none has no sign. */
 static void write_csv(struct pk_run *run)
 {
-    FILE *file = run->out;
-    if (run->settings.asked.members)
-        fprintf(file, "%ld,", member_number(&run->settings, run->member));
-    for (size_t i = 0; i <= run->settings.n_show; i++) {
+    for (size_t i = 0; i < run_width(run); i++) {
         if (i)
-            fputc(',', file);
-        if (isnan((double)run->cells[i]))
-            fputs("nan", file);
-        else
-            numbers_write(file, (double)run->cells[i]);
+            fputc(',', run->out);
+        numbers_write(run->out, (double)run->cells[i]);
     }
-    fputc('\n', file);
-    if (ferror(file))
+    fputc('\n', run->out);
+    if (ferror(run->out))
         run->write_failed = errno ? errno : EIO;
 }
 
-static void grow(struct pk_run *run, size_t width)
+/* Room for more rows. */
+static void grow(struct pk_run *run, size_t more)
 {
-    run->room = run->room ? 2 * run->room : 256;
-    run->kept = memory_grow(&run->memory, run->kept, run->room * width, sizeof(double));
+    if (run->room >= run->n_kept + more)
+        return;
+    while (run->room < run->n_kept + more)
+        run->room = run->room ? 2 * run->room : 256;
+    const size_t count = run->room * run_width(run);
+    run->kept = memory_grow(&run->memory, run->kept, count, sizeof(double));
     if (sizeof(pk_real) > sizeof(double))
-        run->kept_low = memory_grow(&run->memory, run->kept_low, run->room * width, sizeof(double));
+        run->kept_low = memory_grow(&run->memory, run->kept_low, count, sizeof(double));
 }
 
 static void keep(struct pk_run *run)
 {
-    const size_t first = run->settings.asked.members > 0, width = first + 1 + run->settings.n_show;
-    if (run->n_kept == run->room)
-        grow(run, width);
-    const size_t at = run->n_kept++ * width;
-    if (first)
-        run->kept[at] = (double)member_number(&run->settings, run->member);
-    for (size_t i = 0; i < width - first; i++) {
-        run->kept[at + first + i] = (double)run->cells[i];
+    grow(run, 1);
+    const size_t width = run_width(run), at = run->n_kept++ * width;
+    for (size_t i = 0; i < width; i++) {
+        const pk_real x = run->cells[i];
+        run->kept[at + i] = (double)x;
         if (run->kept_low)
-            run->kept_low[at + first + i] =
-                (double)(run->cells[i] - (pk_real)(double)run->cells[i]);
+            run->kept_low[at + i] = (double)(x - (pk_real)(double)x);
     }
 }
 
 void rows_take(struct pk_run *run, const struct pk_run *from)
 {
-    const size_t width = 2 + run->settings.n_show;
+    const size_t width = run_width(run), bytes = from->n_kept * width * sizeof *run->kept;
     if (!from->n_kept)
         return;
-    while (run->room < run->n_kept + from->n_kept)
-        grow(run, width);
-    memcpy(run->kept + run->n_kept * width, from->kept, from->n_kept * width * sizeof *run->kept);
+    grow(run, from->n_kept);
+    memcpy(run->kept + run->n_kept * width, from->kept, bytes);
     if (run->kept_low)
-        memcpy(run->kept_low + run->n_kept * width, from->kept_low,
-               from->n_kept * width * sizeof *run->kept);
+        memcpy(run->kept_low + run->n_kept * width, from->kept_low, bytes);
     run->n_kept += from->n_kept;
 }
 

@@ -1,4 +1,4 @@
-/* See trust.h. */
+/* How far a run can be trusted; an observer. */
 #include "look.h"
 
 #include "../settings/settings.h"

@@ -1,4 +1,4 @@
-/* Events of a run; see watch.h. */
+/* Events of a run; an observer. */
 #include "look.h"
 
 enum { FEW = 4 }; /* states, that say nothing: a stop at the event is one of them */

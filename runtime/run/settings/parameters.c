@@ -5,65 +5,68 @@
 
 enum { MOST_TOLD = 12 }; /* parameters */
 
-static void tell(FILE *file, pk_real x)
+static void tell(FILE *file, const char *before, pk_real x)
 {
-    if (isinf((double)x))
-        fputs(x > 0 ? "inf" : "-inf", file);
-    else
-        numbers_write(file, (double)x);
+    fputs(before, file);
+    numbers_write(file, (double)x);
+}
+
+/* One that is no number, or outside its bounds, of which a family has one pair. */
+static void refused_one(FILE *file, const struct pk_system *system, const void *params, size_t i,
+                        const struct pk_range *range, pk_real x)
+{
+    const struct pk_parameter *p = &system->parameters[i];
+    pk_real *lo = calloc(2 * system->n_parameters, sizeof *lo), *hi = lo + system->n_parameters;
+    fputs(p->what.name, file);
+    if (!(x - x == 0)) {
+        fputs(" is not finite", file);
+    } else if (lo) {
+        system->bounds(params, lo, hi);
+        fputs(" is outside its bounds: ", file);
+        if (range->is_family)
+            fputs("a member", file);
+        else
+            tell(file, "", x);
+        if (*p->what.unit)
+            fprintf(file, " [%s]", p->what.unit);
+        tell(file, p->lo_open ? " is not in (" : " is not in [", lo[i]);
+        tell(file, ", ", hi[i]);
+        fputc(p->hi_open ? ')' : ']', file);
+    }
+    free(lo);
 }
 
 static void refused(FILE *file, const struct pk_system *system, const void *params, int outside)
 {
     const enum pk_failure failure = PK_FAILURE(outside);
-    const size_t n = system->n_parameters;
-    const size_t index = failure == PK_FAILURE_PARAMETER ? (size_t)PK_FAILURE_AT(outside) : n;
+    const int one = failure == PK_FAILURE_PARAMETER;
     if (failure == PK_FAILURE_SIZE) {
         fputs("a size is too small", file);
         return;
     }
-    if (index == n)
+    if (!one)
         fputs("what is computed from the parameters is not finite", file);
-    pk_real *lo = (pk_real *)calloc(2 * n + 1, sizeof *lo), *hi = lo + n;
-    if (!lo)
-        return;
-    system->bounds(params, lo, hi);
-    for (size_t i = index < n ? index : 0, told = 0; i < n && told < MOST_TOLD; i++) {
-        const struct pk_parameter *p = &system->parameters[i];
+    for (size_t i = one ? (size_t)PK_FAILURE_AT(outside) : 0, told = 0;
+         i < system->n_parameters && told < (one ? 1 : MOST_TOLD); i++) {
+        const struct pk_quantity *what = &system->parameters[i].what;
         struct pk_range range = {0, 1, 0};
-        char unit[80] = "";
         pk_real x = 0;
         if (system->families.range)
             system->families.range(params, 1, i, &range);
         if (!range.is_family)
-            memcpy(&x, (const char *)params + p->offset, sizeof x);
-        if (*p->what.unit)
-            snprintf(unit, sizeof unit, " [%s]", p->what.unit);
-        if (index == n && range.is_family)
+            memcpy(&x, (const char *)params + system->parameters[i].offset, sizeof x);
+        else if (!one)
             continue;
-        fprintf(file, index < n ? "%s" : told++ ? ", %s = " : ": %s = ", p->what.name);
-        if (index == n) {
-            tell(file, x);
-            fputs(unit, file);
-            continue;
+        if (one) {
+            refused_one(file, system, params, i, &range, x);
+        } else {
+            fprintf(file, "%s%s", told ? ", " : ": ", what->name);
+            tell(file, " = ", x);
+            if (*what->unit)
+                fprintf(file, " [%s]", what->unit);
         }
-        if (!(x - x == 0)) {
-            fputs(" is not finite", file);
-            break;
-        }
-        fputs(" is outside its bounds: ", file);
-        if (range.is_family)
-            fputs("a member", file);
-        else
-            tell(file, x);
-        fprintf(file, "%s is not in %c", unit, p->lo_open ? '(' : '[');
-        tell(file, lo[i]);
-        fputs(", ", file);
-        tell(file, hi[i]);
-        fputc(p->hi_open ? ')' : ']', file);
-        break;
+        told++;
     }
-    free(lo);
 }
 
 void settings_refused(struct pk_run *run, const void *params, int outside, const char *whose)

@@ -1,4 +1,4 @@
-/* See apart.h. Adaptive parts land on rows; fixed-step parts reach rows by a second integrator.
+/* Blocks of coordinates integrated apart. Adaptive parts land on rows; fixed-step parts reach rows by a second integrator.
  * run->it makes no steps: it has time, state and summed counts.
  */
 #include "steps.h"

@@ -1,4 +1,4 @@
-/* See observe.h. Events come first, whose times stand above all rows of the report; drifts come
+/* The observers of a run. Events come first, whose times stand above all rows of the report; drifts come
  * before trust, which judges by them; diagnostics close the report.
  */
 #include "steps.h"
