@@ -124,7 +124,6 @@ run/look
 run/diagnose
 run/steps
 run/ensemble
-run/report
 run/run run/evaluate
 run/stability
 program

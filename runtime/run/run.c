@@ -86,19 +86,13 @@ static enum pk_run_code one(struct pk_run *run)
     return finish(run, code);
 }
 
-struct asked {
-    struct pk_run *run;
-    const struct pk_run_model *model;
-    const struct pk_run_settings *settings;
-};
-
 /* Settings, and where rows go. */
 static void take(void *context)
 {
-    const struct asked *asked = context;
-    struct pk_run *run = asked->run;
-    run->code = settings_take(run, asked->model, asked->settings);
-    if (run->code || asked->settings->csv < 0 || run_open(run, asked->settings->csv))
+    struct pk_run *run = context;
+    const int fd = run->settings.asked.csv;
+    run->code = settings_take(run);
+    if (run->code || fd < 0 || run_open(run, fd))
         return;
     run_say(run, "cannot write rows: %s", strerror(errno == EINVAL ? EBADF : errno));
     run->code = PK_RUN_USAGE;
@@ -107,8 +101,11 @@ static void take(void *context)
 struct pk_run *pk_run_new(const struct pk_run_model *model, const struct pk_run_settings *settings)
 {
     struct pk_run *run = calloc(1, sizeof *run);
-    struct asked asked = {run, model, settings};
-    if (run && memory_try(&run->memory, take, &asked))
+    if (!run)
+        return NULL;
+    run->model = model;
+    run->settings.asked = *settings;
+    if (memory_try(&run->memory, take, run))
         return run;
     pk_run_free(run);
     return NULL;

@@ -75,6 +75,15 @@ void *memory_grow(struct memory *m, void *old, size_t count, size_t size)
     return piece->begin;
 }
 
+void *memory_room(struct memory *m, void *old, size_t count, size_t *room, size_t size)
+{
+    if (count <= *room)
+        return old;
+    while (*room < count)
+        *room = *room ? 2 * *room : 256;
+    return memory_grow(m, old, *room, size);
+}
+
 void memory_drop(struct memory *m, void *begin)
 {
     if (!begin)

@@ -29,6 +29,8 @@ int memory_try(struct memory *m, void (*work)(void *context), void *context);
 void *memory_take(struct memory *m, size_t count, size_t size);
 void *memory_ask(struct memory *m, size_t count, size_t size); /* or NULL */
 void *memory_grow(struct memory *m, void *old, size_t count, size_t size);
+/* For `count`, with what is to come: twice the room where that is too small. */
+void *memory_room(struct memory *m, void *old, size_t count, size_t *room, size_t size);
 void memory_drop(struct memory *m, void *begin);
 void memory_end(struct memory *m);
 /* A line for a person; a text in memory of malloc(), one at a time, there once it is ended. */
@@ -106,6 +108,7 @@ struct crossed {
 };
 
 struct pk_run {
+    const struct pk_run_model *model;
     struct settings settings;
     struct memory memory;
     struct control control;

@@ -26,8 +26,7 @@ static void rows(struct pk_run *run, struct diagnostics *d, enum pk_orbit orbit,
     pk_drift_init(&drift);
     json_open(j, "rows", '[');
     for (size_t k = 0; k < count && at.orbit == orbit; k++) {
-        const size_t row = count > 1 ? k * (d->n_rows - 1) / (count - 1) : 0;
-        const pk_real *x = d->rows + row * 3; /* t, q, v */
+        const pk_real *x = diagnose_row(d, k, count); /* t, q, v */
         at = action_at(run, x[0], x + 1, x + 2, u);
         if (run_stopped(run, (double)k / (double)count))
             break;

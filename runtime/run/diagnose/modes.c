@@ -212,7 +212,7 @@ static void row(struct modes *m, struct json *j, double t, const double *q, cons
 
 static void write_modes(struct modes *m, struct diagnostics *d)
 {
-    const size_t n = m->n, shown = n < MODES ? n : MODES, width = 1 + 2 * n;
+    const size_t n = m->n, shown = n < MODES ? n : MODES;
     const size_t rows = d->n_rows < ROWS ? d->n_rows : ROWS;
     struct json *j = &d->json;
     json_numbers(j, "equilibrium", m->q, n);
@@ -233,7 +233,7 @@ static void write_modes(struct modes *m, struct diagnostics *d)
     json_count(j, "left_out", n - shown);
     json_open(j, "rows", '[');
     for (size_t k = 0; k < rows; k++) {
-        const double *x = d->rows + (rows > 1 ? k * (d->n_rows - 1) / (rows - 1) : 0) * width;
+        const double *x = diagnose_row(d, k, rows);
         row(m, j, x[0], x + 1, x + 1 + n);
     }
     json_close(j, ']');

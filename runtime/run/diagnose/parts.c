@@ -12,21 +12,22 @@
 #define FLAG(name, of, kernels) FLAG_OF_##of(name)
 static const unsigned OF_ROWS = 0 DIAGNOSTICS(FLAG);
 
+static struct diagnostics *diagnostics(struct pk_run *run)
+{
+    if (!run->diagnostics)
+        run->diagnostics = memory_take(&run->memory, 1, sizeof *run->diagnostics);
+    return run->diagnostics;
+}
+
 /* Spectra are of rows, and steps, actions and modes are looked at there. */
 static void keep_row(struct pk_run *run, const struct moment *at)
 {
     const size_t n = run->settings.n, width = 1 + 2 * n;
-    if (!(run->settings.asked.diagnose & OF_ROWS))
+    /* Spectra are of rows at equal times. */
+    if (!(run->settings.asked.diagnose & OF_ROWS) || (run->at_event && run->settings.has_every))
         return;
-    if (run->at_event && run->settings.has_every) /* spectra are of rows at equal times */
-        return;
-    if (!run->diagnostics)
-        run->diagnostics = memory_take(&run->memory, 1, sizeof *run->diagnostics);
-    struct diagnostics *d = run->diagnostics;
-    if (d->n_rows == d->capacity) {
-        d->capacity = d->capacity ? 2 * d->capacity : 1024;
-        d->rows = memory_grow(&run->memory, d->rows, d->capacity * width, sizeof *d->rows);
-    }
+    struct diagnostics *d = diagnostics(run);
+    d->rows = memory_room(&run->memory, d->rows, d->n_rows + 1, &d->room, width * sizeof *d->rows);
     pk_real *row = d->rows + d->n_rows++ * width;
     row[0] = at->t;
     memcpy(row + 1, at->q, n * sizeof *row);
@@ -35,9 +36,7 @@ static void keep_row(struct pk_run *run, const struct moment *at)
 
 struct diagnostics *diagnose_open(struct pk_run *run)
 {
-    if (!run->diagnostics)
-        run->diagnostics = memory_take(&run->memory, 1, sizeof *run->diagnostics);
-    struct diagnostics *d = run->diagnostics;
+    struct diagnostics *d = diagnostics(run);
     d->json = (struct json){.file = run_text(run, &d->text)};
     d->run = run;
     d->all = run->settings.asked.diagnose == DIAGNOSE_ALL;
@@ -58,6 +57,12 @@ void diagnose_one(struct diagnostics *d, const char *name,
     json_open(&d->json, name, '{');
     make(d->run, d);
     json_close(&d->json, '}');
+}
+
+const pk_real *diagnose_row(const struct diagnostics *d, size_t k, size_t count)
+{
+    const size_t row = count > 1 ? k * (d->n_rows - 1) / (count - 1) : 0;
+    return d->rows + row * (1 + 2 * d->run->settings.n);
 }
 
 int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason,

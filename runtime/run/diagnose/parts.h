@@ -8,7 +8,7 @@
 
 struct diagnostics {
     pk_real *rows; /* t, q, v of each */
-    size_t n_rows, capacity;
+    size_t n_rows, room;
     char *text;       /* the object of all, */
     struct json json; /* while it is made */
     struct pk_run *run;
@@ -24,6 +24,8 @@ void diagnose_close(struct diagnostics *d);
 /* A member, made by make(): its keys, status and reason first. */
 void diagnose_one(struct diagnostics *d, const char *name,
                   void (*make)(struct pk_run *run, struct diagnostics *d));
+/* The k-th of so many kept rows, from the first to the last. */
+const pk_real *diagnose_row(const struct diagnostics *d, size_t k, size_t count);
 /* How it went, with the reason, NULL: that of an integrator which was to make it, or of the status.
  * 1 where its numbers are to follow, in d->json. */
 int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason,

@@ -9,7 +9,7 @@ void diagnose_symplectic(struct pk_run *run, struct diagnostics *d)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = run->problem.system;
-    const size_t size = pk_stepmap_size(&run->problem, s->method), width = 1 + 2 * s->n;
+    const size_t size = pk_stepmap_size(&run->problem, s->method);
     const size_t states = d->n_rows < 1 ? 1 : d->n_rows < STATES ? d->n_rows : STATES;
     const int fixed = !(s->method->traits & PK_ADAPTIVE);
     const pk_real h = fixed ? s->options.h : run->it.t / (pk_real)run->it.count.steps;
@@ -19,8 +19,7 @@ void diagnose_symplectic(struct pk_run *run, struct diagnostics *d)
     enum pk_status status = PK_DONE, last = PK_DONE;
     size_t made = 0;
     for (size_t k = 0; k < states && status != PK_REFUSED; k++) {
-        const size_t at = states > 1 ? k * (d->n_rows - 1) / (states - 1) * width : 0;
-        const pk_real *row = d->rows ? d->rows + at : NULL; /* no row: the start */
+        const pk_real *row = d->rows ? diagnose_row(d, k, states) : NULL; /* no row: the start */
         status = pk_stepmap_find(&map, &run->problem, s->method, &s->options, h, row ? row[0] : 0,
                                  row ? row + 1 : s->q, row ? row + 1 + s->n : s->v, NULL, block,
                                  size);

@@ -124,17 +124,14 @@ static void write_csv(struct pk_run *run)
         run->write_failed = errno ? errno : EIO;
 }
 
-/* Room for more rows. */
 static void grow(struct pk_run *run, size_t more)
 {
-    if (run->room >= run->n_kept + more)
-        return;
-    while (run->room < run->n_kept + more)
-        run->room = run->room ? 2 * run->room : 256;
-    const size_t count = run->room * run_width(run);
-    run->kept = memory_grow(&run->memory, run->kept, count, sizeof(double));
+    const size_t count = run->n_kept + more, size = run_width(run) * sizeof(double);
+    size_t room = run->room;
+    run->kept = memory_room(&run->memory, run->kept, count, &room, size);
     if (sizeof(pk_real) > sizeof(double))
-        run->kept_low = memory_grow(&run->memory, run->kept_low, count, sizeof(double));
+        run->kept_low = memory_room(&run->memory, run->kept_low, count, &run->room, size);
+    run->room = room;
 }
 
 static void keep(struct pk_run *run)

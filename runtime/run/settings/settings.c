@@ -160,20 +160,12 @@ static const char *start(struct settings *s)
 static size_t count_of(const struct settings *s, char kind)
 {
     const struct pk_system *system = s->system;
-    const struct {
-        char kind;
-        size_t count;
-    } counts[] = {{'q', s->n},
-                  {'v', s->n},
-                  {'o', system->n_observed},
-                  {'z', system->quadratures.n},
-                  {'i', system->n_inputs},
-                  {'p', system->n_parameters},
-                  {'e', system->energy != NULL}};
-    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++)
-        if (counts[k].kind == kind)
-            return counts[k].count;
-    return 0;
+    return kind == 'q' || kind == 'v' ? s->n
+           : kind == 'o'              ? system->n_observed
+           : kind == 'z'              ? system->quadratures.n
+           : kind == 'i'              ? system->n_inputs
+           : kind == 'p'              ? system->n_parameters
+                                      : kind == 'e' && system->energy;
 }
 
 static int is_column(const struct settings *s, struct pk_run_column c)
@@ -259,27 +251,28 @@ static const char *prepare(struct settings *s)
     return run->refused ? "" : NULL;
 }
 
-enum pk_run_code settings_take(struct pk_run *run, const struct pk_run_model *model,
-                               const struct pk_run_settings *given)
+enum pk_run_code settings_take(struct pk_run *run)
 {
+    const struct pk_run_model *model = run->model;
     static const char *(*const each[])(struct settings *s) = {
         steps, sizes, parameters, prepare, start, columns, expectations, members};
     struct settings *s = &run->settings;
     const struct pk_system *system = model->system;
     const char *wrong = NULL;
-    *s = (struct settings){.asked = *given,
+    const char *method = s->asked.method ? s->asked.method : "";
+    *s = (struct settings){.asked = s->asked,
                            .run = run,
                            .system = system,
                            .parts = model->parts,
                            .n_parts = model->parts ? model->n_parts : 0,
-                           .method = run_method_find(given->method),
+                           .method = run_method_find(method),
                            .memory = &run->memory,
                            .control = &run->control,
                            .polls = 1};
     if (system->abi != PK_ABI)
         wrong = "the model was compiled for another runtime: compile it anew";
     if (!wrong && !s->method) {
-        run_say(run, "there is no such method: %s", given->method ? given->method : "");
+        run_say(run, "there is no such method: %s", method);
         return PK_RUN_USAGE;
     }
     s->params = memory_take(s->memory, 1, system->params_size);

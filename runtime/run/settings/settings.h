@@ -6,8 +6,7 @@
 #include "../base/state.h"
 
 /* What was asked for, with parameters and starts computed; a code. */
-enum pk_run_code settings_take(struct pk_run *run, const struct pk_run_model *model,
-                               const struct pk_run_settings *given);
+enum pk_run_code settings_take(struct pk_run *run);
 /* Parameters as they are in memory; with the start, one JSON object. */
 void json_parameters(struct json *j, const struct pk_system *system, const void *params);
 void settings_tell(const struct settings *s, FILE *file);

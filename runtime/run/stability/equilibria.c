@@ -19,10 +19,9 @@ struct modes {
 static void clear_doubtful(struct pk_stability *s, const double *q, const double *v,
                            const double *doubt, struct modes *modes, struct modes *beside)
 {
-    const unsigned char *cyclic = s->problem.system->cyclic;
     double *const place = s->work, *const rate = place + s->n;
     for (size_t i = 0; i < s->n; i++) {
-        const int c = cyclic && cyclic[i];
+        const int c = stability_cyclic(s, i);
         place[i] = q[i] + (c ? 0 : doubt[i]);
         rate[i] = v[i] + (c ? doubt[i] : 0);
     }

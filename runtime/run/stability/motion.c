@@ -21,10 +21,8 @@ struct record {
 
 static void keep(struct pk_stability *s, double t, const double *q, const double *v)
 {
-    if (s->n_records == s->room) {
-        s->room = s->room ? 2 * s->room : 1024;
-        s->records = memory_grow(&s->run->memory, s->records, s->room, sizeof *s->records);
-    }
+    s->records =
+        memory_room(&s->run->memory, s->records, s->n_records + 1, &s->room, sizeof *s->records);
     struct record *r = &s->records[s->n_records++];
     r->t = t;
     stability_energies(s, t, q, v, &r->energy, &r->vp, &r->size);
@@ -97,7 +95,7 @@ static int leaves(const struct pk_stability *s, double until, const double scale
     const struct pk_system *system = s->problem.system;
     int away = 0;
     for (size_t i = 0; i < s->n; i++)
-        if (!(system->cyclic && system->cyclic[i]))
+        if (!stability_cyclic(s, i))
             away |= s->far[s->n + i] > 1.2 * s->far[i] &&
                     s->far[2 * s->n + i] > 1.2 * s->far[s->n + i];
     const int faster = (system->facts & PK_CONSERVATIVE) != 0 && scales[1] > 1.5 * scales[0] &&

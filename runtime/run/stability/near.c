@@ -16,17 +16,12 @@
 static const double TWO_PI = 6.283185307179586476925;
 static const double FAR = 1e3; /* growth that settles it */
 
-static int is_cyclic(const struct pk_stability *s, size_t i)
-{
-    return s->problem.system->cyclic && s->problem.system->cyclic[i];
-}
-
 /* The largest displacement from the equilibrium of what is not cyclic. */
 static double displacement(const struct pk_stability *s, const double *q)
 {
     double most = 0;
     for (size_t i = 0; i < s->n; i++)
-        if (!is_cyclic(s, i) && !(fabs(q[i] - s->settings->q[i]) <= most))
+        if (!stability_cyclic(s, i) && !(fabs(q[i] - s->settings->q[i]) <= most))
             most = fabs(q[i] - s->settings->q[i]);
     return most;
 }
@@ -138,7 +133,7 @@ static size_t leading(const struct pk_stability *s, size_t mode)
     const double *re = s->shapes + mode * 2 * s->n;
     size_t lead = 0;
     for (size_t i = 0; i < s->n; i++)
-        if (!is_cyclic(s, i) && (is_cyclic(s, lead) || fabs(re[i]) > fabs(re[lead])))
+        if (!stability_cyclic(s, i) && (stability_cyclic(s, lead) || fabs(re[i]) > fabs(re[lead])))
             lead = i;
     return lead;
 }

@@ -47,38 +47,32 @@ static const struct {
 #endif
                {"point", stability_point},           {"oscillator", stability_oscillator}};
 
-struct asked {
-    struct pk_stability *stability;
-    const char *what;
-    const struct pk_stability_question *question;
-    int good;
-};
-
 static void answer(void *context)
 {
-    struct asked *asked = context;
-    struct pk_stability *s = asked->stability;
+    struct pk_stability *s = context;
     for (size_t i = 0; i < sizeof answers / sizeof *answers; i++) {
-        if (strcmp(answers[i].what, asked->what) != 0)
+        if (strcmp(answers[i].what, s->what) != 0)
             continue;
         s->out = (struct json){.file = run_text(s->run, &s->answer)};
         json_open(&s->out, NULL, '{');
-        asked->good = answers[i].answer(s, asked->question);
+        s->good = answers[i].answer(s, s->question);
         json_close(&s->out, '}');
         return;
     }
-    run_say(s->run, "cannot be asked: %s", asked->what);
+    run_say(s->run, "cannot be asked: %s", s->what);
 }
 
 const char *pk_stability_ask(struct pk_stability *s, const char *what,
                              const struct pk_stability_question *question)
 {
-    struct asked asked = {s, what, question, 0};
     free(s->answer);
     s->answer = NULL;
-    const int good = !s->run->code && memory_try(&s->run->memory, answer, &asked) && asked.good;
+    s->what = what;
+    s->question = question;
+    s->good = 0;
+    const int room = !s->run->code && memory_try(&s->run->memory, answer, s);
     run_text_end(s->run);
-    return good ? s->answer : NULL;
+    return room && s->good ? s->answer : NULL;
 }
 
 const char *pk_stability_wrong(const struct pk_stability *s)

@@ -19,9 +19,12 @@ struct pk_stability {
     const struct settings *settings;
     struct pk_problem problem;
     size_t n;
-    struct json out; /* of the answer, which is in */
-    char *answer;    /* of malloc() */
-    double *work;    /* 4 n + 1: a start, p, pdot */
+    struct json out;  /* of the answer, which is in */
+    char *answer;     /* of malloc() */
+    const char *what; /* is asked */
+    const struct pk_stability_question *question;
+    int good;     /* whether there is an answer */
+    double *work; /* 4 n + 1: a start, p, pdot */
     /* Of the start as an equilibrium, once they are asked for. */
     int has_modes;
     size_t n_modes;
@@ -44,6 +47,11 @@ struct reference {
     double top;       /* largest energy; the same */
     int judges;       /* it lasts, and does not leave */
 };
+
+static inline int stability_cyclic(const struct pk_stability *s, size_t i)
+{
+    return s->problem.system->cyclic && s->problem.system->cyclic[i];
+}
 
 /* Energy, v.p and |v.p| + |L| of a state. */
 void stability_energies(struct pk_stability *s, double t, const double *q, const double *v,
