@@ -77,6 +77,18 @@ void json_count(struct json *j, const char *key, size_t x)
     fprintf(j->file, "%zu", x);
 }
 
+void json_each_real(struct json *j, const struct json_real *each)
+{
+    for (; each->key; each++)
+        json_real(j, each->key, each->x);
+}
+
+void json_each_count(struct json *j, const struct json_count *each)
+{
+    for (; each->key; each++)
+        json_count(j, each->key, each->x);
+}
+
 void json_flag(struct json *j, const char *key, int x) { json_raw(j, key, x ? "true" : "false"); }
 
 void json_numbers(struct json *j, const char *key, const pk_real *x, size_t count)

@@ -76,12 +76,12 @@ void diagnose_action(struct pk_run *run, struct diagnostics *d)
         struct json *j = &d->json;
         const int swings = found.orbit == PK_ORBIT_LIBRATION;
         json_text(j, "orbit", pk_orbit_text(found.orbit));
-        json_real(j, "action", periodic ? found.action : PK_INFINITY);
-        json_real(j, "period", periodic ? found.period : PK_INFINITY);
-        json_real(j, "frequency", periodic ? 2 * PK_PI / found.period : PK_INFINITY);
-        json_real(j, "error", periodic ? found.error : PK_INFINITY);
-        json_real(j, "lo", swings ? found.lo : PK_INFINITY);
-        json_real(j, "hi", swings ? found.hi : PK_INFINITY);
+        json_reals(j, {"action", periodic ? found.action : PK_INFINITY},
+                   {"period", periodic ? found.period : PK_INFINITY},
+                   {"frequency", periodic ? 2 * PK_PI / found.period : PK_INFINITY},
+                   {"error", periodic ? found.error : PK_INFINITY},
+                   {"lo", swings ? found.lo : PK_INFINITY},
+                   {"hi", swings ? found.hi : PK_INFINITY});
         json_count(j, "nodes", found.nodes);
         json_flag(j, "held", !(run->problem.system->facts & PK_AUTONOMOUS));
         json_flag(j, "of_forces", !(run->problem.system->facts & PK_VARIATIONAL));

@@ -72,9 +72,7 @@ static void write(struct diagnostics *d, const struct pk_least_action *found, co
     const size_t m = found->n * found->modes, index = index_of(found, lambda);
     const size_t points = found->n_conjugate;
     struct json *j = &d->json;
-    json_real(j, "action", found->action);
-    json_real(j, "time", found->time);
-    json_real(j, "slope", found->slope);
+    json_reals(j, {"action", found->action}, {"time", found->time}, {"slope", found->slope});
     json_flag(j, "minimum", !index);
     json_count(j, "index", index);
     json_flag(j, "settled", index == index_of_half);
@@ -82,8 +80,8 @@ static void write(struct diagnostics *d, const struct pk_least_action *found, co
     json_numbers(j, "curvatures", lambda, m < SHOWN ? m : SHOWN);
     json_numbers(j, "conjugate", found->conjugate,
                  points < PK_CONJUGATE_MOST ? points : PK_CONJUGATE_MOST);
-    json_real(j, "neighbour", neighbour(found, lowest, m));
-    json_real(j, "expected", AMPLITUDE * AMPLITUDE * lambda[0] / 2);
+    json_reals(j, {"neighbour", neighbour(found, lowest, m)},
+               {"expected", AMPLITUDE * AMPLITUDE * lambda[0] / 2});
 }
 
 void diagnose_least_action(struct pk_run *run, struct diagnostics *d)

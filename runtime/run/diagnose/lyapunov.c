@@ -91,10 +91,8 @@ void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
             d->exponent = (double)exponent;
         const int leaving = motion == PK_CHAOTIC && (excursion_leaves(&excursion, s) ||
                                                      !can_be_chaotic(run->problem.system));
-        json_real(&d->json, "exponent", exponent);
-        json_real(&d->json, "error", error);
-        json_real(&d->json, "megno", pk_lyapunov_megno(&l));
-        json_real(&d->json, "time", l.it.t);
+        json_reals(&d->json, {"exponent", exponent}, {"error", error},
+                   {"megno", pk_lyapunov_megno(&l)}, {"time", l.it.t});
         json_text(&d->json, "motion", leaving ? "leaving" : motions[motion]);
     }
     pk_lyapunov_free(&l);

@@ -229,8 +229,7 @@ static void write_modes(struct modes *m, struct diagnostics *d)
         json_close(j, '}');
     }
     json_close(j, ']');
-    json_count(j, "modes", n);
-    json_count(j, "left_out", n - shown);
+    json_counts(j, {"modes", n}, {"left_out", n - shown});
     json_open(j, "rows", '[');
     for (size_t k = 0; k < rows; k++) {
         const double *x = diagnose_row(d, k, rows);

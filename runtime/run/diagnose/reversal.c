@@ -26,9 +26,9 @@ void diagnose_reversal(struct pk_run *run, struct diagnostics *d)
         json_real(j, "threshold", r.threshold);
         json_flag(j, "symmetric", (s->method->traits & PK_SYMMETRIC) != 0);
         json_flag(j, "lost", r.passed);
-        json_real(j, "horizon_lo", r.horizon_lo);
-        json_real(j, "horizon_hi", r.passed ? r.horizon_hi : PK_INFINITY);
-        json_real(j, "predicted", d->exponent > 0 ? digits / (pk_real)d->exponent : PK_INFINITY);
+        json_reals(j, {"horizon_lo", r.horizon_lo},
+                   {"horizon_hi", r.passed ? r.horizon_hi : PK_INFINITY},
+                   {"predicted", d->exponent > 0 ? digits / (pk_real)d->exponent : PK_INFINITY});
         json_open(j, "times", '[');
         for (size_t i = 0; i < r.count; i++)
             json_numbers(j, NULL, (const pk_real[]){r.at[i].t, r.at[i].error}, 2);

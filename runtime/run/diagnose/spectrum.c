@@ -23,18 +23,14 @@ static void spectrum_lines(struct pk_run *run, struct diagnostics *d, const stru
                    i < n ? i : i - n, name, sizeof name);
     json_open(j, NULL, '{');
     json_text(j, "name", name);
-    json_real(j, "mean", s->mean);
-    json_real(j, "rate", s->rate);
-    json_real(j, "residual", s->residual);
-    json_real(j, "away", size > 0 ? away / size : 0);
-    json_real(j, "drifts", size > 0 ? fabs(s->rate) * dt * (double)count / size : 0);
+    json_reals(j, {"mean", s->mean}, {"rate", s->rate}, {"residual", s->residual},
+               {"away", size > 0 ? away / size : 0},
+               {"drifts", size > 0 ? fabs(s->rate) * dt * (double)count / size : 0});
     json_open(j, "lines", '[');
     for (size_t k = 0; k < s->count; k++) {
         json_open(j, NULL, '{');
-        json_real(j, "frequency", s->lines[k].frequency);
-        json_real(j, "error", s->lines[k].error);
-        json_real(j, "amplitude", s->lines[k].amplitude);
-        json_real(j, "phase", s->lines[k].phase);
+        json_reals(j, {"frequency", s->lines[k].frequency}, {"error", s->lines[k].error},
+                   {"amplitude", s->lines[k].amplitude}, {"phase", s->lines[k].phase});
         json_close(j, '}');
     }
     json_close(j, ']');
@@ -83,9 +79,8 @@ void diagnose_spectrum(struct pk_run *run, struct diagnostics *d)
     if (diagnose_told(d, status, NULL, NULL)) {
         struct json *j = &d->json;
         json_count(j, "rows", count);
-        json_real(j, "interval", dt);
-        json_real(j, "nyquist", found[0].nyquist);
-        json_real(j, "resolution", found[0].resolution);
+        json_reals(j, {"interval", dt}, {"nyquist", found[0].nyquist},
+                   {"resolution", found[0].resolution});
         json_open(j, "coordinates", '[');
         for (size_t i = 0; i < n; i++)
             spectrum_lines(run, d, &found[i], column(i, n, seen), count, dt);

@@ -43,13 +43,9 @@ void diagnose_symplectic(struct pk_run *run, struct diagnostics *d)
                      : "steps of this method have no length of their own: take one of fixed steps";
     if (diagnose_told(d, made ? PK_DONE : last, reason, NULL)) {
         struct json *j = &d->json;
-        json_real(j, "defect", most.defect);
-        json_real(j, "volume", most.volume);
-        json_real(j, "rounding", most.rounding);
-        json_real(j, "step", most.h);
-        json_real(j, "t", t);
-        json_count(j, "states", made);
-        json_count(j, "failed", states - made);
+        json_reals(j, {"defect", most.defect}, {"volume", most.volume}, {"rounding", most.rounding},
+                   {"step", most.h}, {"t", t});
+        json_counts(j, {"states", made}, {"failed", states - made});
         json_flag(j, "symplectic", most.defect <= most.rounding);
         json_flag(j, "variational", (system->facts & PK_VARIATIONAL) != 0);
     }

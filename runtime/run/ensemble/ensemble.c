@@ -81,11 +81,9 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
     json_text(j, "model", b->system->name);
     json_text(j, "source_hash", b->system->source_hash);
     json_text(j, "method", s->method->name);
-    json_real(j, "order", s->method->order);
-    json_real(j, "step", member_fixed(s) ? s->options.h : PK_INFINITY);
-    json_count(j, "members", s->asked.members);
-    json_count(j, "done", tally->done);
-    json_count(j, "failed", tally->failed);
+    json_reals(j, {"order", s->method->order},
+               {"step", member_fixed(s) ? s->options.h : PK_INFINITY});
+    json_counts(j, {"members", s->asked.members}, {"done", tally->done}, {"failed", tally->failed});
     if (tally->failed) {
         json_open(j, "first_failed", '{');
         json_real(j, "member", (pk_real)member_number(s, tally->first_failed));
@@ -103,8 +101,7 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
     expect_report(run, j);
     json_flag(j, "interrupted", run->interrupted);
     json_flag(j, "whole", rows_whole(run));
-    json_count(j, "rows", run->rows);
-    json_count(j, "threads", b->threads);
+    json_counts(j, {"rows", run->rows}, {"threads", b->threads});
     json_real(j, "seconds", (pk_real)run->seconds);
     diagnose_report(run, j);
     json_close(j, '}');

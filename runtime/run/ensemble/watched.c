@@ -154,9 +154,8 @@ static void report_kind(const struct tally *tally, const struct settings *s, str
     for (size_t k = from; k < from + count; k++) {
         json_open(j, NULL, '{');
         json_text(j, "name", watch_name(s->system, k));
-        json_count(j, "count", tally->crossings[k]);
-        json_count(j, "never", tally->never[k]);
-        json_count(j, "doubts", tally->doubts[k]);
+        json_counts(j, {"count", tally->crossings[k]}, {"never", tally->never[k]},
+                    {"doubts", tally->doubts[k]});
         if (k < s->system->events.n)
             json_flag(j, "stop", s->system->events.table[k].stop);
         if (k < s->system->events.n && tally->first)

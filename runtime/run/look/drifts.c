@@ -26,14 +26,11 @@ void report_drift(struct json *j, const char *key, const char *name, const struc
     const int far = growth == PK_GROWTH_BOUNDED && pk_drift_max(drift) > LARGE;
     json_open(j, key, '{');
     json_text(j, "name", name);
-    json_real(j, "max", pk_drift_max(drift));
-    json_real(j, "final", pk_drift_final(drift));
-    json_real(j, "slope", pk_drift_slope(drift));
+    json_reals(j, {"max", pk_drift_max(drift)}, {"final", pk_drift_final(drift)},
+               {"slope", pk_drift_slope(drift)});
     /* What the three are relative to: where it is round-off, so is the drift. */
-    json_real(j, "scale", drift->scale);
-    json_real(j, "first", drift->first);
-    json_real(j, "exponent", exponent);
-    json_real(j, "spread", spread);
+    json_reals(j, {"scale", drift->scale}, {"first", drift->first}, {"exponent", exponent},
+               {"spread", spread});
     json_text(j, "growth", far ? "off by more than a tenth" : pk_growth_text(growth));
     json_close(j, '}');
 }

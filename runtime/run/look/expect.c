@@ -170,21 +170,17 @@ void expect_report(const struct pk_run *run, struct json *j)
     for (size_t i = 0; i < s->asked.n_expected; i++) {
         const struct expected *x = &s->expected[i];
         json_open(j, NULL, '{');
-        json_count(j, "count", x->count);
-        json_count(j, "missed", x->missed);
-        json_real(j, "member", (pk_real)member_number(s, x->member));
-        json_real(j, "value", x->value);
-        json_real(j, "bound", x->bound);
-        json_real(j, "within", x->allowed);
-        json_real(j, "t", x->t);
+        json_counts(j, {"count", x->count}, {"missed", x->missed});
+        json_reals(j, {"member", (pk_real)member_number(s, x->member)}, {"value", x->value},
+                   {"bound", x->bound}, {"within", x->allowed}, {"t", x->t});
         json_close(j, '}');
     }
     json_close(j, ']');
     json_open(j, "expect_drifts", '[');
     for (size_t i = 0; i < s->asked.n_drifts; i++) {
         json_open(j, NULL, '{');
-        json_real(j, "member", (pk_real)member_number(s, s->drifting[i].member));
-        json_real(j, "max", s->drifting[i].max);
+        json_reals(j, {"member", (pk_real)member_number(s, s->drifting[i].member)},
+                   {"max", s->drifting[i].max});
         json_close(j, '}');
     }
     json_close(j, ']');

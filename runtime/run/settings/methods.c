@@ -88,9 +88,7 @@ const char *pk_run_methods(void)
     for (size_t i = 0; (m = run_method_at(i)) != NULL; i++) {
         json_open(j, NULL, '{');
         json_text(j, "name", m->name);
-        json_real(j, "order", m->order);
-        json_real(j, "stages", m->stages);
-        json_real(j, "dense_order", m->dense_order);
+        json_reals(j, {"order", m->order}, {"stages", m->stages}, {"dense_order", m->dense_order});
         flags(j, "flags", m->traits, traits, sizeof traits / sizeof *traits);
         flags(j, "requires", m->needs, facts, sizeof facts / sizeof *facts);
         limits(j, m);

@@ -46,8 +46,7 @@ static void print_modes(struct pk_stability *s, const struct modes *modes)
     json_open(j, "modes", '[');
     for (size_t m = 0; m < modes->count; m++) {
         json_open(j, NULL, '{');
-        json_real(j, "growth", modes->list[m].growth);
-        json_real(j, "frequency", modes->list[m].frequency);
+        json_reals(j, {"growth", modes->list[m].growth}, {"frequency", modes->list[m].frequency});
         json_numbers(j, "re", modes->shapes + m * 2 * n, n);
         json_numbers(j, "im", modes->shapes + m * 2 * n + n, n);
         json_close(j, '}');
@@ -96,8 +95,7 @@ int stability_equilibria(struct pk_stability *s, const struct pk_stability_quest
     for (size_t i = 0; i < n; i++)
         s->work[i] = found.turns[i];
     json_text(&s->out, "status", pk_status_name(status));
-    json_count(&s->out, "failed", found.failed);
-    json_count(&s->out, "singular", found.singular);
+    json_counts(&s->out, {"failed", found.failed}, {"singular", found.singular});
     json_flag(&s->out, "more", found.more);
     json_numbers(&s->out, "turns", s->work, n);
     print(s, &found, &modes, &beside);

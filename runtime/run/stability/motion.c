@@ -124,9 +124,7 @@ static int print(struct pk_stability *s, double scale)
     struct json *j = &s->out;
     json_text(j, "motion", s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE");
     json_flag(j, "leaves", s->leaves);
-    json_real(j, "t", last->t);
-    json_real(j, "energy", first->energy);
-    json_real(j, "scale", scale);
+    json_reals(j, {"t", last->t}, {"energy", first->energy}, {"scale", scale});
     json_numbers(j, "q", s->settings->q, s->n);
     json_numbers(j, "v", s->settings->v, s->n);
     json_parameters(j, s->problem.system, s->problem.params);

@@ -179,8 +179,7 @@ int stability_near(struct pk_stability *s, const struct pk_stability_question *x
     json_real(&s->out, "h", h);
     json_text(&s->out, "status", pk_status_name(status));
     json_count(&s->out, "steps", turning.steps);
-    json_real(&s->out, "growth", grown);
-    json_real(&s->out, "turn", mean_turn(&turning));
+    json_reals(&s->out, {"growth", grown}, {"turn", mean_turn(&turning)});
     stability_end(s, it);
     memory_drop(&s->run->memory, weights);
     return 1;

@@ -31,8 +31,7 @@ int stability_oscillator(struct pk_stability *s, const struct pk_stability_quest
     json_text(&s->out, "oscillator", method->name);
     json_real(&s->out, "y", y);
     json_text(&s->out, "status", pk_status_name(status));
-    json_real(&s->out, "growth", pk_map_growth(map));
-    json_real(&s->out, "turn", rotation(map));
-    json_real(&s->out, "trace", map[0] + map[3]);
+    json_reals(&s->out, {"growth", pk_map_growth(map)}, {"turn", rotation(map)},
+               {"trace", map[0] + map[3]});
     return 1;
 }

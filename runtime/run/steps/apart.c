@@ -186,9 +186,8 @@ void apart_report(const struct pk_run *run, struct json *j)
             json_real(j, "rtol", c->options.rtol);
         else
             json_real(j, "step", c->options.h);
-        json_count(j, "steps", part->it.count.steps);
-        json_count(j, "rejections", part->it.count.rejections);
-        json_count(j, "evaluations", part->it.count.evaluations);
+        json_counts(j, {"steps", part->it.count.steps}, {"rejections", part->it.count.rejections},
+                    {"evaluations", part->it.count.evaluations});
         json_close(j, '}');
     }
     json_close(j, ']');

@@ -8,8 +8,7 @@ static void report_motion(struct json *j, const struct pk_run *run)
     const struct pk_integrator *it = &run->it;
     /* Of a large system the last row has them. */
     const int listed = it->n <= MOST_LISTED;
-    json_real(j, "t", it->t);
-    json_real(j, "last_valid", trust_last_valid(run));
+    json_reals(j, {"t", it->t}, {"last_valid", trust_last_valid(run)});
     json_numbers(j, "q", it->q, listed ? it->n - run->problem.system->n_first_order : 0);
     json_numbers(j, "v", it->v, listed ? it->n : 0);
     if (it->z)
@@ -27,16 +26,11 @@ static void report_work(struct json *j, const struct pk_run *run)
     json_real(j, "step_max", run->h_max);
     json_real(j, "rtol", s->options.rtol);
     json_real(j, "atol", s->options.atol < 0 ? PK_INFINITY : s->options.atol); /* of the motion */
-    json_count(j, "rows", run->rows);
-    json_count(j, "steps", c->steps);
-    json_count(j, "rejections", c->rejections);
-    json_count(j, "evaluations", c->evaluations);
-    json_count(j, "jacobians", c->jacobians);
-    json_count(j, "factorisations", c->factorisations);
-    json_count(j, "iterations", c->iterations);
-    json_count(j, "held", c->held);
-    json_real(j, "seconds", (pk_real)run->seconds);
-    json_real(j, "processor", (pk_real)run->processor);
+    json_counts(j, {"rows", run->rows}, {"steps", c->steps}, {"rejections", c->rejections},
+                {"evaluations", c->evaluations}, {"jacobians", c->jacobians},
+                {"factorisations", c->factorisations}, {"iterations", c->iterations},
+                {"held", c->held});
+    json_reals(j, {"seconds", (pk_real)run->seconds}, {"processor", (pk_real)run->processor});
     json_flag(j, "begun", run->begun);
     json_flag(j, "slow", run->control.slow);
 }
