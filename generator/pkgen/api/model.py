@@ -174,7 +174,8 @@ class Model:
         Raises UsageError for what cannot be asked, RunError where the numerics fail (its `result`
         has the rows up to the last valid time), and KeyboardInterrupt.
         """
-        return self._run(self._options(**_given(locals())))
+        given = locals()
+        return self._run(self._options(**{k: given[k] for k in given if k != "self"}))
 
     def ensemble(
         self, table: Any, until: Value | None = None, *, threads: int | None = None, **more: Any
@@ -212,16 +213,9 @@ class Model:
         done, told = _simulated(prepared)
         expects = []
         if prepared.scene is not None and told.report:
-            expects = [
-                v.record()
-                for v in scene_run.verdicts(
-                    prepared.compilation,
-                    prepared.scene,
-                    prepared.settings,
-                    told.report,
-                    prepared.ensemble,
-                )
-            ]
+            of = prepared.compilation, prepared.scene, prepared.settings
+            found = scene_run.verdicts(*of, told.report, prepared.ensemble)
+            expects = [verdict.record() for verdict in found]
         shown = columns(prepared.compilation, prepared.ensemble, prepared.settings.show, 10**9)
         notes = "".join(f"{note}\n" for note in prepared.notes)
         result = Result(self.name, shown, done.rows(), told.report, notes + told.messages, expects)
@@ -317,10 +311,6 @@ class Model:
 
 def _text(value: Value) -> str:
     return value if isinstance(value, str) else repr(float(value))
-
-
-def _given(arguments: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in arguments.items() if name != "self"}
 
 
 def _simulated(prepared: Prepared) -> tuple[Run, Outcome]:

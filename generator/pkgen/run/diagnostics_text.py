@@ -54,6 +54,10 @@ def _few(numbers: list[str], unit: str) -> str:
     return f"{', '.join(numbers[:4])}{unit}{more}"
 
 
+def _in(time: str) -> str:
+    return f" {time}" if time else ""
+
+
 def _per(time: str) -> str:
     return f" /{time}" if time else ""
 
@@ -80,17 +84,16 @@ def _lyapunov(found: dict, time: str) -> list[str]:
 
 
 def _reversal(found: dict, time: str) -> list[str]:
-    unit = f" {time}" if time else ""
     at, error = max(found["times"])
     if found["lost"]:
         said = (
             f"reversal: there and back, the start is lost to {found['threshold']:g} between "
-            f"{found['horizon_lo']:.4g} and {found['horizon_hi']:.4g}{unit}"
+            f"{found['horizon_lo']:.4g} and {found['horizon_hi']:.4g}{_in(time)}"
         )
     else:
-        said = f"reversal: there and back over {at:.4g}{unit} misses the start by {error:.1e}"
+        said = f"reversal: there and back over {at:.4g}{_in(time)} misses the start by {error:.1e}"
     if found["predicted"] is not None:
-        said += f"; round-off alone would lose it near {found['predicted']:.4g}{unit}"
+        said += f"; round-off alone would lose it near {found['predicted']:.4g}{_in(time)}"
     if not found["symmetric"]:
         said += "; the method is not symmetric, so the error is its own too"
     return [said]
@@ -138,7 +141,7 @@ def _symplectic(found: dict, time: str) -> list[str]:
 
 def _least_action(found: dict, time: str) -> list[str]:
     said = f"least_action: {found['action']:.12g} over {found['time']:.6g}"
-    said += f"{f' {time}' if time else ''}, stationary to {found['slope']:.0e}; "
+    said += f"{_in(time)}, stationary to {found['slope']:.0e}; "
     points = ", ".join(f"{t:.10g}" for t in found["conjugate"][:4])
     points += ", ..." if found["conjugate"][4:] else ""
     if found["minimum"]:
@@ -158,11 +161,10 @@ def _least_action(found: dict, time: str) -> list[str]:
 def _action(found: dict, time: str) -> list[str]:
     if found["action"] is None:
         return [f"action: {found['orbit']}"]
-    unit = f" {time}" if time else ""
     said = f"action: {found['orbit']}"
     if found["lo"] is not None:
         said += f" between {found['lo']:.10g} and {found['hi']:.10g}"
-    said += f": J = {found['action']:.12g}, period {found['period']:.12g}{unit}"
+    said += f": J = {found['action']:.12g}, period {found['period']:.12g}{_in(time)}"
     said += f" (relative error {found['error']:.0e})"
     said += ", with t and any inputs held at the start" if found["held"] else ""
     lines = [said]
@@ -214,9 +216,8 @@ def _lrl(found: dict, time: str) -> list[str]:
         ]
     turned = f"lrl: it has turned by {found['turned']:.6g}, {found['rate']:.6g}{_per(time)}"
     if found["per_period"] is not None:
-        unit = f" {time}" if time else ""
         turned += (
-            f"; from pericentre to pericentre, {found['period']:.10g}{unit}, "
+            f"; from pericentre to pericentre, {found['period']:.10g}{_in(time)}, "
             f"by {found['per_period']:.8g}"
         )
     return [*lines, turned]
@@ -249,15 +250,14 @@ def _modes(found: dict, time: str) -> list[str]:
 
 
 def _area(found: dict, time: str) -> list[str]:
-    unit = f" {time}" if time else ""
     rows, until = found["rows"], found["resolved_until"]
     said = f"area: {rows[0][1]:.12g} within {found['members']} members at the start; "
     if found["ends"] is None:
         said += "resolved to the end"
     elif until == rows[-1][0]:
-        said += f"resolved until t = {until:.6g}{unit}, as far as all members come"
+        said += f"resolved until t = {until:.6g}{_in(time)}, as far as all members come"
     else:
-        said += f"resolved until t = {until:.6g}{unit}, later {found['ends']}"
+        said += f"resolved until t = {until:.6g}{_in(time)}, later {found['ends']}"
     if not found["conserved"]:
         said += "; with states, or forces besides those of L, it need not be conserved"
     if found["drift"] is None:

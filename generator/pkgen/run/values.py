@@ -120,15 +120,12 @@ class Values:
             if (name, side.order) in report.starts:
                 index, quantity = parameters[report.starts[name, side.order]]
                 of_parameters[index] = self.value("--start", value, quantity.unit, left)
-            elif name in self.coordinates:
-                index, quantity = (self.rates if side.order else self.coordinates)[
-                    name + "'" * side.order
-                ]
+            elif name in self.coordinates or name in self.rates:  # which a state is
+                order = side.order or int(name not in self.coordinates)
+                among = self.rates if order else self.coordinates
+                index, quantity = among[name + "'" * side.order]
                 number = self.value("--start", value, quantity.unit, left)
-                found.append(_Start(side.order, index, number))
-            elif name in self.rates:  # a state
-                index, quantity = self.rates[name]
-                found.append(_Start(1, index, self.value("--start", value, quantity.unit, left)))
+                found.append(_Start(order, index, number))
             elif name in (numbers := self._numbers_of_rotations()):
                 each = ", ".join(numbers[name])
                 raise UsageError(f"--start {left}: one number an option, of {each}")
@@ -142,10 +139,10 @@ class Values:
 
     def _numbers_of_rotations(self) -> dict[str, tuple[str, ...]]:
         """What a rotation and its body rates are started by."""
-        found = {}
-        for r in self.compilation.declared.rotations:
-            found |= {r.name: r.quaternion, f"omega({r.name})": r.rates}
-        return found
+        rotations = self.compilation.declared.rotations
+        return {r.name: r.quaternion for r in rotations} | {
+            f"omega({r.name})": r.rates for r in rotations
+        }
 
     def by_key(
         self, parameters: named.Named, values: dict[int, float]

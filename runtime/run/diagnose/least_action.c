@@ -12,34 +12,24 @@ enum { MODES = 24, MOST = 400, PANELS = 32, MOST_PANELS = 4096, SHOWN = 8 };
 static const double SETTLED = 1e-12;  /* of the action, from panels to twice as many */
 static const double AMPLITUDE = 1e-3; /* of a neighbour, in the length in which B is 1 */
 
-struct stage {
-    struct pk_least_action *found;
-    void *block;
-    enum pk_status status;
-};
-
-static void renew(struct stage *x, struct pk_run *run, size_t panels, size_t modes)
+/* With panels, each at most half a wave of the shortest mode, until the action has settled. */
+static enum pk_status integrate(struct pk_least_action *found, struct pk_run *run, size_t modes)
 {
     const struct settings *s = &run->settings;
-    const size_t size = pk_least_action_size(&run->problem, s->method, panels, modes);
-    x->block = memory_take(&run->memory, size ? size : 1, 1);
-    pk_least_action_free(x->found);
-    x->status = pk_least_action_find(x->found, &run->problem, s->method, &s->options, 0, s->q, s->v,
-                                     run->it.t, panels, modes, x->block, size);
-}
-
-/* With panels, each at most half a wave of the shortest mode, until the action has settled. */
-static void integrate(struct stage *x, struct pk_run *run, size_t modes)
-{
     const size_t least = modes > PANELS ? modes : PANELS;
-    double before = 0;
-    for (size_t panels = least; panels <= MOST_PANELS; panels *= 2) {
-        renew(x, run, panels, modes);
-        const double change = fabs(x->found->action - before);
-        before = x->found->action;
-        if (x->status < 0 || (panels > least && change <= SETTLED * x->found->size))
-            return;
+    enum pk_status status = PK_DONE;
+    double before = 0, change = HUGE_VAL;
+    for (size_t panels = least;
+         status >= 0 && panels <= MOST_PANELS && !(change <= SETTLED * found->size); panels *= 2) {
+        const size_t size = pk_least_action_size(&run->problem, s->method, panels, modes);
+        void *block = memory_take(&run->memory, size, 1);
+        pk_least_action_free(found);
+        status = pk_least_action_find(found, &run->problem, s->method, &s->options, 0, s->q, s->v,
+                                      run->it.t, panels, modes, block, size);
+        change = panels > least ? fabs(found->action - before) : HUGE_VAL;
+        before = found->action;
     }
+    return status;
 }
 
 static size_t negative(const double *lambda, size_t count)
@@ -90,7 +80,7 @@ void diagnose_least_action(struct pk_run *run, struct diagnostics *d)
     const size_t n = run->settings.n;
     size_t modes = MODES * n <= MOST ? MODES : MOST / n;
     struct pk_least_action found = {0};
-    struct stage x = {&found, NULL, PK_REFUSED};
+    enum pk_status status = PK_REFUSED;
     const char *why = diagnose_not_free(system);
     if (!why && system->n_first_order)
         why = "the model has states, whose rates follow from no action";
@@ -104,18 +94,18 @@ void diagnose_least_action(struct pk_run *run, struct diagnostics *d)
     size_t half = 0;
     for (int more = !why; more;) {
         const size_t m = n * modes;
-        integrate(&x, run, modes);
+        status = integrate(&found, run, modes);
         lambda = memory_take(&run->memory, 2 * m, sizeof *lambda);
-        if (x.status >= 0)
-            x.status = pk_gsl_least_action(&found, modes / 2, lambda, NULL);
-        half = x.status < 0 ? 0 : negative(lambda, n * (modes / 2));
-        if (x.status >= 0)
-            x.status = pk_gsl_least_action(&found, modes, lambda, lambda + m);
+        if (status >= 0)
+            status = pk_gsl_least_action(&found, modes / 2, lambda, NULL);
+        half = status < 0 ? 0 : negative(lambda, n * (modes / 2));
+        if (status >= 0)
+            status = pk_gsl_least_action(&found, modes, lambda, lambda + m);
         /* So few may not show all ways yet. */
-        more = x.status >= 0 && half < index_of(&found, lambda) && 2 * m <= MOST;
+        more = status >= 0 && half < index_of(&found, lambda) && 2 * m <= MOST;
         modes *= more ? 2 : 1;
     }
-    if (diagnose_told(d, x.status, why, &found.it))
+    if (diagnose_told(d, status, why, &found.it))
         write(d, &found, lambda, lambda + n * modes, half);
     pk_least_action_free(&found);
 }

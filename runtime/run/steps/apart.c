@@ -143,10 +143,9 @@ void apart_integrate(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     struct pk_apart *a = &run->apart;
-    struct moment now = run_moment(run);
     watch_parts(run);
-    observe_row(run, &now);
-    observe_step(run, &now);
+    observe_row(run, run_moment(run));
+    observe_step(run, run_moment(run));
     for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
         const pk_real t = run_row_time(run, k, run->count);
         while (a->t < t) {
@@ -155,11 +154,11 @@ void apart_integrate(struct pk_run *run)
             if (a->status != PK_DONE)
                 return;
             scale(run);
-            now = run_moment(run);
-            observe_step(run, &now);
+            observe_step(run, run_moment(run));
         }
+        struct moment now = run_moment(run);
         now.t = t;
-        observe_row(run, &now);
+        observe_row(run, now);
         run->interrupted = run_stopped(run, (double)(t / s->until));
     }
     observe_end(run);

@@ -2,25 +2,28 @@
 
 #include "steps.h"
 
+static struct moment moment_of(const struct pk_events *e)
+{
+    return (struct moment){e->t, e->q, e->v, e->z};
+}
+
 /* The step is about to be ended here, and with it its dense output. */
 static void switched(void *context, const struct pk_events *events)
 {
     struct pk_run *run = context;
-    const struct moment at = {events->t, events->q, events->v, events->z};
-    observe_crossing(run, run->problem.system->events.n + events->which, &at);
+    observe_crossing(run, run->problem.system->events.n + events->which, moment_of(events));
     run_due(run, events->t);
 }
 
 static int found(void *context, const struct pk_events *events)
 {
     struct pk_run *run = context;
-    const struct moment at = {events->t, events->q, events->v, events->z};
-    observe_crossing(run, events->which, &at);
+    observe_crossing(run, events->which, moment_of(events));
     if (!run_due(run, events->t))
         return 1;
     if (run->settings.asked.at == events->which + 1) {
         run->at_event = 1;
-        observe_row(run, &at);
+        observe_row(run, moment_of(events));
         run->at_event = 0;
     }
     return run->write_failed;

@@ -26,8 +26,7 @@ pk_real run_step(pk_real interval, pk_real h)
 
 struct moment run_moment(const struct pk_run *run)
 {
-    const struct moment now = {run->it.t, run->it.q, run->it.v, run->it.z};
-    return now;
+    return (struct moment){run->it.t, run->it.q, run->it.v, run->it.z};
 }
 
 /* The motion at t within the last step; q is NULL where that fails. */
@@ -64,8 +63,7 @@ static struct moment at(struct pk_run *run, pk_real t)
     if (pk_integrator_aside(it, &run->aside, t) < 0)
         return none;
     it->status = status;
-    const struct moment found = {t, run->aside.q, run->aside.v, run->aside.z};
-    return found;
+    return (struct moment){t, run->aside.q, run->aside.v, run->aside.z};
 }
 
 pk_real run_row_time(const struct pk_run *run, pk_real k, pk_real count)
@@ -104,7 +102,7 @@ int run_due(struct pk_run *run, pk_real end)
         const struct moment state = at(run, t);
         if (!state.q)
             return 0;
-        observe_row(run, &state);
+        observe_row(run, state);
     }
     if (run->expecting < from)
         run->expecting = from;

@@ -14,18 +14,6 @@ static enum pk_status many(struct pk_run *run, pk_real end)
                                end > next && whole < (pk_real)most ? (unsigned long)whole : most);
 }
 
-static void step_ended(struct pk_run *run)
-{
-    const struct moment now = run_moment(run);
-    observe_step(run, &now);
-}
-
-static void row_now(struct pk_run *run)
-{
-    const struct moment now = run_moment(run);
-    observe_row(run, &now);
-}
-
 static int step(struct pk_run *run)
 {
     struct pk_integrator *it = &run->it;
@@ -40,7 +28,7 @@ static int step(struct pk_run *run)
     if (h > run->h_max)
         run->h_max = h;
     if (!fused || !(it->t < end))
-        step_ended(run);
+        observe_step(run, run_moment(run));
     const struct control *control = run->settings.control;
     if (fused || control->often < 2 || it->count.steps % control->often == 0 || control->stop)
         run->interrupted = run_stopped(run, (double)(it->t / run->settings.until));
@@ -54,12 +42,12 @@ void run_integrate(struct pk_run *run)
     const int by_time = s->has_every || (!s->asked.bare && !s->asked.at),
               each = by_time && !(s->every > 0);
     if (by_time && (s->has_every || !s->asked.members)) /* of a member the final state alone */
-        row_now(run);
-    step_ended(run);
+        observe_row(run, run_moment(run));
+    observe_step(run, run_moment(run));
     while (it->t < s->until && step(run) && run_due(run, it->t))
         if (each)
-            row_now(run);
+            observe_row(run, run_moment(run));
     if (by_time && it->status == PK_STOPPED_EVENT && run->last_row < it->t)
-        row_now(run);
+        observe_row(run, run_moment(run));
     observe_end(run);
 }

@@ -37,9 +37,9 @@ pk_real run_row_time(const struct pk_run *run, pk_real k, pk_real count);
 
 /* Of observe.c: each observer is told, in the order of the table there. */
 void observe_begin(struct pk_run *run);
-void observe_step(struct pk_run *run, const struct moment *at);
-void observe_crossing(struct pk_run *run, size_t event, const struct moment *at);
-void observe_row(struct pk_run *run, const struct moment *at);
+void observe_step(struct pk_run *run, struct moment at);
+void observe_crossing(struct pk_run *run, size_t event, struct moment at);
+void observe_row(struct pk_run *run, struct moment at);
 void observe_end(struct pk_run *run);
 void observe_report(const struct pk_run *run, struct json *j);
 
