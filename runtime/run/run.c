@@ -42,12 +42,7 @@ static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
     }
     if (trust_warning(run, reason, sizeof reason))
         run_say(run, "warning: %s", reason);
-    if (run->not_finite) {
-        run_say(run, "%s is not finite in %lu of %lu rows, first at t = %.17g", run->not_finite,
-                run->bad_rows, run->rows, run->bad_t);
-        code = code ? code : PK_RUN_FAILED;
-    }
-    code = run->write_failed ? PK_RUN_USAGE : code;
+    code = rows_told(run, code);
     if (run->interrupted && !run->control.slow) {
         run_say(run, "interrupted at t = %.17g", (double)run->it.t);
         code = PK_RUN_INTERRUPTED;
@@ -140,28 +135,25 @@ size_t pk_run_rows(const struct pk_run *run, const double **rows, const double *
     return run->n_kept;
 }
 
-const char *pk_run_report(struct pk_run *run)
+/* What is written when it is first asked for. */
+static const char *once(struct pk_run *run, char **text,
+                        void (*write)(struct pk_run *run, FILE *file))
 {
     size_t size;
-    const int known = run->report || !run->it.method; /* an ensemble has its own */
-    FILE *file = known ? NULL : open_memstream(&run->report, &size);
+    FILE *file = *text ? NULL : open_memstream(text, &size);
     if (file) {
-        report_run(run, file);
+        write(run, file);
         fclose(file);
     }
-    return run->report ? run->report : "{}";
+    return *text ? *text : "{}";
 }
 
-const char *pk_run_given(struct pk_run *run)
+const char *pk_run_report(struct pk_run *run) /* an ensemble has its own, and no integrator */
 {
-    size_t size;
-    FILE *file = run->told ? NULL : open_memstream(&run->told, &size);
-    if (file) {
-        settings_tell(&run->settings, file);
-        fclose(file);
-    }
-    return run->told ? run->told : "{}";
+    return run->report || run->it.method ? once(run, &run->report, report_run) : "{}";
 }
+
+const char *pk_run_given(struct pk_run *run) { return once(run, &run->told, settings_tell); }
 
 const char *pk_run_messages(const struct pk_run *run)
 {

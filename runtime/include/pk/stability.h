@@ -5,11 +5,11 @@
  *     start        where and with which parameters the motion begins
  *     motion       the motion itself over `until`, by dop853 at rtol 1e-10
  *     point        what becomes of that motion by `method` at `h` (after `motion`)
- *     near         `count` steps of a method from close to the start, an equilibrium, along `mode`
- * or all (-1) at `amplitude`; with mode `other` (-1: none) begun at `seed` leave        how fast
- * `mode` leaves the start, by dop853 at rtol 1e-13 oscillator   what a step of a method makes of
- * q'' = -stiffness q - damping q', h > 0
+ *     near         `count` steps of a method from close to the start, an equilibrium
+ *     leave        how fast `mode` leaves the start, by dop853 at rtol 1e-13
+ *     oscillator   what a step of a method makes of q'' = -stiffness q - damping q', h > 0
  *
+ * `near` begins along `mode` or all (-1) at `amplitude`, with mode `other` (-1: none) at `seed`.
  * Modes are counted from 0, as `equilibria` gives them. `equilibria`, `near` and `leave` need GSL.
  */
 #ifndef PK_STABILITY_H

@@ -137,12 +137,7 @@ static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const 
                 "members, first member %ld: make the step shorter (--step)",
                 (double)TRUST_WRONG, tally->astray, run->settings.asked.members,
                 member_number(&run->settings, tally->first_astray));
-    if (run->not_finite) {
-        run_say(run, "%s is not finite in %lu of %lu rows, first at t = %.17g", run->not_finite,
-                run->bad_rows, run->rows, run->bad_t);
-        code = PK_RUN_FAILED;
-    }
-    code = run->write_failed ? PK_RUN_USAGE : code;
+    code = rows_told(run, code);
     if (!run->control.stop)
         code = area_find(run, code, ended(&run->settings, tally));
     run->interrupted = run->control.stop;

@@ -31,6 +31,8 @@ pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
                    const struct moment *at, const pk_real *out);
 /* All are written; the code with what there is to say. */
 enum pk_run_code rows_end(struct pk_run *run, enum pk_run_code code);
+/* Says what in them was not finite; the code with that. */
+enum pk_run_code rows_told(struct pk_run *run, enum pk_run_code code);
 /* Whether all are. */
 int rows_whole(const struct pk_run *run);
 

@@ -185,4 +185,14 @@ enum pk_run_code rows_end(struct pk_run *run, enum pk_run_code code)
     return run->write_failed == EPIPE ? code : PK_RUN_USAGE;
 }
 
+enum pk_run_code rows_told(struct pk_run *run, enum pk_run_code code)
+{
+    if (run->not_finite) {
+        run_say(run, "%s is not finite in %lu of %lu rows, first at t = %.17g", run->not_finite,
+                run->bad_rows, run->rows, run->bad_t);
+        code = code ? code : PK_RUN_FAILED;
+    }
+    return run->write_failed ? PK_RUN_USAGE : code;
+}
+
 int rows_whole(const struct pk_run *run) { return !run->interrupted && !run->write_failed; }

@@ -24,17 +24,13 @@ const struct observer trust_observer = {.step = step};
 /* Whether the status is one that the path may have come to by its steps alone. */
 static int doubtful(const struct pk_run *run)
 {
-    switch (run->it.status) {
-    case PK_SINGULAR_MASS:
-    case PK_SINGULAR_TIME:
-    case PK_SINGULAR_COORDINATES:
-    case PK_NOT_FINITE:
-    case PK_STEP_TOO_LONG:
-    case PK_NO_PROJECTION:
-        return run->it.t > 0;
-    default:
-        return 0;
-    }
+    static const enum pk_status statuses[] = {PK_SINGULAR_MASS,        PK_SINGULAR_TIME,
+                                              PK_SINGULAR_COORDINATES, PK_NOT_FINITE,
+                                              PK_STEP_TOO_LONG,        PK_NO_PROJECTION};
+    int found = 0;
+    for (size_t i = 0; i < sizeof statuses / sizeof *statuses; i++)
+        found |= run->it.status == statuses[i];
+    return found && run->it.t > 0;
 }
 
 /* The same motion by another method up to t: where it ends, or that it goes on. */

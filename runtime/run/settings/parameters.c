@@ -89,8 +89,9 @@ void json_parameters(struct json *j, const struct pk_system *system, const void 
     json_close(j, ']');
 }
 
-void settings_tell(const struct settings *s, FILE *file)
+void settings_tell(struct pk_run *run, FILE *file)
 {
+    const struct settings *s = &run->settings;
     struct json j = {.file = file};
     json_open(&j, NULL, '{');
     json_parameters(&j, s->system, s->params);

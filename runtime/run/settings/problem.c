@@ -40,6 +40,15 @@ struct pk_problem run_problem(struct pk_run *run)
     return (struct pk_problem){&run->bare, s->params, constant_input, s};
 }
 
+void settle_every(struct settings *s)
+{
+    s->has_every = s->every >= 0;
+    if (!s->has_every)
+        s->every = s->asked.members ? s->until : s->until / 1000;
+    if (s->every > s->until)
+        s->every = s->until;
+}
+
 long member_number(const struct settings *s, size_t member)
 {
     return s->asked.first_member + (long)member;

@@ -9,7 +9,7 @@
 enum pk_run_code settings_take(struct pk_run *run);
 /* Parameters as they are in memory; with the start, one JSON object. */
 void json_parameters(struct json *j, const struct pk_system *system, const void *params);
-void settings_tell(const struct settings *s, FILE *file);
+void settings_tell(struct pk_run *run, FILE *file);
 /* Says which parameter prepare() refused, its value and bounds; of what follows from all, their
  * values. `whose` stands before. */
 void settings_refused(struct pk_run *run, const void *params, int outside, const char *whose);
@@ -17,6 +17,8 @@ void settings_refused(struct pk_run *run, const void *params, int outside, const
 /* Of the model with these parameters, its inputs constant; without quadratures that nothing shows.
  */
 struct pk_problem run_problem(struct pk_run *run);
+/* The interval of rows where none was asked for, and at most all. */
+void settle_every(struct settings *s);
 /* How the options of `pkgen run`, and of a program that it builds, call settings. */
 extern const struct pk_words run_options;
 

@@ -39,7 +39,7 @@ struct pk_stability *pk_stability_new(const struct pk_run_model *model,
 
 static const struct {
     const char *what;
-    int (*answer)(struct pk_stability *s, const struct pk_stability_question *q);
+    stability_answer *answer;
 } answers[] = {{"start", stability_ready},           {"motion", stability_motion},
 #ifdef PK_WITH_GSL
                {"equilibria", stability_equilibria}, {"near", stability_near},

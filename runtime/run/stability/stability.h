@@ -65,14 +65,10 @@ void stability_end(struct pk_stability *s, struct pk_integrator *it);
 /* After the motion is known: follows it to `until`, if it has not been yet. */
 struct reference stability_reference(struct pk_stability *s, double until);
 
-/* Answers. 1, or 0 with a message. */
-int stability_ready(struct pk_stability *s, const struct pk_stability_question *q);
-int stability_motion(struct pk_stability *s, const struct pk_stability_question *q);
-int stability_point(struct pk_stability *s, const struct pk_stability_question *q);
-int stability_oscillator(struct pk_stability *s, const struct pk_stability_question *q);
-int stability_equilibria(struct pk_stability *s, const struct pk_stability_question *q);
-int stability_near(struct pk_stability *s, const struct pk_stability_question *q);
-int stability_leave(struct pk_stability *s, const struct pk_stability_question *q);
+/* 1, or 0 with a message. */
+typedef int stability_answer(struct pk_stability *s, const struct pk_stability_question *q);
+stability_answer stability_ready, stability_motion, stability_point, stability_oscillator,
+    stability_equilibria, stability_near, stability_leave;
 /* A message; 0. */
 int stability_wrong(struct pk_stability *s, const char *message);
 /* Of that name, and of a fixed step; NULL with a message. */

@@ -27,11 +27,7 @@ enum pk_run_code apart_choose(struct pk_run *run)
                        : s->asked.diagnose              ? "diagnostics"
                        : s->asked.land == 0             ? "dense rows"
                                                         : NULL;
-    s->has_every = s->every >= 0;
-    if (!s->has_every)
-        s->every = s->until / 1000;
-    if (s->every > s->until)
-        s->every = s->until;
+    settle_every(s);
     if (!none && !(s->every > 10 * PK_EPSILON * s->until))
         none = "rows at each step";
     if (none) {

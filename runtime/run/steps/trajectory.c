@@ -8,11 +8,7 @@ static enum pk_run_code settle(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     const int fixed = s->asked.members ? member_fixed(s) : !(s->method->traits & PK_ADAPTIVE);
-    s->has_every = s->every >= 0;
-    if (!s->has_every)
-        s->every = s->asked.members ? s->until : s->until / 1000;
-    if (s->every > s->until)
-        s->every = s->until;
+    settle_every(s);
     if ((!fixed || s->asked.members) && !(s->every > 0)) {
         run_say(run, "every 0 (each step) is for one run of a method of a fixed step");
         return PK_RUN_USAGE;
