@@ -18,15 +18,14 @@ from ..run.ensemble import Column, Ensemble, settable
 from ..run.library import INTERRUPTED, USAGE, Run
 from ..run.library import load as load_library
 from ..run.settings import Settings
-from ..run.simulate import Outcome, build, columns, outcome
+from ..run.simulate import build, columns, followed
 from ..run.values import Values
 from ..scenes import asked as parsing
 from ..scenes import lengths
 from ..scenes import run as scene_run
-from ..system import children
 from ..system.near import near
 from .errors import RunError, UsageError
-from .prepare import Prepared, prepare
+from .prepare import prepare
 from .result import Result
 
 if TYPE_CHECKING:
@@ -210,11 +209,13 @@ class Model:
 
     def _run(self, options: argparse.Namespace, table: Any = None) -> Result:
         prepared = prepare(options, self._compiled, table).built()
-        done, told = _simulated(prepared)
+        assert prepared.library is not None
+        made = prepared.compilation, prepared.library, prepared.settings, prepared.ensemble
+        done, told = followed(*made, threads=prepared.threads or 0)
         expects = []
         if prepared.scene is not None and told.report:
-            of = prepared.compilation, prepared.scene, prepared.settings
-            found = scene_run.verdicts(*of, told.report, prepared.ensemble)
+            seen = prepared.compilation, prepared.scene, prepared.settings
+            found = scene_run.verdicts(*seen, told.report, prepared.ensemble)
             expects = [verdict.record() for verdict in found]
         shown = columns(prepared.compilation, prepared.ensemble, prepared.settings.show, 10**9)
         notes = "".join(f"{note}\n" for note in prepared.notes)
@@ -311,18 +312,6 @@ class Model:
 
 def _text(value: Value) -> str:
     return value if isinstance(value, str) else repr(float(value))
-
-
-def _simulated(prepared: Prepared) -> tuple[Run, Outcome]:
-    assert prepared.library is not None
-    with children.stopping() as stopped:
-        done = load_library(prepared.library).run(
-            prepared.settings,
-            lambda _part: stopped(),
-            prepared.ensemble,
-            threads=prepared.threads or 0,
-        )
-    return done, outcome(prepared.compilation, prepared.settings, done, prepared.ensemble)
 
 
 def _members(compilation: Compilation, table: Any) -> Ensemble:

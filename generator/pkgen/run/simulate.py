@@ -81,6 +81,19 @@ def simulate(
     fd = output if isinstance(output, int) else output.fileno()
     if settings.units:
         _write_header(columns(compilation, ensemble, settings.show, sys.maxsize), fd)
+    more = {"csv": fd, "header": not settings.units, "threads": threads or 0}
+    return followed(compilation, library, settings, ensemble, on_progress, **more)[1]
+
+
+def followed(
+    compilation: Compilation,
+    library: Path,
+    settings: Settings,
+    ensemble: Ensemble | None,
+    on_progress: Callable[[float], None] | None = None,
+    **more: object,
+) -> tuple[Run, Outcome]:
+    """The run, and how it ended; its rows are kept unless they go elsewhere."""
     with children.stopping() as stopped:
 
         def poll(part: float) -> bool:
@@ -88,9 +101,8 @@ def simulate(
                 on_progress(part)
             return stopped()
 
-        more = {"csv": fd, "header": not settings.units, "threads": threads or 0}
         done = load(library).run(settings, poll, ensemble, **more)
-    return outcome(compilation, settings, done, ensemble)
+    return done, outcome(compilation, settings, done, ensemble)
 
 
 def outcome(
