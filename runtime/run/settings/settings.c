@@ -258,8 +258,7 @@ enum pk_run_code settings_take(struct pk_run *run)
         steps, sizes, parameters, prepare, start, columns, expectations, members};
     struct settings *s = &run->settings;
     const struct pk_system *system = model->system;
-    const char *wrong = NULL;
-    const char *method = s->asked.method ? s->asked.method : "";
+    const char *wrong = NULL, *method = s->asked.method ? s->asked.method : "";
     *s = (struct settings){.asked = s->asked,
                            .run = run,
                            .system = system,
@@ -270,11 +269,11 @@ enum pk_run_code settings_take(struct pk_run *run)
                            .control = &run->control,
                            .polls = 1};
     if (system->abi != PK_ABI)
-        wrong = "the model was compiled for another runtime: compile it anew";
-    if (!wrong && !s->method) {
+        run_say(run, "the model was compiled for another runtime: compile it anew");
+    else if (!s->method)
         run_say(run, "there is no such method: %s", method);
+    if (system->abi != PK_ABI || !s->method)
         return PK_RUN_USAGE;
-    }
     s->params = memory_take(s->memory, 1, system->params_size);
     s->given = memory_take(s->memory, system->n_parameters, 1);
     s->u = memory_take(s->memory, system->n_inputs, sizeof *s->u);
