@@ -79,6 +79,24 @@ def test_a_model_is_run_and_drawn_as_its_rows_are(folder: Path) -> None:
     assert "double pendulum: gauss" in Svg(folder / "model.svg").texts
 
 
+def test_panels_are_of_one_unit_and_size(folder: Path) -> None:
+    """Rounding joins what it is the rounding of; components are named by their vector."""
+    t = numpy.linspace(0, 1, 50)
+    noise = 1e-17 * numpy.cos(999 * t)
+    columns = {"t": t, "x [m]": t, "y [m]": 1000 * t, "z [m]": noise, "r.x": t, "r.y": 2 * t}
+    numpy.savetxt(
+        folder / "sizes.csv",
+        numpy.column_stack([*columns.values()]),
+        delimiter=",",
+        header=",".join(columns),
+        comments="",
+    )
+    plot(folder / "sizes.csv", "-o", folder / "sizes.svg")
+    made = Svg(folder / "sizes.svg")
+    assert [len(axes.lines) for axes in made.axes] == [1, 2, 2]
+    assert {"x [m]", "y, z [m]", "r"} <= set(made.texts)
+
+
 def test_only_some_columns(folder: Path) -> None:
     plot(folder / "run.csv", "--columns", "theta2,energy", "-o", folder / "some.svg")
     made = Svg(folder / "some.svg")

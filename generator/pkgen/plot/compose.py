@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import groupby
 
 import numpy
 
@@ -20,6 +19,8 @@ from .view import View
 PANELS = 6
 FAMILY = 12  # members that are lines; more are an image
 LINES = 14  # in one panel
+LONG = 18  # characters beside an axis
+NOISE = 1e-9  # of the largest of its kind
 CONSTANT = 1e-7  # of its size, that a constant varies by
 APART = 15.0  # sizes that share no axis
 
@@ -118,12 +119,18 @@ def _groups(table: Table, names: list[str]) -> list[list[str]]:
     """Names by panels: those of a long family, or of one unit, one kind and much the same size."""
     found: dict[object, list[str]] = {}
     counts = Counter(base(name) for name in names)
+    kinds = {n: (table.quantity(n).unit, n.count("'") + ("omega(" in n)) for n in names}
+    sizes = {n: _size(table[n]) for n in names}
+    largest: dict[tuple[str, int], float] = {}
+    for name in names:
+        largest[kinds[name]] = max(largest.get(kinds[name], 0.0), sizes[name])
     for name in names:
         if counts[base(name)] > FAMILY:
             found.setdefault(base(name), []).append(name)
             continue
-        kind = table.quantity(name).unit, name.count("'") + ("omega(" in name)
-        size = _size(table[name])
+        kind, size = kinds[name], sizes[name]
+        if size < NOISE * largest[kind]:  # of rounding, beside what is no noise
+            size = largest[kind]
         near = (k for k in found if k[:2] == kind and size / APART < k[2] < size * APART)
         found.setdefault(next(near, (*kind, size)), []).append(name)
     parts = []
@@ -165,11 +172,14 @@ def _flat(columns: list[numpy.ndarray]) -> tuple[float, float] | None:
 
 
 def _together(table: Table, names: list[str]) -> str:
-    quantities = [table.quantity(name) for name in names]
-    if len(names) < 4:
-        return label(", ".join(q.name for q in quantities), quantities[0].unit)
-    bases = [key for key, _ in groupby(base(name) for name in names)]
-    return label(", ".join(bases) if len(bases) < 4 else "", quantities[0].unit).strip()
+    """Of an axis: all names if they are short, else those of the families, else the unit."""
+    unit = table.quantity(names[0]).unit
+    bases = list(dict.fromkeys(base(name) for name in names))
+    parted = len(bases) < len(names) and not any("[" in name for name in names)
+    for some in (bases if parted else names, bases):
+        if len(", ".join(map(shown, some))) <= LONG:
+            return label(", ".join(some), unit)
+    return label("", unit).strip()
 
 
 def _image(table: Table, names: list[str]) -> Image:
