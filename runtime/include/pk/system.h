@@ -339,6 +339,16 @@ static inline size_t pk_system_coordinates(const struct pk_system *system, const
     return pk_system_count(system, params) - system->n_first_order;
 }
 
+/* Members of declared coordinate number k. */
+static inline struct pk_range pk_system_range(const struct pk_system *system, const void *params,
+                                              size_t k)
+{
+    struct pk_range range = {0, 1, 0};
+    if (system->families.range)
+        system->families.range(params, 0, k, &range);
+    return range;
+}
+
 /* How many values there are of singularities. */
 static inline size_t pk_system_singularity_count(const struct pk_system *system, const void *params)
 {

@@ -5,7 +5,7 @@
 
 #include "project.h"
 
-static size_t lay_out(struct pk_projection *w, int all, pk_real *base)
+static size_t lay_out(struct pk_projection *w, pk_real *base)
 {
     const size_t n = w->n, c = w->c;
     const struct pk_slot slots[] = {{&w->d, 2 * n}, /* a correction; momenta and forces of a step */
@@ -13,11 +13,21 @@ static size_t lay_out(struct pk_projection *w, int all, pk_real *base)
                                     {&w->A, c * c},      {&w->phi, c},       {&w->rate, c},
                                     {&w->phi_size, c},   {&w->rate_size, c}, {&w->mu, c},
                                     {&w->depends, 1 + c}};
-    return c || all ? PK_LAY_OUT(base, slots) : pk_lay_out(base, slots, 1);
+    return PK_LAY_OUT(base, slots);
 }
 
-static struct pk_projection parts(const struct pk_problem *problem, size_t n, pk_real *base,
-                                  int all)
+size_t pk_project_room(const struct pk_system *system, size_t n)
+{
+    struct pk_projection w = {.n = n, .c = system->constraints.n};
+    return lay_out(&w, NULL);
+}
+
+size_t pk_project_size(const struct pk_system *system, size_t n)
+{
+    return system->constraints.n || system->n_rotations ? pk_project_room(system, n) : 0;
+}
+
+struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room)
 {
     const struct pk_system *system = problem->system;
     struct pk_projection w = {.system = system, .params = problem->params, .n = n};
@@ -25,30 +35,8 @@ static struct pk_projection parts(const struct pk_problem *problem, size_t n, pk
     w.h = system->constraints.n_holonomic;
     w.rotation = n - system->n_first_order;
     w.m = w.rotation + 3 * system->n_rotations;
-    lay_out(&w, all, base);
+    lay_out(&w, room);
     return w;
-}
-
-size_t pk_project_room(const struct pk_system *system, size_t n)
-{
-    struct pk_projection w = {.n = n, .c = system->constraints.n};
-    return lay_out(&w, 1, NULL);
-}
-
-size_t pk_project_size(const struct pk_system *system, size_t n)
-{
-    struct pk_projection w = {.n = n, .c = system->constraints.n};
-    return w.c || system->n_rotations ? lay_out(&w, 0, NULL) : 0;
-}
-
-struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *x)
-{
-    return parts(problem, n, x, 0);
-}
-
-struct pk_projection pk_project_layout(const struct pk_problem *problem, size_t n, pk_real *x)
-{
-    return parts(problem, n, x, 1);
 }
 
 size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)

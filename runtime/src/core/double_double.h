@@ -14,16 +14,7 @@ struct pk_pairs {
     pk_real *hi, *lo;
 };
 
-/* a + b = the result + *rest, exactly. */
-static inline pk_real pk_pair_sum(pk_real a, pk_real b, pk_real *rest)
-{
-    const pk_real sum = a + b, back = sum - a;
-    *rest = (a - (sum - back)) + (b - back);
-    return sum;
-}
-
-#if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
-    !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && !defined PK_PORTABLE
+#ifdef PK_HAVE_FMA
 #define PK_PAIR_REST(a, b, p) PK_F(fma)(a, b, -(p))
 #else
 /* 2^k + 1, where half the digits, rounded up, are k. */

@@ -15,7 +15,7 @@ int pk_system_name(const struct pk_system *system, const void *params,
     if (!table)
         return snprintf(text, size, "?");
     for (k = 0; system->families.range && k < system->families.n_coordinates; k++) {
-        system->families.range(params, 0, k, &range);
+        range = pk_system_range(system, params, k);
         if (i < range.count)
             break;
         i -= range.count;

@@ -33,7 +33,6 @@ static inline int pk_rolls(const struct pk_system *system)
 size_t pk_project_size(const struct pk_system *system, size_t n);
 /* The same room for any system, also without constraints. */
 size_t pk_project_room(const struct pk_system *system, size_t n);
-struct pk_projection pk_project_layout(const struct pk_problem *problem, size_t n, pk_real *room);
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room);
 /* The inertia there, factored: 0, or 1 + the pivot that fails. Then J and all residuals; and
  * the sizes of their terms, which rounding is to be measured by. */

@@ -47,17 +47,11 @@ static void group(const struct pk_integrator *it, const struct pk_quantity *tabl
         to[k] = (pk_real)base;
     size_t first = 0, i = 0;
     for (size_t k = 0; table && k < declared && i < it->n; k++) {
-        struct pk_range range = {0, 1, 0};
-        size_t j = 0;
-        if (system->families.range)
-            system->families.range(it->problem.params, 0, k, &range);
-        for (first = 0; j < k && strcmp(table[j].unit, table[k].unit) != 0; j++) {
-            struct pk_range before = {0, 1, 0};
-            if (system->families.range)
-                system->families.range(it->problem.params, 0, j, &before);
-            first += before.count;
-        }
-        for (size_t m = 0; m < range.count && i < it->n; m++)
+        const size_t members = pk_system_range(system, it->problem.params, k).count;
+        first = 0;
+        for (size_t j = 0; j < k && strcmp(table[j].unit, table[k].unit) != 0; j++)
+            first += pk_system_range(system, it->problem.params, j).count;
+        for (size_t m = 0; m < members && i < it->n; m++)
             to[i++] = (pk_real)(base + first);
     }
     const size_t names = i;

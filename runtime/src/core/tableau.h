@@ -48,7 +48,6 @@ int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);
 
 size_t pk_gauss_size(const struct pk_method *method, size_t n);
 enum pk_status pk_gauss_init(struct pk_integrator *it);
-enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit);
 int pk_gauss_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
 
 #endif

@@ -22,8 +22,6 @@ static int acceleration(ARGS, pk_real *a)
     return 0;
 }
 
-static void force(ARGS, pk_real *f) { acceleration(params, t, q, v, u, f); }
-
 static void mass(ARGS, pk_real *M)
 {
     UNUSED;
@@ -34,12 +32,6 @@ static void canonical(ARGS, pk_real *p, pk_real *pdot)
 {
     p[0] = v[0];
     acceleration(params, t, q, v, u, pdot);
-}
-
-static void gradient(ARGS, pk_real *d)
-{
-    UNUSED;
-    d[0] = -spring(params)->stiffness * q[0];
 }
 
 static void jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)
@@ -56,12 +48,6 @@ static void linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *
     jacobian(params, t, q, v, u, r_t, r_q, r_v); /* r = pdot, M = 1, and nothing depends on t */
 }
 
-static pk_real energy(ARGS)
-{
-    UNUSED;
-    return (v[0] * v[0] + spring(params)->stiffness * q[0] * q[0]) / 2;
-}
-
 enum {
     DAMPED = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH |
         PK_AFFINE,
@@ -70,16 +56,12 @@ enum {
 
 static const struct pk_system linear_system = {.abi = PK_ABI,
                                                .name = "linear",
-                                               .source_hash = "",
                                                .facts = FREE,
                                                .n = 1,
                                                .acceleration = acceleration,
                                                .mass = mass,
-                                               .force = force,
                                                .canonical = canonical,
-                                               .gradient = gradient,
                                                .jacobian = jacobian,
-                                               .energy = energy,
                                                .linear = linear};
 
 /* One step of h from (q, v), by the integrator; q and v become its end. */

@@ -47,7 +47,7 @@ struct corner pk_corner_of(struct pk_events *e, struct pk_integrator *it)
     struct corner x = {.e = e, .it = it, .q = e->trial, .start = e->trial + e->n};
     pk_real *w;
     lay_out(&x, it->problem.system, e->n, &w, e->room);
-    x.w = pk_project_layout(&it->problem, e->n, w);
+    x.w = pk_project_parts(&it->problem, e->n, w);
     x.w.t = e->t;
     return x;
 }

@@ -71,9 +71,6 @@ pk_real pk_events_node(const struct pk_events *e, int j);
 /* All g at a state. */
 void pk_events_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                          const pk_real *q, const pk_real *v, pk_real *g);
-/* Those of the switches alone; zero has the sign of the side. */
-void pk_switches_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
-                           const pk_real *q, const pk_real *v, pk_real *g);
 /* The caller's params into the copy, which `it` has during a step. */
 void pk_switches_enter(struct pk_events *e, struct pk_integrator *it);
 /* After a step: where it has ended. */

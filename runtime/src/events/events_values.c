@@ -33,8 +33,9 @@ void pk_switches_values(const struct pk_events *e, const struct pk_integrator *i
     p->system->switches.values(e->params, t, q, v, e->u, x);
 }
 
-void pk_switches_functions(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
-                           const pk_real *q, const pk_real *v, pk_real *g)
+/* Those of the switches alone; zero has the sign of the side. */
+static void switches(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
+                     const pk_real *q, const pk_real *v, pk_real *g)
 {
     if (e->n_switches == 0)
         return;
@@ -52,7 +53,7 @@ void pk_events_functions(const struct pk_events *e, const struct pk_integrator *
     pk_input(p, t, e->u);
     if (e->n_events)
         p->system->events.values(p->params, t, q, v, e->u, g);
-    pk_switches_functions(e, it, t, q, v, g + e->n_events);
+    switches(e, it, t, q, v, g + e->n_events);
 }
 
 enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k)

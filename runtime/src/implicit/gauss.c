@@ -105,7 +105,7 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
     return pk_because(it, PK_NO_CONVERGENCE, PK_OF_RATES, before);
 }
 
-enum pk_status pk_gauss_step(struct pk_integrator *it, pk_real limit)
+static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
 {
     struct pk_gauss_work w = pk_gauss_parts(it);
     const size_t n = it->n;
@@ -164,5 +164,5 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
 
 #define COLLOCATION(of)                                                              \
     .needs = PK_NEEDS_COLLOCATION, .table = &pk_##of##_table, .size = pk_gauss_size, \
-    .init = pk_gauss_init, .step = pk_gauss_step, .stage = pk_gauss_stage
+    .init = pk_gauss_init, .step = gauss_step, .stage = pk_gauss_stage
 PK_METHODS_COLLOCATION(PK_DEFINE_METHOD, COLLOCATION)

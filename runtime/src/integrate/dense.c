@@ -1,4 +1,6 @@
 /* The motion between the ends of the last step, put back onto the constraints. */
+#include <string.h>
+
 #include "../core/project.h"
 
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
@@ -9,8 +11,15 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
     if (!it->method->dense || !(it->own->flags & PK_HAVE_STEP) || !(t >= lo && t <= hi))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     int moved;
+    if (!(t > it->t) && !(t < it->t)) { /* what the step says, to the bit */
+        memcpy(q, it->q, it->n * sizeof *q);
+        memcpy(v, it->v, it->n * sizeof *v);
+        return it->status = PK_DONE;
+    }
     it->status = it->method->dense(it, t, q, v);
-    return it->status < 0 || !it->own->project
-               ? it->status
-               : (it->status = pk_project(it, t, q, v, NULL, NULL, &moved));
+    if (it->status >= 0 && (!pk_all_finite(q, it->n) || !pk_all_finite(v, it->n)))
+        it->status = PK_NOT_FINITE;
+    if (it->status >= 0 && it->own->project)
+        it->status = pk_project(it, t, q, v, NULL, NULL, &moved);
+    return it->status;
 }

@@ -19,8 +19,7 @@
 
 /* a b + c, rounded once where the processor does that: half the instructions of matrix times
  * vector. Written out, since compilers may not contract by themselves; see build.py. */
-#if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
-    !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && !defined PK_PORTABLE
+#ifdef PK_HAVE_FMA
 #define PK_GAUSS_FMA(a, b, c) PK_F(fma)(a, b, c)
 #else
 #define PK_GAUSS_FMA(a, b, c) ((a) * (b) + (c))

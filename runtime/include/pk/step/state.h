@@ -20,6 +20,12 @@
 #define PK_TINY DBL_MIN
 #endif
 
+/* Whether fma() is an instruction, and as good everywhere. */
+#if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
+    !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && !defined PK_PORTABLE
+#define PK_HAVE_FMA
+#endif
+
 /* What is behind it->own, for methods and the runtime alone. */
 struct pk_integrator_private {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* method's or system's */
@@ -98,15 +104,19 @@ static inline pk_real pk_scale_shown(pk_real tolerance)
 /* x - x is 0 for finite x alone; works for every scalar type, as isfinite() does not. */
 static inline int pk_finite(pk_real x) { return x - x == PK_C(0.0); }
 
-/* x + low + d, rounded once, and its new low part: Knuth's two-sum, exact also where |d| > |x|.
+/* a + b = the result + *rest, exactly: Knuth's two-sum. */
+static inline pk_real pk_pair_sum(pk_real a, pk_real b, pk_real *rest)
+{
+    const pk_real sum = a + b, back = sum - a;
+    *rest = (a - (sum - back)) + (b - back);
+    return sum;
+}
+
+/* x + low + d, rounded once, and its new low part, exact also where |d| > |x|.
  * Compensated summation after Kahan (1965), Babuska, Neumaier (1974). */
 static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
 {
-    const pk_real y = d + *low;
-    const pk_real sum = x + y;
-    const pk_real back = sum - x;
-    *low = (x - (sum - back)) + (y - back);
-    return sum;
+    return pk_pair_sum(x, d + *low, low);
 }
 
 /* What fails ends the function, with its status. */
