@@ -44,22 +44,20 @@ static const struct {
 static int no_convergence(const struct pk_integrator *it, char *text, size_t size)
 {
     const char *what = pk_status_text(it->status);
-    const double t = (double)it->t, h = (double)pk_abs(it->own->h), detail = (double)it->detail;
+    const double h = (double)pk_abs(it->own->h), detail = (double)it->detail;
     if (it->where == PK_BY_NEWTON)
-        return snprintf(text, size,
-                        "%s: by Newton's method there is a solution up to a step of %.6g, not to "
-                        "%.6g: make the step shorter%s; last valid time %.17g",
-                        what, detail, h, words(it)->step, t);
+        return pk_say(it, text, size,
+                      "%s: by Newton's method there is a solution up to a step of %.6g, not to "
+                      "%.6g: make the step shorter%s",
+                      what, detail, h, words(it)->step);
     if (it->where == PK_OF_RATES)
-        return snprintf(text, size,
-                        "%s: that of the rates from the momenta, after a correction of %.3g; "
-                        "last valid time %.17g",
-                        what, detail, t);
-    return snprintf(text, size,
-                    "%s: the fixed-point one, after a correction of %.3g of the rates; it "
-                    "converges for short steps alone: use Newton's%s or a step shorter than %.6g; "
-                    "last valid time %.17g",
-                    what, detail, words(it)->newton, h, t);
+        return pk_say(it, text, size,
+                      "%s: that of the rates from the momenta, after a correction of %.3g", what,
+                      detail);
+    return pk_say(it, text, size,
+                  "%s: the fixed-point one, after a correction of %.3g of the rates; it "
+                  "converges for short steps alone: use Newton's%s or a step shorter than %.6g",
+                  what, detail, words(it)->newton, h);
 }
 
 static const char *const singularity_use[] = {
@@ -77,22 +75,20 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
     const struct pk_system *system = it->problem.system;
     const void *params = it->problem.params;
     if (it->where >= it->own->n_singularities)
-        return snprintf(text, size, "%s; last valid time %.17g", pk_status_text(it->status),
-                        (double)it->t);
+        return pk_say(it, text, size, "%s", pk_status_text(it->status));
     const struct pk_singularity *singularity =
         &system->singularities.table[pk_system_singularity(system, params, it->where).singularity];
     char name[128];
     pk_system_singularity_name(system, params, it->where, name, sizeof name);
     const int removable = singularity->kind == PK_SINGULARITY_DIVISOR &&
                           pk_finite(it->own->condition);
-    return snprintf(text, size, "%s: %s vanishes at t = %.17g, and %s%s; last valid time %.17g",
-                    pk_status_text(it->status), name, (double)it->detail,
-                    singularity_use[singularity->kind],
-                    removable ? "; the acceleration stays finite on the way there: if the "
-                                "expression has a limit, as sin(x)/x has, write it without the "
-                                "division"
-                              : "",
-                    (double)it->t);
+    return pk_say(it, text, size, "%s: %s vanishes at t = %.17g, and %s%s",
+                  pk_status_text(it->status), name, (double)it->detail,
+                  singularity_use[singularity->kind],
+                  removable ? "; the acceleration stays finite on the way there: if the "
+                              "expression has a limit, as sin(x)/x has, write it without the "
+                              "division"
+                            : "");
 }
 
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size)
@@ -159,10 +155,10 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return snprintf(text, size, "%s is for at most %d coordinates; %s has %zu",
                             it->method->name, PK_EXPONENTIAL_MOST, system->name, it->n);
         if (it->method->resolved)
-            return snprintf(text, size,
-                            "crossings of events could be missed in steps of %.6g: give at most "
-                            "%.6g; last valid time %.17g",
-                            (double)it->options.h, (double)it->detail, t);
+            return pk_say(it, text, size,
+                          "crossings of events could be missed in steps of %.6g: give at most "
+                          "%.6g",
+                          (double)it->options.h, (double)it->detail);
         return snprintf(text, size, "%s: %s", it->method->name, what);
     case PK_OUT_OF_BOUNDS:
         if (it->where < system->n_parameters)
@@ -175,14 +171,11 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         pk_system_name(system, it->problem.params, it->where < it->n ? system->coordinates : NULL,
                        it->where, name, sizeof name);
         if (!pk_finite(it->own->condition))
-            return snprintf(text, size,
-                            "%s: pivot of coordinate %s is not positive at t = %.17g; "
-                            "last valid time %.17g",
-                            what, name, (double)it->detail, t);
-        return snprintf(text, size,
-                        "%s: pivot of coordinate %s is %.3g of its diagonal entry at t = %.17g; "
-                        "last valid time %.17g",
-                        what, name, (double)it->own->condition, (double)it->detail, t);
+            return pk_say(it, text, size, "%s: pivot of coordinate %s is not positive at t = %.17g",
+                          what, name, (double)it->detail);
+        return pk_say(it, text, size,
+                      "%s: pivot of coordinate %s is %.3g of its diagonal entry at t = %.17g", what,
+                      name, (double)it->own->condition, (double)it->detail);
     case PK_SINGULAR_TIME:
     case PK_SINGULAR_COORDINATES:
         return singular(it, text, size);
@@ -190,18 +183,17 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         snprintf(name, sizeof name, "a singularity");
         if (it->where < it->own->n_singularities)
             pk_system_singularity_name(system, it->problem.params, it->where, name, sizeof name);
-        return snprintf(text, size,
-                        "%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
-                        "from there the motion does not: make the steps shorter%s; last valid time "
-                        "%.17g",
-                        what, t, (double)it->detail, name, words(it)->step_or_rtol, t);
+        return pk_say(it, text, size,
+                      "%s: the one from t = %.17g to %.17g passes %s = 0, where by short steps "
+                      "from there the motion does not: make the steps shorter%s",
+                      what, t, (double)it->detail, name, words(it)->step_or_rtol);
     case PK_SLIDING:
-        return snprintf(
-            text, size,
-            "the motion stays on %s = 0: on either side of it the equations lead "
-            "back to it, and what follows they do not say; a smooth function in place "
-            "of the jump, such as tanh, does; last valid time %.17g",
-            it->where < system->switches.n ? system->switches.names[it->where].name : "x", t);
+        return pk_say(it, text, size,
+                      "the motion stays on %s = 0: on either side of it the equations lead "
+                      "back to it, and what follows they do not say; a smooth function in place "
+                      "of the jump, such as tanh, does",
+                      it->where < system->switches.n ? system->switches.names[it->where].name
+                                                     : "x");
     case PK_NO_IMPULSE:
         return pk_impulse_reason(it, text, size);
     case PK_OFF_CONSTRAINTS:
@@ -210,32 +202,28 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
     case PK_NO_CONVERGENCE:
         return no_convergence(it, text, size);
     case PK_AMBIGUOUS_STEP:
-        return snprintf(text, size,
-                        "%s: the one that belongs to short steps is followed up to a step of %.6g, "
-                        "not to %.6g: make the step shorter%s; last valid time %.17g",
-                        what, (double)it->detail, (double)pk_abs(it->own->h), words(it)->step, t);
+        return pk_say(it, text, size,
+                      "%s: the one that belongs to short steps is followed up to a step of %.6g, "
+                      "not to %.6g: make the step shorter%s",
+                      what, (double)it->detail, (double)pk_abs(it->own->h), words(it)->step);
     case PK_STEP_UNDERFLOW:
         if (it->detail < 0) /* adaptive_verlet's */
-            return snprintf(
-                text, size,
-                "%s cannot follow: the time scale changes too much within a step; give "
-                "a smaller tolerance%s, a largest step%s or a shorter first one; last valid "
-                "time %.17g",
-                it->method->name, words(it)->rtol, words(it)->max_step, t);
-        return snprintf(text, size,
-                        "%s: step %.3g: the motion may end there, at infinity or in a singularity; "
-                        "last valid time %.17g",
-                        what, (double)it->detail, t);
+            return pk_say(it, text, size,
+                          "%s cannot follow: the time scale changes too much within a step; give "
+                          "a smaller tolerance%s, a largest step%s or a shorter first one",
+                          it->method->name, words(it)->rtol, words(it)->max_step);
+        return pk_say(it, text, size,
+                      "%s: step %.3g: the motion may end there, at infinity or in a singularity",
+                      what, (double)it->detail);
     case PK_TOO_MANY_STEPS:
-        return snprintf(text, size, "%s%s: %lu; last valid time %.17g", what, words(it)->max_steps,
-                        it->count.steps, t);
+        return pk_say(it, text, size, "%s%s: %lu", what, words(it)->max_steps, it->count.steps);
     case PK_NO_PROGRESS:
-        return snprintf(text, size,
-                        "%s: the last %lu lead from t = %.17g to here, and at this rate %.3g more "
-                        "would arrive, or double the time passed: the motion may end here in a "
-                        "singularity, or be stiff (method radau); last valid time %.17g",
-                        what, it->count.steps + it->count.rejections - it->own->judged,
-                        (double)it->own->judged_t, (double)it->detail, t);
+        return pk_say(it, text, size,
+                      "%s: the last %lu lead from t = %.17g to here, and at this rate %.3g more "
+                      "would arrive, or double the time passed: the motion may end here in a "
+                      "singularity, or be stiff (method radau)",
+                      what, it->count.steps + it->count.rejections - it->own->judged,
+                      (double)it->own->judged_t, (double)it->detail);
     case PK_STOPPED_EVENT:
         if (it->event)
             return snprintf(text, size, "stopped at event %s at t = %.17g",
@@ -250,11 +238,11 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         if (it->event)
             return snprintf(text, size, "the function of event %s is not finite at t = %.17g",
                             system->events.table[it->event - 1].what.name, t);
-        return snprintf(text, size, "%s; last valid time %.17g", what, t);
+        return pk_say(it, text, size, "%s", what);
     case PK_DONE:
     case PK_STOPPED_USER:
         return snprintf(text, size, "%s at t = %.17g", what, t);
     default:
-        return snprintf(text, size, "%s; last valid time %.17g", what, t);
+        return pk_say(it, text, size, "%s", what);
     }
 }

@@ -175,7 +175,7 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     const char *what = pk_status_text(it->status);
     char name[128], others[256], more[400] = "";
     if (it->where >= 2 * c + system->n_rotations)
-        return snprintf(text, size, "%s; last valid time %.17g", what, (double)it->t);
+        return pk_say(it, text, size, "%s", what);
     if (it->where >= 2 * c) {
         const size_t first = it->n - system->n_first_order + 3 * (it->where - 2 * c);
         pk_system_name(system, it->problem.params, system->rates, first, name, sizeof name);
@@ -197,11 +197,8 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
                         it->where >= c ? ", as rates go," : "", (double)it->detail, more);
     }
     if (*others)
-        return snprintf(text, size, "%s: %s depends on %s; last valid time %.17g", what, name,
-                        others, (double)it->t);
+        return pk_say(it, text, size, "%s: %s depends on %s", what, name, others);
     if (pk_project_parts(&it->problem, it->n, it->own->project).depends[0] > 0)
-        return snprintf(text, size, "%s: nothing that moves enters %s; last valid time %.17g", what,
-                        name, (double)it->t);
-    return snprintf(text, size, "%s: %s is left broken by %.3g; last valid time %.17g", what, name,
-                    (double)it->detail, (double)it->t);
+        return pk_say(it, text, size, "%s: nothing that moves enters %s", what, name);
+    return pk_say(it, text, size, "%s: %s is left broken by %.3g", what, name, (double)it->detail);
 }

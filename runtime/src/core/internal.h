@@ -6,6 +6,12 @@
 
 #include <pk/step/linear.h>
 
+#if defined __GNUC__
+#define PK_FORMAT(text, first) __attribute__((format(printf, text, first)))
+#else
+#define PK_FORMAT(text, first)
+#endif
+
 /* What a kernel is called with, of systems that are written here. */
 #define ARGS const void *params, pk_real t, const pk_real *q, const pk_real *v, const pk_real *u
 #define UNUSED ((void)params, (void)t, (void)q, (void)v, (void)u)
@@ -54,6 +60,10 @@ static inline enum pk_status pk_because(struct pk_integrator *it, enum pk_status
 
 /* Whether a start was accepted. */
 static inline int pk_ready(const struct pk_integrator *it) { return it->own && it->own->ready; }
+
+/* Words as printf() has them, and the last valid time; the length as snprintf(). */
+int pk_say(const struct pk_integrator *it, char *text, size_t size, const char *format, ...)
+    PK_FORMAT(4, 5);
 
 /* it->where of PK_NO_CONVERGENCE, and what it->detail is: the last correction of a fixed-point
  * iteration; the longest step for which Newton's found the solution; the last correction of rates

@@ -4,6 +4,13 @@
  */
 #include "internal.h"
 
+void pk_add_product(pk_real *y, const pk_real *A, const pk_real *x, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            y[i] += A[i * n + j] * x[j];
+}
+
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m)
 {
     for (size_t k = 0; k < m; k++) {

@@ -1,5 +1,8 @@
 /* Names and texts of the statuses, out of their one list in pk/status.h. */
-#include <pk/status.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "internal.h"
 
 const char *pk_status_name(enum pk_status status)
 {
@@ -25,4 +28,15 @@ const char *pk_status_text(enum pk_status status)
         break;
     }
     return "unknown status";
+}
+
+int pk_say(const struct pk_integrator *it, char *text, size_t size, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    const int used = vsnprintf(text, size, format, arguments);
+    va_end(arguments);
+    const size_t at = used > 0 && (size_t)used < size ? (size_t)used : size;
+    return used + snprintf(at < size ? text + at : NULL, size - at, "; last valid time %.17g",
+                           (double)it->t);
 }

@@ -54,7 +54,7 @@ static void momentum_slope(struct parts *w, pk_real t, const pk_real *q, const p
 }
 
 /* Unit displacement j of (Q, P) as (dq, dv) behind the start in w->Q, w->V. */
-static enum pk_status displace(struct parts *w, pk_real t, size_t j)
+static void displace(struct parts *w, pk_real t, size_t j)
 {
     const size_t n = w->n;
     pk_real *dq = w->Q + n, *dv = w->V + n;
@@ -64,11 +64,11 @@ static enum pk_status displace(struct parts *w, pk_real t, size_t j)
     pk_metric_dq(&w->metric, dq);
     pk_metric_dp(&w->metric, dv); /* dp so far */
     momentum_slope(w, t, w->Q, w->V);
+    memset(w->dp, 0, n * sizeof *w->dp);
+    pk_add_product(w->dp, w->J, dq, n);
     for (size_t i = 0; i < n; i++)
-        for (size_t k = 0; k < n; k++)
-            dv[i] -= w->J[i * n + k] * dq[k];
+        dv[i] -= w->dp[i];
     pk_ldl_solve(w->metric.L, n, dv);
-    return PK_DONE;
 }
 
 /* Column j of S, from where the integrator is. */
@@ -79,13 +79,9 @@ static void take_column(struct parts *w, size_t j)
     const pk_real *q = w->it.q, *v = w->it.v, *dq = q + n, *dv = v + n;
     momentum_slope(w, w->it.t, q, v);
     memset(w->dp, 0, n * sizeof *w->dp);
-    for (size_t i = 0; i < n; i++)
-        for (size_t k = 0; k < n; k++)
-            w->dp[i] += w->J[i * n + k] * dq[k];
+    pk_add_product(w->dp, w->J, dq, n);
     of->system->mass(of->params, w->it.t, q, v, inputs(w, w->it.t), w->J);
-    for (size_t i = 0; i < n; i++)
-        for (size_t k = 0; k < n; k++)
-            w->dp[i] += w->J[i * n + k] * dv[k];
+    pk_add_product(w->dp, w->J, dv, n);
     memcpy(w->Q + n, dq, n * sizeof *dq); /* free again */
     pk_metric_Q(&w->metric, w->Q + n);
     pk_metric_P(&w->metric, w->dp);
@@ -128,10 +124,9 @@ static enum pk_status column(struct parts *w, const struct pk_method *method,
     const size_t n = w->n;
     memcpy(w->Q, q0, n * sizeof *q0);
     memcpy(w->V, v0, n * sizeof *v0);
-    enum pk_status status = displace(w, t0, j);
-    if (status >= 0)
-        status = pk_integrator_init(&w->it, &w->variation.problem, method, options, t0, w->Q, w->V,
-                                    w->block, w->block_size);
+    displace(w, t0, j);
+    enum pk_status status = pk_integrator_init(&w->it, &w->variation.problem, method, options, t0,
+                                               w->Q, w->V, w->block, w->block_size);
     if (status >= 0)
         status = pk_integrator_to(&w->it, t0 + options->h);
     if (status >= 0 && w->it.count.steps != 1)

@@ -16,14 +16,6 @@ static const struct pk_variation *self(const void *params)
 
 static size_t count(const void *params) { return self(params)->n * (1 + self(params)->columns); }
 
-/* y += A x */
-static void add_product(pk_real *y, const pk_real *A, const pk_real *x, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++)
-            y[i] += A[i * n + j] * x[j];
-}
-
 static int acceleration(ARGS, pk_real *a)
 {
     const struct pk_variation *w = self(params);
@@ -41,8 +33,8 @@ static int acceleration(ARGS, pk_real *a)
     for (size_t k = 1; k <= w->columns; k++) {
         pk_real *da = a + k * n;
         memset(da, 0, n * sizeof *da);
-        add_product(da, r_q, q + k * n, n);
-        add_product(da, r_v, v + k * n, n);
+        pk_add_product(da, r_q, q + k * n, n);
+        pk_add_product(da, r_v, v + k * n, n);
         pk_ldl_solve(M, n, da);
     }
     return 0;
@@ -97,10 +89,10 @@ static void canonical(ARGS, pk_real *p, pk_real *pdot)
     memset(p + n, 0, w->columns * n * sizeof *p);
     memset(pdot + n, 0, w->columns * n * sizeof *pdot);
     for (size_t k = n; k <= w->columns * n; k += n) {
-        add_product(p + k, M, v + k, n);
-        add_product(p + k, p_q, q + k, n);
-        add_product(pdot + k, pdot_q, q + k, n);
-        add_product(pdot + k, pdot_v, v + k, n);
+        pk_add_product(p + k, M, v + k, n);
+        pk_add_product(p + k, p_q, q + k, n);
+        pk_add_product(pdot + k, pdot_q, q + k, n);
+        pk_add_product(pdot + k, pdot_v, v + k, n);
     }
 }
 

@@ -175,8 +175,5 @@ int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
         [ORDER] = "%s and %s vanish at once, and what follows depends on which does first",
         [NEITHER] = "%.0sno rates are found with which the motion leaves %s = 0",
     };
-    const int used = snprintf(text, size, why[(int)it->detail], other, name);
-    const size_t at = used > 0 && (size_t)used < size ? (size_t)used : size;
-    return used + snprintf(at < size ? text + at : NULL, size - at, "; last valid time %.17g",
-                           (double)it->t);
+    return pk_say(it, text, size, why[(int)it->detail], other, name);
 }

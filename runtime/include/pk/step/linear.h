@@ -13,6 +13,8 @@ enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real
                               const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
                               pk_real *a_t, pk_real *work);
 
+/* y += A x, A row-major n by n. */
+void pk_add_product(pk_real *y, const pk_real *A, const pk_real *x, size_t n);
 /* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */
 int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m);
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x);
