@@ -238,12 +238,20 @@ def mclachlan4() -> tuple[list[mpf], list[mpf]]:
     return kick + kick[::-1], palindrome([mpf(2) / 5, mpf(-1) / 10, mpf(2) / 5])
 
 
+def rows(values: list[mpf]) -> str:
+    texts = [f"PK_C({nstr(value, DIGITS)})" for value in values]
+    return ",\n    ".join(", ".join(texts[i : i + 2]) for i in range(0, len(texts), 2))
+
+
 def show(name: str, kick: list[mpf], drift: list[mpf]) -> None:
+    if isinstance(METHODS.get(name), Scheme):
+        half = drift[: (len(drift) + 1) // 2]
+        print(f"PK_VERLETS({name}, {len(half)},\n    {rows(half)})")
+        return
     for kind, values in (("kick", kick), ("drift", drift)):
-        texts = [f"PK_C({nstr(value, DIGITS)})" for value in values]
-        rows = [", ".join(texts[i : i + 2]) for i in range(0, len(texts), 2)]
-        head = f"static const pk_real pk_{name}_{kind}[] = {{"
-        print(head + "\n    " + ",\n    ".join(rows) + "};")
+        half = values[: (len(values) + 1) // 2]
+        macro = f"PK_{'MIRROR' if len(values) % 2 else 'TWICE'}_{len(half)}"
+        print(f"static const pk_real pk_{name}_{kind}[] = {{{macro}(\n    {rows(half)})}};")
 
 
 def main() -> int:

@@ -20,14 +20,27 @@ ORDERS = {"symplectic_euler": 1, "verlet": 2, "mclachlan4": 4} | {
 }
 
 
+def numbers(text: str) -> list[mpf]:
+    return [mpf(number) for number in re.findall(r"PK_C\((.*?)\)", text)]
+
+
 def table(name: str) -> tuple[list[mpf], list[mpf]]:
-    found = []
-    for kind in ("kick", "drift"):
-        body = re.search(rf"pk_{name}_{kind}\[\] = {{(.*?)}};", HEADER.read_text(), re.DOTALL)
-        assert body, name
-        with workdps(50):
-            found.append([mpf(text) for text in re.findall(r"PK_C\((.*?)\)", body[1])])
-    return found[0], found[1]
+    text = HEADER.read_text()
+    with workdps(50):
+        half = re.search(rf"PK_VERLETS\({name}, (\d+),(.*?)\)\n(?! )", text, re.DOTALL)
+        if half:
+            drift = numbers(half[2] + ")")
+            assert len(drift) == int(half[1])
+            return compositions.composed(compositions.palindrome(drift))
+        found = []
+        for kind in ("kick", "drift"):
+            body = re.search(rf"pk_{name}_{kind}\[\] = {{(.*?)}};", text, re.DOTALL)
+            assert body, name
+            values = numbers(body[1])
+            if "PK_TWICE_" in body[1]:
+                values += values[::-1]
+            found.append(compositions.palindrome(values) if "PK_MIRROR_" in body[1] else values)
+        return found[0], found[1]
 
 
 def worst(name: str, order: int, wrong: float = 0) -> mpf:
