@@ -75,7 +75,7 @@ def main() -> int:
         (PAGES / folder).mkdir(parents=True)
     shutil.copytree(ROOT / "docs/pictures", PAGES / "pictures")
     (PAGES / "assets/explained.css").write_text(style(), encoding="utf-8")
-    for file in ("site.css", "iframe-worker/iframe-worker.js"):
+    for file in ("site.css", "site.js", "iframe-worker/iframe-worker.js"):
         shutil.copy(HERE / file, PAGES / "assets")
     for path in sorted((ROOT / "docs").glob("*.md")):
         text = linked(path.read_text(encoding="utf-8"), "docs", "")
@@ -233,7 +233,8 @@ def nav() -> list[dict[str, object]]:
     groups: list[object] = ["models/index.md", {"What each is known for": "models.md"}]
     for folder, title in FOLDERS.items():
         inside = [p for p in models() if p.parent == ROOT / "models" / folder]
-        groups.append({title: [f"models/{p.stem}.md" for p in inside]})
+        # Counted, so that no part of a page has the same name as a part of the navigation.
+        groups.append({f"{title}, {len(inside)}": [f"models/{p.stem}.md" for p in inside]})
     found.insert(2, {"Models": groups})
     return found
 

@@ -25,13 +25,22 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], kind: str = ""
     lines = ["".join(f"<td>{row[k]}</td>" for k in kept) for row in rows]
     body = "\n".join(f"<tr>{line}</tr>" for line in lines)
     named = f' class="{kind}"' if kind else ""
-    return f'<div class="wide"><table{named}><thead><tr>{head}</tr></thead>\n{body}</table></div>'
+    content = f"<thead><tr>{head}</tr></thead>\n{body}"
+    return f'<div class="wide"{_reached(rows)}><table{named}>{content}</table></div>'
+
+
+def _reached(rows: Sequence[Sequence[str]]) -> str:
+    """By the keyboard, where a narrow page does not hold a row and scrolls."""
+    columns = zip(*rows, strict=True)
+    wide = sum(max(mathml.width(cell) for cell in column) + 2 for column in columns)
+    return ' tabindex="0"' if wide > mathml.NARROW else ""
 
 
 def facts_table(rows: Iterable[tuple[str, str]]) -> str:
     """What each row is about stands at its head."""
+    rows = list(rows)
     body = "\n".join(f'<tr><th scope="row">{name}</th><td>{text}</td></tr>' for name, text in rows)
-    return f'<div class="wide"><table class="facts">{body}</table></div>'
+    return f'<div class="wide"{_reached(rows)}><table class="facts">{body}</table></div>'
 
 
 def listed(lines: Iterable[str]) -> str:
