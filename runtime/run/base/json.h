@@ -18,7 +18,7 @@ struct json_real {
     pk_real x;
 };
 
-struct json_count {
+struct json_whole {
     const char *key;
     size_t x;
 };
@@ -28,12 +28,12 @@ void json_close(struct json *j, char bracket);
 void json_text(struct json *j, const char *key, const char *text); /* NULL: null */
 void json_raw(struct json *j, const char *key, const char *text);  /* what is JSON already */
 void json_real(struct json *j, const char *key, pk_real x);
-void json_count(struct json *j, const char *key, size_t x);
+void json_whole(struct json *j, const char *key, size_t x);
 /* Several in their order: json_reals(j, {"t", t}, {"energy", energy}). */
 #define json_reals(j, ...) json_each_real(j, (const struct json_real[]){__VA_ARGS__, {NULL, 0}})
-#define json_counts(j, ...) json_each_count(j, (const struct json_count[]){__VA_ARGS__, {NULL, 0}})
+#define json_counts(j, ...) json_each_whole(j, (const struct json_whole[]){__VA_ARGS__, {NULL, 0}})
 void json_each_real(struct json *j, const struct json_real *each);
-void json_each_count(struct json *j, const struct json_count *each);
+void json_each_whole(struct json *j, const struct json_whole *each);
 void json_flag(struct json *j, const char *key, int x);
 void json_numbers(struct json *j, const char *key, const pk_real *x, size_t count);
 

@@ -94,7 +94,7 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
     } else {
         json_text(j, "first_failed", NULL);
     }
-    json_count(j, "astray", tally->astray);
+    json_whole(j, "astray", tally->astray);
     json_real(j, "first_astray",
               tally->astray ? (pk_real)member_number(s, tally->first_astray) : PK_INFINITY);
     watched_report(tally, s, j);

@@ -81,14 +81,14 @@ static void report(const struct pk_run *run, struct json *j)
     const struct pk_integrator *it;
     report_kind(run, j, "events", 0, system->events.n);
     report_kind(run, j, "switches", system->events.n, system->switches.n);
-    json_count(j, "event_tries", run->events.tries);
+    json_whole(j, "event_tries", run->events.tries);
     json_open(j, "passed_over", '[');
     for (size_t k = 0; (it = integrator(run, k)) != NULL; k++) {
         if (!it->passed_over.count)
             continue;
         json_open(j, NULL, '{');
         json_text(j, "name", it->problem.system->marks.names[it->passed_over.which].name);
-        json_count(j, "steps", it->passed_over.count);
+        json_whole(j, "steps", it->passed_over.count);
         json_real(j, "t", it->passed_over.t);
         json_close(j, '}');
     }

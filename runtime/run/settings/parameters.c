@@ -78,7 +78,7 @@ void settings_refused(struct pk_run *run, const void *params, int outside, const
     free(text);
 }
 
-void json_parameters(struct json *j, const struct pk_system *system, const void *params)
+void json_parameters_known(struct json *j, const struct pk_system *system, const void *params)
 {
     json_open(j, "parameters", '[');
     for (size_t i = 0; i < system->n_parameters; i++) {
@@ -94,7 +94,7 @@ void settings_tell(struct pk_run *run, FILE *file)
     const struct settings *s = &run->settings;
     struct json j = {.file = file};
     json_open(&j, NULL, '{');
-    json_parameters(&j, s->system, s->params);
+    json_parameters_known(&j, s->system, s->params);
     json_numbers(&j, "q", s->q, pk_system_coordinates(s->system, s->params));
     json_numbers(&j, "v", s->v, s->n);
     json_close(&j, '}');

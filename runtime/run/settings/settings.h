@@ -8,7 +8,7 @@
 /* What was asked for, with parameters and starts computed; a code. */
 enum pk_run_code settings_take(struct pk_run *run);
 /* Parameters as they are in memory; with the start, one JSON object. */
-void json_parameters(struct json *j, const struct pk_system *system, const void *params);
+void json_parameters_known(struct json *j, const struct pk_system *system, const void *params);
 void settings_tell(struct pk_run *run, FILE *file);
 /* Says which parameter prepare() refused, its value and bounds; of what follows from all, their
  * values. `whose` stands before. */

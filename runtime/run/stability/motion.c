@@ -127,7 +127,7 @@ static int print(struct pk_stability *s, double scale)
     json_reals(j, {"t", last->t}, {"energy", first->energy}, {"scale", scale});
     json_numbers(j, "q", s->settings->q, s->n);
     json_numbers(j, "v", s->settings->v, s->n);
-    json_parameters(j, s->problem.system, s->problem.params);
+    json_parameters_known(j, s->problem.system, s->problem.params);
     return 1;
 }
 

@@ -137,7 +137,7 @@ int stability_point(struct pk_stability *s, const struct pk_stability_question *
     json_real(&s->out, "h", h);
     json_text(&s->out, "class", status < 0 ? failure(status) : class);
     json_text(&s->out, "status", pk_status_name(status));
-    json_count(&s->out, "steps", e.steps);
+    json_whole(&s->out, "steps", e.steps);
     json_reals(&s->out, {"rise", e.rise / motion.scale}, {"away", e.away / motion.scale});
     stability_end(s, it);
     return 1;
