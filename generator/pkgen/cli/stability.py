@@ -82,24 +82,8 @@ def _refuse_states(compilation: Compilation) -> None:
 
 
 def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:
-    structure = compilation.structure
-    facts = frozenset(
-        name
-        for name in (
-            "mass_constant",
-            "mass_diagonal",
-            "quadratic",
-            "separable",
-            "autonomous",
-            "conservative",
-            "variational",
-            "smooth",
-            "affine",
-        )
-        if getattr(structure, name)
-    )
     across, up = plan.numbers(options.points, options.quick)
-    taken, left = plan.methods(options.methods, all_methods(None), facts)
+    taken, left = plan.methods(options.methods, all_methods(None), compilation.structure)
     values = parsing.Values(compilation)
     steps = None
     if options.steps is not None:

@@ -50,14 +50,9 @@ def methods(wanted: list[str] | None) -> list[ChartedMethod]:
     known = {}
     for m in runtime_methods():
         limits = m.get("limits") or {}
-        known[m["name"]] = ChartedMethod(
-            name=str(m["name"]),
-            order=int(m["order"]),
-            flags=tuple(m["flags"]),
-            requires=tuple(m["requires"]),
-            imaginary=_end(limits.get("imaginary")),
-            real=_end(limits.get("real")),
-        )
+        ends = (_end(limits.get(axis)) for axis in ("imaginary", "real"))
+        traits = tuple(m["flags"]), tuple(m["requires"])
+        known[m["name"]] = ChartedMethod(m["name"], m["order"], *traits, *ends)
     return [known[name] for name in dict.fromkeys(known if wanted is None else wanted)]
 
 

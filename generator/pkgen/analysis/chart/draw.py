@@ -99,10 +99,8 @@ def _overview(chart: Chart):
     strong = _strong(chart)
     named = {t.method.name for t in chart.tracks} if len(chart.tracks) <= NAMED_MOST else strong
     styles = {
-        t.method.name: Style(
-            *STYLES[t.method.family], t.method.name in strong, t.method.name in named
-        )
-        for t in chart.tracks
+        m.name: Style(*STYLES[m.family], m.name in strong, m.name in named)
+        for m in (t.method for t in chart.tracks)
     }
     measures = [("error of the final state", lambda p: p.error)]
     kept = table.invariants(chart.tracks)
@@ -160,31 +158,16 @@ def _answers(axes, chart: Chart, axis: str) -> None:
     """Over the axes, at each accuracy, what is cheapest there; in two rows, for names are long."""
     told = [answer for answer in chart.answers if answer.axis == axis]
     for k, answer in enumerate(told):
-        at = {"ha": "center", "va": "bottom", "fontsize": 7.5}
-        if answer.point is None or answer.method is None:
-            said = "none"
-        elif axis == "seconds":
-            said = f"{answer.method.name}\n{text.seconds(answer.point.seconds or 0)}"
-        else:
-            said = f"{answer.method.name}\n{answer.point.work:,}"
-        axes.annotate(
-            said,
-            (answer.accuracy, 1.0),
-            (0, 3 + (k % 2) * 21),
-            xycoords=("data", "axes fraction"),
-            textcoords="offset points",
-            **at,
-        )
+        look = {"ha": "center", "va": "bottom", "fontsize": 7.5, "textcoords": "offset points"}
+        said = "none"
+        if answer.point is not None and answer.method is not None:
+            work, time = f"{answer.point.work:,}", text.seconds(answer.point.seconds or 0)
+            said = f"{answer.method.name}\n{time if axis == 'seconds' else work}"
+        at = (answer.accuracy, 1.0), (0, 3 + (k % 2) * 21)
+        axes.annotate(said, *at, xycoords=("data", "axes fraction"), **look)
         axes.axvline(answer.accuracy, color="#999999", lw=0.6, ls="--", zorder=1)
-    axes.annotate(
-        "cheapest",
-        (0.0, 1.0),
-        (-30, 3),
-        xycoords="axes fraction",
-        textcoords="offset points",
-        fontsize=7.5,
-        style="italic",
-    )
+    at = {"xycoords": "axes fraction", "textcoords": "offset points"}
+    axes.annotate("cheapest", (0.0, 1.0), (-30, 3), **at, fontsize=7.5, style="italic")
 
 
 def _legend(figure, chart: Chart, strong: int) -> None:
@@ -199,14 +182,9 @@ def _legend(figure, chart: Chart, strong: int) -> None:
     if strong:
         label = f"not among the {strong} foremost: named in the picture by families"
         handles.append(Line2D([], [], color="#888888", lw=0.8, alpha=0.6, label=label))
-    figure.legend(
-        handles=handles,
-        loc="lower center",
-        ncols=min(4, len(handles)),
-        frameon=False,
-        fontsize=8,
-        bbox_to_anchor=(0.5, 0.012 * 11 / figure.get_figheight() + 0.012),
-    )
+    look = {"loc": "lower center", "ncols": min(4, len(handles)), "frameon": False, "fontsize": 8}
+    anchor = (0.5, 0.012 * 11 / figure.get_figheight() + 0.012)
+    figure.legend(handles=handles, **look, bbox_to_anchor=anchor)
 
 
 def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float, float]) -> None:
@@ -220,11 +198,6 @@ def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float
     figure.text(0.5, 1 - 0.38 / height, "\n".join(lines), ha="center", va="top", fontsize=8)
     figure.text(0.5, 0.06 / height, FOOT, ha="center", va="bottom", fontsize=8, color=FAILED)
     top = 1.0 + 0.16 * len(lines)
-    figure.subplots_adjust(
-        left=0.95 / width,
-        right=1 - 0.98 / width,
-        bottom=(bottom + 0.5) / height,
-        top=1 - top / height,
-        wspace=gaps[0],
-        hspace=gaps[1],
-    )
+    sides = {"left": 0.95 / width, "right": 1 - 0.98 / width}
+    ends = {"bottom": (bottom + 0.5) / height, "top": 1 - top / height}
+    figure.subplots_adjust(**sides, **ends, wspace=gaps[0], hspace=gaps[1])

@@ -16,6 +16,8 @@ from ...run.settings import Settings, Shown
 from ...system.exits import NumericsFailed, UsageError
 from .points import ChartedMethod, Point
 
+AS_REPORTED = ("status", "slow", "t", "steps", "rejections", "evaluations", "jacobians")
+
 
 class Exact(list):
     """A state of more digits than a double's: a fraction for each coordinate, then each rate and
@@ -124,17 +126,11 @@ class Program:
         return Point(
             method=method.name,
             setting=setting,
-            status=found["status"],
             reason=found["reason"] if found["status"] != "PK_DONE" else "",
-            slow=found["slow"],
-            t=found["t"],
             error=error,
             seconds=fastest,
-            steps=found["steps"],
-            rejections=found["rejections"],
-            evaluations=found["evaluations"],
-            jacobians=found["jacobians"],
             work=found["evaluations"] + len(exact) * found["jacobians"],
             took=found["processor"],
             drifts={d["name"]: d["max"] for d in found["drifts"] if d["max"] is not None},
+            **{name: found[name] for name in AS_REPORTED},
         )

@@ -109,16 +109,11 @@ def draw(
 
 def _line(axes, x: list[float], y: list[float], style: Style) -> None:
     size = (4.0 if style.strong else 2.4) * (1.5 if style.marker == "*" else 1.0)
-    axes.plot(
-        x,
-        y,
-        color=style.colour,
-        marker=style.marker if style.named else None,
-        ms=size,
-        lw=1.9 if style.strong else 0.8,
-        alpha=1.0 if style.strong or style is BEHIND else 0.65 if style.named else 0.4,
-        zorder=4 if style.strong else 2 if style is BEHIND else 3,
-    )
+    alpha = 1.0 if style.strong or style is BEHIND else 0.65 if style.named else 0.4
+    order = 4 if style.strong else 2 if style is BEHIND else 3
+    point = {"marker": style.marker if style.named else None, "ms": size}
+    line = {"color": style.colour, "lw": 1.9 if style.strong else 0.8, "alpha": alpha}
+    axes.plot(x, y, **point, **line, zorder=order)
 
 
 def _scales(axes, axis: str, failures: bool) -> None:

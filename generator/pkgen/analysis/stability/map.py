@@ -97,9 +97,7 @@ def make(
     moves = asked.axis.kind == "parameter" or any(cyclic)
     tries = 40 if moves else 100
 
-    predicted: dict[str, list[Prediction]] = {
-        name: predictions(step, rest, primary) for name, step in maps.items()
-    }
+    predicted = {name: predictions(step, rest, primary) for name, step in maps.items()}
     fastest = max((m.rate for m in at.modes), default=0.0) if at else 0.0
     steps = {name: tuple(_steps(asked, predicted[name], fastest, until)) for name in maps}
 
@@ -133,11 +131,9 @@ def make(
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         # The costly ones first: those that no method leaves early.
         rows = [pool.submit(lambda x=x: counted(one(x))) for x in asked.axis.values]
+        of = size, amplitude, effort
         checks = [
-            pool.submit(
-                lambda p=p: counted(measure.measured(asker, rest, p, size, amplitude, effort))
-            )
-            for p in flat
+            pool.submit(lambda p=p: counted(measure.measured(asker, rest, p, *of))) for p in flat
         ]
         leaving = pool.submit(lambda: counted(measure.growths(asker, rest, amplitude)))
         try:
@@ -147,19 +143,10 @@ def make(
         except BaseException:  # an interrupt too: what is queued is not begun
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-        return StabilityMap(
-            compilation,
-            asked,
-            until,
-            motion,
-            rest,
-            primary,
-            tuple(r.result() for r in rows),
-            steps,
-            flat,
-            tuple(c.result() for c in checks),
-            tuple(leaving.result()),
-        )
+        found = tuple(r.result() for r in rows)
+        checked = flat, tuple(c.result() for c in checks), tuple(leaving.result())
+        begun = until, motion, rest, primary
+        return StabilityMap(compilation, asked, *begun, found, steps, *checked)
 
 
 def _suggested(compilation: Compilation, asker: Asker, motion: Motion) -> str:
@@ -197,10 +184,8 @@ def _refuse_unjudged(motions: Iterable[Motion]) -> None:
 
 def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:
     """The largest displacement of the start from its equilibrium."""
-    return max(
-        (abs(a - b) for i, (a, b) in enumerate(zip(at.q, start, strict=True)) if i not in cyclic),
-        default=0.0,
-    )
+    apart = (abs(a - b) for a, b in zip(at.q, start, strict=True))
+    return max((x for i, x in enumerate(apart) if i not in cyclic), default=0.0)
 
 
 def _steps(

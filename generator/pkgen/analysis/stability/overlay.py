@@ -20,11 +20,11 @@ LINES = {
     "1:4": ("-.", "1:4"),
     "2:3": ("--", "2:3"),
     "3:4": ("-.", "3:4"),
-    "1:2": (":", "1:2"),
-    "1+2": (":", ""),
-    "2+1": (":", ""),
+    **dict.fromkeys(PAIRS, (":", "")),
 }
+PAIR_WORDS = {"1:2": "1:2 {slow}, {fast}", "1+2": "{fast} + 2{slow}", "2+1": "2{fast} + {slow}"}
 SILENT = "#8090A0"  # a resonance that nothing answers
+BOX = {"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85}
 HALO = [effects.withStroke(linewidth=2.6, foreground="white")]
 
 
@@ -47,11 +47,8 @@ def lines(axes: plt.Axes, made: StabilityMap, name: str) -> set[str]:
     bottom, top = axes.get_ylim()
     labels: list[tuple[float, str, str]] = []
     seen: set[tuple[str, int]] = set()
-    silent = {
-        (m.prediction.kind, m.prediction.mode, m.prediction.other)
-        for m in made.measured
-        if m.prediction.method == name and m.silent
-    }
+    silent = [m.prediction for m in made.measured if m.prediction.method == name and m.silent]
+    silent = {(p.kind, p.mode, p.other) for p in silent}
     for (kind, mode, other, primary, _), line in _curves(made.rows, name).items():
         hs = np.array([h for _, h in line])
         if not ((hs > low) & (hs < high)).any():
@@ -68,28 +65,17 @@ def lines(axes: plt.Axes, made: StabilityMap, name: str) -> set[str]:
         quiet = (kind, mode, other) in silent
         drawn |= {kind, "silent"} if quiet else {kind}
         colour = SILENT if quiet else "black" if primary or kind == "branch" else "#555555"
-        axes.plot(
-            hs,
-            xs,
-            ls=style,
-            color=colour,
-            lw=1.5 if kind == "limit" and primary else 0.9 if quiet else 1.2,
-            path_effects=None if quiet else HALO,
-            zorder=2 if quiet else 3,
-        )
+        width = 1.5 if kind == "limit" and primary else 0.9 if quiet else 1.2
+        behind = {"path_effects": None if quiet else HALO, "zorder": 2 if quiet else 3}
+        axes.plot(hs, xs, ls=style, color=colour, lw=width, **behind)
         several = primary and len(made.rest.equilibria[made.primary].oscillating) > 1
-        text = word
         if kind in RESONANCES and several:
-            text = f"{word} {omega(mode)}"
-        elif kind == "1:2":
-            text = f"{word} {omega(other)}, {omega(mode)}"
-        elif kind == "1+2":
-            text = f"{omega(mode)} + 2{omega(other)}"
-        elif kind == "2+1":
-            text = f"2{omega(mode)} + {omega(other)}"
+            word = f"{word} {omega(mode)}"
+        elif kind in PAIRS:
+            word = PAIR_WORDS[kind].format(fast=omega(mode), slow=omega(other))
         elif kind == "limit" and not primary:
-            text = "limit elsewhere"
-        labels.append((float(hs[-1]), text, colour))
+            word = "limit elsewhere"
+        labels.append((float(hs[-1]), word, colour))
     _label(axes, sorted(labels))
     return drawn
 
@@ -109,48 +95,23 @@ def _label(axes: plt.Axes, labels: list[tuple[float, str, str]]) -> None:
         down = max([0.02, *near])
         reach = down + 0.032 * len(text) + 0.03
         if low < h < high and reach < 1:
-            axes.text(
-                (h - low) / (high - low),
-                1 - down,
-                text,
-                transform=axes.transAxes,
-                rotation=90,
-                ha="center",
-                va="top",
-                fontsize=6.5,
-                color=colour,
-                bbox={"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85},
-                zorder=4,
-            )
+            at = {"transform": axes.transAxes, "rotation": 90, "ha": "center", "va": "top"}
+            look = {"fontsize": 6.5, "color": colour, "bbox": BOX, "zorder": 4}
+            axes.text((h - low) / (high - low), 1 - down, text, **at, **look)
             ends.append((h, reach))
 
 
 def measured(axes: plt.Axes, made: StabilityMap, name: str) -> bool:
     """Triangles on the lower edge, where small motions were measured to fail; if there are any."""
     low, high = axes.get_xlim()
-    places = [
-        m.h
-        for m in made.measured
-        if m.prediction.method == name
-        and m.prediction.kind in ("limit", "branch")
-        and m.h
-        and low < m.h < high
-    ]
+    own = [m for m in made.measured if m.prediction.method == name and m.h]
+    failing = [m.h for m in own if m.prediction.kind in ("limit", "branch")]
+    places = [h for h in failing if low < h < high]
     if not places:
         return False  # an empty line that is not clipped has no size that a layout could use
-    axes.plot(
-        places,
-        [0.0] * len(places),
-        marker="^",
-        ls="",
-        ms=6,
-        color="black",
-        mec="white",
-        mew=0.6,
-        clip_on=False,
-        transform=axes.get_xaxis_transform(),
-        zorder=5,
-    )
+    look = {"marker": "^", "ls": "", "ms": 6, "color": "black", "mec": "white", "mew": 0.6}
+    at = {"clip_on": False, "transform": axes.get_xaxis_transform(), "zorder": 5}
+    axes.plot(places, [0.0] * len(places), **look, **at)
     return True
 
 

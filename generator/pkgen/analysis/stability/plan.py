@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ...compiler import Compilation
+from ...equations import Structure
 from ...record import record
 from ...run import named
 from ...run.methods_table import in_words
@@ -125,27 +127,24 @@ def _spread(low: float, high: float, count: int, open_low: bool = False) -> tupl
 
 
 def methods(
-    text: str | None, known: Sequence[ChartedMethod], facts: frozenset[str]
+    text: str | None, known: Sequence[ChartedMethod], structure: Structure
 ) -> tuple[list[ChartedMethod], list[str]]:
-    """Those to be mapped, and a sentence for each that is not. `facts` are the system's."""
+    """Those to be mapped, and a sentence for each that is not."""
     by_name = {m.name: m for m in known}
-    names = [n.strip() for n in text.split(",") if n.strip()] if text else list(USUAL)
-    names = list(dict.fromkeys(names))
-    taken: list[ChartedMethod] = []
-    left: list[str] = []
-    for name in names:
+    names = [n.strip() for n in text.split(",") if n.strip()] if text else USUAL
+    taken, left = [], []
+    for name in dict.fromkeys(names):
         if name not in by_name:
             if text:
                 raise UsageError(parsing.unknown("--methods", name, list(by_name), "method"))
             continue
         traits = by_name[name]
-        missing = [r for r in traits.requires if r not in facts]
+        missing = [r for r in traits.requires if not getattr(structure, r, False)]
         if not traits.fixed:
             left.append(f"{name} chooses its steps itself: there is no map of it over the step")
         elif missing:
-            left.append(
-                f"{name} is refused: it needs a system that is {', '.join(in_words(missing))}"
-            )
+            needs = ", ".join(in_words(missing))
+            left.append(f"{name} is refused: it needs a system that is {needs}")
         elif text or len(taken) < PANELS:
             taken.append(traits)
     if not taken:
@@ -194,4 +193,4 @@ def duration(at: Equilibrium | None, given: float | None) -> float:
     if given is not None:
         return given
     slow = [at.modes[k].frequency for k in at.oscillating] if at else []
-    return PERIODS * 2 * 3.141592653589793 / min(slow) if slow else parsing.UNTIL
+    return PERIODS * 2 * math.pi / min(slow) if slow else parsing.UNTIL
