@@ -123,13 +123,8 @@ class _Reader:
     def file(self) -> st.File:
         if self.scene is not None:
             self._unended_scene("the file ends before it")
-        return st.File(
-            self.source,
-            tuple(self.statements),
-            tuple(self.broken),
-            tuple(self.errors),
-            tuple(self.units),
-        )
+        found = self.statements, self.broken, self.errors, self.units
+        return st.File(self.source, *map(tuple, found))
 
     def _place(self, lexed: Lexed) -> None:
         """A scene's statement stands in a scene, a model's outside."""
@@ -143,29 +138,17 @@ class _Reader:
             self.errors.append(misplaced(lexed))
 
     def _unended_scene(self, why: str) -> None:
-        scene = self.scene
-        self.errors.append(
-            Diagnostic(
-                f"scene '{scene.name}' has no 'end': {why}",
-                scene.span,
-                "close the scene with a line that says 'end'",
-            )
-        )
+        scene, help = self.scene, "close the scene with a line that says 'end'"
+        message = f"scene '{scene.name}' has no 'end': {why}"
+        self.errors.append(Diagnostic(message, scene.span, help))
         self._close_scene(scene.span)
 
     def _close_scene(self, span: Span) -> None:
         if self.scene is None:
             return
-        head = self.scene
-        self.statements.append(
-            st.Scene(
-                head.name,
-                head.name_span,
-                tuple(self.clauses),
-                head.description,
-                head.span.to(span),
-            )
-        )
+        head, clauses = self.scene, tuple(self.clauses)
+        said = clauses, head.description, head.span.to(span)
+        self.statements.append(st.Scene(head.name, head.name_span, *said))
         self.scene, self.clauses = None, []
 
     def _parse(self, lexed: Lexed) -> object | None:

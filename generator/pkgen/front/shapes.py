@@ -6,6 +6,7 @@ value is due stands a name of the model, which may have a `rod` or a `radius` of
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from difflib import get_close_matches
 
 from ..record import record
@@ -19,65 +20,57 @@ FORMS = {"box": 3, "cylinder": 2, "ellipsoid": 3, "disk": 2, "top": 2}  # sizes 
 PLANES = {"xy": ("x", "y"), "xz": ("x", "z"), "yz": ("y", "z")}
 
 
-@record(kw_only=True)
+# shape  what stands behind its word  its parts, each with what it is  form
+# A ? is behind what may be left out.
+_DRAW = """
+rod    -         from:place,to:place                 from A to B
+line   -         from:place,to:place                 from A to B
+spring -         from:place,to:place,turns?:count    from A to B turns 8
+bob    place     radius?:length                      P radius 0.1 [m]
+circle place     radius:length                       P radius 1 [m]
+trail  place     lasting?:time                       P lasting 5 [s]
+arrow  vector    at:place,scale:scale                F at P scale 0.1 [m/N]
+body   rotation? at:place,FORMS                      R at P box [a, b, c]
+ground axis      -                                   y = 0
+curve  place     -                                   P[i], i = 1..N
+level  value     in:coordinate                       V in x, y
+"""
+_VIEW = """
+plane  plane     width?:length                       xy width 2 [m]
+space  -         width?:length                       width 2 [m]
+"""
+
+
+@record
 class Shape:
     form: str  # as a hint shows it
-    subject: str = NOTHING  # what stands behind its word
+    subject: str  # what stands behind its word
+    subject_optional: bool
     parts: dict[str, str]  # what each is
-    optional: tuple[str, ...] = ()
-    subject_optional: bool = False
-    view: bool = False
+    optional: tuple[str, ...]
+    view: bool
 
 
-_ENDS = {"from": PLACE, "to": PLACE}
+def _shapes() -> Iterator[tuple[str, Shape]]:
+    forms = ",".join(f"{form}?:{LENGTH}" for form in FORMS)
+    for word, rows in (("draw", _DRAW), ("view", _VIEW)):
+        for row in rows.strip().split("\n"):
+            name, subject, parts, form = row.replace("FORMS", forms).split(maxsplit=3)
+            pairs = [part.split(":") for part in parts.strip("-").split(",") if part]
+            yield (
+                name,
+                Shape(
+                    f"{word} {name} {form}",
+                    subject.strip("-?"),
+                    subject.endswith("?"),
+                    {part.rstrip("?"): what for part, what in pairs},
+                    tuple(part[:-1] for part, _ in pairs if part.endswith("?")),
+                    word == "view",
+                ),
+            )
 
-SHAPES: dict[str, Shape] = {
-    "rod": Shape(form="draw rod from A to B", parts=_ENDS),
-    "line": Shape(form="draw line from A to B", parts=_ENDS),
-    "spring": Shape(
-        form="draw spring from A to B turns 8",
-        parts={**_ENDS, "turns": COUNT},
-        optional=("turns",),
-    ),
-    "bob": Shape(
-        form="draw bob P radius 0.1 [m]",
-        subject=PLACE,
-        parts={"radius": LENGTH},
-        optional=("radius",),
-    ),
-    "circle": Shape(form="draw circle P radius 1 [m]", subject=PLACE, parts={"radius": LENGTH}),
-    "trail": Shape(
-        form="draw trail P lasting 5 [s]",
-        subject=PLACE,
-        parts={"lasting": TIME},
-        optional=("lasting",),
-    ),
-    "arrow": Shape(
-        form="draw arrow F at P scale 0.1 [m/N]",
-        subject=VECTOR,
-        parts={"at": PLACE, "scale": SCALE},
-    ),
-    "body": Shape(
-        form="draw body R at P box [a, b, c]",
-        subject=ROTATION,
-        subject_optional=True,
-        parts={"at": PLACE, **dict.fromkeys(FORMS, LENGTH)},
-        optional=tuple(FORMS),
-    ),
-    "ground": Shape(form="draw ground y = 0", subject=AXIS, parts={}),
-    "curve": Shape(form="draw curve P[i], i = 1..N", subject=PLACE, parts={}),
-    "level": Shape(form="draw level V in x, y", subject=VALUE, parts={"in": COORDINATE}),
-    "plane": Shape(
-        form="view plane xy width 2 [m]",
-        subject=PLANE,
-        parts={"width": LENGTH},
-        optional=("width",),
-        view=True,
-    ),
-    "space": Shape(
-        form="view space width 2 [m]", parts={"width": LENGTH}, optional=("width",), view=True
-    ),
-}
+
+SHAPES = dict(_shapes())
 
 
 def shapes_of(word: str) -> dict[str, Shape]:

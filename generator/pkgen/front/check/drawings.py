@@ -3,6 +3,7 @@ dimension, which is that of the first."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from difflib import get_close_matches
 from fractions import Fraction
 
@@ -17,7 +18,6 @@ from .scope import PLACES, Scope
 from .shared import Checks, Shared
 from .vectors import applied, component
 
-Parts = tuple[tuple[str, tuple[Expr, ...]], ...]
 ORIGIN = "O"
 
 
@@ -31,16 +31,16 @@ class Drawings(Checks):
         scope: Scope | None = Scope(PLACES["drawing"])
         members = statement.also if isinstance(statement.also, Range) else None
         if members is not None:
-            scope = self.shared.indices.enter((members,), scope)
+            scope = self.indices.enter((members,), scope)
         if scope is None or not self._fits(statement):
             return
-        shape = shapes.SHAPES[statement.shape]
+        shape, subject = shapes.SHAPES[statement.shape], statement.subject
+        given = {word: value for word, _, value in statement.parts}
         parts: list[tuple[str, tuple[Expr, ...]]] = []
-        axes, form = (), ""
-        subject = statement.subject
+        axes: tuple[str, ...] = ()
         if shape.subject == shapes.AXIS:
             axes = (statement.axis,)
-            parts.append(("at", self._number(subject, scope, "a ground", self._lengths(subject))))
+            parts.append(("at", self._number(subject, scope, "a ground", self._lengths())))
         elif shape.subject == shapes.VALUE:
             axes = self._coordinates(statement)
             parts.append(("value", self._level(subject, scope, axes)))
@@ -48,39 +48,44 @@ class Drawings(Checks):
             parts.append(("turn", self._turn(subject, scope)))
         elif shape.subject == shapes.PLACE:
             parts.append(("at", self._place(subject, scope)))
-        given = {word: value for word, _, value in statement.parts}
-        if shape.subject == shapes.VECTOR:
+        elif shape.subject == shapes.VECTOR:
             parts.append(("vector", self._arrow(subject, given["scale"], scope)))
         for word, value in given.items():
-            what = shape.parts[word]
-            if what == shapes.PLACE:
-                parts.append((word, self._place(value, scope)))
-            elif word in shapes.FORMS:
-                form = word
-                parts.append(("sizes", self._sizes(word, value, scope)))
-            elif what == shapes.LENGTH:
-                target = self._lengths(value, f"a {word} is a length")
-                parts.append((word, self._number(value, scope, f"a {word}", target)))
-            elif what == shapes.TIME:
-                target = Target(
-                    self.expressions.time_dimension, f"'{word}' needs a time", bare=True
-                )
-                parts.append((word, self._constant(value, scope, target, positive=True)))
-            elif what == shapes.COUNT:
-                target = Target(NONE, f"'{word}' needs a number")
-                parts.append((word, self._constant(value, scope, target, positive=True)))
-        self.parts["drawings"].append(
-            m.Drawing(
-                statement.shape,
-                tuple((word, found) for word, found in parts if found),
-                members,
-                subject.id if isinstance(subject, Name) else "",
-                statement.description,
-                statement.span,
-                form,
-                axes,
-            )
-        )
+            what, name = shape.parts[word], "sizes" if word in shapes.FORMS else word
+            parts.append((name, self._part(what, word, value, scope)))
+        form = next((word for word in given if word in shapes.FORMS), "")
+        name = subject.id if isinstance(subject, Name) else ""
+        self._add("drawings", statement, parts, axes, members, name, form)
+
+    def _part(self, what: str, word: str, value: Expr, scope: Scope) -> tuple[Expr, ...]:
+        """Of what other parts say nothing is left: they are of the subject."""
+        if what == shapes.PLACE:
+            return self._place(value, scope)
+        if word in shapes.FORMS:
+            return self._sizes(word, value, scope)
+        if what == shapes.LENGTH:
+            target = self._lengths(f"a {word} is a length")
+            return self._number(value, scope, f"a {word}", target)
+        if what == shapes.TIME:
+            time = self.expressions.time_dimension
+            return self._constant(value, scope, Target(time, f"'{word}' needs a time", bare=True))
+        if what == shapes.COUNT:
+            return self._constant(value, scope, Target(NONE, f"'{word}' needs a number"))
+        return ()
+
+    def _add(
+        self,
+        field: str,
+        statement: st.Draw,
+        parts: Iterable[tuple[str, tuple[Expr, ...]]],
+        axes: tuple[str, ...],
+        members: Range | None = None,
+        name: str = "",
+        form: str = "",
+    ) -> None:
+        found = tuple((word, exprs) for word, exprs in parts if exprs)
+        said = name, statement.description, statement.span, form, axes
+        self.parts[field].append(m.Drawing(statement.shape, found, members, *said))
 
     def view(self, statement: st.Draw) -> None:
         if self.parts["views"]:
@@ -93,33 +98,16 @@ class Drawings(Checks):
             subject = statement.subject
             named = subject.id if isinstance(subject, Name) and subject.index is None else ""
             if named not in shapes.PLANES:
-                self.report.error(
-                    f"there is no such plane: it is {' or '.join(shapes.PLANES)}",
-                    subject.span,
-                    f"e.g. {shapes.SHAPES['plane'].form}",
-                )
+                message = f"there is no such plane: it is {' or '.join(shapes.PLANES)}"
+                self.report.error(message, subject.span, f"e.g. {shapes.SHAPES['plane'].form}")
                 return
             axes = shapes.PLANES[named]
-        scope = Scope(PLACES["drawing"])
-        parts: Parts = tuple(
-            (
-                word,
-                self._number(value, scope, "a width", self._lengths(value, "a width is a length")),
-            )
+        scope, target = Scope(PLACES["drawing"]), self._lengths("a width is a length")
+        parts = [
+            (word, self._number(value, scope, "a width", target))
             for word, _, value in statement.parts
-        )
-        self.parts["views"].append(
-            m.Drawing(
-                statement.shape,
-                tuple((word, found) for word, found in parts if found),
-                None,
-                "",
-                statement.description,
-                statement.span,
-                "",
-                axes,
-            )
-        )
+        ]
+        self._add("views", statement, parts, axes)
 
     # which parts there are
 
@@ -129,11 +117,8 @@ class Drawings(Checks):
         before = len(self.report.errors)
         form = f"the form is: {shape.form}"
         if bool(statement.axis) != (shape.subject == shapes.AXIS):
-            self.report.error(
-                f"'{name}' takes {'AXIS = VALUE' if shape.subject == shapes.AXIS else 'no ='}",
-                statement.span,
-                form,
-            )
+            message = f"'{name}' takes {'AXIS = VALUE' if shape.subject == shapes.AXIS else 'no ='}"
+            self.report.error(message, statement.span, form)
         elif statement.axis and statement.axis not in AXES:
             self.report.error(
                 f"there is no axis '{statement.axis}': it is x, y or z", statement.span, form
@@ -147,11 +132,8 @@ class Drawings(Checks):
             if word not in shape.parts:
                 near = get_close_matches(word, shape.parts, 1, 0.6)
                 have = ", ".join(f"'{part}'" for part in shape.parts)
-                self.report.error(
-                    f"'{name}' has no part '{word}'",
-                    span,
-                    f"did you mean '{near[0]}'?" if near else f"it has {have}" if have else form,
-                )
+                help = f"did you mean '{near[0]}'?" if near else f"it has {have}" if have else form
+                self.report.error(f"'{name}' has no part '{word}'", span, help)
             elif word in seen:
                 self.report.error(f"'{word}' is given twice", span)
             seen.add(word)
@@ -199,7 +181,7 @@ class Drawings(Checks):
     def _of_places(self) -> str:
         return f"{described(self.length)} as the one in line {self.first} is"
 
-    def _lengths(self, value: Expr, needs: str = "it is a length") -> Target:
+    def _lengths(self, needs: str = "it is a length") -> Target:
         """Of a number that is measured as places are."""
         length = self.length
         if length is None and self.expressions.time_dimension != NONE:
@@ -214,9 +196,7 @@ class Drawings(Checks):
             self.report.error(f"{what} is not negative", value.span)
         return (found,) if facts.known else ()
 
-    def _constant(
-        self, value: Expr, scope: Scope, target: Target, positive: bool
-    ) -> tuple[Expr, ...]:
+    def _constant(self, value: Expr, scope: Scope, target: Target) -> tuple[Expr, ...]:
         before = len(self.report.errors)
         found, facts = self.expressions.wanted(value, scope, target)
         if len(self.report.errors) > before:
@@ -235,7 +215,7 @@ class Drawings(Checks):
                 "an arrow shows a vector", vector.span, "write [x, y, 0], or the name of one"
             )
             return ()
-        length = self.length if self.length is not None else self._lengths(vector).dimension
+        length = self.length if self.length is not None else self._lengths().dimension
         needed = None
         if None not in (length, facts.dimension):
             needed = over(length, facts.dimension)
@@ -254,7 +234,7 @@ class Drawings(Checks):
             wanted = {2: "[radius, height]", 3: "[a, b, c]"}[shapes.FORMS[form]]
             self.report.error(f"a {form} has the sizes {wanted}", value.span)
             return ()
-        target = self._lengths(value, "a size is a length")
+        target = self._lengths("a size is a length")
         found = [self._number(item, scope, "a size", target) for item in items]
         return tuple(part for parts in found for part in parts) if all(found) else ()
 
@@ -283,11 +263,8 @@ class Drawings(Checks):
         for expr in (first, second):
             entry = self.names.table.get(expr.id) if isinstance(expr, Name) else None
             if entry is None or entry.kind != "coordinate" or expr.index is not None:
-                self.report.error(
-                    "a level is drawn over coordinates",
-                    expr.span,
-                    "e.g. draw level V in x, y",
-                )
+                message = "a level is drawn over coordinates"
+                self.report.error(message, expr.span, "e.g. draw level V in x, y")
             else:
                 entry.used = True
                 found.append(expr.id)
@@ -302,11 +279,9 @@ class Drawings(Checks):
             return ()
         for name in axes:
             if name not in facts.coordinates:
-                self.report.error(
-                    f"{self.expressions.mismatch.text(value)} does not depend on {name}",
-                    value.span,
-                    "its contours would be straight lines: draw what changes with both",
-                )
+                message = f"{self.expressions.mismatch.text(value)} does not depend on {name}"
+                help = "its contours would be straight lines: draw what changes with both"
+                self.report.error(message, value.span, help)
         self.shared.use_inputs(facts)
         return (found,)
 
