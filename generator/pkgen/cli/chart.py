@@ -114,9 +114,7 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
         "until": chart.until,
         "values": {name: value for name, value, _ in chart.values},
         "reference": {
-            "error": reference.error,
-            "holds": reference.holds,
-            "scalar": reference.scalar,
+            **{name: getattr(reference, name) for name in ("error", "holds", "scalar")},
             "final": [float(x) for x in reference.final],
             "scales": reference.scales,
         },

@@ -45,7 +45,7 @@ class Judge:
         scene: Scene,
         values: Values,
         report: dict,
-        member: Callable[[int], str] | None = None,
+        member: Callable[[int], str] | None,
     ):
         self.model, self.scene, self.values = model, scene, values
         self.report, self.member = report, member
@@ -105,10 +105,8 @@ class Judge:
             return self._worst(item, [(numbers, member)])
         rows = zip(*times.values(), strict=True)
         first = self.report.get("first_member", 0)
-        cases = [
-            ({**numbers, **dict(zip(times, row, strict=True))}, first + i)
-            for i, row in enumerate(rows)
-        ]
+        found = (numbers | dict(zip(times, row, strict=True)) for row in rows)
+        cases = [(case, first + i) for i, case in enumerate(found)]
         return self._worst(item, cases if self.member is not None else [(cases[0][0], None)])
 
     def _worst(self, item: Expect, cases: list[tuple[dict, int | None]]) -> Verdict:
@@ -133,10 +131,7 @@ class Judge:
             if number is None:
                 return self._verdict(item, False, f"{call.function}(…) is not finite")
         try:
-            a, b, allowed = (
-                None if e is None else self._number(e, numbers)
-                for e in (item.a, item.b, item.within)
-            )
+            a, b, allowed = (e and self._number(e, numbers) for e in (item.a, item.b, item.within))
         except WrongValue as wrong:
             return self._verdict(item, False, str(wrong))
         met = {"<": a < b, ">": a > b, "=": abs(a - b) <= (allowed or 0.0)}[item.relation]

@@ -14,6 +14,7 @@ from __future__ import annotations
 import shutil
 import sys
 from dataclasses import replace
+from itertools import takewhile
 
 from ...compiler import Compilation
 from ...record import record
@@ -86,9 +87,8 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
             except BuildError as error:
                 refusal = error
                 continue
-            return _agree(
-                Program(program, settings), scalar, compilation.structure.smooth_in_pieces
-            )
+            smooth = compilation.structure.smooth_in_pieces
+            return _agree(Program(program, settings), scalar, smooth)
     assert refusal is not None
     raise refusal
 
@@ -111,20 +111,10 @@ def _agree(program: Program, scalar: str, smooth: bool) -> Reference:
         max(difference(state, check[0][k][1], scales) for check in checks)
         for k, (_, state) in enumerate(exact[0])
     ]
-    holds = 0.0
-    for (t, _), error in zip(exact[0], worst, strict=True):
-        if error > MUST_AGREE:
-            break
-        holds = t
-    return Reference(
-        final=exact[0][-1][1],
-        scales=scales,
-        error=worst[-1],
-        holds=holds,
-        until=exact[0][-1][0],
-        scalar=scalar,
-        steps=exact[1],
-    )
+    agreed = takewhile(lambda pair: pair[1] <= MUST_AGREE, zip(exact[0], worst, strict=True))
+    holds = max((t for (t, _), _ in agreed), default=0.0)
+    until, final = exact[0][-1]
+    return Reference(final, scales, worst[-1], holds, until, scalar, exact[1])
 
 
 def _path(program: Program, method: str, tolerance: float) -> tuple[list[tuple[float, Exact]], int]:
@@ -143,18 +133,17 @@ def _path(program: Program, method: str, tolerance: float) -> tuple[list[tuple[f
 
 def _at_rest(states: list[Exact]) -> bool:
     """Nothing moves by what a double can tell."""
-    for i in range(len(states[0])):
-        xs = [state[i] for state in states]
-        if float(max(xs) - min(xs)) > sys.float_info.epsilon * float(max(map(abs, xs))):
-            return False
-    return True
+    return all(
+        float(max(xs) - min(xs)) <= sys.float_info.epsilon * float(max(map(abs, xs)))
+        for xs in zip(*states, strict=True)
+    )
 
 
 def _scales(states: list[Exact]) -> list[float]:
     """The largest magnitude of each coordinate and each rate; of one that never moves, that of the
     others of its kind."""
     n = states[0].coordinates
-    largest = [float(max(abs(state[i]) for state in states)) for i in range(len(states[0]))]
+    largest = [float(max(map(abs, xs))) for xs in zip(*states, strict=True)]
     scales: list[float] = []
     for kind in (largest[:n], largest[n:]):
         usual = max(kind, default=0.0) or 1.0

@@ -65,12 +65,8 @@ def find(program: Program, method: str, until: float, dissipative: bool) -> Spec
     import numpy
 
     done = program.path(method, TOLERANCE, TIMES, SLOWEST)
-    rows = done.rows()
-    t, q, v = (
-        rows[:, 0],
-        rows[:, 1 : 1 + len(program.start["q"])],
-        rows[:, 1 + len(program.start["q"]) :],
-    )
+    rows, end = done.rows(), 1 + len(program.start["q"])
+    t, q, v = rows[:, 0], rows[:, 1:end], rows[:, end:]
     n = v.shape[1]
     omega = rho = 0.0
     for a in done.evaluate("jacobian", t, q, v).reshape(-1, 2, n, n):

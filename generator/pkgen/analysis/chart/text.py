@@ -61,16 +61,8 @@ def answer_rows(chart: Chart) -> list[tuple[str, ...]]:
         if a.point is None or a.method is None:
             rows.append((*head, a.reason, "", "", "", ""))
             continue
-        rows.append(
-            (
-                *head,
-                a.method.name,
-                setting(a),
-                seconds(a.point.seconds or 0.0),
-                f"{a.point.work:,}",
-                f"{a.point.error:.1e}",
-            )
-        )
+        cost = seconds(a.point.seconds or 0.0), f"{a.point.work:,}", f"{a.point.error:.1e}"
+        rows.append((*head, a.method.name, setting(a), *cost))
     return rows
 
 
@@ -93,13 +85,9 @@ def report(chart: Chart, model: str, given: list[str]) -> str:
     widths = [max(len(row[i]) for row in told) for i in range(len(HEADINGS))]
     lines = [*preamble(chart), ""]
     for row in rows:
-        cells = row if row in told else row[:3]
-        lines.append(
-            "  ".join(
-                cell.rjust(w) if i >= 4 else cell.ljust(w)
-                for i, (cell, w) in enumerate(zip(cells, widths, strict=False))
-            ).rstrip()
-        )
+        cells = zip(row if row in told else row[:3], widths, strict=False)
+        shown = (x.rjust(w) if i >= 4 else x.ljust(w) for i, (x, w) in enumerate(cells))
+        lines.append("  ".join(shown).rstrip())
     runs = [command(chart, a, model, given) for a in chart.answers if a.point]
     if runs:
         lines += ["", *dict.fromkeys(runs)]

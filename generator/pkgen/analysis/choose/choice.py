@@ -44,18 +44,19 @@ class Choice:
     sampled: int = 0  # members that were tried, of an ensemble
     of: tuple[str, ...] = ()  # the coordinates of a part; none: it is of all
 
+    @property
+    def kind(self) -> str:
+        """Of its setting."""
+        return "step" if self.fixed else "rtol"
+
     def settings(self, given: Settings) -> Settings:
         """What is run, by the program that the trials were made with."""
-        chosen: dict[str, object] = {
-            "method": self.method,
-            "rows": self.rows,
-            "compiled_for": self.compiled_for,
-        }
+        given = replace(given, method=self.method, rows=self.rows, compiled_for=self.compiled_for)
         if self.fixed:
-            return replace(given, **chosen, step=self.setting)
+            return replace(given, step=self.setting)
         bounds = [x for x in (given.max_step, self.max_step) if x is not None]
         longest = min(bounds, default=None)
-        return replace(given, **chosen, step=None, rtol=self.setting, atol=None, max_step=longest)
+        return replace(given, step=None, rtol=self.setting, atol=None, max_step=longest)
 
     def of_part(self) -> PartSettings:
         """What is run of a block of coordinates by itself."""

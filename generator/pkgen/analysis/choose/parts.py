@@ -34,24 +34,18 @@ def with_choices(given: Settings, choices: Sequence[Choice]) -> Settings:
 
 
 def _of_all(compilation: Compilation, settings: Settings, ensemble: Ensemble | None) -> Choice:
-    prepared = Prepared.of(
-        compilation.files,
-        compilation.model.name,
-        compilation.structure,
-        land=ensemble is not None,
-        events=bool(named.events(compilation)),
-    )
+    system = compilation.files, compilation.model.name, compilation.structure
+    events = bool(named.events(compilation))
+    prepared = Prepared.of(*system, land=ensemble is not None, events=events)
     settings = _with_expected(compilation, settings)
     if ensemble is None:
         found = prepared.choose(settings, settings.accuracy)
         found = replace(found, compiled_for=prepared.methods)
     else:
         found = of_members(prepared, settings, ensemble)
-    return replace(
-        found,
-        left_out=_named(compilation, settings, found.check.ignored),
-        unsure=_named(compilation, settings, found.check.unsure),
-    )
+    left_out = _named(compilation, settings, found.check.ignored)
+    unsure = _named(compilation, settings, found.check.unsure)
+    return replace(found, left_out=left_out, unsure=unsure)
 
 
 def _named(compilation: Compilation, settings: Settings, which: Sequence[int]) -> tuple[str, ...]:
@@ -94,10 +88,5 @@ def alone(part: CompiledPart, settings: Settings) -> Settings:
             show.append(Shown(column.kind, place[column.index], column.name))
         elif column.kind == "z" and column.name in angles:
             show.append(Shown("z", angles.index(column.name), column.name))
-    return replace(
-        settings,
-        start_q=mine(settings.start_q),
-        start_v=mine(settings.start_v),
-        show=tuple(show),
-        parts=(),
-    )
+    starts = {"start_q": mine(settings.start_q), "start_v": mine(settings.start_v)}
+    return replace(settings, **starts, show=tuple(show), parts=())

@@ -51,15 +51,9 @@ class Race:
 
     def _attempt(self, candidate: Candidate, setting: float) -> Trial:
         cap = max(LEAST_CAP, 2 * SLOWER * min(self.best, 4 * self.check.exact.seconds))
-        return self.asked.trials.attempt(
-            candidate.name,
-            setting,
-            candidate.rows,
-            self.check.span,
-            accuracy=self.asked.accuracy,
-            cap=cap,
-            every=self.check.every,
-        )
+        run = candidate.name, setting, candidate.rows, self.check.span
+        how = {"accuracy": self.asked.accuracy, "cap": cap, "every": self.check.every}
+        return self.asked.trials.attempt(*run, **how)
 
     def cheapest(self, kept: list[Found]) -> Found:
         """The first that ties with the cheapest: those that may be it are timed in turns, for the
@@ -70,14 +64,9 @@ class Race:
             least = min(seconds.values())
             near = [f for f in near if seconds[id(f)] <= times * least]
             for f in near if len(near) > 1 else ():
-                again = self.asked.trials.attempt(
-                    f.kept.method,
-                    f.kept.setting,
-                    f.kept.rows,
-                    self.check.span,
-                    laps=min(LAPS, 10 * f.kept.seconds),
-                    every=self.check.every,
-                )
+                run = f.kept.method, f.kept.setting, f.kept.rows, self.check.span
+                laps = min(LAPS, 10 * f.kept.seconds)
+                again = self.asked.trials.attempt(*run, laps=laps, every=self.check.every)
                 seconds[id(f)] = min(seconds[id(f)], again.seconds)
         least = min(seconds[id(f)] for f in near)
         return next(f for f in near if seconds[id(f)] <= TIE * least)

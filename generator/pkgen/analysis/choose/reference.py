@@ -105,16 +105,9 @@ class _Finder:
     def attempt(
         self, name: str, setting: float, cap: float = 0.0, max_step: float | None = None
     ) -> Trial:
-        return self.trials.attempt(
-            name,
-            setting,
-            LAND,
-            self.span,
-            accuracy=FLOOR * self.asked.accuracy,
-            cap=cap,
-            every=self.interval,
-            max_step=max_step,
-        )
+        accuracy = FLOOR * self.asked.accuracy
+        how = {"accuracy": accuracy, "cap": cap, "every": self.interval, "max_step": max_step}
+        return self.trials.attempt(name, setting, LAND, self.span, **how)
 
     def tight(self, name: str, cap: float = 0.0) -> Trial:
         setting = tight(name, self.interval or self.asked.every)
@@ -140,8 +133,7 @@ class _Finder:
 
     def beside(self, name: str, cap: float) -> Trial:
         """Another method: that which goes to the tightest tolerances of those that arrive."""
-        others = [other for other in reversed(self.asked.exact) if other != name]
-        for other in others:
+        for other in reversed([other for other in self.asked.exact if other != name]):
             trial = self.loose(other, cap)
             if trial.arrived:
                 break

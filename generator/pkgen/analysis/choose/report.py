@@ -14,15 +14,17 @@ SHOWN = 0.1  # seconds of compiling, of which is said
 def lines(choice: Choice, time: str, brief: bool) -> list[str]:
     """The choice, unless `brief`, and a warning where it does not hold."""
     said = []
-    setting = f"{'step' if choice.fixed else 'rtol'} {choice.setting:.3g}"
+    setting = f"{choice.kind} {choice.setting:.3g}"
     if choice.max_step is not None:
         setting += f", steps of at most {choice.max_step:.3g}"
     expected = f"expected error {choice.expected:.1e}, " if math.isfinite(choice.expected) else ""
     if not brief:
         compiled = f", {choice.compile_seconds:.2g} s to compile them"
+        of = f" of {', '.join(choice.of)}" if choice.of else ""
+        sampled = f" of {choice.sampled} members" if choice.sampled else ""
         said.append(
-            f"accuracy {choice.accuracy:g}{_of(choice)}: {choice.method}, {setting}, {expected}"
-            f"{choice.seconds:.2g} s of trials{_sampled(choice)}"
+            f"accuracy {choice.accuracy:g}{of}: {choice.method}, {setting}, {expected}"
+            f"{choice.seconds:.2g} s of trials{sampled}"
             f"{compiled if choice.compile_seconds >= SHOWN else ''}"
         )
     if choice.left_out:
@@ -80,14 +82,6 @@ def _apart(choice: Choice) -> str:
     )
 
 
-def _of(choice: Choice) -> str:
-    return f" of {', '.join(choice.of)}" if choice.of else ""
-
-
-def _sampled(choice: Choice) -> str:
-    return f" of {choice.sampled} members" if choice.sampled else ""
-
-
 def record(choice: Choice) -> dict[str, object]:
     check = choice.check
     return {
@@ -95,7 +89,7 @@ def record(choice: Choice) -> dict[str, object]:
         "asked": choice.accuracy,
         "method": choice.method,
         "rows": choice.rows,
-        "step" if choice.fixed else "rtol": choice.setting,
+        choice.kind: choice.setting,
         "max_step": choice.max_step,
         "expected": _finite(choice.expected),
         "horizon": choice.horizon,
@@ -126,7 +120,7 @@ def _evidence(found: Found, choice: Choice) -> dict[str, object]:
         "method": candidate.name,
         "rows": candidate.rows,
         "why": candidate.why,
-        "step" if candidate.method.fixed else "rtol": best.setting,
+        candidate.method.setting: best.setting,
         "error": _finite(best.error),
         "seconds": _finite(best.seconds),
         "trials": len(found.tried),

@@ -90,15 +90,9 @@ class Whole:
         accuracy: float | None = None,
     ) -> Trial:
         asked = self.asked
-        trial = asked.trials.attempt(
-            candidate.name,
-            setting,
-            candidate.rows,
-            asked.until,
-            accuracy=accuracy or asked.accuracy,
-            cap=self.seconds,
-            max_step=max_step,
-        )
+        run = candidate.name, setting, candidate.rows, asked.until
+        how = {"accuracy": accuracy or asked.accuracy, "cap": self.seconds, "max_step": max_step}
+        trial = asked.trials.attempt(*run, **how)
         if trial.slow:
             raise TooLong(GivenUp(trial.t, trial.took, asked.until))
         return trial
