@@ -103,7 +103,7 @@ def verdicts(
     scene: Scene,
     settings: Settings,
     report: dict,
-    several: Ensemble | None,
+    ensemble: Ensemble | None,
 ) -> list[Verdict]:
     """Whether what it expects was met; nothing of a run that has no report."""
     if not scene.expects or "expects" not in report:
