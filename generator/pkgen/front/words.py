@@ -40,7 +40,12 @@ _OTHERS = {
 }
 
 CLAUSE_WORDS = frozenset(_CLAUSES.split())
-CONSTANTS = frozenset(("t", "pi", "inf", "energy"))
+CONSTANTS = {
+    "t": "the time",
+    "pi": "the number pi",
+    "inf": "infinity",
+    "energy": "the model's energy",
+}
 C_WORDS = frozenset(_C.split())
 C_HEADERS = frozenset(_HEADERS.split())
 
@@ -64,12 +69,7 @@ def reserved(name: str) -> str:
     if (name in STATEMENTS and not STATEMENTS[name].soft) or name in CLAUSE_WORDS:
         return "is a word of the language"
     if name in CONSTANTS:
-        return {
-            "t": "is the time",
-            "pi": "is the number pi",
-            "inf": "is infinity",
-            "energy": "is the model's energy",
-        }[name]
+        return f"is {CONSTANTS[name]}"
     if name in C_WORDS:
         return "has a meaning in C or C++"
     if name.startswith("__") or (name.startswith("_") and name[1:2].isupper()):

@@ -79,16 +79,9 @@ class _Checker:
         self.names.coordinates = _named(file.statements, "coord")
         self.names.states = _named(file.statements, "state")
         self.names.rotations = _named(file.statements, "rotation")
-        sizes: dict[str, int] = {}
         lagrangian = any(s.keyword == "lagrangian" for s in file.statements)
-        self.expressions = Expressions(
-            file.source,
-            self.report,
-            self.names,
-            sizes,
-            self.dimensionless,
-            lagrangian=lagrangian,
-        )
+        about = file.source, self.report, self.names, {}, self.dimensionless
+        self.expressions = Expressions(*about, lagrangian=lagrangian)
         self.shared = Shared(self.expressions, self.report, self.names, self.given)
         self.states, self.dynamics = States(self.shared), Dynamics(self.shared)
         self.scenes = Scenes(self.shared, self.dynamics)
@@ -143,9 +136,8 @@ class _Checker:
         found: dict[str, list[Diagnostic]] = {}
         scenes = [s for s in self.file.statements if isinstance(s, st.Scene)]
         for scene in scenes if self.given else ():
-            mine = [
-                e for e in self.report.errors if scene.span.start <= e.span.start < scene.span.end
-            ]
+            start, end = scene.span.start, scene.span.end
+            mine = [e for e in self.report.errors if start <= e.span.start < end]
             if mine:
                 found[scene.name] = mine
                 self.report.errors = [e for e in self.report.errors if e not in mine]
@@ -158,7 +150,7 @@ class _Checker:
     def _unused(self) -> None:
         for entry in self.names.table.values():
             if not entry.used and entry.kind in _UNUSED:
-                self.report.warn(f"{_UNUSED[entry.kind]} '{entry.name}' is never used", entry.span)
+                self.report.warn(f"the {entry.kind} '{entry.name}' is never used", entry.span)
 
     def _model(self) -> m.Model | None:
         if self.report.errors or self.file.diagnostics:
@@ -170,14 +162,9 @@ class _Checker:
         parts["states"] = (*(s for r in rotations for s in states_of(r)), *parts["states"])
         parts["starts"] = (*map(identity, rotations), *parts["starts"])
         parts["inputs"] = tuple(self._input(*i) for i in parts["inputs"])
-        return m.Model(
-            source=self.file.source,
-            name=head.name,
-            description=head.description,
-            dimensionless=self.dimensionless,
-            span=head.span,
-            **parts,
-        )
+        said = {"name": head.name, "description": head.description, "span": head.span}
+        source, dimensionless = self.file.source, self.dimensionless
+        return m.Model(source=source, dimensionless=dimensionless, **said, **parts)
 
     def _input(self, item: st.Declared, unit, description: str) -> m.Input:
         order = self.shared.inputs.get(item.name, 0)
@@ -188,23 +175,12 @@ class _Checker:
         return m.Input(item.name, order, tuple(texts), description, item.span)
 
 
-_UNUSED = {
-    "parameter": "the parameter",
-    "constant": "the constant",
-    "size": "the size",
-    "input": "the input",
-    "definition": "the definition",
-}
+_UNUSED = ("parameter", "constant", "size", "input", "definition")
 
 
 def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]:
     """The names that `coord`, `state` or `rotation` declares anywhere."""
-    return frozenset(
-        item.name
-        for s in statements
-        if isinstance(s, st.Declare) and s.keyword == keyword
-        for item in s.items
-    )
+    return frozenset(item.name for s in statements if s.keyword == keyword for item in s.items)
 
 
 def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ... import model as m
+from ...indices import indexed
 from ...source import Span
 from ...tree import Expr
 from .. import statements as st
@@ -147,8 +148,7 @@ class Coordinates(Checks):
             k for k in self.own_ends if k[0] == name and (k[1] == index or None in (k[1], index))
         ]
         if clash:
-            line = self.names.line_of(self.own_ends[clash[0]])
-            what = name if index is None else f"{name}[{index}]"
+            line, what = self.names.line_of(self.own_ends[clash[0]]), indexed(name, index)
             self.report.error(f"the end {what} is given already in line {line}", left.span)
             return False
         self.own_ends[name, index] = left.span

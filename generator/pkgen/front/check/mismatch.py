@@ -88,28 +88,30 @@ class Mismatch:
         if self.report.full:
             return ""
         text = self.text(expr)
+        if isinstance(expr, Quantity) or (facts.bare and needed == NONE):
+            return ""
         if facts.bare:
             given = f"{text} [{si_text(needed)}]"
-            if within:
-                return f"give it a unit, in brackets: ({given})" if needed != NONE else ""
-            return f"give it a unit: {given}" if needed != NONE else ""
-        if isinstance(expr, Quantity):
-            return ""
+            how = f", in brackets: ({given})" if within else f": {given}"
+            return f"give it a unit{how}"
         factor = units.over(needed, facts.dimension)
-        for ratio, verb, sign in ((factor, "multiply", "*"), (_inverse(factor), "divide", "/")):
+        under = units.over(NONE, factor)
+        shown = f"({text})" if isinstance(expr, Add) else text
+        for ratio, verb, sign in (
+            (factor, "multiply", "*"),
+            (under, "divide", "/"),
+        ):
             name = self._fitting(ratio, expr, needs, numbers)
             if name is not None:
                 what = units.KINDS.get(ratio, f"something in [{si_text(ratio)}]")
                 if ratio == units.LENGTH and "potential" in needs and verb == "multiply":
                     what = "a height"
-                shown = f"({text})" if isinstance(expr, Add) else text
                 return f"{verb} by {what}, e.g. {shown}{sign}{name}"
-        unitless = self._without_unit(expr)
+        unitless = next(filter(self._is_unitless, _names(expr)), None)
         if unitless is not None:
             return f"'{unitless}' is declared without a unit; a pure number unless it says [unit]"
         kind = units.KINDS.get(factor)
         if numbers and facts.dimension == NONE:
-            shown = f"({text})" if isinstance(expr, Add) else text
             return f"give it its unit: (1 [{si_text(factor)}])*{shown}"
         return f"{kind} [{si_text(factor)}] is missing as a factor" if kind else ""
 
@@ -151,16 +153,9 @@ class Mismatch:
             return None
         return units.over(entry.facts.dimension, units.TIME)
 
-    def _without_unit(self, expr: Expr) -> str | None:
-        for name in _names(expr):
-            entry = self.names.table.get(name)
-            if entry is not None and entry.kind == "parameter" and not entry.facts.united:
-                return name
-        return None
-
-
-def _inverse(a: Dimension) -> Dimension:
-    return units.over(NONE, a)
+    def _is_unitless(self, name: str) -> bool:
+        entry = self.names.table.get(name)
+        return entry is not None and entry.kind == "parameter" and not entry.facts.united
 
 
 def _names(expr: Expr) -> list[str]:

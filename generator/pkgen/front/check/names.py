@@ -209,20 +209,14 @@ class Names:
         if why:
             self.report.error(f"'{name}' {why} and cannot be a name", span, "choose another name")
         elif before is not None and before.kind != "poisoned":
-            self.report.error(
-                f"'{name}' is declared already: {KIND_TEXT[before.kind]}"
-                f" in line {self.line_of(before.span)}",
-                span,
-                "choose another name",
-            )
+            at = f"{KIND_TEXT[before.kind]} in line {self.line_of(before.span)}"
+            self.report.error(f"'{name}' is declared already: {at}", span, "choose another name")
             return False
         elif name.startswith("p_") and name[2:] in self.moving:
             what = "coordinate" if name[2:] in self.coordinates else "rotation"
-            self.report.error(
-                f"'{name}' is the momentum of the {what} '{name[2:]}'; it needs no declaration",
-                span,
-                "choose another name",
-            )
+            of = f"the momentum of the {what} '{name[2:]}'"
+            message = f"'{name}' is {of}; it needs no declaration"
+            self.report.error(message, span, "choose another name")
         self.table[name] = entry
         return not why
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from ... import limits
 from ... import model as m
-from ...indices import integer
+from ...indices import indexed, integer
 from .names import Report
 from .values import NoValue, evaluate
 
@@ -29,7 +29,7 @@ def check_bounds(
         bounds = ends_of(item, values, sizes, report)
         for index in _indices(item, sizes):
             inner = sizes if index is None else {**sizes, item.range.variable: index}
-            shown = item.name if index is None else f"{item.name}[{index}]"
+            shown = indexed(item.name, index)
             try:
                 value = evaluate(item.default, values, inner)
             except KeyError:
@@ -99,10 +99,5 @@ def number(value, unit: str = "") -> str:
 
 def interval(bounds: m.Bounds, ends) -> str:
     lo, hi = ends
-    return (
-        ("(" if bounds.lo_open else "[")
-        + ("-inf" if lo is None else number(lo))
-        + ", "
-        + ("inf" if hi is None else number(hi))
-        + (")" if bounds.hi_open else "]")
-    )
+    lo, hi = "-inf" if lo is None else number(lo), "inf" if hi is None else number(hi)
+    return f"{'(' if bounds.lo_open else '['}{lo}, {hi}{')' if bounds.hi_open else ']'}"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from ...indices import integer
+from ...indices import indexed, integer
 from ...model import Model, Parameter, Record, Scene
 from ...source import Span
 from ...tree import Expr
@@ -127,9 +127,8 @@ class _Numbers:
             value = self.values.values.get(key)
             if ends is None or value is None or within(value, parameter.bounds, ends):
                 continue
-            shown = parameter.name if index is None else f"{parameter.name}[{index}]"
-            bounds = interval(parameter.bounds, ends)
-            value = number(value, parameter.unit)
-            self.report.error(f"{message.format(shown)}: {value} is not in {bounds}", span)
+            said = message.format(indexed(parameter.name, index))
+            value, bounds = number(value, parameter.unit), interval(parameter.bounds, ends)
+            self.report.error(f"{said}: {value} is not in {bounds}", span)
             return True
         return False
