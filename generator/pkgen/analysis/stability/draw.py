@@ -117,8 +117,8 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, first: bool, last: boo
     norm = BoundaryNorm(np.arange(len(kinds) + 1) - 0.5, len(kinds))
     axes.pcolormesh(edges(hs), edges(xs), cells, cmap=colours, norm=norm, rasterized=True)
     here = {kinds[k] for k in np.unique(cells)}
-    for kind in here:
-        if CLASSES[kind][1]:
+    for kind in kinds:  # in order, not in that of a set: files are the same from run to run
+        if kind in here and CLASSES[kind][1]:
             _hatch(axes, hs, xs, cells == kinds.index(kind), CLASSES[kind][1])
     axes.set_xlim(edges(hs)[0], edges(hs)[-1])
     axes.set_ylim(edges(xs)[0], edges(xs)[-1])
