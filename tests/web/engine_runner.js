@@ -26,7 +26,7 @@ function run(engine, job) {
   }
   const took = performance.now() - began;
   const found = { rows, status, energy: motion.energy(), outputs: [...motion.outputs()], steps: motion.steps,
-    constants: [...motion.constants()], events: motion.events(), ms: took };
+    constants: [...motion.constants()], events: motion.events().map((e) => ({ ...e, q: [...e.q], v: [...e.v] })), ms: took };
   motion.free();
   return found;
 }

@@ -11,10 +11,11 @@ from pathlib import Path
 import native
 import pytest
 from conftest import ROOT, run_pkgen
-from pkgen.back.web.build import missing
+from pkgen.back.web import build
+from pkgen.system.exits import BuildError
 
 RUNNER = Path(__file__).with_name("engine_runner.js")
-NOT_HERE = missing() or ([] if shutil.which("node") else ["nodejs"])
+NOT_HERE = build.missing() or ([] if shutil.which("node") else ["nodejs"])
 pytestmark = pytest.mark.skipif(bool(NOT_HERE), reason=f"apt-get install {' '.join(NOT_HERE)}")
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 
@@ -132,6 +133,12 @@ def test_events_constants_and_outputs(folder: Path) -> None:
     model = ROOT / "models" / "pendulums" / "pendulum.lag"
     (found,) = asked(page(model, folder), {"method": "gauss", "times": [3.0]})["found"]
     assert [e["event"] for e in found["events"]] == [0, 0, 0]
+    name = native.made(model).description["events"][0]["name"]
+    done = run_pkgen("run", model, "--at", name, "--record", "theta,theta'", "--until", "3")
+    ours = [[float(x) for x in row.split(",")] for row in done.stdout.splitlines()[1:]]
+    for crossing, row in zip(found["events"], ours, strict=True):
+        state = [crossing["t"], *crossing["q"], *crossing["v"]]
+        assert state == pytest.approx(row[-3:], abs=1e-8)
     assert found["constants"][0] == pytest.approx(found["energy"]) and len(found["outputs"]) > 2
 
 
@@ -140,6 +147,55 @@ def test_memory_is_given_back(folder: Path) -> None:
     job = {"method": "gauss", "times": [0.1]}
     few, many = asked(path, *[job] * 20)["memory"], asked(path, *[job] * 2000)["memory"]
     assert many == few
+
+
+def test_memory_of_parameters_and_swarms_is_given_back(folder: Path) -> None:
+    """Each with parameters of its own, as a slider that is moved asks for them."""
+    model = ROOT / "models" / "double_pendulum.lag"
+    path, values = (
+        page(model, folder),
+        [p["value"] for p in native.made(model).description["parameters"]],
+    )
+
+    def jobs(count: int) -> list[dict]:
+        found: list[dict] = []
+        for k in range(count):
+            own = [*values[:-1], values[-1] * (1 + 1e-3 * k)]
+            found.append({"method": "rk4", "step": 0.01, "times": [0.1], "params": own})
+            masses = [values[0] * (1 + i) for i in range(50)]
+            swarm = {"columns": [{"kind": "p", "index": 0}], "values": masses, "times": [0.1]}
+            found.append({"kind": "swarm", "method": "rk4", "step": 0.01, "members": 50, **swarm})
+        return found
+
+    few, many = asked(path, *jobs(40)), asked(path, *jobs(1500))
+    assert many["memory"] == few["memory"]
+    assert not [found for found in many["found"] if "error" in found]
+
+
+def test_a_swarm_keeps_to_the_grid_of_its_steps(folder: Path) -> None:
+    """However often it is shown: else symplectic methods would lose what they keep."""
+    columns = [{"kind": "q", "index": 0}]
+    swarm = {
+        "kind": "swarm",
+        "method": "rk4",
+        "step": 0.02,
+        "members": 3,
+        "columns": columns,
+        "values": [0.1, 0.2, 0.3],
+    }
+    often = [0.0137 * k for k in range(1, 71)]
+    one, many = asked(
+        page(ROOT / "models" / "double_pendulum.lag", folder),
+        {**swarm, "times": often[-1:]},
+        {**swarm, "times": often},
+    )["found"]
+    assert one["states"] == many["states"]
+
+
+def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(build, "_found", lambda: (None, None, None))
+    with pytest.raises(BuildError, match="apt-get install clang lld wasi-libc"):
+        build.wasm({}, "m")
 
 
 def test_a_swarm_goes_as_its_members_do(folder: Path) -> None:
