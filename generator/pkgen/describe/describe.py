@@ -268,6 +268,11 @@ def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str
         return "it is for systems that are " + ", ".join(in_words(missing)) + ": not proved of this"
     if "no_inputs" in item["flags"] and named.inputs(compilation).count:
         return "it is for systems without inputs"
+    rolling = [c.name for c in compilation.model.constraints if not c.holonomic]
+    if "holonomic" in item["flags"] and rolling:
+        return (
+            f"it takes constraints of positions alone: {rolling[0]} is one of the rates (rolling)"
+        )
     if "linear" in item["flags"] and not _has_linear(compilation):
         return "it needs the derivatives of the acceleration, which so many coordinates are without"
     if compilation.looped:
