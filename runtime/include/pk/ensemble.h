@@ -36,8 +36,8 @@ struct pk_ensemble {
     const pk_real *z0; /* quadratures at the start, or NULL: as init has them */
 
     /* Rows: the times at which results are wanted, one after the other away from t0. Adaptive steps
-     * end there; fixed ones at the last alone, and within one a shorter step from where it began
-     * has the result. */
+     * end at each; fixed ones at the last alone, and for a time within one the result is that of a
+     * shorter step from where it began. */
     pk_real t0;
     size_t rows;
     const pk_real *t;

@@ -11,8 +11,8 @@
  * How a crossing is located. After each step g is looked at at its ends and in between, at 9 or 17
  * points of an interpolant: the method's own dense output, else the quintic of Hermite through q, v
  * and accelerations, or, where that of q and v alone bends otherwise than the motion, states by
- * shorter steps. The polynomial through these points either shows that g is far from zero, or has
- * to be g, by its last coefficients; where it is not, the step is looked at in halves, and these in
+ * shorter steps. Either the polynomial through these points shows that g is far from zero, or its
+ * last coefficients show that it represents g; else the step is looked at in halves, and these in
  * halves. Where the polynomial crosses zero, or dips to 1/32 of what it varies by, g is computed
  * anew at a state that a second integrator reaches by the same method in one shorter step from
  * where the step began. Only such states decide; so a crossing is as accurate as the method's own
@@ -40,9 +40,9 @@
  * integrator's during a step; those of the caller keep 0 and are read anew for each step. Where the
  * motion does not leave a zero, as under dry friction at rest, the status is PK_SLIDING.
  *
- * Where L or a constraint jumps across a switch (system->switches.impulses) the rates get the
- * impulse that the jump gives, before the next step begins; of a barrier that is too high the
- * motion is turned back, and stays on its side. Where the impulse is not determined, or a position
+ * Where L or a constraint jumps across a switch (system->switches.impulses) the jump's
+ * impulse is given to the rates before the next step begins. If the barrier is too high, the
+ * motion is turned back and stays on its side. Where the impulse is not determined, or a position
  * would have to jump, the status is PK_NO_IMPULSE.
  */
 #ifndef PK_EVENTS_H

@@ -55,7 +55,7 @@ struct pk_options {
                      and gauss takes 2 PK_EPSILON at least. */
     pk_real atol; /* PK_ATOL_OF_MOTION: rtol times the largest value that the coordinate or rate has
                      had, at least 1e-6 of the largest of one of the same unit */
-    pk_real h_min;           /* adaptive: below is PK_STEP_UNDERFLOW. Ten ulp of t always is. */
+    pk_real h_min;           /* adaptive: a shorter one is PK_STEP_UNDERFLOW, as is ten ulp of t */
     pk_real h_max;           /* adaptive; 0: none. A last step may be 1% longer. */
     unsigned long max_steps; /* 0: no bound. PK_NO_PROGRESS ends a run early if, at the mean
                                 length of the last half of the steps, more than max_steps (of 0:
@@ -125,8 +125,8 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
                                   pk_real t0, const pk_real *q0, const pk_real *v0, void *block,
                                   size_t block_size);
 /* A new state at t for the same integrator; counters go on, and quadratures from what they are.
- * q and v may be it->q and it->v: so it is to be called after a change of parameters or a jump of
- * an input, of which methods keep derivatives. Where it is refused, nothing steps until one is
+ * q and v may be it->q and it->v. Call it so after a change of parameters or a jump of an input,
+ * since methods keep derivatives from before. Where it is refused, nothing steps until one is
  * accepted. */
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v);
@@ -158,8 +158,8 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
  * t behind it. Nothing of `it` changes but, where that fails, its status and reason. Not after a
  * reset or many steps at once. */
 enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrator *side, pk_real t);
-/* The quadratures there: the motion between is the interpolant's, and the polynomial through what
- * they sum at 16 nodes of it, made once a step, is integrated. */
+/* The quadratures there. Their rates are sampled along the interpolant at 16 nodes, once a step,
+ * and the polynomial through the samples is integrated. */
 enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real t, pk_real *z);
 /* The last status in words, with the last valid time and names. Returns its length as
  * snprintf() does. */

@@ -11,8 +11,9 @@
 #include <pk/status.h>
 #include <pk/system.h>
 
-/* By what a step's length is made from pow, exp and log of the C library, whose last bits differ
- * from one processor to another: with PK_PORTABLE to 24 digits, which do not. */
+/* Step lengths come from pow, exp and log of the C library, whose last bits differ from one
+ * processor to another. With PK_PORTABLE they are rounded to the 24 bits of a float, which do not.
+ */
 #ifdef PK_PORTABLE
 #define PK_SAME(x) ((pk_real)(float)(x))
 #else

@@ -118,8 +118,8 @@ struct pk_run_settings pk_run_defaults(void);
 struct pk_run *pk_run_new(const struct pk_run_model *model, const struct pk_run_settings *settings);
 /* To the end; the code. Rows up to the last valid time are there, whatever it is. */
 enum pk_run_code pk_run_go(struct pk_run *run);
-/* The kept rows, t first: how many, each of *columns numbers, the next two behind the last digit of
- * the first where numbers have more digits than doubles: x is rows[i] + low[i], or low is NULL. */
+/* How many rows are kept; each has *columns numbers, t first. Where pk_real has more digits than a
+ * double, low[i] is what rows[i] lacks: the value is rows[i] + low[i]; else low is NULL. */
 size_t pk_run_rows(const struct pk_run *run, const double **rows, const double **low,
                    size_t *columns);
 /* The name of column i of the rows, its unit in *unit; 0 behind the last. */

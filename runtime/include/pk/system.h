@@ -71,9 +71,9 @@ struct pk_parameter {
     int lo_open, hi_open;
 };
 
-/* An expression that the acceleration divides by, or takes a root or a logarithm of. At its zeros
- * the coordinates may end, where M is singular (the pole of a sphere), or the motion itself (a
- * collision), or only the expression, where a quotient has a limit. */
+/* An expression that the acceleration divides by, or takes a root or a logarithm of. At a zero
+ * there ends one of three: the coordinates, if M is singular there (the pole of a sphere); the
+ * motion itself (a collision); or the expression alone, if the quotient has a limit. */
 enum pk_singularity_kind {
     PK_SINGULARITY_COORDINATES,
     PK_SINGULARITY_DIVISOR,
