@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from functools import cache, partial
 from pathlib import Path
 
@@ -12,14 +11,13 @@ from ..builds import (
     ROOT,
     RUNTIME,
     SOURCES,
-    Broken,
     Build,
     compile_program,
     runtime_library,
 )
 from ..contender import HALVINGS, Contender, Program, Session
 from ..rotation_cases import ADAPTIVE, Case, Form
-from .own import pkgen_python
+from .own import emit
 
 INLINED = {
     "PK_INLINE_GAUSS": "",
@@ -27,19 +25,6 @@ INLINED = {
     "PK_EMBEDDED_METHODS(X)": "X(dop853)",
 }
 EXPLICIT = ("rkmk4", "rkmk8")
-_COMPILE = """
-import sys
-from pathlib import Path
-from pkgen import __main__ as command
-from pkgen.compiler import compile_model
-from pkgen.front.read import read
-from pkgen.scenes import use as scene_use
-from pkgen.scenes.lengths import UNROLL
-model, folder, *words = sys.argv[1:]
-use = scene_use.of_run(command.parser_of("run").parse_args([model, *words]))
-for name, text in compile_model(read(model), unroll=UNROLL, use=use).files.items():
-    Path(folder, name).write_text(text)
-"""
 
 
 @cache
@@ -47,12 +32,7 @@ def generated(form: Form) -> tuple[Path, str]:
     """The folder, and the model's name."""
     stem = form.path.rpartition("/")[2].removesuffix(".lag")
     folder = OUTPUT / "generated" / "forms" / f"{stem}-{'-'.join(form.name.split(', '))}"
-    folder.mkdir(parents=True, exist_ok=True)
-    command = [pkgen_python(), "-c", _COMPILE, str(ROOT / form.path), str(folder), *form.words]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
-    if done.returncode:
-        said = done.stderr.strip().splitlines() or ["?"]
-        raise Broken(f"pkgen refused {form.path}: {said[-1][:200]}")
+    emit(ROOT / form.path, folder, *form.words)
     return folder, stem
 
 

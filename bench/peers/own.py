@@ -43,22 +43,6 @@ def pkgen_python() -> str:
     return os.environ.get("PKGEN_PYTHON") or (str(own) if own.exists() else sys.executable)
 
 
-# As `pkgen run` does it: families of few coordinates are straight-line code.
-_COMPILE = """
-import sys
-from pathlib import Path
-from pkgen.compiler import compile_model
-from pkgen.scenes.asked import UNROLL
-from pkgen.source import Source
-model, folder, *options = sys.argv[1:]
-made = compile_model(
-    Source(model, Path(model).read_text()), libm="--libm" in options, unroll=UNROLL
-)
-for name, text in made.files.items():
-    Path(folder, name).write_text(text)
-"""
-
-
 @cache
 def generated(name: str, *options: str) -> Path:
     """The folder with NAME.c and NAME.h."""
@@ -70,7 +54,7 @@ def generated(name: str, *options: str) -> Path:
 def emit(model: Path, folder: Path, *options: str) -> None:
     """What pkgen makes of a model, into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    command = [pkgen_python(), "-c", _COMPILE, str(model), str(folder), *options]
+    command = [pkgen_python(), ROOT / "bench" / "emit.py", model, folder, *options]
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     if done.returncode:
         said = done.stderr.strip().splitlines() or ["?"]

@@ -1,0 +1,24 @@
+"""`python bench/emit.py MODEL FOLDER [OPTIONS]`: the C that `pkgen run MODEL OPTIONS` compiles."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from pkgen.__main__ import parser_of
+from pkgen.compiler import compile_model
+from pkgen.front.read import read
+from pkgen.scenes import use as scene_use
+from pkgen.scenes.lengths import UNROLL
+
+
+def main(model: str, folder: str, *words: str) -> None:
+    options = parser_of("run").parse_args([model, *words])
+    use = scene_use.of_run(options)
+    made = compile_model(read(model), libm=options.libm, unroll=UNROLL, use=use)
+    for name, text in made.files.items():
+        Path(folder, name).write_text(text)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
