@@ -32,10 +32,11 @@ PERIODS, PER_PERIOD = 100_000, 50
 ROUND_OFF = """\
 Kepler, e = .57 to .62 (eight orbits), gauss8 in {0} steps a period: root mean square of the
 relative energy error over the last tenth of so many periods and over the orbits, seen at the
-start's phase. A random walk: the error over n periods is fitted by n^{1:.2f}, and single orbits have both
-signs. The textbook form of the method, without compensated sums and with h a_ij rounded on its own,
-grows like n. (gauss4 in 200 steps a period leaves sqrt(n) after 1e4 periods by truncation: its
-phase drifts, and the energy's own wave over a period shows; in 320 steps it does not.)
+start's phase. A random walk: the error over n periods is fitted by n^{1:.2f}, and single orbits
+have both signs. The textbook form of the method, without compensated sums and with h a_ij rounded
+on its own, grows like n. (gauss4 in 200 steps a period leaves sqrt(n) after 1e4 periods by
+truncation: its phase drifts, and the energy's own wave over a period shows; in 320 steps it does
+not.)
 
 | periods | error |
 |---|---|
