@@ -253,9 +253,9 @@ struct pk_system {
 
     /* First-order variables x' = g(t, q, v, x): v[i] = x and a[i] = g of the last n_first_order
      * degrees of freedom, whose names are those of the rates there. Their q is the integral of x,
-     * on which nothing depends: it is shown nowhere and controls no step. They have no momenta:
-     * where L alone is asked for, or the energy, they count as t does, and energy is NULL where
-     * there are no coordinates. */
+     * on which nothing depends: it is shown nowhere and controls no step. They have no
+     * momenta. The Lagrangian and the energy take them as given functions of time; energy is NULL
+     * in a model without coordinates. */
     size_t n_first_order;
     /* Rotations, attitudes R in SO(3), body to space. The first 3 n_rotations of the first-order
      * variables are their body rates, omega(R).x, .y, .z each; the next 4 n_rotations their unit
@@ -299,9 +299,9 @@ struct pk_system {
     void (*linear)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
     /* canonical() without J^T lambda: p = dL/dv (of quaternions and first-order variables: the
-     * numbers themselves) and pdot (their rates); and dp/dv of that p. They are there wherever
-     * there are rotations, constraints or impulses: where M is the unit matrix because M a = f was
-     * solved, canonical() and mass() say nothing of the momenta. */
+     * numbers themselves) and pdot (their rates); and dp/dv of that p. Models with
+     * rotations, constraints or impulses have both, since their mass() may be the unit matrix (the
+     * model has solved M a = f itself), and canonical() then does not give the momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
 
