@@ -55,14 +55,14 @@ static void ends(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_integrator *it = &run->it;
-    const struct moment start = {0, s->q, s->v, s->z}, now = run_moment(run);
+    const struct moment start = {0, s->q, s->v, s->z};
     if (s->asked.compared && s->asked.at && run->begun && it->status >= 0 && !run->n_kept) {
-        observe_row(run, start);
-        observe_row(run, now);
+        observe_row(run, &start);
+        observe_row(run, run_moment(run));
         run->rows = 0;
     }
     if (s->asked.bare && !s->has_every && run->begun)
-        observe_row(run, now);
+        observe_row(run, run_moment(run));
 }
 
 static enum pk_run_code one(struct pk_run *run)

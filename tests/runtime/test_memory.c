@@ -154,8 +154,10 @@ static enum pk_status motion(const struct pk_system *of, const struct pk_method 
     if (status >= 0) {
         steps(to, &it, 4, 1);
         it.own->made = 0; /* no tables are there any more */
-        char *const from = (char *)(it.own + 1) + quadratures;
-        poison(from, size - (size_t)(from - (char *)room), with);
+        /* All but the private part and the quadratures, which a reset keeps. */
+        char *const state = (char *)it.own->state, *const kept = (char *)it.own->quadratures;
+        poison(state, (size_t)(kept - state), with);
+        poison(kept + quadratures, size - (size_t)(kept + quadratures - (char *)room), with);
         note(to, pk_integrator_reset(&it, 0.7, q0, v0));
         steps(to, &it, 3, -1);
         note(to, pk_integrator_set_step(&it, 0.02));

@@ -6,7 +6,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define SELDOM 16u  /* steps from one look at the clock to the next, where steps are short: */
+#define SELDOM 64u  /* steps from one look at the clock to the next, where steps are short: */
 #define SHORT 1e-3  /* seconds for all of them */
 #define BETWEEN 0.1 /* seconds from one question to the next */
 

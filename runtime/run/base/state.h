@@ -134,6 +134,7 @@ struct pk_run {
     FILE *out;               /* where rows go as CSV; NULL: they are kept */
     double *kept, *kept_low; /* rows; what they lack of more digits */
     size_t n_kept, room;
+    struct moment now;   /* of run_moment() */
     pk_real count, next; /* rows by time behind the first, and the number of the next one */
     pk_real expecting;   /* what is expected at times within steps was looked at up to here */
     struct pk_integrator aside; /* for states within fixed steps, made when one is asked for */

@@ -14,7 +14,7 @@ static int stop(void *context)
 }
 
 /* A member's state at a time: its row, what is expected of it. */
-static void show(struct pk_run *run, int has_row, struct moment at)
+static void show(struct pk_run *run, int has_row, const struct moment *at)
 {
     if (has_row)
         observe_row(run, at);
@@ -39,13 +39,13 @@ static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t m
     const struct moment start = {0, b->q0 + i * b->n, b->v0 + i * b->n, m ? b->z0 + i * m : NULL};
     if (run->monitor_block)
         drift_begin(run, &problem);
-    show(run, s->has_every, start);
+    show(run, s->has_every, &start);
     area_note(run, start.t, start.q, start.v);
     for (size_t row = 0; row < e->done[i]; row++) {
         const size_t at = (i * e->rows + row) * b->n;
         const struct moment then = {b->t[row], e->q + at, e->v + at,
                                     m ? e->z + (i * e->rows + row) * m : NULL};
-        show(run, 1, then);
+        show(run, 1, &then);
     }
     observe_end(run);
     s->params = params;

@@ -152,9 +152,9 @@ void apart_integrate(struct pk_run *run)
             scale(run);
             observe_step(run, run_moment(run));
         }
-        struct moment now = run_moment(run);
+        struct moment now = *run_moment(run);
         now.t = t;
-        observe_row(run, now);
+        observe_row(run, &now);
         run->interrupted = run_stopped(run, (double)(t / s->until));
     }
     observe_end(run);

@@ -11,19 +11,21 @@ static struct moment moment_of(const struct pk_events *e)
 static void switched(void *context, const struct pk_events *events)
 {
     struct pk_run *run = context;
-    observe_crossing(run, run->problem.system->events.n + events->which, moment_of(events));
+    const struct moment now = moment_of(events);
+    observe_crossing(run, run->problem.system->events.n + events->which, &now);
     run_due(run, events->t);
 }
 
 static int found(void *context, const struct pk_events *events)
 {
     struct pk_run *run = context;
-    observe_crossing(run, events->which, moment_of(events));
+    const struct moment now = moment_of(events);
+    observe_crossing(run, events->which, &now);
     if (!run_due(run, events->t))
         return 1;
     if (run->settings.asked.at == events->which + 1) {
         run->at_event = 1;
-        observe_row(run, moment_of(events));
+        observe_row(run, &now);
         run->at_event = 0;
     }
     return run->write_failed;

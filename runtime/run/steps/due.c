@@ -24,9 +24,10 @@ pk_real run_step(pk_real interval, pk_real h)
     return PK_F(fabs)(interval / count - h) <= PK_C(1e-12) * h ? interval / count : h;
 }
 
-struct moment run_moment(const struct pk_run *run)
+const struct moment *run_moment(struct pk_run *run)
 {
-    return (struct moment){run->it.t, run->it.q, run->it.v, run->it.z};
+    run->now = (struct moment){run->it.t, run->it.q, run->it.v, run->it.z};
+    return &run->now;
 }
 
 /* The motion at t within the last step; q is NULL where that fails. */
@@ -102,7 +103,7 @@ int run_due(struct pk_run *run, pk_real end)
         const struct moment state = at(run, t);
         if (!state.q)
             return 0;
-        observe_row(run, state);
+        observe_row(run, &state);
     }
     if (run->expecting < from)
         run->expecting = from;

@@ -15,14 +15,14 @@ static const struct observer *const observers[] = {
 
 void observe_begin(struct pk_run *run) { EACH(begin)(run); }
 
-void observe_step(struct pk_run *run, struct moment at) { EACH(step)(run, &at); }
+void observe_step(struct pk_run *run, const struct moment *at) { EACH(step)(run, at); }
 
-void observe_crossing(struct pk_run *run, size_t event, struct moment at)
+void observe_crossing(struct pk_run *run, size_t event, const struct moment *at)
 {
-    EACH(event)(run, event, &at);
+    EACH(event)(run, event, at);
 }
 
-void observe_row(struct pk_run *run, struct moment at) { EACH(row)(run, &at); }
+void observe_row(struct pk_run *run, const struct moment *at) { EACH(row)(run, at); }
 
 void observe_end(struct pk_run *run) { EACH(end)(run); }
 

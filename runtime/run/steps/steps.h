@@ -26,7 +26,7 @@ pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit);
 /* Where a step is to end at the latest. */
 pk_real run_limit(const struct pk_run *run);
 /* Where it has come to. */
-struct moment run_moment(const struct pk_run *run);
+const struct moment *run_moment(struct pk_run *run);
 /* How many intervals of `part` cover the whole; a quotient that is whole up to round-off counts as
  * whole. Up to 1e-12 of it, yet never up to a whole interval of many. */
 pk_real run_intervals(pk_real whole, pk_real part);
@@ -37,9 +37,9 @@ pk_real run_row_time(const struct pk_run *run, pk_real k, pk_real count);
 
 /* Of observe.c: each observer is told, in the order of the table there. */
 void observe_begin(struct pk_run *run);
-void observe_step(struct pk_run *run, struct moment at);
-void observe_crossing(struct pk_run *run, size_t event, struct moment at);
-void observe_row(struct pk_run *run, struct moment at);
+void observe_step(struct pk_run *run, const struct moment *at);
+void observe_crossing(struct pk_run *run, size_t event, const struct moment *at);
+void observe_row(struct pk_run *run, const struct moment *at);
 void observe_end(struct pk_run *run);
 void observe_report(const struct pk_run *run, struct json *j);
 

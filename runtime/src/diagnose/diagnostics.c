@@ -37,10 +37,9 @@ void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_rea
         drift->max = pk_abs(d);
     drift->final = d;
 
-    const pk_real count = (pk_real)drift->samples;
-    const pk_real dt = t - drift->mean_t;
-    drift->mean_t += dt / count;
-    drift->mean_x += (d - drift->mean_x) / count;
+    const pk_real part = 1 / (pk_real)drift->samples, dt = t - drift->mean_t;
+    drift->mean_t += dt * part;
+    drift->mean_x += (d - drift->mean_x) * part;
     drift->var_t += dt * (t - drift->mean_t);
     drift->cov += dt * (d - drift->mean_x);
 }
@@ -184,7 +183,8 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
     const size_t n = pk_system_count(system, problem->params);
     pk_real *p = monitor->work, *pdot = p + n, *u = pdot + n, *c = u + system->n_inputs;
 
-    pk_input(problem, t, u);
+    if (system->n_inputs)
+        pk_input(problem, t, u);
     if (system->canonical)
         system->canonical(problem->params, t, q, v, u, p, pdot);
     if (monitor->has_energy) {

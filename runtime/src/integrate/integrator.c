@@ -2,13 +2,20 @@
  * new state into it->own->next; here it is checked and only then becomes the state, so a step that
  * fails leaves no trace. How far a step goes: grid.c.
  */
+#include <stdint.h>
 #include <string.h>
 
 #include "../core/project.h"
 
-/* The private part stands first in the block, where it is aligned. */
+/* The private part stands first in the block, the state behind it. Both begin a cache line where
+ * there are vectors: fused steps of a chain take a fifth longer on a state that does not. */
+#if UINTPTR_MAX > 0xffffffff
+#define ALIGNED ((size_t)64)
+#else
 #define ALIGNED _Alignof(struct pk_integrator_private)
-#define PRIVATE (sizeof(struct pk_integrator_private) + ALIGNED)
+#endif
+#define OWN ((sizeof(struct pk_integrator_private) + ALIGNED - 1) / ALIGNED * ALIGNED)
+#define PRIVATE (OWN + ALIGNED)
 
 #define FROM_REST PK_C(1e-3) /* of a span: how far ahead what pushes a body at rest is looked for */
 
@@ -27,10 +34,10 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
     const struct pk_system *system = problem->system;
     const size_t singularities = pk_system_singularity_count(system, problem->params);
     const struct pk_slot slots[] = {
-        {&own->quadratures, pk_quadrature_size(system, n)},
-        {&own->atol, pk_scale_size(method, n)},
         {&own->state, PK_PARTS * n},
         {&own->next, PK_PARTS * n},
+        {&own->quadratures, pk_quadrature_size(system, n)},
+        {&own->atol, pk_scale_size(method, n)},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
         {&own->lane, system->lanes ? 0 : 3 * n + system->n_inputs},
         {&own->work, method->size ? method->size(method, n) : 0},
@@ -95,7 +102,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return pk_fail(it, PK_BLOCK_TOO_SMALL, 0);
 
     it->own->step = stepper(system, method);
-    lay_out(it->own, problem, method, it->n, (pk_real *)(void *)(it->own + 1));
+    lay_out(it->own, problem, method, it->n, (pk_real *)(void *)((char *)it->own + OWN));
     if (!pk_scale_size(method, it->n))
         it->own->atol = NULL;
     else
