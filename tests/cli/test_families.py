@@ -289,3 +289,16 @@ def test_what_repels_passes_near_and_never_ends(pkgen, tmp_path: Path) -> None:
         places = [row[1 : names.index("x[1]'")] for row in table]
         gaps = [b - a for row in places for a, b in pairwise(row)]
         assert 0 < min(gaps) < 0.15 and len(table) == 401
+
+
+def test_a_member_of_a_definition_is_recorded_of_loops_too(pkgen, tmp_path: Path) -> None:
+    """Of a scene, `let D[i = ..]` is an output D[3] that the family D has no name of."""
+    text = PARTS.replace("observe seen", "let D[i = 1..N] = q[i] - q[0]\nobserve seen")
+    path = tmp_path / "parts.lag"
+    scene = "scene few\n  until 1\n  method gauss rtol 1e-12\n  record D[3], q[3], q[0] every 1\nend\n"
+    path.write_text(text + scene, encoding="utf-8")
+    for size in (8, 40):  # up to 16 coordinates families are unrolled
+        names, table = ran(pkgen, path, "--scene", "few", "--size", f"N={size}")
+        assert names == ["t", "D[3]", "q[3]", "q[0]"]
+        assert all(abs(row[1]) > 1e-3 for row in table)
+        assert all(row[1] == pytest.approx(row[2] - row[3], abs=1e-12) for row in table)

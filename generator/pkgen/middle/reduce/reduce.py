@@ -121,7 +121,8 @@ def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLin
     """The same of a model whose families are loops."""
     if "outputs" in needs.off:
         return model, ()
-    columns = {parted(name)[0] for name in needs.columns}
+    # Of an output for each index the name; of a member of a definition, recorded, its own.
+    columns = {parted(name)[0] for name in needs.columns} | needs.columns
     lines = []
     for field, why in _OUTPUTS.items():
         items = getattr(model, field)
