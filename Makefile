@@ -10,7 +10,7 @@ ifeq ($(origin CC),default)
 CC := gcc
 endif
 
-.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies chart stability bench site lint format golden install clean
+.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies published chart stability bench site lint format golden install clean
 .DEFAULT_GOAL := help
 
 help:
@@ -21,6 +21,7 @@ help:
 	@echo 'make fuzz       an hour of mutated models and of libFuzzer (FUZZ_SECONDS=N)'
 	@echo 'make systems    every scene of every model, what it expects and what was found (DOCS=1: into docs)'
 	@echo 'make bodies     residuals and drifts of rotations, constraints, rolling (STEPS=N; DOCS=1: into docs)'
+	@echo 'make published  problems that others publish, beside their references, two minutes (DOCS=1: into docs)'
 	@echo 'make chart      accuracy against cost of all methods, five minutes (DOCS=1: into docs)'
 	@echo 'make stability  where each method fails, three minutes (DOCS=1: into docs)'
 	@echo 'make bench      speed beside the peers, 20 minutes (QUICK=1: a few; DOCS=1: into docs)'
@@ -61,6 +62,9 @@ systems: $(STAMP)
 
 bodies: $(STAMP)
 	$(PYTHON) -m bench bodies $(if $(STEPS),--steps $(STEPS)) $(if $(DOCS),--docs)
+
+published: $(STAMP)
+	$(PYTHON) -m bench published $(if $(DOCS),--docs)
 
 stability: $(STAMP)
 	@for model in models/*.lag; do \

@@ -6,6 +6,7 @@
 `python -m bench side_by_side [--docs]` beside physicskit at its published settings: side_by_side.py
 `python -m bench rotations [--docs]` what rotations and constraints cost: rotations.py
 `python -m bench show [--docs]` opens the live page of every model: show.py
+`python -m bench published [--docs]` problems that others publish: published.py
 `python -m bench bodies [--docs]` residuals and drifts over a million steps: bodies.py
 
 What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
@@ -54,6 +55,7 @@ ALONE = (
     "rotations",
     "bodies",
     "show",
+    "published",
 )
 PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 

@@ -295,7 +295,9 @@ def test_a_member_of_a_definition_is_recorded_of_loops_too(pkgen, tmp_path: Path
     """Of a scene, `let D[i = ..]` is an output D[3] that the family D has no name of."""
     text = PARTS.replace("observe seen", "let D[i = 1..N] = q[i] - q[0]\nobserve seen")
     path = tmp_path / "parts.lag"
-    scene = "scene few\n  until 1\n  method gauss rtol 1e-12\n  record D[3], q[3], q[0] every 1\nend\n"
+    scene = (
+        "scene few\n  until 1\n  method gauss rtol 1e-12\n  record D[3], q[3], q[0] every 1\nend\n"
+    )
     path.write_text(text + scene, encoding="utf-8")
     for size in (8, 40):  # up to 16 coordinates families are unrolled
         names, table = ran(pkgen, path, "--scene", "few", "--size", f"N={size}")
