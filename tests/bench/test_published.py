@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 
 import pytest
 
@@ -60,3 +61,11 @@ def test_the_governor_again_by_hand() -> None:
     kept = json.loads(published.EXACT.read_text(encoding="utf-8"))["governor published"]
     end = [float(x) for x in by_hand.governor(1, 9000)]
     assert published.difference(end, kept[-1], each=False) < 1e-13
+
+
+@pytest.mark.long
+def test_the_point_of_a03_again_by_hand() -> None:
+    kept = json.loads(published.EXACT.read_text(encoding="utf-8"))["andrews a03"]
+    beta = float(by_hand.andrews(0.05, 400)[0])
+    end = [0.007 * math.cos(beta), 0.007 * math.sin(beta)]
+    assert published.difference(end, kept[0], each=False) < 1e-13
