@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -94,3 +94,27 @@ class Page:
         self.frames()
         shapes = self.js("lab.stage.drawn()")
         return [s["points"] for s in shapes if s["kind"] == kind and s["run"] == run]
+
+
+@pytest.fixture(scope="module", name="browser")
+def browser_() -> Iterator:
+    yield from opened()
+
+
+@pytest.fixture(scope="module", name="packed")
+def packed_(tmp_path_factory: pytest.TempPathFactory) -> Packer:
+    return Packer(tmp_path_factory.mktemp("pages"))
+
+
+@pytest.fixture(name="show")
+def show_(browser, packed) -> Iterator[Callable[..., Page]]:
+    contexts = []
+
+    def shown(model: Path, fragment: str = "", size=(1280, 800), **context: object) -> Page:
+        width, height = size
+        contexts.append(browser.new_context(viewport={"width": width, "height": height}, **context))
+        return Page(contexts[-1].new_page(), packed(model), fragment)
+
+    yield shown
+    for context in contexts:
+        context.close()

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from browser import Packer, Page, opened
+from browser import browser_, packed_, show_  # noqa: F401
 from conftest import ROOT, long_but, rows, written
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
@@ -17,30 +16,6 @@ TOP = ROOT / "models" / "heavy_top.lag"
 CHAIN = ROOT / "models" / "chains" / "fput.lag"
 QUICK = {PENDULUM, TOP, CHAIN}
 PIXELS = 2.0
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator:
-    yield from opened()
-
-
-@pytest.fixture(scope="module")
-def packed(tmp_path_factory: pytest.TempPathFactory) -> Packer:
-    return Packer(tmp_path_factory.mktemp("pages"))
-
-
-@pytest.fixture
-def show(browser, packed) -> Iterator[Callable[..., Page]]:
-    contexts = []
-
-    def shown(model: Path, fragment: str = "", size=(1280, 800), **context: object) -> Page:
-        width, height = size
-        contexts.append(browser.new_context(viewport={"width": width, "height": height}, **context))
-        return Page(contexts[-1].new_page(), packed(model), fragment)
-
-    yield shown
-    for context in contexts:
-        context.close()
 
 
 @pytest.mark.parametrize("model", long_but(QUICK, MODELS), ids=lambda m: m.stem)
@@ -218,7 +193,7 @@ def test_names_and_comments_are_never_markup_or_script(show, tmp_path: Path):
     page = show(written(tmp_path, HOSTILE))
     page.frames(10)
     assert page.said == []
-    assert page.js("document.title") == "hostile – pkgen"
+    assert page.js("document.title") == "Hostile – pkgen"
     assert page.js("document.querySelectorAll('main img, main b, main u, main script').length") == 0
     assert page.page.locator("#subtitle").inner_text().startswith("</script>")
     page.js("""(() => {

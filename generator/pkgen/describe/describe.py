@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 
 from ..compiler import Compilation
 from ..front.check.scene_numbers import Values, WrongValue
 from ..indices import NotAnInteger, hidden, integer, parted
 from ..methods import METHODS, Method, provides
-from ..middle.quantities import sizes
-from ..model import Model, Parameter, Scene
+from ..middle.quantities import ends, sizes
+from ..model import Model, Parameter, Scene, Start
 from ..run import named
 from ..run.build import runtime_methods
 from ..run.default_method import default_method
@@ -21,6 +21,7 @@ from ..run.settings import Settings
 from ..scenes import scene as scenes
 from ..source import ModelError
 from ..system.exits import UsageError
+from ..tree import names
 from ..version import __version__
 from .drawing import drawing
 
@@ -39,6 +40,7 @@ def described(
         "schema": SCHEMA,
         "pkgen": __version__,
         "model": compilation.model.name,
+        "title": title(model),
         "description": model.description,
         "source": os.path.basename(model.source.path),
         "sha256": model.source.sha256,
@@ -79,6 +81,16 @@ def described(
         "scenes": [_scene(model, s) for s in model.scenes if not hidden(s.name)],
         "drawing": drawing(compilation),
     }
+
+
+def title(model: Model) -> str:
+    """The first comment of the text where it is a title, which begins with a capital letter and is
+    no sentence; else the name in words."""
+    comment = model.source.text.lstrip().partition("\n")[0].partition("#")[2].strip()
+    if comment[:1].isupper() and not comment.endswith("."):
+        return comment
+    words = model.name.replace("_", " ")
+    return words[0].upper() + words[1:]
 
 
 def _each(found: named.Named) -> Iterator:
@@ -140,6 +152,7 @@ def _number(row: list[float], k: int) -> float | None:
 def _coordinates(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
     rates = [q for *_, q in _flat(named.coordinates(compilation, rates=True))]
     momenta = {c.name: c for c in compilation.declared.coordinates}
+    follow = _following(compilation.declared)
     for flat, _, _, item, quantity in _flat(named.coordinates(compilation)):
         own = momenta.get(parted(quantity.name)[0])
         rate = next((r for r in rates if r.name == f"{quantity.name}'"), None)
@@ -154,9 +167,33 @@ def _coordinates(compilation: Compilation, given: Given) -> Iterator[dict[str, o
             "description": quantity.description,
             "q": _number(given["q"], flat),
             "v": _number(given["v"], flat),
+            "q_follows": follow(quantity.name, 0),
+            "v_follows": follow(quantity.name, 1),
             "periodic": _angle(own.unit if own else ""),
             "family": item.quantity.name if item.lo is not None else None,
         }
+
+
+def _following(model: Model) -> Callable[[str, int], bool]:
+    """Whether the start of a coordinate, or of its rate, is made of parameters: the last statement
+    says it."""
+    moving = {p.name for p in model.parameters}
+    for item in sorted(model.definitions, key=lambda d: d.span.start):
+        if names(item.value) & moving:
+            moving.add(item.name)
+    found: dict[tuple[str, int | None, int], bool] = {}
+    for item in model.starts:
+        for index in _members(model, item):
+            found[item.name, index, item.order] = bool(names(item.value) & moving)
+    return lambda name, order: found.get((*parted(name), order), False)
+
+
+def _members(model: Model, item: Start) -> list[int | None]:
+    """The indices of the members that a start is of; of more than are described none."""
+    if item.range is None:
+        return [None if item.index is None else integer(item.index, sizes(model))]
+    lo, hi = ends(model, item.range)
+    return list(range(lo, hi + 1)) if hi - lo < LISTED else []
 
 
 def _angle(unit: str) -> bool:
@@ -166,6 +203,7 @@ def _angle(unit: str) -> bool:
 def _states(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
     """First-order variables; their indices are among the rates, behind those of coordinates."""
     known = named.states(compilation)
+    follow = _following(compilation.declared)
     for flat, _, _, _, quantity in _flat(named.coordinates(compilation, rates=True)):
         if quantity.name in known:
             yield {
@@ -174,6 +212,7 @@ def _states(compilation: Compilation, given: Given) -> Iterator[dict[str, object
                 "unit": quantity.unit,
                 "description": quantity.description,
                 "value": _number(given["v"], flat),
+                "follows": follow(quantity.name, 0),
             }
 
 

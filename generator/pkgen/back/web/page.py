@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import html
 import json
 import re
 from collections.abc import Mapping
@@ -29,6 +30,7 @@ def packed(
     """The page. `wasm` is packed by gzip; `explained` is HTML of our own about the equations, with
     its `style`."""
     text = (HERE / "index.html").read_text(encoding="utf-8")
+    text = _filled(text, "<title>", f"{html.escape(str(description['title']))} – ")
     text = _STYLE.sub(lambda found: f"<style>{_read(found[1])}</style>", text)
     scripts: list[str] = []
 

@@ -156,10 +156,10 @@ const Main = (() => {
 
   function head(lab) {
     const { description } = lab.model;
-    document.title = description.model + " – pkgen";
-    say($("title"), description.model.replace(/_/g, " "));
-    say($("subtitle"), description.description || "");
-    $("subtitle").title = description.description || "";
+    const words = description.description === description.title ? "" : description.description;
+    say($("title"), description.title);
+    say($("subtitle"), words || "");
+    $("subtitle").title = words || "";
     const scenes = description.scenes || [];
     const rows = [
       ["", "as the model says"],

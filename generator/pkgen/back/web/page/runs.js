@@ -30,6 +30,7 @@ const Runs = (() => {
       (_, k) => values.get("u" + k) || 0,
     );
     turn(model, settings, all.v);
+    all.given = values; /* what follows nothing */
     return all;
   }
 

@@ -1,6 +1,6 @@
 "use strict";
-/* Sliders and fields of parameters and starts. A row not touched follows what the model makes of
- * the others. */
+/* Sliders and fields of parameters and starts. What the model makes of other values is read alone,
+ * until it is set free. */
 const SheetValues = (() => {
   const { h, $ } = Dom;
   const LONG = 8; /* from so many members on a family is folded */
@@ -25,7 +25,7 @@ const SheetValues = (() => {
           .map((e) => Math.abs(e.value || 0)),
       );
 
-    function row(entry) {
+    function row(entry, words = entry.description) {
       const id = "value-" + entry.key;
       let range = Ranges.of(entry, current(entry), peers(entry));
       const slider = h("input", {
@@ -63,6 +63,22 @@ const SheetValues = (() => {
         },
         "↺",
       );
+      const ends = [h("span"), h("span"), h("span", { class: "degrees" })];
+      const shown = h("output", { class: "reading" });
+      const free = h(
+        "button",
+        {
+          type: "button",
+          class: "quiet small-button",
+          title: "It follows from the others: give it a value of its own",
+          "aria-label": `Set ${entry.name} by itself`,
+          onclick: () => {
+            put(current(entry), true);
+            slider.focus();
+          },
+        },
+        "Set",
+      );
       const why = h("p", { class: "why", role: "alert", hidden: true });
       function put(x, exact) {
         const refusal = Ranges.refuse(entry, x);
@@ -79,14 +95,22 @@ const SheetValues = (() => {
         if (!Number.isFinite(x)) return;
         if (x < range.lo || x > range.hi)
           range = Ranges.of(entry, x, Math.max(Math.abs(x), peers(entry)));
+        const own = lab.settings.values.has(entry.key);
+        const reads = Boolean(entry.follows && !own && !lab.runs.start?.given?.has(entry.key));
+        input.hidden = reads;
+        read_.hidden = !reads;
+        back.hidden = !own;
+        const angle = Text.degrees(x, entry.unit);
+        if (reads) {
+          Dom.say(shown, `= ${Text.quantity(x, entry.unit, 6)}${angle && ` = ${angle}`}`);
+          return;
+        }
         if (document.activeElement !== slider) slider.value = Ranges.toPlace(range, x);
         if (document.activeElement !== field) field.value = written(x);
         slider.setAttribute("aria-valuetext", Text.quantity(x, entry.unit));
-        back.hidden = !lab.settings.values.has(entry.key);
-        field.classList.toggle(
-          "follows",
-          Boolean(entry.follows) && !lab.settings.values.has(entry.key),
-        );
+        Dom.say(ends[0], Text.quantity(range.lo, entry.unit, 3));
+        Dom.say(ends[1], Text.quantity(range.hi, entry.unit, 3));
+        Dom.say(ends[2], angle);
       }
       rows.push(refresh);
       const label = h(
@@ -94,20 +118,22 @@ const SheetValues = (() => {
         { for: id, title: entry.description || entry.name },
         Text.symbol(entry.name),
       );
-      const words = entry.description
-        ? h("span", { class: "words", title: entry.description }, entry.description)
-        : null;
+      const input = h(
+        "div",
+        { class: "row-body" },
+        slider,
+        field,
+        h("span", { class: "unit", title: Text.unit(entry.unit) }, Text.unit(entry.unit)),
+        h("span", { class: "ends" }, ends[0], ends[1]),
+        ends[2],
+      );
+      const read_ = h("div", { class: "row-read", hidden: true }, shown, free);
       return h(
         "div",
         { class: "row" },
-        h("div", { class: "row-head" }, label, words, back),
-        h(
-          "div",
-          { class: "row-body" },
-          slider,
-          field,
-          h("span", { class: "unit", title: Text.unit(entry.unit) }, Text.unit(entry.unit)),
-        ),
+        h("div", { class: "row-head" }, label, words && h("span", { class: "words" }, words), back),
+        input,
+        read_,
         why,
       );
     }
@@ -116,7 +142,7 @@ const SheetValues = (() => {
       const details = h("details", null, h("summary", null, title));
       details.addEventListener("toggle", () => {
         if (details.open && details.children.length === 1) {
-          details.append(...list.map(row));
+          details.append(...list.map((entry) => row(entry, "")));
           refresh();
         }
       });
@@ -127,16 +153,21 @@ const SheetValues = (() => {
     function group(title, list) {
       if (!list.length) return null;
       const section = h("section", { class: "group" }, h("h2", null, title));
-      const families = new Map();
-      for (const entry of list) {
+      const families = by(list, (entry) => {
         const found = /^(.*)\[[^\]]*\](.*)$/s.exec(entry.name);
-        const family = found ? found[1] + found[2] : entry.name;
-        if (!families.has(family)) families.set(family, []);
-        families.get(family).push(entry);
-      }
+        return found ? found[1] + found[2] : entry.name;
+      });
+      const alike = by(list, (entry) => entry.kind + (entry.description || entry.key));
       for (const [family, members] of families) {
-        if (members.length < LONG) section.append(...members.map(row));
-        else
+        const long = members.length >= LONG;
+        for (const entry of long ? members.slice(0, 1) : members) {
+          const same = alike.get(entry.kind + (entry.description || entry.key));
+          const each = same.length > 1 ? apart(entry.description, same) : [entry.description];
+          if (!each && same[0] === entry)
+            section.append(h("p", { class: "words shared" }, together(same)));
+          if (!long) section.append(row(entry, each ? each[same.indexOf(entry)] : ""));
+        }
+        if (long)
           section.append(
             fold(`${Text.plain(family)}: ${members.length} values`, members.slice(0, 300)),
           );
@@ -191,6 +222,28 @@ const SheetValues = (() => {
       all.hidden = lab.settings.values.size === 0;
     }
     return { refresh };
+  }
+
+  function by(list, key) {
+    const found = new Map();
+    for (const entry of list) {
+      if (!found.has(key(entry))) found.set(key(entry), []);
+      found.get(key(entry)).push(entry);
+    }
+    return found;
+  }
+
+  /* One caption of several, "precession, nutation, spin", a word for each; or null. */
+  function apart(words, same) {
+    const each = words.split(", ");
+    return each.length === same.length && each.every((word) => /^\S+$/.test(word)) ? each : null;
+  }
+
+  /* "q₁, q₂, q₃: displacements from rest" */
+  function together(same) {
+    const all = same.map((entry) => Text.plain(entry.name));
+    const named = all.length > 4 ? `${all[0]} … ${all[all.length - 1]}` : all.join(", ");
+    return `${named}: ${same[0].description}`;
   }
 
   const written = (x) => {

@@ -116,8 +116,12 @@ const Text = (() => {
     return number(x, digits) + (written ? (written === "°" ? "" : " ") + written : "");
   };
 
+  /* Radians in degrees: "74.5°", of a rate "°/s". Empty for other units. */
+  const degrees = (x, u) =>
+    /^rad\b/.test(u || "") ? number((x * 180) / Math.PI, 4) + "°" + unit(u.slice(3)) : "";
+
   /* "θ₁ [rad]" for an axis. */
   const axis = (name, u) => plain(name) + (unit(u) ? ` [${unit(u)}]` : "");
 
-  return { plain, symbol, unit, number, quantity, axis, powerOfTen, minus, shorter };
+  return { plain, symbol, unit, number, quantity, degrees, axis, powerOfTen, minus, shorter };
 })();

@@ -1,0 +1,68 @@
+"""What the page says in words and numbers beside the motion: titles, read-outs, ends, charts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from browser import browser_, packed_, show_  # noqa: F401
+from conftest import ROOT, written
+
+PENDULUM = ROOT / "models" / "pendulums" / "pendulum.lag"
+CHAIN = ROOT / "models" / "chains" / "fput.lag"
+TOP = """model small_top      # a top
+param k = 3 [N*m]
+param half = k/2
+coord phi, theta [rad]   # precession, nutation
+coord u, w [m]           # off the axis, far out
+kinetic (1 [kg*m^2])*(phi'^2 + theta'^2)/2 + (1 [kg])*(u'^2 + w'^2)/2
+potential k*theta^2/2 + half*phi^2
+start theta = k/(2 [N*m]), phi' = 0.4 [1/s]
+"""
+
+
+@pytest.mark.parametrize(
+    ("comment", "title", "words"),
+    [
+        ("Huygens' clocks", "Huygens' clocks", ""),
+        ("two clocks on a beam", "Small top", "two clocks on a beam"),
+        ("They agree.", "Small top", "They agree."),
+    ],
+)
+def test_the_heading_is_the_title_of_the_model(show, tmp_path: Path, comment, title, words):
+    page = show(written(tmp_path, TOP.replace("a top", comment)))
+    assert page.js("document.title") == f"{title} – pkgen"
+    assert page.page.inner_text("#title") == title
+    assert page.page.inner_text("#subtitle") == words
+
+
+def test_what_follows_is_read_until_it_is_set_free(show, tmp_path: Path):
+    page = show(written(tmp_path, TOP))
+    page.pause()
+    half = page.page.locator(".row", has=page.page.locator("#value-p1"))
+    theta = page.page.locator(".row", has=page.page.locator("#value-q1"))
+    assert half.locator("input:visible").count() == 0
+    assert half.locator("output").inner_text() == "= 1.5 J"
+    assert theta.locator("output").inner_text() == "= 1.5 rad = 85.94°"
+    page.page.locator("#value-p0").fill("1000")  # k to the end of its slider
+    assert theta.locator("output").inner_text() != "= 1.5 rad = 85.94°"
+    half.get_by_role("button", name="Set half by itself").click()
+    assert half.locator("input:visible").count() == 2
+    half.get_by_role("button", name="half as the model says").click()
+    assert half.locator("input:visible").count() == 0
+
+
+def test_sliders_show_their_ends_and_degrees_and_captions_once(show, tmp_path: Path):
+    page = show(written(tmp_path, TOP))
+    page.pause()
+    rate = page.page.locator(".row", has=page.page.locator("#value-v0"))
+    assert rate.locator(".ends").inner_text().split("\n") == ["−2 rad/s", "2 rad/s"]
+    assert rate.locator(".degrees").inner_text() == "22.92°/s"
+    words = page.page.locator("#sheet-values .words:visible").all_inner_texts()
+    assert [w for w in words if w] == ["precession", "nutation", "u, w: off the axis, far out"]
+    assert (
+        page.js("""[...document.querySelectorAll("#sheet-values *")].filter((e) =>
+        e.checkVisibility() && e.scrollWidth > e.clientWidth + 1 && e.clientWidth)
+        .map((e) => e.className)""")
+        == []
+    )
