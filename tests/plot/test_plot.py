@@ -276,3 +276,16 @@ def test_gaps_are_left_open(folder: Path) -> None:
     (folder / "gap.csv").write_text("\n".join(["t,x", *rows]))
     plot(folder / "gap.csv", "-o", folder / "gap.svg")
     assert Svg(folder / "gap.svg").axes[0].lines[0].get("d").count("M") == 2
+
+
+def test_a_directory_is_all_its_rows_sorted(tmp_path: Path) -> None:
+    for name, slope in (("b.csv", 2), ("a.csv", 1), ("c.txt", 3)):
+        rows = "".join(f"{k},{slope * k}\n" for k in range(20))
+        (tmp_path / name).write_text(f"t,x\n{rows}")
+    (tmp_path / "d.csv").mkdir()
+    lines = panel(tmp_path)["lines"]
+    assert [line["label"] for line in lines] == ["a.csv", "b.csv"]
+    empty = tmp_path / "d.csv"
+    done = run_pkgen("plot", empty)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"{empty}: no *.csv in this directory" in done.stderr

@@ -26,7 +26,7 @@ ROWS = (".csv", ".npy", ".csv" + PARTIAL)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", nargs="+", metavar="MODEL.lag|FILE.csv|FILE.npy")
+    parser.add_argument("files", nargs="+", metavar="MODEL.lag|FILE.csv|FILE.npy|DIR")
     help_ = "FILE.svg, FILE.png or FILE.pdf; default: in the terminal"
     parser.add_argument("-o", dest="output", metavar="FILE", help=help_)
     shared.of_a_picture(parser, "coordinates, rates, outputs")
@@ -38,6 +38,7 @@ def run(options: argparse.Namespace) -> int:
     """Draw motions over time, in the phase plane or in space, their sections, spectra and drifts:
     of models, which are run, and of rows that a run has left."""
     view, width = views.asked(options), pictures.width(options)
+    options.files = _files(options.files)
     file = None
     if options.output is not None:
         file = pictures.picture_file("-o", options.output)
@@ -75,6 +76,20 @@ def _refuse(options: argparse.Namespace) -> None:
     if given:
         option = given[0].replace("_", "-")
         raise UsageError(f"--{option} is of a run: {options.files[0]} has its rows already")
+
+
+def _files(given: list[str]) -> list[str]:
+    """Each directory by its *.csv, sorted. Raises UsageError where it has none."""
+    files: list[str] = []
+    for name in given:
+        if not Path(name).is_dir():
+            files.append(name)
+            continue
+        found = sorted(str(file) for file in Path(name).glob("*.csv") if file.is_file())
+        if not found:
+            raise UsageError(f"{name}: no *.csv in this directory")
+        files += found
+    return files
 
 
 def _labels(files: list[str]) -> list[str]:
