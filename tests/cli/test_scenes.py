@@ -34,6 +34,7 @@ WORSE = {
     "elastic_cartesian stiff": ["--step", "0.02002", "--every", "0.02002"],
     "foucault cusps": ["--start", "x=3.001"],
     "foucault equator": ["--start", "x=3.001"],
+    "foucault fast_planet": ["--start", "x=0.1001"],
     "foucault rosette": ["--start", "x=3.001"],
     "fput harmonic": ["--step", "0.5"],
     "fput long": ["--step", "0.2"],
