@@ -21,7 +21,7 @@ record
 system source limits functions version
 tree methods
 model indices front
-graph
+graph own
 equations front/check
 middle middle/points
 middle/expand middle/analyze

@@ -17,7 +17,7 @@ Each stage imports only what is above it, changes nothing that it is given, and 
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import islice
@@ -27,6 +27,7 @@ from .back.c.beyond import Beyond, extreme
 from .equations import Equations, Facts, Structure
 from .front import parse
 from .front.check import check
+from .methods import Own
 from .middle.analyze import analyze
 from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
@@ -105,6 +106,7 @@ def stages(
     use: Use | None = None,
     symmetric: bool = False,
     canonical: bool = False,
+    own: Sequence[Own] = (),
 ) -> Iterator[object]:
     """What each of STAGES makes, in order; a caller that wants no more need not go on.
 
@@ -114,6 +116,8 @@ def stages(
     file = parse.parse_all(source)
     yield file
     declared, warnings = check.check(file, sizes)
+    methods = {method.name: method for method in (*declared.methods, *own)}
+    declared = replace(declared, methods=tuple(methods.values()))
     declared = use.declared(declared) if use else declared
     model, lines = use.model(declared) if use else (declared, ())
     yield declared, model, warnings
@@ -304,6 +308,7 @@ def compile_model(
     symmetric: bool = False,
     canonical: bool = False,
     portable: bool = False,
+    own: Sequence[Own] = (),
 ) -> Compilation:
     """Compile a model to C.
 
@@ -314,9 +319,10 @@ def compile_model(
     With `use` no more is compiled than a scene needs. With `symmetric` the model's symmetries are
     solved for, which nothing but `explain` and comments in the C show. `canonical` adds H(q, p)
     and its gradients. `portable` C uses no fused multiply-add: the same bits with and without.
+    `own` are methods beside those that the model brings.
     Raises ModelError with every finding of the stage that could not go on.
     """
-    made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric, canonical)
+    made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric, canonical, own)
     _, (declared, model, warnings), _, facts, reduced, (program, parts), files = made
     equations, structure, report = reduced
     warnings += _partly_proved(model, facts)

@@ -38,6 +38,31 @@ class Method:
         return not {"adaptive", "exact"} & self.traits
 
 
+@record
+class Own(Method):
+    """A method that a model or the command line brings: a table of a family of the runtime, with
+    the C of its coefficients. `facts`: what its coefficients were found to be."""
+
+    name: str
+    order: int
+    stages: int
+    dense_order: int
+    table: str
+    doc: str
+    facts: tuple[tuple[str, object], ...] = ()
+
+    @property
+    def row(self) -> str:
+        """In C, as one of pk/methods.h."""
+        flags = " | ".join(f"PK_{trait.upper()}" for trait in sorted(self.traits)) or "0"
+        numbers = f"{self.order}, {self.stages}, {self.dense_order}"
+        text = self.doc.replace("\\", "/").replace('"', "'")
+        return (
+            f"PK_DEFINE_METHOD(PK_FAMILY_{self.family}, {self.name}, {numbers}, {flags}, "
+            f'{self.name}, "{text}");'
+        )
+
+
 REGISTRY = Path(pkgen_runtime.__file__).parent / "include" / "pk" / "methods.h"
 INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS")  # families that -DPK_INLINE_ names
 _FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
@@ -66,6 +91,11 @@ def _read(text: str) -> dict[str, Method]:
 METHODS = _read(REGISTRY.read_text(encoding="utf-8"))
 
 
+def known(own: Iterable[Own] = ()) -> dict[str, Method]:
+    """The runtime's methods and those that a model brings."""
+    return {**METHODS, **{method.name: method for method in own}}
+
+
 def provides(structure: object, fact: str) -> bool:
     """Whether a run of a system has what a method requires: where switches are located each of its
     steps is one of smooth equations."""
@@ -74,24 +104,28 @@ def provides(structure: object, fact: str) -> bool:
     return bool(getattr(structure, fact, False))
 
 
-def carries_quadratures(method: str) -> bool:
-    """So do the default methods ("")."""
-    return method not in METHODS or "quadrature" in METHODS[method].traits
+def carries_quadratures(method: Method | None) -> bool:
+    """So do the default methods (None)."""
+    return method is None or "quadrature" in method.traits
 
 
-def in_blocks(method: str, steps: bool) -> bool:
+def in_blocks(method: Method | None, steps: bool) -> bool:
     """Whether members go side by side: by methods of a fixed step, or that are given one."""
-    family = METHODS[method].inlined if method in METHODS else ""
+    family = method.inlined if method else ""
     return family in ("ERK", "SPLITTING") or (family == "EMBEDDED" and steps)
 
 
-def called(method: str) -> frozenset[str]:
+NONE = Method("", frozenset(), ())  # what the generator knows of GSL's methods with no GSL
+
+
+def called(of: str | Method) -> frozenset[str]:
     """The kernels that a method calls, beside those of what it integrates."""
-    traits = METHODS[method].traits if method in METHODS else frozenset()
+    method = METHODS.get(of, NONE) if isinstance(of, str) else of
+    traits = method.traits
     kernels = {"acceleration", "singularity", "event", "observe", "quadrature"}
-    if method == "gauss":
+    if method.family == "GAUSS":
         kernels |= {"lanes"}  # its stages
-    if method in METHODS and METHODS[method].inlined == "SPLITTING":
+    if method.inlined == "SPLITTING":
         kernels |= {"advance"}  # of families kept as loops
     if traits & {"linear", "exact"}:
         kernels |= {"mass", "linear"}
@@ -102,12 +136,13 @@ def called(method: str) -> frozenset[str]:
     return frozenset(kernels)
 
 
-def inline_flags(methods: Iterable[str | None]) -> list[str]:
+def inline_flags(methods: Iterable[str | None], own: Iterable[Own] = ()) -> list[str]:
     """Flags to compile the steps of these methods with a model: others only take time."""
     families: dict[str, list[str]] = {}
+    all_methods = known(own)
     for method in dict.fromkeys(methods):
-        if method in METHODS and METHODS[method].inlined:
-            families.setdefault(METHODS[method].inlined, []).append(f"X({method})")
+        if method in all_methods and all_methods[method].inlined:
+            families.setdefault(all_methods[method].inlined, []).append(f"X({method})")
     flags = []
     for family, named in sorted(families.items()):
         flags.append(f"-DPK_INLINE_{family}")

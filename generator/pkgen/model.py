@@ -7,6 +7,7 @@ them with `indices.py`.
 
 from __future__ import annotations
 
+from .methods import Own
 from .record import record
 from .source import Diagnostic, Source, Span
 from .tree import Expr, Range
@@ -309,3 +310,4 @@ class Model:
     constraints: tuple[Constraint, ...] = ()
     drawings: tuple[Drawing, ...] = ()
     views: tuple[Drawing, ...] = ()
+    methods: tuple[Own, ...] = ()  # that it brings beside the runtime's

@@ -36,6 +36,8 @@ Value = str | float  # "2 [kg]", or a number in SI
 DEFAULTS = {
     **dict.fromkeys(("until", "method", "step", "max_step", "rtol", "atol", "every", "record")),
     **dict.fromkeys(("at", "ensemble", "threads", "diagnose", "no_reduce", "output")),
+    "tableau": (),
+    "composition": (),
     "iteration": "newton",
     "max_steps": 1_000_000_000,
     "units": False,

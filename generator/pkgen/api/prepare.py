@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..compiler import Compilation
 from ..model import Scene
+from ..own.given import taken
 from ..record import record
 from ..run import diagnostics, rows
 from ..run import ensemble as members
@@ -51,6 +52,7 @@ def prepare(
 ) -> Prepared:
     """`compiled(options, **how)` compiles the model; `table` makes the members of an ensemble that
     is no file. Raises UsageError, ModelError, BuildError or NumericsFailed."""
+    options = taken(options)
     swarm = scene_run.is_swarm(options)
     several = swarm or options.ensemble is not None
     asked = diagnostics.asked(options.diagnose, options.ensemble)

@@ -16,6 +16,15 @@ def of_a_motion(parser: argparse.ArgumentParser, until: str) -> None:
     add("--until", metavar="T", help=f"duration (default: {until})")
 
 
+def own_methods(parser: argparse.ArgumentParser) -> None:
+    """Methods of the author's own; several may be given."""
+    add = parser.add_argument
+    help_ = "a method by its tableau: rows of A, weights b, perhaps bhat"
+    add("--tableau", action="append", default=[], metavar="FILE", help=help_)
+    help_ = "a method of Verlet steps, each of a part of the step"
+    add("--composition", action="append", default=[], metavar="W1,W2,…", help=help_)
+
+
 def of_implicit_methods(parser: argparse.ArgumentParser) -> None:
     kinds = ("newton", "fixed")
     parser.add_argument("--iteration", choices=kinds, default="newton", help="of implicit methods")
@@ -90,6 +99,7 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
         help="see pkgen methods; default gauss, or dop853 for kinks (abs, min, max, step) and "
         "for --rtol above 1e-5",
     )
+    own_methods(parser)
     add("--step", metavar="H", help="of a method with fixed steps; else the first step")
     add("--max-step", metavar="H", help="of an adaptive method")
     add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")

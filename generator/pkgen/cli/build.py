@@ -53,6 +53,7 @@ def run(options: argparse.Namespace) -> int:
         static=options.static,
         native=options.native,
         gsl=options.gsl,
+        own=what.compilation.model.methods,
     )
     if options.json:
         print(json.dumps({"program": str(path)}))

@@ -14,6 +14,8 @@ from ..analysis.chart.chart import Chart
 from ..analysis.chart.points import ChartedMethod
 from ..analysis.chart.sweep import Effort
 from ..analysis.chart.text import report
+from ..compiler import Compilation
+from ..own.given import given
 from ..run.build import runtime_methods
 from ..scenes import asked as parsing
 from ..scenes import scene
@@ -29,6 +31,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
     add = parser.add_argument
     shared.directory(parser)
+    shared.own_methods(parser)
     shared.of_a_motion(parser, "10")
     add("--methods", metavar="LIST", help="only these, e.g. rk4,gauss (default: all that apply)")
     add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
@@ -38,10 +41,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Chart accuracy against cost, by every method that applies."""
-    chosen = _methods(options.methods)
     effort = _effort(options)
     directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
+    chosen = _methods(options, compilation)
     chosen_scene = scene.chosen(compilation.declared, options.scene) if options.scene else None
     settings = parsing.settings(options, compilation, chosen=chosen_scene)
     for event in compilation.model.events:
@@ -61,12 +64,16 @@ def run(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _methods(text: str | None) -> list[ChartedMethod]:
-    wanted = None if text is None else [name.strip() for name in text.split(",") if name.strip()]
+def _methods(options: argparse.Namespace, compilation: Compilation) -> list[ChartedMethod]:
+    """Those asked for by name, and those that options bring."""
+    wanted, own = None, compilation.model.methods
+    if options.methods is not None:
+        wanted = [name.strip() for name in options.methods.split(",") if name.strip()]
+        wanted += [method.name for method in given(options)]
     try:
-        found = charts.methods(wanted)
+        found = charts.methods(wanted, own)
     except KeyError as missing:
-        known = [str(m["name"]) for m in runtime_methods()]
+        known = [*(m.name for m in own), *(str(m["name"]) for m in runtime_methods())]
         raise UsageError(parsing.unknown("--methods", missing.args[0], known, "method")) from None
     if not found:
         raise UsageError("--methods: name one at least")
@@ -86,6 +93,8 @@ def _given(options: argparse.Namespace) -> list[str]:
     words = [("--scene", options.scene)] if options.scene else []
     words += [("--set", text) for text in options.set]
     words += [("--start", text) for text in options.start]
+    words += [("--tableau", path) for path in options.tableau]
+    words += [("--composition", text) for text in options.composition]
     words += [("--size", text) for text in options.size]
     return [word for pair in words for word in pair]
 

@@ -10,6 +10,7 @@ from contextlib import AbstractContextManager
 from .. import limits
 from ..compiler import Compilation, compile_model
 from ..front.read import read
+from ..own.given import given
 from ..scenes import lengths
 from ..source import Diagnostic, Source
 from ..system.exits import UsageError
@@ -39,7 +40,9 @@ def compile_within_limits(
     """Compile the model of the command line; warnings go to standard error, unless `quiet`."""
     source = source or read(options.model)
     with within_limits(options):
-        compilation = compile_model(source, sizes=lengths.given(options.size), **more)
+        compilation = compile_model(
+            source, sizes=lengths.given(options.size), own=given(options), **more
+        )
     if not (options.json or quiet):
         warn(source, compilation.warnings)
     return compilation

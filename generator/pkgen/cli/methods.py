@@ -1,26 +1,55 @@
-"""`pkgen methods`: the integration methods."""
+"""`pkgen methods`: the integration methods; of the author's own, what their coefficients say."""
 
 from __future__ import annotations
 
 import argparse
 import json
+from pathlib import Path
 
-from ..run.build import runtime_methods
-from ..run.methods_table import methods_text
+from ..front.read import read
+from ..methods import Own
+from ..own.given import given
+from ..own.made import facts, fit
+from ..own.tableau import read_tableau
+from ..run.build import own_methods, runtime_methods
+from ..run.methods_table import methods_text, own_text
 from ..system.exits import DONE
+from . import arguments as shared
 
 MODEL = False  # it takes none
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """None of its own."""
+    shared.own_methods(parser)
+    parser.set_defaults(model="")
 
 
 def run(options: argparse.Namespace) -> int:
-    """List the integration methods."""
+    """List the integration methods; or say what a tableau or a composition is."""
+    if options.tableau or options.composition:
+        found = _own(options)
+        print(json.dumps(found, indent=1) if options.json else own_text(found))
+        return DONE
     found = runtime_methods()
     if options.json:
         print(json.dumps(found, indent=1))
         return DONE
     print(methods_text(found))
     return DONE
+
+
+def _own(options: argparse.Namespace) -> list[dict[str, object]]:
+    """Those that do not run (implicit ones) by their coefficients alone."""
+    found, run = [], []
+    for path in options.tableau:
+        tableau = read_tableau(read(path, "a tableau file"))
+        if tableau.kind == "explicit":
+            run.append(path)
+        else:
+            found.append({"name": fit(Path(path).stem), "facts": facts(tableau), "runs": False})
+    own = given(argparse.Namespace(tableau=run, composition=options.composition))
+    return [*found, *map(_told, own, own_methods(own))]
+
+
+def _told(own: Own, described: dict[str, object]) -> dict[str, object]:
+    return {**described, "facts": dict(own.facts), "runs": True}

@@ -13,6 +13,7 @@ from ..analysis.stability import plan, text
 from ..analysis.stability.map import MapOptions, StabilityMap
 from ..analysis.stability.misses import misses, unpredicted
 from ..compiler import Compilation
+from ..own.given import given
 from ..scenes import asked as parsing
 from ..scenes.use import whole
 from ..system.exits import DONE, UsageError
@@ -27,6 +28,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
     add = parser.add_argument
     shared.directory(parser)
+    shared.own_methods(parser)
     shared.of_a_motion(parser, "50 periods of the slowest mode")
     add("--vary", metavar="NAME=LO..HI", help="a start or a parameter (default: the amplitude)")
     add("--methods", metavar="LIST", help="only these, e.g. verlet,rk4 (default: one a family)")
@@ -83,7 +85,11 @@ def _refuse_states(compilation: Compilation) -> None:
 
 def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:
     across, up = plan.numbers(options.points, options.quick)
-    taken, left = plan.methods(options.methods, all_methods(None), compilation.structure)
+    own, wanted = compilation.model.methods, options.methods
+    if wanted is not None:
+        wanted = ",".join((wanted, *(method.name for method in given(options))))
+    known = all_methods(None, own)
+    taken, left = plan.methods(wanted, known, compilation.structure, [m.name for m in own])
     values = parsing.Values(compilation)
     steps = None
     if options.steps is not None:

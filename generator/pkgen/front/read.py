@@ -23,13 +23,13 @@ class UnreadableModel(ModelError):
         return "\n".join(lines)
 
 
-def read(path: str | os.PathLike[str]) -> Source:
+def read(path: str | os.PathLike[str], what: str = "a .lag file") -> Source:
     """The text of a file: UTF-8, a byte-order mark dropped, line ends made newlines.
 
     Raises UnreadableModel, or ModelError where a place in the text is at fault.
     """
     shown = os.fspath(path)
-    data = _bytes(shown)
+    data = _bytes(shown, what)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -52,12 +52,12 @@ def from_text(path: str, text: str) -> Source:
     return source
 
 
-def _bytes(path: str) -> bytes:
+def _bytes(path: str, wanted: str) -> bytes:
     try:
         # Asked before opening: a pipe would block, a device might never end.
         if not stat.S_ISREG(os.stat(path).st_mode):
             what = "a directory" if os.path.isdir(path) else "not a regular file"
-            raise _unreadable(path, f"this is {what}", "give the path of a .lag file")
+            raise _unreadable(path, f"this is {what}", f"give the path of {wanted}")
         with open(path, "rb") as file:
             data = file.read(limits.FILE_BYTES + 1)
     except FileNotFoundError:

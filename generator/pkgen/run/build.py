@@ -19,7 +19,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..back.c.render import is_portable
-from ..methods import inline_flags
+from ..methods import Own, inline_flags
 from ..system.cache import cached
 from ..system.files import scratch
 from ..system.progress import say
@@ -106,18 +106,41 @@ def _gsl(tools: Toolchain) -> list[str]:
 # What says which model is run, and in which parts; no model can be called that.
 CHOICE_FILE = "which-model.c"
 CHOICE = """#include <pk/run.h>
-extern const struct pk_system {name}_system;
+{own}extern const struct pk_system {name}_system;
 {parts}extern const struct pk_run_model {of};
-const struct pk_run_model {of} = {{&{name}_system, {blocks}, {count}}};
+const struct pk_run_model {of} = {{&{name}_system, {blocks}, {count}, {methods}}};
 """
 # What a library of a model shows: the documented functions and the model's own.
 EXPORTS_FILE = "exports"
 EXPORTS = "{{ global: pk_model; pk_run_*; pk_stability_*; {name}_*; local: *; }};\n"
 
+OWN_FILE = "own_methods.h"  # the tables of the methods that a model brings
+
 Parts = Sequence[tuple[str, Sequence[int]]]  # of a model: the name of each, its coordinates
 
 
-def _choice(of: str, name: str, parts: Parts) -> str:
+def _tables(own: Sequence[Own]) -> str:
+    return "".join(["#include <pk/step/tableau.h>\n", *(method.table for method in own)])
+
+
+def _with_tables(own: Sequence[Own]) -> list[str]:
+    """The flags by which pk/step/tables.h has them."""
+    return ["-I.", f'-DPK_OWN_TABLES="{OWN_FILE}"'] if own else []
+
+
+def _rows(own: Sequence[Own]) -> str:
+    """Their rows, as pk/methods.h has those of the runtime."""
+    if not own:
+        return ""
+    lines = ["#include <pk/families.h>", "#include <pk/step/tables.h>"]
+    for method in own:
+        lines += [f"extern const struct pk_method pk_method_{method.name};", method.row]
+    named = ", ".join(f"&pk_method_{method.name}" for method in own)
+    lines.append(f"static const struct pk_method *own_methods[] = {{{named}}};")
+    return "\n".join(lines) + "\n"
+
+
+def _choice(of: str, name: str, parts: Parts, own: Sequence[Own] = ()) -> str:
     text = ""
     for k, (part, coordinates) in enumerate(parts):
         text += f"extern const struct pk_system {part}_system;\n"
@@ -126,7 +149,9 @@ def _choice(of: str, name: str, parts: Parts) -> str:
         rows = ", ".join(f"{{&{part}_system, part{k}}}" for k, (part, _) in enumerate(parts))
         text += f"static const struct pk_part parts[] = {{{rows}}};\n"
     blocks = "parts" if parts else "NULL"
-    return CHOICE.format(of=of, name=name, parts=text, blocks=blocks, count=len(parts))
+    methods = f"own_methods, {len(own)}" if own else "NULL, 0"
+    made = {"parts": text, "blocks": blocks, "count": len(parts), "methods": methods}
+    return CHOICE.format(of=of, name=name, own=_rows(own), **made)
 
 
 def _portable(tools: Toolchain, files: dict[str, str]) -> Toolchain:
@@ -142,9 +167,12 @@ def _linked(
     arguments: list[str],
     folder: Path,
     form: Sequence[str] = (),
+    own: Sequence[Own] = (),
 ) -> None:
     """Compiles the files of a model and links it by these arguments. Of a model in parts the steps
     are theirs: it has no more than outputs, and is compiled without."""
+    form = [*form, *_with_tables(own)]
+    files = {**files, OWN_FILE: _tables(own)} if own else files
     for file_name, text in files.items():
         (folder / file_name).write_text(text, encoding="utf-8")
     sources = [CHOICE_FILE, *([f"{part}.c" for part, _ in parts] or [f"{name}.c"])]
@@ -161,18 +189,19 @@ def build_library(
     ensemble: bool = False,
     tools: Toolchain | None = None,
     parts: Parts = (),
+    own: Sequence[Own] = (),
 ) -> Path:
     """A shared library that integrates the model NAME, from its generated files, by any method; by
-    `methods` fastest, and by blocks of an ensemble's members. With `parts`, NAME has no more than
+    `methods` fastest, and by blocks of an ensemble's members; those of its `own` too. With `parts`, NAME has no more than
     outputs, and these are integrated.
 
     Raises BuildError with what the compiler said.
     """
     tools = _portable(tools or find_toolchain(), files)
-    inlined = inline_flags(methods)
+    inlined = inline_flags(methods, own)
     inlined += ["-DPK_INLINE_ENSEMBLE"] if inlined and ensemble else []
-    choice = _choice("pk_model", name, parts)
-    made_of = (_runtime_name(tools), inlined, choice, sorted(files.items()))
+    choice = _choice("pk_model", name, parts, own)
+    made_of = (_runtime_name(tools), inlined, choice, _tables(own), sorted(files.items()))
     digest = hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]
 
     def make(new: Path) -> None:
@@ -181,7 +210,7 @@ def build_library(
         linked = [*inlined, "-shared", f"-Wl,--version-script={EXPORTS_FILE}", "-o", "model.so"]
         linked += ["-Wl,--whole-archive", str(library / "librun.a"), "-Wl,--no-whole-archive"]
         linked += runtime_links(tools, library)
-        _linked(tools, every, name, parts, linked, new, SHARED)
+        _linked(tools, every, name, parts, linked, new, SHARED, own)
 
     return cached("models", f"{name[:40]}-{digest}", make) / "model.so"
 
@@ -196,6 +225,7 @@ def build_program(
     static: bool = False,
     native: bool = False,
     gsl: bool = False,
+    own: Sequence[Own] = (),
 ) -> None:
     """A program of its own, with `settings` in C. Without GSL, which is under the GPL, unless asked
     for; for any processor of this kind unless `native`. Raises BuildError."""
@@ -207,12 +237,12 @@ def build_program(
     tools = _portable(tools, files)
     library = runtime_library(tools)
     declared = "extern const struct pk_run_settings program_settings;\n"
-    choice = _choice("program_model", name, parts) + declared + settings
-    linked = [*inline_flags(methods), *map(str, sorted((RUNTIME / "program").glob("*.c")))]
+    choice = _choice("program_model", name, parts, own) + declared + settings
+    linked = [*inline_flags(methods, own), *map(str, sorted((RUNTIME / "program").glob("*.c")))]
     linked += ["-o", "program", str(library / "librun.a"), *(["-static"] if static else [])]
     linked += runtime_links(tools, library)
     with scratch() as folder:
-        _linked(tools, {**files, CHOICE_FILE: choice}, name, parts, linked, folder)
+        _linked(tools, {**files, CHOICE_FILE: choice}, name, parts, linked, folder, own=own)
         output.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(folder / "program", output)
 
@@ -222,6 +252,13 @@ NO_MODEL = """#include <pk/system.h>
 extern const struct pk_system no_model_system;
 const struct pk_system no_model_system = {.abi = PK_ABI, .name = "no_model"};
 """
+
+
+def own_methods(own: Sequence[Own]) -> list[dict[str, object]]:
+    """Those of a model, as the runtime describes them."""
+    if not own:
+        return []
+    return load(build_library({"no_model.c": NO_MODEL}, "no_model", own=own)).own_methods()
 
 
 def runtime_methods() -> list[dict[str, object]]:

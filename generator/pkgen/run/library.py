@@ -60,6 +60,10 @@ class Library:
         """What the runtime says of its methods."""
         return json.loads(self.c.pk_run_methods())
 
+    def own_methods(self) -> list[dict[str, object]]:
+        """The same of those that the model brings."""
+        return json.loads(self.c.pk_run_own_methods(self.model))
+
     def settings(self, given: Settings, **more: object) -> Structure:
         """As C has them; `more` are members that are set as they stand."""
         s = self.c.pk_run_defaults()

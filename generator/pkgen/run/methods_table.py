@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from ..own.trees import MOST_ORDER
+
 HEADER = (
     "method",
     "order",
@@ -35,6 +37,37 @@ def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
     width = max(len(str(m["name"])) for m in found)
     lines += [f"{m['name']:<{width}}  {m['doc']}" for m in found]
     return "\n".join(lines)
+
+
+def own_text(found: Sequence[Mapping[str, Any]]) -> str:
+    """Of the author's own methods: a paragraph each."""
+    return "\n\n".join(_paragraph(m) for m in found)
+
+
+def _paragraph(m: Mapping[str, Any]) -> str:
+    lines = dict(m["facts"])
+    if m["runs"]:
+        lines |= {
+            "h omega": _limit(m["limits"]["imaginary"]),
+            "h lambda": _limit(m["limits"]["real"]),
+            "step": "adaptive" if "adaptive" in m["flags"] else "fixed",
+            "requires": ", ".join(in_words(m["requires"])) or "nothing",
+        }
+    else:
+        lines["runs"] = "no: of tables the explicit ones run"
+    width = max(map(len, lines))
+    rows = (f"  {key:<{width}}  {_said(key, x)}" for key, x in lines.items())
+    return "\n".join([str(m["name"]), *rows])
+
+
+def _said(key: str, value: object) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if key.endswith("order") and value == MOST_ORDER:
+        return f"{value} or more"
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
 def in_words(requires: Iterable[str]) -> list[str]:

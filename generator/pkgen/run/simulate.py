@@ -65,6 +65,7 @@ def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | Non
         *(settings.compiled_for or (settings.method, *(part.method for part in settings.parts))),
         ensemble=ensemble is not None,
         parts=[(part.name, part.coordinates) for part in compilation.parts],
+        own=compilation.model.methods,
     )
 
 

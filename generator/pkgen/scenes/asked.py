@@ -9,7 +9,7 @@ from pathlib import Path
 from ..compiler import Compilation
 from ..front.check.scene_numbers import ROUND_OFF
 from ..indices import hidden
-from ..methods import METHODS
+from ..methods import Own, known
 from ..middle.quantities import indexed
 from ..model import Scene
 from ..run import diagnostics, named, rows
@@ -112,7 +112,7 @@ def settings(
         every = rows.interval(until, step, numbers)
     count = until / every + 1 if every else 1
     rows.refuse_too_many(options, compilation.declared, chosen, count, numbers, members)
-    method = _method(options, said.method)
+    method = _method(options, said.method, compilation.model.methods)
     # No setting of an adaptive method, or of its rows, is meant for one that is exact.
     free = options.rtol is None and said.rtol is None and step is None and at is None
     exact = free and members is None and not options.diagnose
@@ -187,12 +187,13 @@ def _recorded(
     return tuple(show or ()), None if at is None else events.index(at)
 
 
-def _method(options: argparse.Namespace, of_scene: str) -> str:
+def _method(options: argparse.Namespace, of_scene: str, own: tuple[Own, ...]) -> str:
     """The method asked for, "" if none is."""
-    if options.method is not None and options.method not in METHODS:
-        raise UsageError(unknown("--method", options.method, METHODS, "method"))
+    methods = known(own)
+    if options.method is not None and options.method not in methods:
+        raise UsageError(unknown("--method", options.method, methods, "method"))
     name = options.method or of_scene
-    if name and "adaptive" not in METHODS[name].traits:
+    if name and "adaptive" not in methods[name].traits:
         for option in ("rtol", "atol", "max_step"):
             if getattr(options, option) is not None:
                 shown = "--" + option.replace("_", "-")

@@ -12,7 +12,7 @@ from ..compiler import STAGES, Compilation, stages
 from ..equations import Equations, Facts
 from ..front.check.expects import calls
 from ..indices import integer
-from ..methods import METHODS, provides
+from ..methods import Own, known, provides
 from ..middle.loops.loops import LoopEquations
 from ..middle.quantities import ends, indexed, sizes
 from ..middle.report import Report
@@ -49,7 +49,7 @@ def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagn
     except ModelError as error:
         return error.diagnostics
     alike = _alike(declared, scene, report)
-    return [*_unfit(scene, structure), *alike, *_drifting(scene, equations, structure)]
+    return [*_unfit(scene, structure, declared.methods), *alike, *_drifting(scene, equations, structure)]
 
 
 def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) -> None:
@@ -57,7 +57,8 @@ def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) 
     right and these are not."""
     equations, structure = compilation.equations, compilation.structure
     alone = replace(scene, method="") if options.method else scene
-    compiled = [*_unfit(alone, structure), *_alike(compilation.declared, scene, compilation.report)]
+    own = compilation.model.methods
+    compiled = [*_unfit(alone, structure, own), *_alike(compilation.declared, scene, compilation.report)]
     found = [*compiled, *_drifting(scene, equations, structure)]
     if not found:
         return
@@ -74,15 +75,15 @@ def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) 
 
 def refuse_method(compilation: Compilation, scene: Scene) -> None:
     """Of a scene whose C is written. Raises ModelError."""
-    found = [*_unfit(scene, compilation.structure)]
+    found = [*_unfit(scene, compilation.structure, compilation.model.methods)]
     if found:
         raise ModelError(compilation.declared.source, found)
 
 
-def _unfit(scene: Scene, structure: Facts) -> Iterator[Diagnostic]:
+def _unfit(scene: Scene, structure: Facts, own: tuple[Own, ...]) -> Iterator[Diagnostic]:
     if not scene.method:
         return
-    missing = [f for f in METHODS[scene.method].requires if not provides(structure, f)]
+    missing = [f for f in known(own)[scene.method].requires if not provides(structure, f)]
     if missing:
         yield Diagnostic(
             f"{scene.method} needs a system that is {in_words(missing)[0]}, and this is not",

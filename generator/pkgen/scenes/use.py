@@ -10,7 +10,7 @@ from dataclasses import replace
 from ..compiler import Use
 from ..equations import Equations, Structure
 from ..front.check.scene_numbers import Values, WrongValue
-from ..methods import called, carries_quadratures, in_blocks
+from ..methods import Method, called, carries_quadratures, in_blocks, known
 from ..middle.motion import LINEAR_OF_FEW
 from ..middle.reduce.reduce import APART, REDUCTIONS
 from ..middle.reduce.reduction import ENOUGH, Needs
@@ -110,9 +110,10 @@ def _of_method(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     if not method and made is not None:
         exact = rtol is None and not steps and not at and not several and EXACT not in asked.off
         method = default_method(*made, rtol or 0.0, exact)
-    found = called(method) if method else called("gauss") | {"mass", LINEAR_OF_FEW}
+    of = known(model.methods).get(method)
+    found = called(of) if of else called("gauss") | {"mass", LINEAR_OF_FEW}
     watched = at or any(event.stop for event in model.events) or scene_model.events(scene)
-    if several and not watched and (made is None or _side_by_side(*made, method, steps)):
+    if several and not watched and (made is None or _side_by_side(*made, of, steps)):
         found |= {"members"}
     return found
 
@@ -131,7 +132,7 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     return frozenset(found)
 
 
-def _side_by_side(equations: Equations, structure: Structure, method: str, steps: bool) -> bool:
+def _side_by_side(equations: Equations, structure: Structure, method: Method | None, steps: bool) -> bool:
     """Whether members go in blocks, as in runtime/src/ensemble/ensemble.c."""
     alone = equations.quadratures or equations.constraints or equations.switches
     return in_blocks(method, steps) and not alone
@@ -244,10 +245,11 @@ def _use(name: str, asked: Overrides, swarm: bool = True) -> Use:
             columns = tuple(scene_model.columns(scene))
         if columns is None or frozenset(REDUCTIONS) <= asked.off:
             return None
+        method = known(used.methods).get(asked.method or scene.method)
         return Needs(
             frozenset(columns) | scene_model.needed(scene),
             scene_model.events(scene) | {asked.event_of(scene)},
-            asked.quadratures and carries_quadratures(asked.method or scene.method),
+            asked.quadratures and carries_quadratures(method),
             asked.apart and scene.swarm is None and _divided(used, scene, columns),
             asked.off,
         )

@@ -18,15 +18,19 @@
 #define PK_RUN_H
 
 #include <pk/apart.h>
+#include <pk/method.h>
 #include <pk/system.h>
 
 PK_BEGIN
 
-/* A model, and the blocks of coordinates that it is integrated in, each by itself; or no blocks. */
+/* A model; the blocks of coordinates that it is integrated in, each by itself, or no blocks; and
+ * the methods that it brings beside the runtime's. */
 struct pk_run_model {
     const struct pk_system *system;
     const struct pk_part *parts;
     size_t n_parts;
+    const struct pk_method **methods;
+    size_t n_methods;
 };
 
 /* What a run ends with: also the exit code of a program. */
@@ -150,9 +154,11 @@ void pk_run_stop(int whether);
 
 /* sizeof of pk_run_settings, pk_run_expected, pk_run_part, pk_stability_question: 0 to 3. */
 size_t pk_run_size(int which);
-/* The bit of a diagnostic, 0: there is none of that name. The list of methods in JSON. */
+/* The bit of a diagnostic, 0: there is none of that name. The list of methods in JSON; and that of
+ * a model's own, which stands until the next call. */
 unsigned pk_run_diagnostic(const char *name);
 const char *pk_run_methods(void);
+const char *pk_run_own_methods(const struct pk_run_model *model);
 
 PK_END
 

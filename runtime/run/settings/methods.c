@@ -26,8 +26,11 @@ const struct pk_method *run_method_at(size_t index)
     return pk_method_at(index);
 }
 
-const struct pk_method *run_method_find(const char *name)
+const struct pk_method *run_method_find(const struct pk_run_model *model, const char *name)
 {
+    for (size_t i = 0; name && i < model->n_methods; i++)
+        if (strcmp(model->methods[i]->name, name) == 0)
+            return model->methods[i];
     for (size_t i = 0; name && run_method_at(i); i++)
         if (strcmp(run_method_at(i)->name, name) == 0)
             return run_method_at(i);
@@ -70,6 +73,24 @@ static void limits(struct json *j, const struct pk_method *method)
     json_close(j, ']');
 }
 
+static void described(struct json *j, const struct pk_method *m)
+{
+    static const char *const traits[] = {"symplectic", "symmetric", "adaptive",  "implicit",
+                                         "dense",      "jacobians", "linear",    "no_inputs",
+                                         "quadrature", "exact",     "holonomic", "group"};
+    static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
+                                        "separable",     "autonomous",    "conservative",
+                                        "variational",   "smooth",        "affine"};
+    json_open(j, NULL, '{');
+    json_text(j, "name", m->name);
+    json_reals(j, {"order", m->order}, {"stages", m->stages}, {"dense_order", m->dense_order});
+    flags(j, "flags", m->traits, traits, sizeof traits / sizeof *traits);
+    flags(j, "requires", m->needs, facts, sizeof facts / sizeof *facts);
+    limits(j, m);
+    json_text(j, "doc", m->doc);
+    json_close(j, '}');
+}
+
 const char *pk_run_methods(void)
 {
     static char *text; /* found once */
@@ -77,24 +98,26 @@ const char *pk_run_methods(void)
     struct json json = {.file = text ? NULL : open_memstream(&text, &size)}, *j = &json;
     if (!json.file)
         return text;
-    static const char *const traits[] = {"symplectic", "symmetric", "adaptive",  "implicit",
-                                         "dense",      "jacobians", "linear",    "no_inputs",
-                                         "quadrature", "exact",     "holonomic", "group"};
-    static const char *const facts[] = {"mass_constant", "mass_diagonal", "quadratic",
-                                        "separable",     "autonomous",    "conservative",
-                                        "variational",   "smooth",        "affine"};
-    const struct pk_method *m;
     json_open(j, NULL, '[');
-    for (size_t i = 0; (m = run_method_at(i)) != NULL; i++) {
-        json_open(j, NULL, '{');
-        json_text(j, "name", m->name);
-        json_reals(j, {"order", m->order}, {"stages", m->stages}, {"dense_order", m->dense_order});
-        flags(j, "flags", m->traits, traits, sizeof traits / sizeof *traits);
-        flags(j, "requires", m->needs, facts, sizeof facts / sizeof *facts);
-        limits(j, m);
-        json_text(j, "doc", m->doc);
-        json_close(j, '}');
-    }
+    for (size_t i = 0; run_method_at(i); i++)
+        described(j, run_method_at(i));
+    json_close(j, ']');
+    fclose(json.file);
+    return text;
+}
+
+const char *pk_run_own_methods(const struct pk_run_model *model)
+{
+    static char *text;
+    size_t size;
+    free(text);
+    text = NULL;
+    struct json json = {.file = open_memstream(&text, &size)}, *j = &json;
+    if (!json.file)
+        return NULL;
+    json_open(j, NULL, '[');
+    for (size_t i = 0; i < model->n_methods; i++)
+        described(j, model->methods[i]);
     json_close(j, ']');
     fclose(json.file);
     return text;

@@ -32,7 +32,7 @@ static const char *steps(struct settings *s)
         return "there is no such part, or no such method of one";
     s->asked.parts = x->n_parts ? copy(s, x->parts, s->n_parts, sizeof *x->parts) : NULL;
     for (size_t k = 0; x->parts && k < s->n_parts; k++)
-        if (x->parts[k].method && !run_method_find(x->parts[k].method))
+        if (x->parts[k].method && !run_method_find(s->run->model, x->parts[k].method))
             return "there is no such part, or no such method of one";
     s->options = pk_options_default();
     s->options.words = &run_options;
@@ -264,7 +264,7 @@ enum pk_run_code settings_take(struct pk_run *run)
                            .system = system,
                            .parts = model->parts,
                            .n_parts = model->parts ? model->n_parts : 0,
-                           .method = run_method_find(method),
+                           .method = run_method_find(model, method),
                            .memory = &run->memory,
                            .control = &run->control,
                            .polls = 1};

@@ -23,7 +23,8 @@ void settle_every(struct settings *s);
 extern const struct pk_words run_options;
 
 /* The core's methods, then GSL's. */
-const struct pk_method *run_method_find(const char *name);
+/* The model's own first. */
+const struct pk_method *run_method_find(const struct pk_run_model *model, const char *name);
 const struct pk_method *run_method_at(size_t index);
 
 /* The number under which a member, from 0 on, is spoken of. */

@@ -47,7 +47,7 @@ int stability_wrong(struct pk_stability *s, const char *message)
 
 const struct pk_method *stability_method(struct pk_stability *s, const char *name)
 {
-    const struct pk_method *method = run_method_find(name);
+    const struct pk_method *method = run_method_find(s->run->model, name);
     if (method && !(method->traits & PK_ADAPTIVE))
         return method;
     run_say(s->run, "no method of a fixed step: %s", name ? name : "");

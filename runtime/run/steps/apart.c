@@ -9,7 +9,9 @@
 static struct pk_choice choice_of(const struct settings *s, size_t k)
 {
     const struct pk_run_part none = {0}, *given = s->asked.parts ? &s->asked.parts[k] : &none;
-    struct pk_choice c = {given->method ? run_method_find(given->method) : s->method, s->options};
+    struct pk_choice c = {s->method, s->options};
+    if (given->method)
+        c.method = run_method_find(s->run->model, given->method);
     if (given->step > 0)
         c.options.h = (pk_real)given->step;
     if (given->rtol > 0)

@@ -2,7 +2,7 @@
 #ifndef PK_TABLEAU_H
 #define PK_TABLEAU_H
 
-#include <pk/methods.h>
+#include <pk/families.h>
 #include <pk/step/tableau.h>
 
 /* An implicit Runge-Kutta method by collocation: nodes c and weights b, NULL those of Gauss; and
@@ -37,8 +37,6 @@ const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
 /* Stage i of an explicit Runge-Kutta step of h, whose slopes are k. */
 int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *table, pk_real h,
                       const pk_real *k, int i, struct pk_stage *stage, pk_real *room);
-/* The slopes of all stages. */
-size_t pk_erk_size(const struct pk_method *method, size_t n);
 /* Those of an explicit Runge-Kutta method, adaptive or not. */
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method);
 const struct pk_tableau *pk_erk_table(const struct pk_method *method);

@@ -11,6 +11,7 @@
 #include "../core/generic.h"
 #include "../core/tableau.h"
 
+#include <pk/families.h>
 #include <pk/step/embedded.h>
 
 static const struct pk_tableau *table_of(const struct pk_method *method)
@@ -23,14 +24,14 @@ static struct pk_embedded_work parts_of(struct pk_integrator *it)
     return pk_embedded_parts(it, table_of(it->method), it->n, it->problem.system->n_first_order);
 }
 
-static size_t embedded_size(const struct pk_method *method, size_t n)
+size_t pk_embedded_size(const struct pk_method *method, size_t n)
 {
     const struct pk_tableau *table = table_of(method);
     const int rows = table->stages + 1 + table->extra + 1 + pk_embedded_dense_rows(table);
     return (size_t)rows * 2 * n + 2;
 }
 
-static enum pk_status embedded_init(struct pk_integrator *it)
+enum pk_status pk_embedded_init(struct pk_integrator *it)
 {
     *parts_of(it).err_old = PK_C(1e-4);
     return PK_DONE;
@@ -82,19 +83,19 @@ enum pk_status pk_embedded_begin(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-static enum pk_status embedded_step(struct pk_integrator *it, pk_real limit)
+enum pk_status pk_embedded_step(struct pk_integrator *it, pk_real limit)
 {
     return generic_embedded(it, table_of(it->method), limit);
 }
 
-static int embedded_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
+int pk_embedded_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
 {
     const struct pk_embedded_work w = parts_of(it);
     return pk_explicit_stage(it, table_of(it->method), *w.h_made, w.k, i, stage, room);
 }
 
 /* As pk_embedded_error() of one component. */
-static pk_real embedded_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2])
+pk_real pk_embedded_stage_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2])
 {
     const pk_real blend = sums[0] * sums[0] + PK_C(0.01) * sums[1] * sums[1];
     (void)size;
@@ -105,7 +106,7 @@ static pk_real embedded_error(const struct pk_integrator *it, pk_real size, cons
 
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method)
 {
-    return method->step == embedded_step ? table_of(method) : pk_erk_table(method);
+    return method->step == pk_embedded_step ? table_of(method) : pk_erk_table(method);
 }
 
 static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_embedded_work *w)
@@ -133,7 +134,7 @@ static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_em
     return PK_DONE;
 }
 
-static enum pk_status embedded_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+enum pk_status pk_embedded_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct pk_embedded_work w = parts_of(it);
     if (!(it->own->flags & PK_HAVE_DENSE))
@@ -148,8 +149,4 @@ static enum pk_status embedded_dense(struct pk_integrator *it, pk_real t, pk_rea
     return PK_DONE;
 }
 
-#define EMBEDDED(of)                                                              \
-    .needs = PK_NEEDS_EMBEDDED, .table = &pk_##of##_table, .size = embedded_size, \
-    .init = embedded_init, .step = embedded_step, .dense = embedded_dense,        \
-    .stage = embedded_stage, .stage_error = embedded_error
-PK_METHODS_EMBEDDED(PK_DEFINE_METHOD, EMBEDDED)
+PK_METHODS_EMBEDDED(PK_DEFINE_METHOD, PK_FAMILY_EMBEDDED)

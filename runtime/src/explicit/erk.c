@@ -2,6 +2,7 @@
 #include "../core/generic.h"
 #include "../core/tableau.h"
 
+#include <pk/families.h>
 #include <pk/step/erk.h>
 
 size_t pk_erk_size(const struct pk_method *method, size_t n)
@@ -10,7 +11,7 @@ size_t pk_erk_size(const struct pk_method *method, size_t n)
     return (size_t)table->stages * 2 * n;
 }
 
-static enum pk_status erk_step(struct pk_integrator *it, pk_real limit)
+enum pk_status pk_erk_step(struct pk_integrator *it, pk_real limit)
 {
     (void)limit;
     return generic_erk(it, (const struct pk_tableau *)it->method->table);
@@ -35,7 +36,7 @@ int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *t
     return 1;
 }
 
-static int erk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
+int pk_erk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
 {
     return pk_explicit_stage(it, (const struct pk_tableau *)it->method->table, it->own->h,
                              it->own->work, i, stage, room);
@@ -43,10 +44,7 @@ static int erk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk
 
 const struct pk_tableau *pk_erk_table(const struct pk_method *method)
 {
-    return method->step == erk_step ? (const struct pk_tableau *)method->table : NULL;
+    return method->step == pk_erk_step ? (const struct pk_tableau *)method->table : NULL;
 }
 
-#define ERK(of)                                                                              \
-    .needs = PK_NEEDS_ERK, .table = &pk_##of##_table, .size = pk_erk_size, .step = erk_step, \
-    .stage = erk_stage
-PK_METHODS_ERK(PK_DEFINE_METHOD, ERK)
+PK_METHODS_ERK(PK_DEFINE_METHOD, PK_FAMILY_ERK)

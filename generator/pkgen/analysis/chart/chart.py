@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from ...compiler import Compilation
+from ...methods import Own
 from ...record import record
 from ...run import named
-from ...run.build import build_library, runtime_methods
+from ...run.build import build_library, own_methods, runtime_methods
 from ...run.settings import Settings
 from ...system.progress import Show
 from . import answer, reference, spectrum, sweep
@@ -45,10 +46,11 @@ class Chart:
         return ", ".join(said)
 
 
-def methods(wanted: list[str] | None) -> list[ChartedMethod]:
-    """Those that the driver lists, or the wanted ones of them. Raises KeyError for another."""
+def methods(wanted: list[str] | None, own: tuple[Own, ...] = ()) -> list[ChartedMethod]:
+    """Those that the driver lists and `own` ones, or the wanted ones of them. Raises KeyError for
+    another."""
     known = {}
-    for m in runtime_methods():
+    for m in (*own_methods(own), *runtime_methods()):
         limits = m.get("limits") or {}
         ends = (_end(limits.get(axis)) for axis in ("imaginary", "real"))
         traits = tuple(m["flags"]), tuple(m["requires"])
@@ -72,8 +74,8 @@ def measure(
     """Raises NumericsFailed, BuildError, or UsageError."""
     name = compilation.model.name
     on_progress(0.0, "compiling")
-    path = build_library(compilation.files, name, *(m.name for m in chosen))
-    program = Program(path, settings)
+    path = build_library(compilation.files, name, *(m.name for m in chosen), own=compilation.model.methods)
+    program = Program(path, settings, compilation.model.methods)
     given = program.given()
     on_progress(0.02, "compiling and integrating the reference")
     exact = reference.find(compilation, given)

@@ -10,7 +10,7 @@ from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 
-from ...methods import METHODS
+from ...methods import Own, known
 from ...run.library import USAGE, Run, load
 from ...run.settings import Settings, Shown
 from ...system.exits import NumericsFailed, UsageError
@@ -44,13 +44,14 @@ def difference(one: Exact, other: Exact, scales: list[float]) -> float:
 class Program:
     """One model in one precision, with settings that stay."""
 
-    def __init__(self, path: Path, settings: Settings):
+    def __init__(self, path: Path, settings: Settings, own: tuple[Own, ...] = ()):
+        self.known = known(own)
         self.library = load(path)
         self.settings = settings
 
     def run(self, method: str, setting: float, **more: object) -> Run:
         """By a method at a step or rtol. Raises UsageError for wrong settings."""
-        fixed = METHODS[method].fixed or METHODS[method].exact
+        fixed = self.known[method].fixed or self.known[method].exact
         given = replace(self.settings, method=method, **more.pop("but", {}))
         if fixed:
             given = replace(given, step=setting)

@@ -127,11 +127,14 @@ def _spread(low: float, high: float, count: int, open_low: bool = False) -> tupl
 
 
 def methods(
-    text: str | None, known: Sequence[ChartedMethod], structure: Structure
+    text: str | None,
+    known: Sequence[ChartedMethod],
+    structure: Structure,
+    own: Sequence[str] = (),
 ) -> tuple[list[ChartedMethod], list[str]]:
     """Those to be mapped, and a sentence for each that is not."""
     by_name = {m.name: m for m in known}
-    names = [n.strip() for n in text.split(",") if n.strip()] if text else USUAL
+    names = [n.strip() for n in text.split(",") if n.strip()] if text else [*own, *USUAL]
     taken, left = [], []
     for name in dict.fromkeys(names):
         if name not in by_name:

@@ -10,6 +10,9 @@
 #include <pk/step/dop853.h>
 #include <pk/step/dopri5.h>
 #include <pk/step/tables_splitting.h>
+#ifdef PK_OWN_TABLES /* those of the methods that a model brings */
+#include PK_OWN_TABLES
+#endif
 
 #ifndef PK_ERK_METHODS
 #define PK_ERK_METHODS(X) PK_METHODS_ERK(PK_NAME_OF, X)

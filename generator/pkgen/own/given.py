@@ -1,0 +1,35 @@
+"""The methods that options bring: --tableau FILE, --composition WEIGHTS."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ..front.read import read
+from ..methods import Own
+from ..system.exits import UsageError
+from .made import fit, of_text, of_weights
+
+
+def given(options: argparse.Namespace) -> tuple[Own, ...]:
+    """Raises ModelError with the places of what is wrong in them, UsageError for two of a name."""
+    found: dict[str, Own] = {}
+    for path in getattr(options, "tableau", None) or ():
+        own = of_text(fit(Path(path).stem), read(path, "a tableau file"))
+        if own.name in found:
+            raise UsageError(f"--tableau {path}: there is another method '{own.name}'")
+        found[own.name] = own
+    for k, text in enumerate(getattr(options, "composition", None) or ()):
+        name = f"composition{k + 1 if k else ''}"
+        if name in found:
+            raise UsageError(f"--composition {text[:60]}: there is another method '{name}'")
+        found[name] = of_weights(name, text)
+    return tuple(found.values())
+
+
+def taken(options: argparse.Namespace) -> argparse.Namespace:
+    """The options of a run: its method is the one that they bring, unless they name one."""
+    own = given(options)
+    if not own or options.method is not None:
+        return options
+    return argparse.Namespace(**{**vars(options), "method": own[0].name})
