@@ -322,7 +322,9 @@ def compile_model(
     `own` are methods beside those that the model brings.
     Raises ModelError with every finding of the stage that could not go on.
     """
-    made = stages(source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric, canonical, own)
+    made = stages(
+        source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric, canonical, own
+    )
     _, (declared, model, warnings), _, facts, reduced, (program, parts), files = made
     equations, structure, report = reduced
     warnings += _partly_proved(model, facts)

@@ -35,6 +35,7 @@ _PATTERN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
+_PATH = re.compile(r"[ \t]*([^\s#]+)")
 _UNIT = re.compile(r"\[([^\[\]\n#]*)\]")
 _OPERATORS = {
     "+": "PLUS", "-": "MINUS", "*": "TIMES", "/": "OVER", "^": "POWER", "**": "POWER",
@@ -134,11 +135,21 @@ class _Lexer:
             return kind
         called = self._next_is_bracket(end)
         in_method = self.now.tokens and self.now.tokens[0].type == "METHOD"
+        if in_method and name == "tableau" and len(self.now.tokens) == 2:
+            return self._file(self._add("TABLEAU", name, at, end))
         if name in CLAUSE_WORDS and not (name == "step" and called and not in_method):
             return self._add(name.upper(), name, at, end)
         if called:
             return self._add("SUM" if name == "sum" else "FUNCTION", name, at, end)
         return self._add("NAME", name, at, end)
+
+    def _file(self, at: int) -> int:
+        """The path of a file, which ends at a space."""
+        found = _PATH.match(self.text, at)
+        if found:
+            return self._add("FILE", found[1], found.start(1), found.end())
+        help = "e.g. method mine tableau mine.tab"
+        return self._error("'tableau' names no file", at - len("tableau"), at, help)
 
     def _word_of_drawing(self, name: str, at: int, end: int) -> int:
         """The end of a shape's word or of that of a part of it; 0 of a name of the model's."""

@@ -167,8 +167,11 @@ class Build(Transformer):
     def end_of_scene(self, word):
         return st.EndOfScene(_span(word))
 
-    def method(self, word, name, _, step, __, rtol):
-        return st.Method(str(name), _span(name), step, rtol, _over(word, rtol or step or name))
+    def method(self, word, name, _, file, __, step, ___, rtol):
+        path = None if file is None else str(file)
+        last = rtol or step or file or name
+        given = step, rtol, path, None if file is None else _span(file)
+        return st.Method(str(name), _span(name), *given, _over(word, last))
 
     def record(self, word, *parts):
         *items, every, at = parts

@@ -176,6 +176,8 @@ class Method:
     name_span: Span
     step: Expr | None
     rtol: Expr | None
+    file: str | None  # of its tableau
+    file_span: Span | None
     span: Span
 
 
@@ -229,7 +231,18 @@ class Scene:
 
 
 Statement = (
-    Head | Param | Define | Declare | Pairs | Single | Equation | Event | Draw | StartAt | Scene
+    Head
+    | Param
+    | Define
+    | Declare
+    | Pairs
+    | Single
+    | Equation
+    | Event
+    | Draw
+    | Method
+    | StartAt
+    | Scene
 )
 
 

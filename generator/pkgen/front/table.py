@@ -24,7 +24,7 @@ SYNTAX = {
     "event": "NAME COLON item [direction] [STOP]",
     "draw": "SHAPE [drawn] part* [_COMMA also]",
     "start_at": "start_item (_COMMA start_item)*",
-    "method": "NAME [STEP item] [RTOL item]",
+    "method": "NAME [TABLEAU FILE] [STEP item] [RTOL item]",
     "record": "item (_COMMA item)* [every] [at]",
     "swarm": "range",
     "expect": "item relation item [within] [at]",
@@ -58,6 +58,7 @@ rolling     equation constraints.equation constraints -    power  NAME: A = B
 event       event    dynamics.event      events      first -      NAME: EXPRESSION rising
 draw        draw     drawings.draw       drawings    -     -      bob P radius 0.1 [m]
 view        draw     drawings.view       views       -     -      plane xy width 2 [m]
+method      method   methods.declare     methods     -     -      NAME tableau FILE
 start       start_at dynamics.start      starts      -     -      a = VALUE, a' = VALUE
 scene       head     scenes.head         scenes      first -      NAME
 """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Sequence
 from decimal import Decimal, localcontext
@@ -53,11 +54,15 @@ def of_tableau(name: str, tableau: Tableau) -> Own:
     found = facts(tableau)
     if tableau.kind != "explicit":
         near = "gauss1 to gauss8, lobatto2 to lobatto4, radau5 and radau9 are built in"
-        raise _refused(tableau, f"the method is {tableau.kind}", f"tables run that are explicit; {near}")
+        raise _refused(
+            tableau, f"the method is {tableau.kind}", f"tables run that are explicit; {near}"
+        )
     same_last = _first_same_as_last(tableau)
     stages = tableau.stages - same_last
     if stages > MOST_RUN:
-        raise _refused(tableau, f"{stages} stages", f"an explicit table that runs has {MOST_RUN} at most")
+        raise _refused(
+            tableau, f"{stages} stages", f"an explicit table that runs has {MOST_RUN} at most"
+        )
     order = int(found["order"])
     a, b = tableau.a[:stages], tableau.b[:stages]
     lists = {
@@ -110,10 +115,12 @@ def of_weights(name: str, text: str, option: str = "--composition") -> Own:
     weights = _weights(source)
     s, half = len(weights), Fraction(1, 2)
     kicks = [weights[0] * half]
-    kicks += [(x + y) * half for x, y in zip(weights, weights[1:], strict=False)]
+    kicks += [(x + y) * half for x, y in itertools.pairwise(weights)]
     kicks.append(weights[-1] * half)
     order, size = words.order(kicks, weights)
-    mirrored = all(abs(x - y) < Fraction(1, 10**14) for x, y in zip(weights, weights[::-1], strict=True))
+    mirrored = all(
+        abs(x - y) < Fraction(1, 10**14) for x, y in zip(weights, weights[::-1], strict=True)
+    )
     traits = {"symplectic"} | ({"symmetric"} if mirrored else set())
     found = {
         "class": "composition of Verlet steps",
@@ -147,14 +154,18 @@ def _weights(source: Source) -> list[Fraction]:
         try:
             found.append(number(word))
         except NotANumber as wrong:
-            errors.append(Diagnostic(str(wrong), Span(start, start + max(1, len(word))), wrong.help))
+            errors.append(
+                Diagnostic(str(wrong), Span(start, start + max(1, len(word))), wrong.help)
+            )
         at += len(part) + 1
     whole = Span(0, max(1, len(source.text)))
     if len(parts) > MOST_WEIGHTS:
         errors.append(Diagnostic(f"{len(parts)} weights", whole, f"{MOST_WEIGHTS} at most"))
     if not errors and abs(sum(found) - 1) > Fraction(1, 10**12):
         message = f"the weights sum to {float(sum(found)):.12g}, not to 1"
-        errors.append(Diagnostic(message, whole, "each is the part of a step that a Verlet step is"))
+        errors.append(
+            Diagnostic(message, whole, "each is the part of a step that a Verlet step is")
+        )
     if errors:
         raise ModelError(source, errors[:5], max(0, len(errors) - 5))
     return found
@@ -178,7 +189,11 @@ def _table(
         if numbers:
             text = ", ".join(map(c_number, numbers))
             lines.append(f"static const pk_real pk_{name}_{key}[] = {{{text}}};")
-    members = [f".{key} = {f'pk_{name}_{key}' if xs else 'NULL'}" for key, xs in lists.items() if key != "e"]
+    members = [
+        f".{key} = {f'pk_{name}_{key}' if xs else 'NULL'}"
+        for key, xs in lists.items()
+        if key != "e"
+    ]
     lines.append(
         f"static const struct {kind} pk_{name}_table = {{.stages = {stages}, "
         f"{', '.join(members)}{more}}};"

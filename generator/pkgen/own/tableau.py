@@ -109,7 +109,9 @@ class _Reader:
     def tableau(self) -> Tableau:
         text = self.source.text
         if len(text) > MOST_TEXT:
-            self.error(f"a tableau of {len(text):,} characters", Span(0, 1), f"{MOST_TEXT:,} at most")
+            self.error(
+                f"a tableau of {len(text):,} characters", Span(0, 1), f"{MOST_TEXT:,} at most"
+            )
             self.fail_on_errors()
         section = ""
         for words in _lines(text):
@@ -163,7 +165,9 @@ class _Reader:
         for name, what in (("A", "the matrix"), ("b", "the weights")):
             if not self.rows.get(name):
                 at = self.places[name][0] if name in self.places else last
-                self.error(f"there is no {name}, {what} of the method", at, f"add: {name} 1/6 1/3 …")
+                self.error(
+                    f"there is no {name}, {what} of the method", at, f"add: {name} 1/6 1/3 …"
+                )
         if self.errors:
             return
         s = len(self.rows["b"][0])

@@ -191,9 +191,9 @@ def build_library(
     parts: Parts = (),
     own: Sequence[Own] = (),
 ) -> Path:
-    """A shared library that integrates the model NAME, from its generated files, by any method; by
-    `methods` fastest, and by blocks of an ensemble's members; those of its `own` too. With `parts`, NAME has no more than
-    outputs, and these are integrated.
+    """A shared library that integrates the model NAME, from its generated files, by any method and
+    those of its `own`; by `methods` fastest, and by blocks of an ensemble's members. With `parts`,
+    NAME has no more than outputs, and these are integrated.
 
     Raises BuildError with what the compiler said.
     """

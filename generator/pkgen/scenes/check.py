@@ -49,7 +49,11 @@ def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagn
     except ModelError as error:
         return error.diagnostics
     alike = _alike(declared, scene, report)
-    return [*_unfit(scene, structure, declared.methods), *alike, *_drifting(scene, equations, structure)]
+    return [
+        *_unfit(scene, structure, declared.methods),
+        *alike,
+        *_drifting(scene, equations, structure),
+    ]
 
 
 def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) -> None:
@@ -58,7 +62,10 @@ def refuse(options: argparse.Namespace, compilation: Compilation, scene: Scene) 
     equations, structure = compilation.equations, compilation.structure
     alone = replace(scene, method="") if options.method else scene
     own = compilation.model.methods
-    compiled = [*_unfit(alone, structure, own), *_alike(compilation.declared, scene, compilation.report)]
+    compiled = [
+        *_unfit(alone, structure, own),
+        *_alike(compilation.declared, scene, compilation.report),
+    ]
     found = [*compiled, *_drifting(scene, equations, structure)]
     if not found:
         return

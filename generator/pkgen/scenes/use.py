@@ -132,7 +132,9 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     return frozenset(found)
 
 
-def _side_by_side(equations: Equations, structure: Structure, method: Method | None, steps: bool) -> bool:
+def _side_by_side(
+    equations: Equations, structure: Structure, method: Method | None, steps: bool
+) -> bool:
     """Whether members go in blocks, as in runtime/src/ensemble/ensemble.c."""
     alone = equations.quadratures or equations.constraints or equations.switches
     return in_blocks(method, steps) and not alone

@@ -27,14 +27,14 @@ pk_real pk_embedded_stage_error(const struct pk_integrator *it, pk_real size,
 
 PK_END
 
-#define PK_FAMILY_ERK(of)                                                        \
-    .needs = PK_NEEDS_ERK, .table = &pk_##of##_table, .size = pk_erk_size,       \
-    .step = pk_erk_step, .stage = pk_erk_stage
+#define PK_FAMILY_ERK(of)                                                                       \
+    .needs = PK_NEEDS_ERK, .table = &pk_##of##_table, .size = pk_erk_size, .step = pk_erk_step, \
+    .stage = pk_erk_stage
 #define PK_FAMILY_SPLITTING(of) \
     .needs = PK_NEEDS_SPLITTING, .table = &pk_##of##_table, .step = pk_splitting_step
-#define PK_FAMILY_EMBEDDED(of)                                                           \
-    .needs = PK_NEEDS_EMBEDDED, .table = &pk_##of##_table, .size = pk_embedded_size,     \
-    .init = pk_embedded_init, .step = pk_embedded_step, .dense = pk_embedded_dense,      \
+#define PK_FAMILY_EMBEDDED(of)                                                       \
+    .needs = PK_NEEDS_EMBEDDED, .table = &pk_##of##_table, .size = pk_embedded_size, \
+    .init = pk_embedded_init, .step = pk_embedded_step, .dense = pk_embedded_dense,  \
     .stage = pk_embedded_stage, .stage_error = pk_embedded_stage_error
 
 #endif

@@ -74,7 +74,9 @@ def measure(
     """Raises NumericsFailed, BuildError, or UsageError."""
     name = compilation.model.name
     on_progress(0.0, "compiling")
-    path = build_library(compilation.files, name, *(m.name for m in chosen), own=compilation.model.methods)
+    path = build_library(
+        compilation.files, name, *(m.name for m in chosen), own=compilation.model.methods
+    )
     program = Program(path, settings, compilation.model.methods)
     given = program.given()
     on_progress(0.02, "compiling and integrating the reference")

@@ -70,7 +70,9 @@ def make(
         )
     show = on_progress or unseen
     show(0.0, "compiling")
-    program = build_library(compilation.files, compilation.model.name, own=compilation.model.methods)
+    program = build_library(
+        compilation.files, compilation.model.name, own=compilation.model.methods
+    )
     show(0.0, "equilibria")
     asker = Asker(program, asked.settings)
     rest, motion = asker.rest(), asker.start()

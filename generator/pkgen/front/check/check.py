@@ -24,6 +24,7 @@ from .definitions import Definitions
 from .drawings import Drawings
 from .dynamics import Dynamics
 from .expr import Expressions
+from .methods import Methods
 from .names import Names, Report
 from .params import check_bounds
 from .required import Required
@@ -45,7 +46,16 @@ def check_text(
 
 def check(file: st.File, sizes: Mapping[str, int] = {}) -> tuple[m.Model, tuple[Diagnostic, ...]]:
     """The model and its warnings; `sizes` are those set on the command line."""
-    return _checked(file, tuple(sorted(sizes.items())))
+    given = tuple(sorted(sizes.items()))
+    brings = any(isinstance(s, st.Method) or _brings(s) for s in file.statements)
+    return (_checked.__wrapped__ if brings else _checked)(file, given)
+
+
+def _brings(statement: st.Statement) -> bool:
+    """Whether a scene reads a file, which may have changed since."""
+    return isinstance(statement, st.Scene) and any(
+        isinstance(clause, st.Method) and clause.file for clause in statement.clauses
+    )
 
 
 @lru_cache(maxsize=4)  # each scene is checked with its model
@@ -84,7 +94,8 @@ class _Checker:
         self.expressions = Expressions(*about, lagrangian=lagrangian)
         self.shared = Shared(self.expressions, self.report, self.names, self.given)
         self.states, self.dynamics = States(self.shared), Dynamics(self.shared)
-        self.scenes = Scenes(self.shared, self.dynamics)
+        self.methods = Methods(self.shared, file.source)
+        self.scenes = Scenes(self.shared, self.dynamics, self.methods)
         self.checks = {
             "definitions": Definitions(self.shared),
             "states": self.states,
@@ -92,6 +103,7 @@ class _Checker:
             "dynamics": self.dynamics,
             "constraints": Constraints(self.shared),
             "drawings": Drawings(self.shared),
+            "methods": self.methods,
             "scenes": self.scenes,
         }
 

@@ -19,6 +19,7 @@ from ..units import NONE
 from .dynamics import Dynamics
 from .expects import Expects
 from .given import Given
+from .methods import Methods
 from .rotations import quaternion_names
 from .scope import PLACES, Scope
 from .settings import Settings
@@ -27,8 +28,9 @@ from .vectors import by_component, component_name
 
 
 class Scenes(Checks):
-    def __init__(self, shared: Shared, dynamics: Dynamics) -> None:
+    def __init__(self, shared: Shared, dynamics: Dynamics, methods: Methods) -> None:
         super().__init__(shared)
+        self.methods = methods
         self.dynamics = dynamics
         self.settings = Settings(shared)
         self.expects = Expects(shared, self.settings)
@@ -86,6 +88,8 @@ class _Scene(Given):
 
     def method(self, clause: st.Method) -> None:
         self.said |= {"method": clause.name, "method_span": clause.name_span}
+        if clause.file is not None:
+            self.scenes.methods.bring(clause)
         self.settings.method(clause)
         self.said["step"] = self.settings.time("step", clause.step)
         if clause.rtol is not None:

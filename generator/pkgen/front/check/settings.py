@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 
-from ...methods import METHODS
+from ...methods import known
 from ...tree import Expr, Name
 from .. import statements as st
 from .. import units
@@ -55,9 +55,10 @@ class Settings(Checks):
 
     def method(self, clause: st.Method) -> None:
         """Which there is, with the settings that it takes."""
-        name, method = clause.name, METHODS.get(clause.name)
+        methods = known(self.parts["methods"])
+        name, method = clause.name, methods.get(clause.name)
         if method is None:
-            near = get_close_matches(name, METHODS, 1, 0.6)
+            near = get_close_matches(name, methods, 1, 0.6)
             help = f"did you mean '{near[0]}'?" if near else "'pkgen methods' lists them"
             self.report.error(f"there is no method '{name}'", clause.name_span, help)
             return

@@ -1,0 +1,59 @@
+"""Methods that a model brings: `method NAME tableau FILE`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ...methods import METHODS
+from ...own.made import of_text
+from ...source import Source
+from .. import statements as st
+from ..read import UnreadableModel, read
+from ..words import reserved
+from .shared import Checks, Shared
+
+LONGEST = 40
+_FORM = "e.g. method mine tableau mine.tab"
+
+
+class Methods(Checks):
+    def __init__(self, shared: Shared, source: Source) -> None:
+        super().__init__(shared)
+        self.source = source
+
+    def declare(self, statement: st.Method) -> None:
+        """Outside of scenes: no more than that there is one."""
+        for value, word in ((statement.step, "step"), (statement.rtol, "rtol")):
+            if value is not None:
+                message = f"'{word}' is of a scene that the method is used in"
+                self.report.error(message, value.span, f"in it: method {statement.name} {word} …")
+        if statement.file is None:
+            message = f"'method {statement.name}' outside of a scene does not say what it is"
+            self.report.error(message, statement.span, _FORM)
+        else:
+            self.bring(statement)
+
+    def bring(self, statement: st.Method) -> None:
+        """Raises ModelError, of its own file, where what is in that is wrong."""
+        name, help = statement.name, _FORM
+        why = reserved(name)
+        if name in METHODS:
+            why, help = "is one of pkgen's methods", "give it another name"
+        elif not name.isascii() or len(name) > LONGEST:
+            why, help = f"is not a plain name of {LONGEST} letters at most", "shorten it"
+        if why:
+            self.report.error(f"'{name}' {why}", statement.name_span, help)
+            return
+        path = Path(self.source.path).parent / statement.file
+        try:
+            own = of_text(name, read(path, "a tableau file"))
+        except UnreadableModel as wrong:
+            (found,) = wrong.diagnostics
+            self.report.error(f"{path}: {found.message}", statement.file_span, found.help)
+            return
+        same = [other for other in self.parts["methods"] if other.name == name]
+        if not same:
+            self.parts["methods"].append(own)
+        elif same != [own]:
+            message = f"there is another method '{name}' already"
+            self.report.error(message, statement.name_span, "give one of them another name")
