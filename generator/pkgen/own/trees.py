@@ -5,8 +5,8 @@ A method has order p if for every tree t of up to p nodes
     sum b_i Phi_i(t) = 1 / gamma(t),   Phi_i([t_1 ... t_m]) = prod_k sum_j a_ij Phi_j(t_k).
 
 The error constant is the Euclidean norm of (sum b_i Phi_i - 1/gamma) / sigma over the trees of
-p + 1 nodes. Reference: J. C. Butcher, Numerical Methods for Ordinary Differential Equations, 3rd ed., 31;
-E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.2.
+p + 1 nodes. Reference: J. C. Butcher, Numerical Methods for Ordinary Differential Equations, 3rd
+ed., 31; E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.2.
 
 Numbers are integers over 2^BITS. A coefficient written to 14 digits counts as exact: a condition
 holds where it is missed by less than CLOSE of the terms that it sums.

@@ -1,8 +1,8 @@
 """The order of a composition of kicks and drifts, by words in two letters.
 
 The step is a product of exponentials, exp(kick_0 h V) exp(drift_0 h T) ...; its coefficient of
-every word of d letters V, T must be that of exp(h (V + T)), 1/d!, for d up to the order. That is all of
-the conditions of a splitting in two (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical
+every word of d letters V, T must be that of exp(h (V + T)), 1/d!, for d up to the order. That is
+all of the conditions of a splitting in two (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical
 Integration, III.5), none of them twice. Numbers as in trees.py.
 """
 
