@@ -156,7 +156,8 @@ CASES = (
         _of("newtonian", "FoucaultPendulum", maker="from_deflection", amplitude=1.0,
             latitude_deg=48.85),
         1e-3, 100_000, MIDPOINT, "models/pendulums/foucault.lag",
-        ("--set", "amplitude=1", "--set", "latitude=48.85 [deg]", "--set", "m=1"),
+        ("--set", "amplitude=1", "--set", "latitude=48.85 [deg]", "--set", "m=1",
+         "--set", "turn=7.292115e-5"),
         ours=("exponential", *IMPLICIT), longest=4.0,
     ),
     Case(

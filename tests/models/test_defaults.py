@@ -5,6 +5,8 @@ So a page, a film and a plot of it do too.
 
 from __future__ import annotations
 
+from itertools import pairwise
+from math import atan2, degrees
 from pathlib import Path
 
 import pytest
@@ -33,6 +35,20 @@ def test_the_rattleback_reverses(pkgen) -> None:
     assert min(spin) < -4 and max(spin) > 4
     other = columns(pkgen, *run, "--set", "n3=5")["spin"]  # a tenth as fast
     assert signs(other[:20]) == [1]
+
+
+@pytest.mark.parametrize("model", ["foucault", "foucault_spherical"])
+def test_the_plane_of_swing_turns(pkgen, model: str) -> None:
+    """Once in 319 s, of which a page takes eight in a second."""
+    run = (f"pendulums/{model}.lag", "--record", "x,y", "--at", "outermost")
+    found = columns(pkgen, *run, "--until", 320)
+    other_ends = list(zip(found["x"], found["y"], strict=True))[1::2]
+    angles = [degrees(atan2(y, x)) for x, y in other_ends]
+    steps = [(a - b) % 360 for a, b in pairwise(angles)]
+    assert steps == pytest.approx([18.5] * len(steps), abs=3)  # to the right
+    assert len(steps) == 18  # nearly once round
+    earth = columns(pkgen, *run, "--until", 320, "--set", "turn=7.3e-5")
+    assert max(map(abs, earth["y"])) < 0.1
 
 
 @pytest.mark.long
