@@ -842,7 +842,7 @@ void heavy_top_conserve(const struct heavy_top_params *p, pk_real t, const pk_re
 }
 
 const char heavy_top_source_hash[65] =
-    "f3fb3ee48cdf4f4331019a3634be3156f2c8e21eee61032f521ea18e59225478";
+    "7ad67da9318182905d634eeda37467ef58f420bfa02a32409ff8cf4fdfa1d7ba";
 
 const struct heavy_top_parameter heavy_top_parameters[5] = {
     {{"I1", "kg*m^2", "about the tip, across the axis"}, offsetof(struct heavy_top_params, I1), 0,
