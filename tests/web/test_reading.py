@@ -66,3 +66,24 @@ def test_sliders_show_their_ends_and_degrees_and_captions_once(show, tmp_path: P
         .map((e) => e.className)""")
         == []
     )
+
+
+def _ends(page) -> list[float]:
+    """The last time on each chart over time, and that of the clock."""
+    return page.js("""lab.panels.places.filter((p) => ["drift", "time", "modes"].includes(p.name))
+        .map((p) => Math.max(...p.panel.chart.lines.map((l) => l.x[l.x.length - 1])))
+        .concat(lab.runs.t)""")
+
+
+def test_charts_end_at_the_time_of_the_clock(show):
+    page = show(CHAIN)
+    assert page.js("lab.panels.places.map((p) => p.name)") == ["drift", "modes", "time"]
+    page.frames(40)
+    page.pause()
+    page.frames(3)
+    ends = _ends(page)
+    assert ends[-1] > 0 and len(set(ends)) == 1
+    page.page.click("#step")
+    page.frames(3)
+    after = _ends(page)
+    assert len(set(after)) == 1 and after[0] > ends[0]

@@ -42,6 +42,7 @@ const History = (() => {
       this.until = -Infinity;
     }
     push(t, values) {
+      this.now = [t, values];
       const last = this.t.length - 1;
       if (last >= 0 && t < this.until) {
         for (let j = 0; j < this.width; j++)
@@ -62,6 +63,14 @@ const History = (() => {
           Math.max(column[2 * k], 2 * k + 1 < column.length ? column[2 * k + 1] : -Infinity),
         ),
       );
+    }
+    /* A column over time, up to the last that was pushed. */
+    line(column, size = 1) {
+      const [t, values] = this.now;
+      return {
+        x: [...this.t, t],
+        y: [...this.columns[column], values[column]].map((x) => x / size),
+      };
     }
     last(column) {
       const list = this.columns[column];

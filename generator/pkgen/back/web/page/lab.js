@@ -4,7 +4,7 @@ const Lab = (() => {
   const { $, say } = Dom;
   const TICKS = 60; /* samples a second of the clock */
   const BUDGET = 13; /* ms of a frame for the motions */
-  const PANELS_EVERY = 90; /* ms */
+  const WORDS_EVERY = 90; /* ms */
   const HEADS = [1, 2, 5];
 
   class Lab_ {
@@ -174,6 +174,7 @@ const Lab = (() => {
 
     pause() {
       this.playing = false;
+      this.dirty = true;
       document.body.classList.remove("playing");
       $("play").setAttribute("aria-label", "Play");
     }
@@ -226,19 +227,29 @@ const Lab = (() => {
       if (this.settings.view === "swarm") this.swarm.draw(this.stage.width, this.stage.height);
       else this.stage.draw();
       say($("time"), time(this.runs.t, this.natural, this.model.time));
-      if (now - (this.panelled || 0) > PANELS_EVERY) this.slowly(now);
+      this.charts();
+      if (now - (this.told || 0) > WORDS_EVERY) this.slowly(now);
       else
         this.due =
           this.due ||
           setTimeout(() => {
             this.due = 0;
             this.slowly(performance.now());
-          }, PANELS_EVERY);
+          }, WORDS_EVERY);
+    }
+
+    /* With each frame. While it plays they may have half of the time: where they take longer than a
+     * frame, they wait as long as they took. */
+    charts() {
+      const now = performance.now();
+      if (this.playing && now - this.charted < this.cost) return;
+      this.panels.update();
+      this.charted = performance.now();
+      this.cost = this.charted - now;
     }
 
     slowly(now) {
-      this.panelled = now;
-      this.panels.update();
+      this.told = now;
       this.sheets.methods.counts();
       this.sheets.swarm.refresh();
       if (

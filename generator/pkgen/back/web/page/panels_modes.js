@@ -40,6 +40,15 @@ const PanelsModes = (() => {
     next: -Infinity,
   });
 
+  function energyAt(recent, k, { w2, row }) {
+    let [a, b] = [0, 0];
+    for (let j = 0; j < row.length; j++) {
+      a += row[j] * recent.get(k, 1 + j);
+      b += row[j] * recent.get(k, 1 + row.length + j);
+    }
+    return (b * b + w2 * a * a) / 2;
+  }
+
   function gather(kept, recent, found) {
     let k = recent.size - 1;
     while (k > 0 && recent.get(k - 1, 0) >= kept.next) k--;
@@ -47,14 +56,7 @@ const PanelsModes = (() => {
       const now = recent.get(k, 0);
       if (now < kept.next) continue;
       kept.t.push(now);
-      found.forEach(({ w2, row }, m) => {
-        let [a, b] = [0, 0];
-        for (let j = 0; j < row.length; j++) {
-          a += row[j] * recent.get(k, 1 + j);
-          b += row[j] * recent.get(k, 1 + row.length + j);
-        }
-        kept.energies[m].push((b * b + w2 * a * a) / 2);
-      });
+      found.forEach((mode, m) => kept.energies[m].push(energyAt(recent, k, mode)));
       if (kept.t.length > ROWS) {
         kept.t = kept.t.filter((_, i) => i % 2 === 0);
         kept.energies = kept.energies.map((list) => list.filter((_, i) => i % 2 === 0));
@@ -65,7 +67,7 @@ const PanelsModes = (() => {
   }
 
   function modes(lab, body, tools) {
-    const chart = Chart.make(body, { x: Text.axis("t", lab.model.time), y: "energy of a mode" });
+    const chart = Chart.make(body, { x: Text.axis("t", lab.model.time), y: Text.axis("energy of a mode", lab.model.time && "J") });
     const key = Dom.h("span", { class: "key" });
     tools.append(key);
     let found = null;
@@ -73,6 +75,7 @@ const PanelsModes = (() => {
     let note = "";
     let kept = fresh(null, 0);
     return {
+      chart,
       free: () => chart.free(),
       update(runs) {
         const { start } = lab.runs;
@@ -106,8 +109,12 @@ const PanelsModes = (() => {
         const theme = Theme.now();
         const colours = [...theme.methods, theme.ink];
         chart.set(
-          most.map((m, k) => ({ x: t, y: energies[m], colour: colours[k] })),
-          { x: [t[0] || 0, Math.max(t[t.length - 1] || 0, (t[0] || 0) + lab.natural * 6)] },
+          most.map((m, k) => ({
+            x: [...t, run.t],
+            y: [...energies[m], energyAt(run.recent, run.recent.size - 1, found[m])],
+            colour: colours[k],
+          })),
+          { x: [t[0] || 0, Math.max(run.t, (t[0] || 0) + lab.natural * 6)] },
         );
         const text = most.map((m) => m + 1).join(",");
         if (key.dataset.modes !== text) {

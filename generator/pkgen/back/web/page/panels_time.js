@@ -21,14 +21,14 @@ const PanelsTime = (() => {
         ),
       );
     return {
+      chart,
       free: () => chart.free(),
       update(runs) {
         const c = constants[which];
         chart.options.y = `drift of ${Text.plain(c.name)}, relative`;
         chart.set(
           runs.map((run) => ({
-            x: run.drifts.t,
-            y: run.drifts.columns[which].map((d) => d / (run.sizes[which] || 1)),
+            ...run.drifts.line(which, run.sizes[which] || 1),
             colour: Theme.ofRun(run),
             dash: Theme.dashOf(run),
           })),
@@ -46,14 +46,14 @@ const PanelsTime = (() => {
     });
     const column = lab.model.description.constants.length;
     return {
+      chart,
       free: () => chart.free(),
       update(runs) {
         chart.set(
           runs
             .filter((run) => run.index >= 0)
             .map((run) => ({
-              x: run.drifts.t,
-              y: run.drifts.columns[column],
+              ...run.drifts.line(column),
               colour: Theme.ofRun(run),
               dash: Theme.dashOf(run),
             })),
@@ -83,6 +83,7 @@ const PanelsTime = (() => {
         ),
       );
     return {
+      chart,
       free: () => chart.free(),
       update(runs) {
         chart.options.y = Text.axis(which.name, which.unit);
