@@ -87,3 +87,68 @@ def test_charts_end_at_the_time_of_the_clock(show):
     page.frames(3)
     after = _ends(page)
     assert len(set(after)) == 1 and after[0] > ends[0]
+
+
+def test_a_recurrence_is_seen_within_a_minute(show):
+    page = show(CHAIN, "paused")
+    recurrence = page.js("lab.model.sceneNamed.get('recurrence').until")
+    assert 10 < recurrence / page.js("lab.speed()") < 60
+    assert page.js("lab.speed() / lab.natural") < 5  # swings a second: they are still seen
+
+
+def _marks(page) -> list[dict]:
+    page.pause()
+    page.frames(3)
+    return page.js("lab.stage.marks.placed")
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (390, 844)], ids=["wide", "narrow"])
+def test_what_is_drawn_says_what_it_is(show, size):
+    chain = _marks(show(CHAIN, size=size))
+    said = " ".join(m["text"] for m in chain)
+    assert "Displacements are drawn 4 times" in said
+    numbers = sorted((m["x"], m["text"]) for m in chain if m["text"] in "12345")
+    assert [text for _, text in numbers] == [
+        "1",
+        "2",
+        "3",
+        "4",
+        "5",
+    ]  # of the modes, below the bars
+    well = show(ROOT / "models" / "particles" / "henon_heiles.lag", size=size)
+    found = _marks(well)
+    texts = {m["text"] for m in found}
+    for (x, y), text in well.js("""lab.stage.levels.marks.map((m) => [m.at, m.text])"""):
+        if text in texts:
+            value = x * x / 2 + y * y / 2 + x * x * y - y**3 / 3
+            assert float(text.replace("−", "-")) == pytest.approx(value, rel=0.15, abs=0.01)
+    assert len(texts & set(well.js("lab.stage.levels.marks.map((m) => m.text)"))) >= 2
+
+
+@pytest.mark.parametrize("model", ["bodies/free_body", "particles/kepler", "chains/fput"])
+def test_words_over_a_scene_keep_apart(show, model):
+    page = show(ROOT / "models" / f"{model}.lag", "m=gauss&m=dop853")
+    found = _marks(page)
+    width, height = page.js("[lab.stage.width, lab.stage.height]")
+    for k, a in enumerate(found):
+        assert 0 <= a["x"] and a["x"] + a["width"] <= width and 0 < a["y"] < height
+        for b in found[:k]:
+            apart = a["x"] + a["width"] <= b["x"] or b["x"] + b["width"] <= a["x"]
+            assert apart or abs(a["y"] - b["y"]) >= 14, (a, b)
+
+
+def test_bodies_and_arrows_have_names_and_space_a_scale(show):
+    words = {m["text"] for m in _marks(show(ROOT / "models" / "particles" / "kepler.lag"))}
+    assert {"sun", "planet", "velocity"} <= words
+    space = show(ROOT / "models" / "bodies" / "free_body.lag")
+    words = {m["text"] for m in _marks(space)}
+    assert {"angular momentum", "angular velocity"} <= words
+    assert any(word.endswith(" at the middle") for word in words)
+    ink = space.js("""(() => {
+        const { camera } = lab.stage;
+        const p = camera.project(camera.target);
+        const { right } = camera.frame();
+        const q = camera.project(camera.target.map((x, k) => x + right[k]));
+        return [q[0] - p[0], camera.focal() / camera.distance];
+    })()""")
+    assert ink[0] == pytest.approx(ink[1], rel=1e-9)

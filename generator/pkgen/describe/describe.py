@@ -349,9 +349,9 @@ def _starts(model: Model, scene: Scene) -> dict[str, float]:
     values = scenes.values(model, scene, {})
     found = {}
     for item in scene.starts:
-        if item.range is None:
-            index = None if item.index is None else integer(item.index, sizes(model))
+        for index in _members(model, item):
+            loop = {item.range.variable: index} if item.range else {}
             with suppress(WrongValue):
                 name = _member((item.name, index)) + "'" * item.order
-                found[name] = values.number(item.name, item.value)
+                found[name] = values.number(item.name, item.value, {**sizes(model), **loop})
     return found

@@ -6,6 +6,7 @@ Each number of a drawing is a hidden output of the model, made on request, or a 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
@@ -13,9 +14,9 @@ from fractions import Fraction
 from .. import limits
 from ..compiler import Compilation, Use
 from ..graph.graph import Op
-from ..indices import assignments, indexed
+from ..indices import indexed
 from ..middle.particles.bodies import keys, lengths, places
-from ..middle.quantities import ends, sizes
+from ..middle.quantities import ends
 from ..model import Definition, Drawing, Model
 from ..record import record
 from ..run import named
@@ -25,6 +26,7 @@ from ..tree import (
     Add,
     Component,
     Expr,
+    Multiply,
     Name,
     Number,
     Range,
@@ -185,23 +187,33 @@ class _Outputs:
         """Of a family one for each member, of a curve one of all."""
         made = [self._shape(item, parts) for parts in self._of_members(item)]
         if item.shape == "curve":
-            yield {"kind": "curve", "points": [shape["at"] for shape in made], **_labels(item)}
-        else:
-            yield from made
+            made = [{"kind": "curve", "points": [s["at"] for s in made], **_labels(item)}]
+        elif item.range is not None and item.shape != "trail":
+            for shape, index in zip(made, self._indices(item.range), strict=True):
+                shape["member"] = index
+        if caption := _caption(self.model, item):
+            made[:1] = [{**shape, "caption": caption} for shape in made[:1]]
+        if times := _times(self.model, item):
+            made = [{**shape, "times": times} for shape in made]
+        yield from made
 
     def _of_members(self, item: Drawing) -> Iterator[dict[str, tuple[Expr, ...]]]:
         if item.range is None:
             yield dict(item.parts)
             return
         variable = item.range.variable
-        every = list(assignments((item.range,), sizes(self.model)))
-        stride = max(1, -(-len(every) // limits.DRAWN))
-        for k in range(0, len(every), stride):
-            index = self._index(item.range, every[k][variable], len(every) - 1 - k)
+        last = ends(self.model, item.range)[1]
+        for value in self._indices(item.range):
+            index = self._index(item.range, value, last - value)
             yield {
                 word: tuple(of_member(x, variable, index) for x in found)
                 for word, found in item.parts
             }
+
+    def _indices(self, family: Range) -> range:
+        """Of the members that are drawn."""
+        lo, hi = ends(self.model, family)
+        return range(lo, hi + 1, max(1, -(-(hi + 1 - lo) // limits.DRAWN)))
 
     def _index(self, range: Range, value: int, behind: int) -> Expr:
         """A member, `behind` before the last one. In the second half it is counted from the end, so
@@ -215,6 +227,8 @@ class _Outputs:
         for word, found in parts.items():
             entries = [self._entry(x, item.span) for x in found]
             made[word] = entries[0] if len(entries) == 1 and word != "sizes" else entries
+        if item.shape == "arrow" and not item.description and self.model.drawings:
+            made["says"] = _said(self.model, dict(item.parts)["vector"])
         if item.shape == "body":
             made.setdefault("turn", None)
             made["form"] = item.form
@@ -236,7 +250,34 @@ class _Outputs:
         return self.names[key]
 
 
-_WORDS = ("kind", "name", "label", "form", "axis")  # not numbers
+# What is no number that changes.
+_WORDS = ("kind", "name", "label", "form", "axis", "caption", "says", "times", "member")
+
+
+def _caption(model: Model, item: Drawing) -> str:
+    """The comment in the line above the statement; above the first one it is of the whole."""
+    if item in model.drawings[:1] or not model.drawings:
+        return ""
+    above = model.source.text[: item.span.start].rpartition("\n")[0].rpartition("\n")[2].strip()
+    return above[1:].strip().rstrip(".") if above.startswith("#") else ""
+
+
+def _times(model: Model, item: Drawing) -> float | None:
+    """How many times as large as it is a coordinate is drawn."""
+    coordinates = {c.name for c in model.coordinates}
+    for part in dict(item.parts).get("at", ()) if item.shape in ("bob", "curve") else ():
+        if isinstance(part, Multiply) and part.exponents == (1, 1):
+            factor, of = part.factors
+            if isinstance(factor, Number) and isinstance(of, Name) and of.id in coordinates:
+                return float(factor.value)
+    return None
+
+
+def _said(model: Model, parts: tuple[Expr, ...]) -> str:
+    """What an arrow shows that has no comment, as its author wrote it."""
+    whole = parts[0].span.to(parts[-1].span)
+    text = model.source.text[whole.start : whole.end]
+    return "velocity" if re.fullmatch(r"\[\w+'(, (\w+'|0))*\]|\w+'|\[0, \w+', 0\]", text) else text
 
 
 def _labels(item: Drawing) -> dict[str, object]:

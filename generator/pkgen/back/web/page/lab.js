@@ -126,7 +126,7 @@ const Lab = (() => {
       this.sheets.swarm.refresh();
       const view = this.settings.view;
       $("cloud").hidden = view !== "swarm";
-      this.stage.canvas.hidden = view === "swarm";
+      this.stage.canvas.hidden = $("marks").hidden = view === "swarm";
       for (const name of ["scene", "swarm"])
         $("view-" + name).setAttribute("aria-pressed", String(view === name));
       $("hint").hidden = view === "swarm";

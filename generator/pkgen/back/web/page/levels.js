@@ -6,11 +6,12 @@ const Levels = (() => {
   const LEVELS = 14;
 
   class Contours {
-    constructor(shape, axes) {
+    constructor(shape, unit) {
       this.shape = shape; /* resolved: value, x, y */
-      this.axes = axes;
+      this.unit = unit;
       this.key = "";
       this.lines = [];
+      this.marks = []; /* {at, text}: values, and where they stand */
     }
 
     /* The values of a view; q and v are those of the start. */
@@ -44,8 +45,16 @@ const Levels = (() => {
         sorted[Math.floor(sorted.length * 0.01)],
         sorted[Math.floor(sorted.length * 0.9)],
       ];
-      this.lines = Array.from({ length: LEVELS }, (_, k) =>
-        march(grid, low + (high - low) * ((k + 0.5) / LEVELS) ** 1.6, at),
+      const values = Array.from(
+        { length: LEVELS },
+        (_, k) => low + (high - low) * ((k + 0.5) / LEVELS) ** 1.6,
+      );
+      this.lines = values.map((value) => march(grid, value, at));
+      /* Down a slope from the middle, so that they stand in a row. */
+      const off = ([x, y]) => Math.abs(Math.atan2(y - camera.centre[1], x - camera.centre[0]) + 0.6);
+      const ends = this.lines.map((list) => list.map(([a]) => a).sort((a, b) => off(a) - off(b))[0]);
+      this.marks = ends.flatMap((end, k) =>
+        end ? [{ at: end, text: Text.quantity(values[k], this.unit, 2) }] : [],
       );
     }
 

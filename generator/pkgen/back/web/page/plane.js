@@ -23,7 +23,7 @@ const PlaneView = (() => {
       g.lineJoin = "round";
       g.lineCap = "round";
       this.drawn = [];
-      this.grid(width, height, scene.unit);
+      this.grid(width, height);
       if (scene.levels) scene.levels.draw(g, this.camera);
       const layers = scene.runs;
       const first = layers.length ? layers[layers.length - 1].made : [];
@@ -55,8 +55,8 @@ const PlaneView = (() => {
       });
     }
 
-    /* A quiet grid of round lengths, and one of them written at the corner. */
-    grid(width, height, unit) {
+    /* A quiet grid of round lengths. */
+    grid(width, height) {
       const { g, camera } = this;
       const step = Ranges.nice(90 / camera.scale);
       g.strokeStyle = Theme.now().faint;
@@ -81,19 +81,6 @@ const PlaneView = (() => {
         }
       }
       g.stroke();
-      g.fillStyle = Theme.now().soft;
-      g.strokeStyle = Theme.now().soft;
-      const length = step * camera.scale;
-      const [x, y] = [width - 16, height - 14];
-      g.beginPath();
-      g.moveTo(x - length, y - 4);
-      g.lineTo(x - length, y);
-      g.lineTo(x, y);
-      g.lineTo(x, y - 4);
-      g.stroke();
-      g.font = `12px ${Theme.now().font}`;
-      g.textAlign = "center";
-      g.fillText(Text.quantity(step, unit), x - length / 2, y - 6);
     }
 
     line(points, colour, width, dash = []) {
@@ -136,7 +123,6 @@ const PlaneView = (() => {
         g.setLineDash(style.hollow ? [3, 3] : []);
         g.stroke();
         g.setLineDash([]);
-        this.label(shape, at, radius);
         this.note(shape, [at], run);
       } else if (kind === "circle") {
         const ring = Outlines.circle(shape).map((p) => this.px(p));
@@ -158,19 +144,6 @@ const PlaneView = (() => {
       g.strokeStyle = this.style.metal;
       g.lineWidth = 1.5;
       g.stroke();
-    }
-
-    label(shape, at, radius) {
-      if (!shape.label || shape.label.length > 24 || !this.style.labels) return;
-      const { g } = this;
-      g.fillStyle = Theme.now().soft;
-      g.font = `italic 14px ${Theme.now().font}`;
-      g.textAlign = "left";
-      const [text, x, y] = [Text.plain(shape.label), at[0] + radius + 5, at[1] - radius];
-      g.strokeStyle = Theme.now().stage;
-      g.lineWidth = 4;
-      g.strokeText(text, x, y);
-      g.fillText(text, x, y);
     }
 
     arrow([a, b], colour) {

@@ -55,6 +55,9 @@ const Stage = (() => {
     shapes.filter((s) => s.kind === "bob").length > 1 &&
     !shapes.some((s) => ["rod", "spring", "curve", "body"].includes(s.kind));
 
+  const unitOf = (model, { value }) =>
+    (model.description.outputs.find((o) => o.index === value.output) || {}).unit;
+
   class Stage_ {
     constructor(lab) {
       this.lab = lab;
@@ -67,11 +70,12 @@ const Stage = (() => {
       this.joints = model.shapes.filter((s) => s.kind === "rod").length < 5;
       this.box = Shapes.box();
       const level = model.shapes.find((shape) => shape.kind === "level");
-      this.levels = level ? new Levels.Contours(Shapes.resolve(level, [])) : null;
+      this.levels = level ? new Levels.Contours(Shapes.resolve(level, []), unitOf(model, level)) : null;
       this.graph =
         (model.shapes.length > 0 && model.shapes.every((s) => s.kind === "graph")) ||
         model.shapes.length === 0;
       this.failed = "";
+      this.marks = null;
       try {
         this.canvas = space ? $("space") : $("plane");
         this.view = this.graph
@@ -86,6 +90,7 @@ const Stage = (() => {
         this.view = new PlaneView.View(this.canvas, this.camera);
       }
       if (this.graph) this.canvas = $("plane");
+      else this.marks = new Marks.View($("marks"), this.camera);
       $("space").hidden = this.canvas.id !== "space";
       $("plane").hidden = this.canvas.id !== "plane";
       this.touched = false;
@@ -106,7 +111,7 @@ const Stage = (() => {
 
     fit() {
       this.touched = false;
-      this.camera.fit(this.box, { x: 28, y: 40 });
+      this.camera.fit(this.box, { x: 28, y: 54 });
       this.lab.dirty = true;
     }
 
@@ -157,14 +162,16 @@ const Stage = (() => {
           lab.runs.start,
           this.camera.scale ? this.camera : this.flat(),
         );
-      this.view.draw({
+      const scene = {
         width: this.width,
         height: this.height,
         runs: this.layers(),
         levels: this.levels,
         unit: lab.model.time ? "m" : "",
         box: this.box,
-      });
+      };
+      this.view.draw(scene);
+      if (this.marks) this.marks.draw(scene);
     }
 
     /* What a view in space is for the lattice of a level: the plane z = 0 about the target. */

@@ -3,8 +3,10 @@
  * first frame. It gives the natural speed, simulated time a second, and the box to fit in. */
 const Trial = (() => {
   const POINTS = 240;
-  const BUDGET = 400; /* ms */
+  const BUDGET = 1200; /* ms */
   const SWING = 2.4; /* s: how long a swing should last on the screen */
+  const SHOW = 45; /* s: and all that a scene is about, if swings are still seen, */
+  const SWINGS = 4; /* so many a second */
 
   /* How often each of the first n columns turns round. */
   function counts(rows, n) {
@@ -83,9 +85,14 @@ const Trial = (() => {
     );
   }
 
+  /* Whether a scene runs the model as it says. */
+  const plain = (scene) =>
+    !scene.swarm && !Object.keys(scene.set).length && !Object.keys(scene.start).length;
+
   function look(lab, start) {
-    const scene = lab.model.sceneNamed.get(lab.settings.scene);
-    const until = scene && scene.until > 0 ? scene.until : null;
+    const asked = lab.model.sceneNamed.get(lab.settings.scene);
+    const scene = asked || lab.model.description.scenes.find(plain);
+    const until = asked && asked.until > 0 ? asked.until : null;
     const deadline = performance.now() + BUDGET;
     const box = Shapes.box();
     Shapes.grow(box, lab.model.shapes, lab.engine.outputs(start.params, 0, start.q, start.v));
@@ -108,9 +115,12 @@ const Trial = (() => {
     }
     if (found) Shapes.join(box, found.box);
     let speed = 1;
-    if (period !== null && !(lab.model.time === "s" && period > 0.3 && period < 8))
-      speed = round125(period / SWING);
-    else if (period === null && until) speed = round125(until / 20);
+    const real = lab.model.time === "s" && period > 0.3 && period < 8;
+    if (period !== null && !(real && !asked)) {
+      const all = Math.min(((scene && scene.until) || 0) / SHOW, SWINGS * period);
+      speed = round125(Math.max(real ? 1 : period / SWING, all));
+    }
+    if (period === null && until) speed = round125(until / 20);
     return { speed, box, period, moving: found ? moving(lab, found.rows) : null };
   }
 
