@@ -36,7 +36,7 @@ scenes
 plot
 describe
 analysis/chart
-analysis/choose analysis/stability explain
+analysis/choose analysis/enclose analysis/stability explain
 api
 film
 __init__ cli

@@ -23,11 +23,11 @@ from ..run.simulate import Outcome, csv_to_npy, sidecar, simulate
 from ..scenes import asked as parsing
 from ..scenes import run as scene_run
 from ..scenes.judge import Verdict
-from ..system.exits import DONE, INTERRUPTED, NUMERICS_FAILED
+from ..system.exits import DONE, INTERRUPTED, NUMERICS_FAILED, UsageError
 from ..system.files import PARTIAL, Result, cut, scratch
 from ..system.progress import progress
 from . import arguments as shared
-from . import pictures
+from . import enclose, pictures
 from .compilation import compile_within_limits
 from .pictures import Wanted
 
@@ -39,11 +39,17 @@ if TYPE_CHECKING:
 HELD = 0.75
 
 
-arguments = shared.of_a_run
+def arguments(parser: argparse.ArgumentParser) -> None:
+    shared.of_a_run(parser)
+    enclose.arguments(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
+    if options.enclose:
+        return enclose.run(options)
+    if options.digits is not None:
+        raise UsageError("--digits is for --enclose; a run's accuracy is --rtol's")
     output = parsing.output(options.output)
     wanted = pictures.wanted(options)
     what = prepared(options, wanted.view if wanted else None)

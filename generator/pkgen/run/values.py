@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import re
 import sys
+from fractions import Fraction
 
 from ..compiler import Compilation
 from ..front.check import options_text
@@ -55,6 +56,10 @@ class Values:
             raise UsageError(f"{option} {given}: {error.text()}") from None
         if not math.isfinite(found):
             raise UsageError(f"{option} {text}: {name} must be finite")
+        return self.kept(found)
+
+    def kept(self, found: Fraction | float) -> float:
+        """What a run makes of a value; whoever wants the decimals that are written keeps them."""
         return float(found)
 
     def positive(self, option: str, text: str | None, unit: str) -> float | None:

@@ -145,11 +145,21 @@ def whole(options: argparse.Namespace) -> Use | None:
     return _of_options(options, None)
 
 
-def _of_options(options: argparse.Namespace, columns: tuple[str, ...] | None) -> Use | None:
+def enclosed(options: argparse.Namespace) -> Use | None:
+    """For bounds: all of it, and what the scene sets as it is written, not as a double."""
+    columns = None
+    if options.record is not None:
+        columns = tuple("".join(name.split()) for name in options.record.split(","))
+    return _of_options(options, columns, EVERY - {FOLD})
+
+
+def _of_options(
+    options: argparse.Namespace, columns: tuple[str, ...] | None, off: frozenset[str] = EVERY
+) -> Use | None:
     """All of a model, or of what a scene makes of it, with columns and motions of inputs."""
     if options.scene is None and columns is None and not any(map(is_motion, options.set)):
         return None
-    asked = Overrides(columns=columns, run_time=_run_time(options), off=EVERY)
+    asked = Overrides(columns=columns, run_time=_run_time(options), off=off)
     use = _use(options.scene or OPTIONS, asked, swarm=False)
     return replace(use, declared=with_options(options, columns or ()))
 

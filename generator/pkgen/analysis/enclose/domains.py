@@ -1,0 +1,190 @@
+"""Nodes of the graph on balls: on real ones, on power series of real ones, on complex ones.
+
+A result without a value is not finite; whoever asks looks for that. Complex values are of holomorphic
+functions alone: a ball that touches a cut has none. The arithmetic is Arb's.
+Reference: F. Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from typing import Any
+
+from ...functions import FUNCTIONS
+from ...graph.differentiate import reachable
+from ...graph.graph import Graph, Kind, Node, Op, Symbol
+from ...system.exits import UsageError
+
+MISSING = (
+    "--enclose needs balls of arbitrary precision, which python-flint has and which is not "
+    "installed: pip install 'pkgen[enclose]', or pip install python-flint"
+)
+
+
+def flint() -> Any:
+    """The library. Raises UsageError where it is missing."""
+    try:
+        import flint as library
+    except ImportError:
+        raise UsageError(MISSING) from None
+    return library
+
+
+def ball(value: Fraction | int) -> Any:
+    value = Fraction(value)
+    library = flint()
+    return library.arb(library.fmpq(value.numerator, value.denominator))
+
+
+class Reals:
+    """Of arb: what the functions of a row call (functions/row.py, `enclosed`)."""
+
+    def sin(self, x: Any) -> Any:
+        return x.sin()
+
+    def cos(self, x: Any) -> Any:
+        return x.cos()
+
+    def exp(self, x: Any) -> Any:
+        return x.exp()
+
+    def log(self, x: Any) -> Any:
+        return x.log()
+
+    def sqrt(self, x: Any) -> Any:
+        return x.sqrt()
+
+    def asin(self, x: Any) -> Any:
+        return x.asin()
+
+    def acos(self, x: Any) -> Any:
+        return x.acos()
+
+    def atan(self, x: Any) -> Any:
+        return x.atan()
+
+    def atan2(self, y: Any, x: Any) -> Any:
+        return x.nan() if on_cut(y, x) else y.atan2(x)
+
+
+class Series(Reals):
+    """Of arb_series; what does not vary is an arb."""
+
+    def atan2(self, y: Any, x: Any) -> Any:
+        """By its derivative (x y' - y x')/(x^2 + y^2)."""
+        library = flint()
+        y, x = (a if isinstance(a, library.arb_series) else a + _constant(y, x) for a in (y, x))
+        first = super().atan2(y[0], x[0])
+        slope = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
+        return first + slope.integral()
+
+
+def _constant(y: Any, x: Any) -> Any:
+    library = flint()
+    lengths = [a.prec for a in (y, x) if isinstance(a, library.arb_series)]
+    return library.arb_series([0], min(lengths, default=library.ctx.cap))
+
+
+class Complexes(Reals):
+    """Of acb; `analytic` is not finite where a ball touches the cut."""
+
+    def log(self, x: Any) -> Any:
+        return _complex(x).log(analytic=True)
+
+    def sqrt(self, x: Any) -> Any:
+        return _complex(x).sqrt(analytic=True)
+
+    def _inside(self, value: Any, what: Any) -> Any:
+        """The value, if `what` is off the negative axis, else none."""
+        off = _complex(what).log(analytic=True)
+        return value if off.is_finite() else off
+
+    def asin(self, x: Any) -> Any:
+        return self._inside(_complex(x).asin(), 1 - x * x)
+
+    def acos(self, x: Any) -> Any:
+        return self._inside(_complex(x).acos(), 1 - x * x)
+
+    def atan(self, x: Any) -> Any:
+        return self._inside(_complex(x).atan(), 1 + x * x)
+
+    def atan2(self, y: Any, x: Any) -> Any:
+        """Turned so that the middle is at the angle 0: c + atan(w/u)."""
+        y, x = _complex(y), _complex(x)
+        if on_cut(y.real, x.real):
+            return x * flint().arb.nan()
+        c = y.real.mid().atan2(x.real.mid()).mid()
+        u, w = x * c.cos() + y * c.sin(), y * c.cos() - x * c.sin()
+        # Re u > 0 keeps u off 0, and so one branch on all of the ball.
+        return c + self.atan(w / u) if u.real > 0 else x * flint().arb.nan()
+
+
+def _complex(x: Any) -> Any:
+    library = flint()
+    return x if isinstance(x, library.acb) else library.acb(x)
+
+
+def on_cut(y: Any, x: Any) -> bool:
+    """Whether a real pair of these may be on the cut of atan2, its end 0 included."""
+    return bool(y.contains(0)) and not x > 0
+
+
+class Function:
+    """Nodes as one function of Python's text: (domain, value of a symbol) -> values."""
+
+    def __init__(self, g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any]):
+        """`constants` are balls of the parameters: what depends on these alone is known once."""
+        self.nodes = list(nodes)
+        real = Reals()
+        used: dict[str, object] = {}
+        lines: list[str] = []
+        for node in reachable(g, self.nodes):
+            args, data = g.args[node], g.data[node]
+            if not g.is_constant(node):
+                lines.append(f"  x{node} = {_text(g, node, used)}")
+            elif g.op[node] is Op.NUMBER:
+                used[f"x{node}"] = ball(data)
+            elif g.op[node] is Op.SYMBOL:
+                pi = data.kind is Kind.PI
+                used[f"x{node}"] = flint().arb.pi() if pi else constants[data]
+            else:
+                scope = used | {f"x{a}": used[f"x{a}"] for a in args} | {"e": real}
+                used[f"x{node}"] = eval(_text(g, node, used, scope), scope)
+        results = ", ".join(f"x{node}" for node in self.nodes)
+        body = "\n".join([*lines, f"  return [{results}]"])
+        exec(f"def evaluated(e, values):\n{body}", used)
+        self.called: Callable[[Reals, Mapping[Symbol, Any]], list[Any]] = used["evaluated"]
+
+    def __call__(self, domain: Reals, values: Mapping[Symbol, Any]) -> list[Any]:
+        return self.called(domain, values)
+
+
+def _text(g: Graph, node: Node, used: dict[str, object], scope: dict | None = None) -> str:
+    """The expression of a node; what it names is put into `used` and `scope`."""
+    names = [used] if scope is None else [used, scope]
+    op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
+    if op is Op.SYMBOL:
+        for each in names:
+            each[f"s{node}"] = data
+        return f"values[s{node}]"
+    if op is Op.ADD:
+        return " + ".join(args)
+    if op is Op.MULTIPLY:
+        return " * ".join(args)
+    if op is Op.POWER:
+        return _power(args[0], data)
+    for each in names:
+        each[f"f_{data}"] = FUNCTIONS[data].enclosed
+    return f"f_{data}(e, {', '.join(args)})"
+
+
+def _power(base: str, exponent: Fraction) -> str:
+    """By products and one division, by a root where it is half a whole number."""
+    whole, twice = exponent.denominator == 1, exponent.denominator == 2
+    if not (whole or twice):
+        return f"e.exp(e.log({base}) * {exponent.numerator} / {exponent.denominator})"
+    text = base if whole else f"e.sqrt({base})"
+    power = abs(exponent.numerator)
+    text = text if power == 1 else f"({text}) ** {power}"
+    return text if exponent > 0 else f"1 / ({text})"
