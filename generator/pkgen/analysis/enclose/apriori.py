@@ -1,9 +1,9 @@
 """A neighbourhood that no motion leaves in a step: Picard and Lindelof in complex time.
 
-If |F| <= M over the polydisk of radii r around the start and R M <= r, then each motion is holomorphic
-in the disk |t| < R and keeps within R M of its start there. By Cauchy its Taylor coefficients are
-at most R M/R^k; those of its derivative by the start at most (exp(R L) - 1)/R^k, where L bounds the
-Jacobian (Gronwall), entry by entry.
+If |F| <= M over the polydisk of radii r around the start and R M <= r, then each motion is
+holomorphic in the disk |t| < R and keeps within R M of its start there. By Cauchy its Taylor
+coefficients are at most R M/R^k; those of its derivative by the start at most
+(exp(R L) - 1)/R^k, where L bounds the Jacobian (Gronwall), entry by entry.
 Reference: W. Walter, Ordinary Differential Equations, Springer 1998, sections 6, 8 and 9.
 """
 
@@ -17,7 +17,6 @@ from .flow import COMPLEX, Flow
 
 ROUNDS = 6
 INFLATION = 1.1
-GROWTH = 1.2  # of the radius that is tried, from step to step
 SHRINK = 0.8
 TRIES = 300
 

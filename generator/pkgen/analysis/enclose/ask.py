@@ -7,7 +7,6 @@ from fractions import Fraction
 from typing import NoReturn
 
 from ...compiler import Compilation
-from ...equations import Equations
 from ...functions import FUNCTIONS
 from ...graph.differentiate import reachable
 from ...graph.graph import Graph, Kind, Node, Op, Symbol
@@ -141,7 +140,7 @@ def refuse(compilation: Compilation, columns: list[Node]) -> None:
         advice = "solves them in balls for some 20 coordinates at most: take fewer by --size"
         wrong(model.span, "the accelerations are too large to be written out", advice)
     nodes = [*e.acceleration, *e.state_rates, *columns]
-    name = _without_series(e.graph, nodes, e)
+    name = _without_series(e.graph, nodes)
     if name:
         advice = (
             f"bounds motions by power series, which {name} has none of where it bends or jumps: "
@@ -150,10 +149,11 @@ def refuse(compilation: Compilation, columns: list[Node]) -> None:
         wrong(_place_of(compilation, name), f"the equations have {name}()", advice)
 
 
-def _without_series(g: Graph, nodes: list[Node], e: Equations) -> str:
+def _without_series(g: Graph, nodes: list[Node]) -> str:
     """A function below the nodes that has no power series, "" of none."""
-    calls = (g.data[n] for n in reachable(g, nodes) if g.op[n] is Op.CALL)
-    found = [name for name in calls if FUNCTIONS[name].enclosed is None]
+    varying = (n for n in reachable(g, nodes) if not g.is_constant(n))
+    calls = [g.data[n] for n in varying if g.op[n] is Op.CALL]
+    found = [x for x in calls if not FUNCTIONS[x].smooth or FUNCTIONS[x].enclosed is None]
     # abs differentiates to sign, min and max to step: the author wrote the former.
     return min(found, key=lambda name: name in ("sign", "step")) if found else ""
 

@@ -1,7 +1,7 @@
 """Nodes of the graph on balls: on real ones, on power series of real ones, on complex ones.
 
-A result without a value is not finite; whoever asks looks for that. Complex values are of holomorphic
-functions alone: a ball that touches a cut has none. The arithmetic is Arb's.
+A result without a value is not finite; whoever asks looks for that. Complex values are of
+holomorphic functions alone: a ball that touches a cut has none. The arithmetic is Arb's.
 Reference: F. Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
 """
 
@@ -65,7 +65,15 @@ class Reals:
         return x.atan()
 
     def atan2(self, y: Any, x: Any) -> Any:
-        return x.nan() if on_cut(y, x) else y.atan2(x)
+        return x.nan() if on_cut(y, x) else flint().arb.atan2(y, x)
+
+    # Of constants alone:
+
+    def step(self, x: Any) -> Any:
+        return ball(int(x >= 0)) if x >= 0 or x < 0 else x.nan()
+
+    def sign(self, x: Any) -> Any:
+        return ball((x > 0) - (x < 0)) if x > 0 or x < 0 or x == 0 else x.nan()
 
 
 class Series(Reals):
@@ -114,7 +122,7 @@ class Complexes(Reals):
         y, x = _complex(y), _complex(x)
         if on_cut(y.real, x.real):
             return x * flint().arb.nan()
-        c = y.real.mid().atan2(x.real.mid()).mid()
+        c = flint().arb.atan2(y.real.mid(), x.real.mid()).mid()
         u, w = x * c.cos() + y * c.sin(), y * c.cos() - x * c.sin()
         # Re u > 0 keeps u off 0, and so one branch on all of the ball.
         return c + self.atan(w / u) if u.real > 0 else x * flint().arb.nan()

@@ -1,13 +1,15 @@
 """A motion within rigorous bounds, row by row; once more with more digits where they were lost.
 
-Every step leaves out 10^-D of how far its motion may go, D the digits wanted and some spare ones. How
-many of these the motion itself loses is known when it is over: then it is run again with as many more.
+Every step leaves out 10^-D of how far its motion may go, D the digits wanted and some spare ones.
+How many of these the motion itself loses is known when it is over: then it is run again with as
+many more.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from math import ceil, floor, log, log10
 from typing import Any
@@ -57,7 +59,9 @@ def enclose(given: Given, digits: int, told: Callable[[float], None] = lambda _:
     """Rows from 0 to the end, or to where bounds end."""
     begin = time.process_time()
     spare, best = SPARE, None
-    for attempt in range(1, ATTEMPTS + 1):
+    attempt = 0
+    while attempt < ATTEMPTS:
+        attempt += 1
         found = _attempt(given, digits, spare, told)
         if best is None or (found.reached, found.digits) > (best.reached, best.digits):
             best = found
@@ -66,13 +70,7 @@ def enclose(given: Given, digits: int, told: Callable[[float], None] = lambda _:
         if best is not found:  # more digits do not help
             break
         spare += max(digits - found.digits, 0) + SPARE if found.whole else 2 * digits
-    return _with(best, seconds=time.process_time() - begin, attempts=attempt)
-
-
-def _with(found: Enclosure, **more: Any) -> Enclosure:
-    from dataclasses import replace
-
-    return replace(found, **more)
+    return replace(best, seconds=time.process_time() - begin, attempts=attempt)
 
 
 def _attempt(given: Given, digits: int, spare: int, told: Callable[[float], None]) -> Enclosure:
@@ -136,6 +134,13 @@ def _between(given: Given, flow: Flow, made: Step, last: Fraction) -> list[Row] 
     return found
 
 
+def _size(column: tuple[Any, ...]) -> float:
+    """The largest of a column; 1, so that digits are those behind the point, where all may be 0."""
+    if all(x.contains(0) for x in column):
+        return 1.0
+    return max(float(x.abs_upper()) for x in column)
+
+
 def _judged(
     given: Given,
     rows: list[Row],
@@ -147,7 +152,7 @@ def _judged(
 ) -> Enclosure:
     columns = list(zip(*(row.values for row in rows), strict=True))
     radii = [max(float(x.rad().upper()) for x in column) for column in columns]
-    sizes = [max(float(x.abs_upper()) for x in column) for column in columns]
+    sizes = [_size(column) for column in columns]
     kept = [
         floor(-log10(r / size)) if 0 < r < size else 0 if r > 0 else bits
         for r, size in zip(radii, sizes, strict=True)

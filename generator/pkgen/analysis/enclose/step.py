@@ -1,11 +1,12 @@
 """One step: the Taylor polynomial of the middle, its remainder, and Lohner's set around it.
 
-Motions are in u + A r, u a point, A a matrix near an orthogonal one, r a box around 0. A step takes u
-along its own Taylor series and the rest by the derivative of the flow over the whole set (mean value);
-the next A is the Q of J A, its columns by length, so that a box is not wrapped anew at each step.
+Motions are in u + A r, u a point, A a matrix near an orthogonal one, r a box around 0. A step takes
+u along its own Taylor series and the rest by the derivative of the flow over the whole set (mean
+value); the next A is the Q of J A, its columns by length, so that a box is not wrapped anew at each
+step.
 References: R. Lohner, Enclosing the solutions of ordinary initial and boundary value problems, in
-Computerarithmetic, Teubner 1987; N. Nedialkov, K. Jackson, G. Corliss, Validated solutions of initial
-value problems for ordinary differential equations, Appl. Math. Comput. 105 (1999) 21-68.
+Computerarithmetic, Teubner 1987; N. Nedialkov, K. Jackson, G. Corliss, Validated solutions of
+initial value problems for ordinary differential equations, Appl. Math. Comput. 105 (1999) 21-68.
 """
 
 from __future__ import annotations

@@ -12,14 +12,9 @@ from .enclose import Enclosure
 SPARE = 3  # digits of a middle beyond its radius
 
 
-def number(value: Fraction) -> str:
-    """A time, to 17 digits: exact where that is a decimal."""
-    return f"{float(value):.17g}" if Fraction(repr(float(value))) != value else repr_of(value)
-
-
-def repr_of(value: Fraction) -> str:
-    text = repr(float(value))
-    return text.removesuffix(".0")
+def of_time(value: Fraction) -> str:
+    """As the double that is nearest."""
+    return repr(float(value)).removesuffix(".0")
 
 
 def ball(value: Any, digits: int) -> tuple[str, str]:
@@ -30,7 +25,7 @@ def ball(value: Any, digits: int) -> tuple[str, str]:
 
 def _decimal(whole: Any, exponent: Any) -> str:
     found = Decimal(int(whole)).scaleb(int(exponent)).normalize()
-    return f"{found:f}" if -6 <= found.adjusted() <= 20 or not found else f"{found:e}"
+    return f"{found:f}" if not found or -6 <= found.adjusted() <= 20 else f"{found:e}"
 
 
 def header(names: Iterable[str]) -> str:
@@ -40,7 +35,7 @@ def header(names: Iterable[str]) -> str:
 def lines(found: Enclosure) -> Iterator[str]:
     yield header(found.names)
     for row in found.rows:
-        cells = [number(row.t)]
+        cells = [of_time(row.t)]
         for value in row.values:
             cells += ball(value, found.wanted + SPARE)
         yield ",".join(cells)
@@ -50,16 +45,16 @@ def report(found: Enclosure, time: str) -> list[str]:
     unit = f" {time}" if time else ""
     attempts = "" if found.attempts == 1 else f", at the {_nth(found.attempts)} attempt"
     said = [
-        f"enclosed: t = 0 to {number(found.reached)}{unit} within {found.steps} steps of order "
+        f"enclosed: t = 0 to {of_time(found.reached)}{unit} within {found.steps} steps of order "
         f"{found.order}, {found.bits} bits, {found.seconds:.3g} s of CPU{attempts}",
         f"certified: {found.digits} digits of every number (worst: {found.worst}); "
         f"widest: {found.widest}, {found.width:.2g} from bound to bound",
     ]
     if not found.whole:
         said.append(
-            f"pkgen: the bounds end at t = {number(found.reached)}{unit}, before "
-            f"{number(found.until)}: no further step has bounds, since they have become too wide or "
-            "the equations end near there; a shorter --until, or more --digits, may help"
+            f"pkgen: the bounds end at t = {of_time(found.reached)}{unit}, before "
+            f"{of_time(found.until)}: no further step has bounds, since they have become too wide "
+            "or the equations end near there; a shorter --until, or more --digits, may help"
         )
     return said
 
@@ -72,8 +67,8 @@ def record(found: Enclosure) -> dict[str, object]:
     """As JSON; numbers are text, since no double holds them."""
     return {
         "status": "done" if found.whole else "bounds-lost",
-        "t": number(found.reached),
-        "until": number(found.until),
+        "t": of_time(found.reached),
+        "until": of_time(found.until),
         "digits": {"wanted": found.wanted, "certified": found.digits, "worst": found.worst},
         "width": {"largest": found.width, "column": found.widest},
         "steps": found.steps,
