@@ -10,6 +10,7 @@ import pytest
 from conftest import ROOT, run_pkgen
 
 pytest.importorskip("flint")
+from mpmath import mp, mpf
 
 BEAD = ROOT / "models/bead_on_hoop.lag"
 FREE = "model m\ncoord x\nkinetic x'^2/2\nstart x = 1\n"
@@ -28,7 +29,7 @@ def said(path: Path, *options: object, code: int = 2) -> str:
         (FREE + "potential max(x, 0)^3\n", ":5:", "max()"),
         (FREE + "input u\nforce x = u\n", ":5:", "'u' is an input"),
         (FREE + "event e: x - 2 stop\n", ":5:", "stops the run"),
-        (FREE + "coord y\nkinetic y'^2/2\nconstraint x + y = 1\n", ":7:", "constraints"),
+        (FREE + "coord y\nkinetic y'^2/2\nconstraint rod: x + y = 1\n", ":7:", "constraints"),
     ],
 )
 def test_what_has_no_bounds_is_refused(text: str, place: str, word: str, tmp_path: Path) -> None:
@@ -80,19 +81,20 @@ def test_what_is_written(tmp_path: Path) -> None:
     assert [row[0] for row in rows[1:]] == ["0", "0.25", "0.5"]
 
 
-def test_a_scene_is_taken_as_it_is_written() -> None:
-    """3*m*g/l0 and 39.24 are one number as decimals, not as doubles."""
-    options = ("--until", 1, "--every", 1, "--digits", 30)
-    model = ROOT / "models/elastic_pendulum.lag"
-    by_model = run_pkgen("run", model, "--enclose", *options, "--record", "s").stdout
-    by_scene = run_pkgen(
-        *("run", model, "--enclose", *options, "--record", "s", "--scene", "reference")
-    ).stdout
-    by_option = run_pkgen(
-        *("run", model, "--enclose", *options, "--record", "s", "--set", "k=39.24")
-    ).stdout
-    last = [text.splitlines()[-1].split(",")[1][:30] for text in (by_model, by_scene, by_option)]
-    assert last[0] == last[1] == last[2]
+def test_numbers_are_the_decimals_that_are_written(tmp_path: Path) -> None:
+    """In a model, a scene and an option; the double 1.1 is another number, and so would x be."""
+    scene = "scene s\nset k = 1.1\nend\n"
+    force = "param j = 1.1\nparam k = 3*j/3\npotential k*x^2/2\n"
+    (tmp_path / "m.lag").write_text(FREE + force + scene)
+    texts = [
+        run_pkgen("run", tmp_path / "m.lag", "--enclose", "--until", "1", "--digits", "30", *more)
+        for more in ((), ("--scene", "s"), ("--set", "k=1.1"), ("--set", "j=1.1"))
+    ]
+    last = [done.stdout.splitlines()[-1].split(",")[1] for done in texts]
+    mp.dps = 40
+    x = mp.cos(mp.sqrt(mpf(11) / 10))
+    assert all(abs(mpf(text) - x) < mpf(10) ** -30 for text in last)
+    assert abs(mp.cos(mp.sqrt(mpf(1.1))) - x) > mpf(10) ** -18
 
 
 def test_without_the_library_it_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,6 +50,7 @@ SECTIONS = {
         "control",
         "reductions",
         "accuracy",
+        "enclose",
         "stability",
         "maps",
         "diagnostics",

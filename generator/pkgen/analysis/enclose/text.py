@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from decimal import Decimal
+from decimal import Decimal, localcontext
 from fractions import Fraction
+from math import ceil
 from typing import Any
 
 from .enclose import Enclosure
 
-SPARE = 3  # digits of a middle beyond its radius
+SPARE = 10  # digits of a middle beyond those wanted, at most
 
 
 def of_time(value: Fraction) -> str:
@@ -18,13 +19,40 @@ def of_time(value: Fraction) -> str:
 
 
 def ball(value: Any, digits: int) -> tuple[str, str]:
-    """A middle and a radius as decimals; what is inside the ball is within them."""
-    middle, radius, exponent = value.mid_rad_10exp(digits)
-    return _decimal(int(middle), exponent), _decimal(int(radius), exponent)
+    """A middle and a radius as decimals; what is inside the ball is within them. The middle has a
+    digit beyond the radius, but no more than SPARE beyond those wanted."""
+    middle, radius = exact(value.mid()), exact(value.rad())
+    place = (_exponent(middle) if middle else 0) - digits - SPARE
+    place = max(place, _exponent(radius) - 2) if radius else place
+    shown = Fraction(round(middle * Fraction(10) ** -place)) * Fraction(10) ** place
+    radius += abs(middle - shown)
+    middle_text = _decimal(shown, place)
+    if not radius:
+        return middle_text, "0"
+    place = _exponent(radius) - 1
+    return middle_text, _decimal(
+        Fraction(10) ** place * ceil(radius / Fraction(10) ** place), place
+    )
 
 
-def _decimal(whole: Any, exponent: Any) -> str:
-    found = Decimal(int(whole)).scaleb(int(exponent)).normalize()
+def exact(value: Any) -> Fraction:
+    """Of a ball without a radius."""
+    man, exponent = value.man_exp()
+    return int(man) * Fraction(2) ** int(exponent)
+
+
+def _exponent(value: Fraction) -> int:
+    """Of the first digit, or of one before it."""
+    return len(str(value.numerator)) - len(str(value.denominator)) - 1
+
+
+def _decimal(value: Fraction, place: int) -> str:
+    """A multiple of 10^place."""
+    whole = int(value * Fraction(10) ** -place)
+    found = Decimal((int(whole < 0), tuple(map(int, str(abs(whole)))), place))
+    with localcontext() as context:
+        context.prec = len(str(abs(whole))) + 1
+        found = found.normalize()
     return f"{found:f}" if not found or -6 <= found.adjusted() <= 20 else f"{found:e}"
 
 
@@ -37,7 +65,7 @@ def lines(found: Enclosure) -> Iterator[str]:
     for row in found.rows:
         cells = [of_time(row.t)]
         for value in row.values:
-            cells += ball(value, found.wanted + SPARE)
+            cells += ball(value, found.wanted)
         yield ",".join(cells)
 
 
