@@ -42,9 +42,7 @@ def misses(row: dict[str, Fraction], known: dict[str, Fraction], slack: Fraction
     return [n for n, x in known.items() if abs(row[n] - x) > row[f"radius({n})"] + slack]
 
 
-@pytest.mark.parametrize(
-    "name", long_but(("bead_on_hoop", "coupled_oscillators", "elastic_pendulum"), REFERENCES)
-)
+@pytest.mark.parametrize("name", long_but(("bead_on_hoop", "coupled_oscillators"), REFERENCES))
 def test_references_of_25_digits_are_inside(name: str) -> None:
     reference = REFERENCES[name]
     coordinates = reference["coords"]
@@ -65,8 +63,8 @@ def test_references_of_25_digits_are_inside(name: str) -> None:
 
 
 def test_a_harmonic_motion_is_inside_at_every_row(tmp_path: Path) -> None:
-    rows = enclosed(written(tmp_path, OSCILLATOR), "--until", 50, "--every", 0.5, "--digits", 20)
-    assert len(rows) == 101
+    rows = enclosed(written(tmp_path, OSCILLATOR), "--until", 20, "--every", 0.5, "--digits", 20)
+    assert len(rows) == 41
     mp.dps = 45
     for row in rows:
         t = mpf(row["t"].numerator) / row["t"].denominator
@@ -119,7 +117,7 @@ start x = {float(s)}, y = 0.3, x' = -0.2, y' = 0.7
     return text, odefun(slopes, 0, start, tol=mpf(10) ** -26)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_random_motions_are_inside(seed: int, tmp_path: Path) -> None:
     mp.dps = 30
     text, solution = random_model(random.Random(seed))
