@@ -23,6 +23,7 @@ from pkgen.__main__ import parser_of
 from pkgen.analysis.chart import chart as charts
 from pkgen.analysis.chart.answer import ACCURACIES, Answer
 from pkgen.analysis.chart.chart import Chart
+from pkgen.analysis.chart.errors import Measure
 from pkgen.analysis.chart.measure import Program
 from pkgen.analysis.chart.points import ChartedMethod, Point
 from pkgen.cli.chart import _effort
@@ -96,12 +97,13 @@ class Scan:
         self.known: dict[tuple[str, float], Point] = {}
 
     def point(self, method: ChartedMethod, setting: float, lap: float = 0.0) -> Point:
-        exact, scales = self.chart.reference.final, self.chart.reference.scales
+        known = self.chart.reference
+        measure = Measure(self.chart.kind, known.path, known.scales)
         if method.fixed:
             setting = self.chart.until / math.ceil(self.chart.until / setting * (1 - 1e-12))
         key = method.name, setting
         if lap or key not in self.known:
-            found = self.program.point(method, setting, lap, CAP, exact, scales)
+            found = self.program.point(method, setting, lap, CAP, measure)
             if lap:
                 return found
             self.known[key] = found

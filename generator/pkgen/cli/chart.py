@@ -11,6 +11,7 @@ from pathlib import Path
 from ..analysis.chart import chart as charts
 from ..analysis.chart import table
 from ..analysis.chart.chart import Chart
+from ..analysis.chart.errors import KINDS
 from ..analysis.chart.points import ChartedMethod
 from ..analysis.chart.sweep import Effort
 from ..analysis.chart.text import report
@@ -26,6 +27,8 @@ from ..system.progress import progress, unseen
 from . import arguments as shared
 from .compilation import compile_within_limits
 
+STARTS = 99
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
@@ -35,6 +38,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.of_a_motion(parser, "10")
     add("--methods", metavar="LIST", help="only these, e.g. rk4,gauss (default: all that apply)")
     add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
+    add("--error", choices=tuple(KINDS), default="final", help="of what (default: the final state)")
+    add("--starts", type=int, default=1, metavar="N", help="medians of N starts beside each other")
     add("--quick", action="store_true", help="fewer points, shorter laps, 8 s of measuring")
     add("--seconds", type=float, metavar="S", help="of measuring (default 60)")
 
@@ -52,7 +57,15 @@ def run(options: argparse.Namespace) -> int:
             note = f"event {event.name} would stop a run; a chart goes on until {settings.until:g}"
             print(f"pkgen: {note}", file=sys.stderr)
     with progress(compilation.model.name) as show:
-        chart = charts.measure(compilation, settings, chosen, effort, show or unseen)
+        chart = charts.measure(
+            compilation,
+            settings,
+            chosen,
+            effort,
+            show or unseen,
+            KINDS[options.error],
+            options.starts,
+        )
     if not any(track.good for track in chart.tracks):
         raise NumericsFailed("no method arrived with an error below that of no motion at all")
     files = _write(directory, chart, options)
@@ -83,6 +96,8 @@ def _methods(options: argparse.Namespace, compilation: Compilation) -> list[Char
 def _effort(options: argparse.Namespace) -> Effort:
     if options.points is not None and options.points < 2:
         raise UsageError(f"--points {options.points}: 2 at least")
+    if not 1 <= options.starts <= STARTS:
+        raise UsageError(f"--starts {options.starts}: from 1 to {STARTS}")
     if options.seconds is not None and not 0 < options.seconds < math.inf:
         raise UsageError(f"--seconds {options.seconds:g}: must be positive and finite")
     return Effort.usual(options.points, options.seconds, options.quick)
@@ -121,6 +136,8 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
     return {
         "model": chart.model,
         "until": chart.until,
+        "error": chart.kind.name,
+        "starts": chart.starts,
         "values": {name: value for name, value, _ in chart.values},
         "reference": {
             **{name: getattr(reference, name) for name in ("error", "holds", "scalar")},

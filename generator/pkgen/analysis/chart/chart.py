@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import random
+from dataclasses import replace
 
 from ...compiler import Compilation
 from ...methods import Own
@@ -13,6 +15,7 @@ from ...run.settings import Settings
 from ...system.progress import Show
 from . import answer, reference, spectrum, sweep
 from .answer import Answer
+from .errors import ENERGY, KINDS, ErrorKind, Measure
 from .measure import Program
 from .points import ChartedMethod, Track
 from .reference import Reference
@@ -20,6 +23,7 @@ from .spectrum import Spectrum
 from .sweep import Bench, Effort
 
 TITLE_PARAMETERS = 12
+BESIDE = 0.01
 
 
 @record
@@ -28,7 +32,9 @@ class Chart:
     unit: str  # of time; "" without units
     values: list[tuple[str, float, str]]  # parameters and starts: name, value, unit
     until: float
-    reference: Reference
+    kind: ErrorKind
+    starts: int
+    reference: Reference  # of the first start
     spectrum: Spectrum
     tracks: list[Track]  # of methods that apply
     refused: dict[str, str]  # of those that do not: why
@@ -70,8 +76,11 @@ def measure(
     chosen: list[ChartedMethod],
     effort: Effort,
     on_progress: Show,
+    kind: ErrorKind = KINDS["final"],
+    starts: int = 1,
 ) -> Chart:
-    """Raises NumericsFailed, BuildError, or UsageError."""
+    """Errors of a kind; with several starts the given one and others beside it, seeded by their
+    number. Raises NumericsFailed, BuildError, or UsageError."""
     name = compilation.model.name
     on_progress(0.0, "compiling")
     path = build_library(
@@ -81,10 +90,16 @@ def measure(
     given = program.given()
     on_progress(0.02, "compiling and integrating the reference")
     exact = reference.find(compilation, given)
+    motions = [(program, Measure(kind, exact.path, exact.scales))]
+    for k in range(1, starts):
+        beside = Program(path, _beside(given, exact.scales, k))
+        found = reference.find(compilation, beside.settings)
+        motions.append((beside, Measure(kind, found.path, found.scales)))
     structure = compilation.structure
     follower = "gauss" if structure.smooth_in_pieces else "dop853"
     found = spectrum.find(program, follower, settings.until, not structure.variational)
-    bench = Bench(program, exact.final, exact.scales, exact.error, settings.until, effort)
+    floor = 0.0 if kind.name == ENERGY else exact.worst if kind.path else exact.error
+    bench = Bench(motions, floor, settings.until, effort)
     tracks = sweep.measure(
         bench, chosen, found, lambda part, text="": on_progress(0.1 + 0.8 * part, text)
     )
@@ -97,11 +112,25 @@ def measure(
         unit="" if compilation.model.dimensionless else "s",
         values=_values(compilation, given),
         until=settings.until,
+        kind=kind,
+        starts=starts,
         reference=exact,
         spectrum=found,
         tracks=able,
         refused={t.method.name: t.points[0].reason for t in tracks if t.points[0].refused},
         answers=told,
+    )
+
+
+def _beside(given: Settings, scales: list[float], seed: int) -> Settings:
+    """Each coordinate and rate by up to BESIDE of its largest magnitude elsewhere."""
+    chance = random.Random(seed)
+    n = len(given.start_q)
+    moved = [BESIDE * s * chance.uniform(-1, 1) for s in scales]
+    return replace(
+        given,
+        start_q=tuple((i, x + d) for (i, x), d in zip(given.start_q, moved, strict=False)),
+        start_v=tuple((i, x + d) for (i, x), d in zip(given.start_v, moved[n:], strict=True)),
     )
 
 

@@ -102,7 +102,7 @@ def _overview(chart: Chart):
         m.name: Style(*STYLES[m.family], m.name in strong, m.name in named)
         for m in (t.method for t in chart.tracks)
     }
-    measures = [("error of the final state", lambda p: p.error)]
+    measures = [(chart.kind.axis, lambda p: p.error)]
     kept = table.invariants(chart.tracks)
     if kept:
         invariants = ", ".join(kept if len(kept) < 5 else [*kept[:4], "…"])
@@ -145,7 +145,7 @@ def _families(chart: Chart):
         curves = _curves(chart, "seconds", lambda p: p.error)
         names.append(draw(axes, curves, styles, chart, True))
         axes.set_title(family)
-        axes.set_xlabel("error of the final state")
+        axes.set_xlabel(chart.kind.axis)
     for line in grid:
         line[0].set_ylabel(UNITS["seconds"])
     _frame(figure, chart, bottom=0.3, height=height, gaps=(0.28, 0.31))

@@ -4,41 +4,19 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable
 from dataclasses import replace
-from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 
 from ...methods import Own, known
 from ...run.library import USAGE, Run, load
 from ...run.settings import Settings, Shown
-from ...system.exits import NumericsFailed, UsageError
+from ...system.exits import UsageError
+from .errors import Measure, State
+from .exact import Exact
 from .points import ChartedMethod, Point
 
 AS_REPORTED = ("status", "slow", "t", "steps", "rejections", "evaluations", "jacobians")
-
-
-class Exact(list):
-    """A state of more digits than a double's: a fraction for each coordinate, then each rate and
-    each first-order variable."""
-
-    coordinates = 0  # how many of the former
-
-    @staticmethod
-    def of(high: Iterable[float], low: Iterable[float], coordinates: int) -> Exact:
-        """Each number is the sum of two doubles."""
-        pairs = list(zip(high, low, strict=True))
-        if not all(math.isfinite(x) for pair in pairs for x in pair):
-            raise NumericsFailed("a state is not finite")
-        exact = Exact(Fraction(float(x)) + Fraction(float(y)) for x, y in pairs)
-        exact.coordinates = coordinates
-        return exact
-
-
-def difference(one: Exact, other: Exact, scales: list[float]) -> float:
-    """The largest difference of a coordinate or rate, relative to its scale."""
-    return max(float(abs(a - b)) / s for a, b, s in zip(one, other, scales, strict=True))
 
 
 class Program:
@@ -102,26 +80,19 @@ class Program:
         return self.run(method, tolerance, but=but, bare=1, cap=cap)
 
     def point(
-        self,
-        method: ChartedMethod,
-        setting: float,
-        seconds: float,
-        cap: float,
-        exact: Exact,
-        scales: list[float],
+        self, method: ChartedMethod, setting: float, seconds: float, cap: float, measure: Measure
     ) -> Point:
-        """One integration and laps of it, compared with the exact final state. A step is made a
-        whole part of the time to go, as the driver makes it: a run by it is the one measured."""
+        """One integration and laps of it, compared with the reference. A step is made a whole part
+        of the time to go, as the driver makes it: a run by it is the one measured."""
+        until = self.settings.until
         if method.fixed:
-            setting = self.settings.until / max(
-                1, math.ceil(self.settings.until / setting * (1 - 1e-12))
-            )
+            setting = until / max(1, math.ceil(until / setting * (1 - 1e-12)))
         but = {"every": None, "show": self.state}
         done = self.run(method.name, setting, but=but, bare=1, cap=cap)
         found, error, fastest = done.report, None, None
         if found["status"] == "PK_DONE" and not found["slow"]:
-            error = difference(self.states(done)[1][-1], exact, scales)
             began = time.process_time()
+            error = measure.of(self._seen(done, method, setting, cap, measure), found)
             fastest = done.laps(seconds)
             found["processor"] += time.process_time() - began
         return Point(
@@ -130,8 +101,17 @@ class Program:
             reason=found["reason"] if found["status"] != "PK_DONE" else "",
             error=error,
             seconds=fastest,
-            work=found["evaluations"] + len(exact) * found["jacobians"],
+            work=found["evaluations"] + len(self.state) * found["jacobians"],
             took=found["processor"],
             drifts={d["name"]: d["max"] for d in found["drifts"] if d["max"] is not None},
             **{name: found[name] for name in AS_REPORTED},
         )
+
+    def _seen(
+        self, done: Run, method: ChartedMethod, setting: float, cap: float, measure: Measure
+    ) -> list[State]:
+        """What the error is of: the end of the run, or states on the way, of a run with rows."""
+        if measure.kind.path:
+            but = {"every": self.settings.until / (len(measure.path) - 1), "show": self.state}
+            done = self.run(method.name, setting, but=but, bare=1, cap=cap)
+        return list(zip(*self.states(done), strict=True))

@@ -89,6 +89,8 @@ class Point:
     work: int  # evaluations, each Jacobian as many as differences of its columns would take
     took: float  # to measure, in seconds of the processor
     drifts: dict[str, float] = field(default_factory=dict)
+    least: float | None = None  # errors of several starts, of which `error` is the median
+    most: float | None = None
     lucky: bool = False  # keeps an accuracy that an answer is for, as runs a little finer do not
 
     @property

@@ -22,7 +22,9 @@ from ...run.build import build_library
 from ...run.settings import Settings
 from ...system.exits import NumericsFailed, UsageError
 from ...system.toolchain import BuildError, Toolchain, find_toolchain
-from .measure import Exact, Program, difference
+from .errors import State
+from .exact import Exact, difference
+from .measure import Program
 
 TIMES = 100
 MUST_AGREE = 1e-13  # where the reference is worse the chart is cut
@@ -38,15 +40,21 @@ TYPES = {
 
 @record
 class Reference:
-    """The state at `until`; `error` is its own, `holds` until when that is below MUST_AGREE."""
+    """States at equal times, the last at `until`; `error` is that of the last, `worst` of any;
+    it `holds` until when its error is below MUST_AGREE."""
 
-    final: Exact
+    path: list[State]
     scales: list[float]
     error: float
+    worst: float
     holds: float
     until: float
     scalar: str
     steps: int
+
+    @property
+    def final(self) -> Exact:
+        return self.path[-1][1]
 
     @property
     def trusted(self) -> bool:
@@ -113,11 +121,12 @@ def _agree(program: Program, scalar: str, smooth: bool) -> Reference:
     ]
     agreed = takewhile(lambda pair: pair[1] <= MUST_AGREE, zip(exact[0], worst, strict=True))
     holds = max((t for (t, _), _ in agreed), default=0.0)
-    until, final = exact[0][-1]
-    return Reference(final, scales, worst[-1], holds, until, scalar, exact[1])
+    return Reference(
+        exact[0], scales, worst[-1], max(worst), holds, exact[0][-1][0], scalar, exact[1]
+    )
 
 
-def _path(program: Program, method: str, tolerance: float) -> tuple[list[tuple[float, Exact]], int]:
+def _path(program: Program, method: str, tolerance: float) -> tuple[list[State], int]:
     done = program.path(method, tolerance, TIMES, SLOWEST)
     found = done.report
     if found["status"] != "PK_DONE":

@@ -4,10 +4,13 @@ error is round-off, or the next point would take more than its share of the time
 from __future__ import annotations
 
 import math
+import statistics
+from dataclasses import replace
 
 from ...record import record
 from ...system.progress import Show
-from .measure import Exact, Program
+from .errors import Measure
+from .measure import Program
 from .points import ChartedMethod, Point, Track
 from .spectrum import Spectrum
 
@@ -41,11 +44,10 @@ class Effort:
 
 @record
 class Bench:
-    """What points are measured against."""
+    """What points are measured against. With several starts each has a program and a measure; an
+    error is the median of theirs, and time that of the first."""
 
-    program: Program
-    exact: Exact
-    scales: list[float]
+    starts: list[tuple[Program, Measure]]
     floor: float  # the reference's own error
     until: float
     effort: Effort
@@ -53,8 +55,24 @@ class Bench:
     def point(
         self, method: ChartedMethod, setting: float, cap: float, lap: float = math.inf
     ) -> Point:
+        (program, measure), *others = self.starts
         lap = min(lap, self.effort.lap_seconds)
-        return self.program.point(method, setting, lap, cap, self.exact, self.scales)
+        first = program.point(method, setting, lap, cap, measure)
+        if not others or first.refused or first.slow:
+            return first
+        points = [first, *(p.point(method, setting, 0.0, cap, m) for p, m in others)]
+        errors = sorted(math.inf if p.error is None else p.error for p in points)
+        median = statistics.median(errors)
+        worst = next((p for p in points if not p.arrived), first) if median == math.inf else first
+        return replace(
+            first,
+            error=None if median == math.inf else median,
+            least=errors[0],
+            most=errors[-1],
+            status=worst.status,
+            reason=worst.reason,
+            took=sum(p.took for p in points),
+        )
 
 
 class Steps:

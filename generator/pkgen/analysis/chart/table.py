@@ -11,6 +11,8 @@ OF_POINT = [
     "outcome",
     "status",
     "error",
+    "least",
+    "most",
     "lucky",
     "seconds",
     "evaluations",

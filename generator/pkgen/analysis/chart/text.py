@@ -30,8 +30,8 @@ def preamble(chart: Chart) -> list[str]:
         f"{chart.model}: {chart.subtitle()}; {chart.time}",
         f"reference: {chart.reference.text(chart.unit)}",
         chart.spectrum.text(chart.unit),
-        "error: the largest of |x - reference| / max |x along the motion|, x each coordinate and "
-        "each rate, at the end",
+        f"error: {chart.kind.said}"
+        + (f"; the median of {chart.starts} starts" if chart.starts > 1 else ""),
         "time: one integration, one core to itself; evaluations: a Jacobian counts as 2n of them",
     ]
     if chart.refused:

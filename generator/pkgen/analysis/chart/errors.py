@@ -1,0 +1,107 @@
+"""What is called the error of a run: that of its end, along the way, of the energy, or in time.
+
+Errors are relative: those of states to the largest magnitude of each coordinate and rate along the
+motion, the drift of the energy to its largest parts (docs/diagnostics.md), a lead or lag in time to
+the duration.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Callable
+from fractions import Fraction
+
+from ...record import record
+from ...system.exits import UsageError
+from .exact import Exact, difference
+
+ENERGY = "energy"
+END = 0.1  # of the time, over which a lead or lag is averaged: at a turning point it shows nowhere
+State = tuple[float, Exact]
+
+
+@record
+class ErrorKind:
+    """`axis` names it in pictures; `said` defines it; `path` means that it needs states on the
+    way, which `pkgen run` gives at equal times."""
+
+    name: str
+    axis: str
+    said: str
+    path: bool = True
+
+
+OF_STATES = (
+    "the largest of |x - reference| / max |x along the motion|, x each coordinate and each rate"
+)
+KINDS = {
+    kind.name: kind
+    for kind in (
+        ErrorKind("final", "error of the final state", f"{OF_STATES}, at the end", path=False),
+        ErrorKind("max", "largest error on the way", f"{OF_STATES}, at any of 100 equal times"),
+        ErrorKind("mean", "mean error on the way", f"{OF_STATES}, the mean over 100 equal times"),
+        ErrorKind(
+            ENERGY, "largest drift of the energy", "the largest drift of the energy", path=False
+        ),
+        ErrorKind(
+            "phase",
+            "lead or lag, part of the time",
+            "by how much the motion leads or lags the reference over the last tenth, by least "
+            "squares of its coordinates, as a part of the time",
+        ),
+    )
+}
+
+
+@record
+class Measure:
+    """An error of a kind against a reference: its states at equal times, and scales."""
+
+    kind: ErrorKind
+    path: list[State]
+    scales: list[float]
+
+    def of(self, states: list[State], report: dict) -> float:
+        """Infinite where it is not finite. Raises UsageError where the model has no such error."""
+        if self.kind.name == ENERGY:
+            found = [d["max"] for d in report["drifts"] if d["name"] == ENERGY]
+            if not found:
+                raise UsageError("--error energy: no energy of this model is constant")
+            return math.inf if found[0] is None else float(found[0])
+        return _OF[self.kind.name](self, [state for _, state in states])
+
+    def _far(self, states: list[Exact]) -> list[float]:
+        exact = [state for _, state in self.path]
+        pairs = zip(states, exact[len(exact) - len(states) :], strict=True)
+        return [difference(one, other, self.scales) for one, other in pairs]
+
+    def _final(self, states: list[Exact]) -> float:
+        return self._far(states[-1:])[0]
+
+    def _max(self, states: list[Exact]) -> float:
+        return max(self._far(states))
+
+    def _mean(self, states: list[Exact]) -> float:
+        return statistics.fmean(self._far(states))
+
+    def _phase(self, states: list[Exact]) -> float:
+        n = self.path[0][1].coordinates
+        if not n:
+            raise UsageError("--error phase: the model has no coordinates")
+        last = self.path[-max(1, int(END * len(self.path))) :]
+        moved = apart = Fraction(0)
+        for (_, exact), state in zip(last, states[-len(last) :], strict=True):
+            for i in range(n):
+                rate = exact[n + i] / Fraction(self.scales[i]) ** 2
+                moved += rate * exact[n + i]
+                apart += rate * (state[i] - exact[i])
+        return abs(float(apart / moved)) / self.path[-1][0] if moved else math.inf
+
+
+_OF: dict[str, Callable[[Measure, list[Exact]], float]] = {
+    "final": Measure._final,
+    "max": Measure._max,
+    "mean": Measure._mean,
+    "phase": Measure._phase,
+}

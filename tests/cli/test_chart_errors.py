@@ -1,0 +1,139 @@
+"""`pkgen chart --error` and `--starts`, beside closed forms of the harmonic oscillator.
+
+Verlet on x'' = -x keeps x^2 (1 - h^2/4) + v^2 and turns by 2 arcsin(h/2) a step (E. Hairer,
+C. Lubich, G. Wanner, Geometric Numerical Integration, I.5), from x = 1, v = 0.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+MODEL = """model oscillator
+coord x
+kinetic x'^2/2
+potential x^2/2
+start x = 1
+"""
+UNTIL, TIMES = 20.0, 100
+
+
+def verlet(h: float, t: float) -> tuple[float, float]:
+    """At t: by closed form to the last whole step, from there by a shorter one."""
+    whole = math.floor(t / h + 1e-9)
+    angle, rest = 2 * math.asin(h / 2) * whole, t - whole * h
+    x, v = math.cos(angle), -math.sqrt(1 - h * h / 4) * math.sin(angle)
+    v -= rest / 2 * x
+    x += rest * v
+    return x, v - rest / 2 * x
+
+
+def far(h: float, t: float) -> float:
+    x, v = verlet(h, t)
+    return max(abs(x - math.cos(t)), abs(v + math.sin(t)))
+
+
+def times() -> list[float]:
+    return [k * UNTIL / TIMES for k in range(TIMES + 1)]
+
+
+EXPECTED = {
+    "final": lambda h: far(h, UNTIL),
+    "max": lambda h: max(far(h, t) for t in times()),
+    "mean": lambda h: sum(far(h, t) for t in times()) / (TIMES + 1),
+    # The energy is (1 - (1 - x^2) h^2/4)/2, its parts L and v p are 3/2 at most.
+    "energy": lambda h: h * h / 12,
+    "phase": lambda h: 2 * math.asin(h / 2) / h - 1,
+}
+
+
+def charted(pkgen, folder: Path, *words: object) -> tuple[dict, list[dict[str, str]]]:
+    model = folder / "oscillator.lag"
+    model.write_text(MODEL)
+    done = pkgen(
+        *(
+            "chart",
+            model,
+            "--quick",
+            "--until",
+            UNTIL,
+            "--methods",
+            "verlet",
+            "--points",
+            6,
+            "--seconds",
+            1,
+        ),
+        *("--json", "-o", folder, *words),
+    )
+    assert done.returncode == 0, done.stderr
+    with (folder / "oscillator_chart.csv").open() as file:
+        return json.loads(done.stdout), list(csv.DictReader(file))
+
+
+@pytest.mark.parametrize("kind", EXPECTED)
+def test_errors_are_those_of_closed_forms(kind: str, pkgen, tmp_path: Path) -> None:
+    told, rows = charted(pkgen, tmp_path, "--error", kind)
+    assert told["error"] == kind and told["starts"] == 1
+    seen = 0
+    for row in rows:
+        h = float(row["step"])
+        if row["outcome"] != "done" or h > 0.2:
+            continue
+        seen += 1
+        within = {"phase": 0.05, "energy": 0.02}.get(kind, 1e-4)
+        assert float(row["error"]) == pytest.approx(EXPECTED[kind](h), rel=within)
+    assert seen > 2
+
+
+def test_errors_on_the_way_are_no_smaller_than_at_the_end(pkgen, tmp_path: Path) -> None:
+    found = {}
+    for kind in ("final", "max", "mean"):
+        rows = charted(pkgen, tmp_path, "--error", kind)[1]
+        found[kind] = {row["step"]: float(row["error"]) for row in rows if row["outcome"] == "done"}
+    shared = set.intersection(*(set(x) for x in found.values()))
+    assert len(shared) > 3
+    for h in shared:
+        assert found["max"][h] >= found["final"][h] and found["max"][h] > found["mean"][h] > 0
+
+
+def test_several_starts_give_a_median_and_a_spread(pkgen, tmp_path: Path) -> None:
+    one = charted(pkgen, tmp_path)[1]
+    told, rows = charted(pkgen, tmp_path, "--starts", 5)
+    assert told["starts"] == 5
+    alone = {row["step"]: row["error"] for row in one}
+    moved = 0
+    for row in rows:
+        if row["outcome"] == "done":
+            least, error, most = (float(row[name]) for name in ("least", "error", "most"))
+            assert 0 < least < error < most
+            moved += row["step"] in alone and row["error"] != alone[row["step"]]
+            if row["step"] in alone:
+                assert least <= float(alone[row["step"]]) <= most
+    assert moved > 2
+    assert all(row["least"] == row["most"] == "" for row in one)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--starts", "0"], "--starts 0: from 1 to 99"),
+        (["--error", "first"], "invalid choice: 'first'"),
+    ],
+)
+def test_wrong_words_are_refused(words: list[str], said: str, pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "oscillator.lag"
+    model.write_text(MODEL)
+    done = pkgen("chart", model, *words)
+    assert done.returncode == 2 and said in done.stderr
+
+
+def test_a_driven_model_has_no_drift_of_energy(pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "driven.lag"
+    model.write_text(MODEL.replace("x^2/2\nstart", "x^2/2 - x*cos(t)\nstart"))
+    done = pkgen("chart", model, "--quick", "--error", "energy", "--methods", "rk4")
+    assert done.returncode == 2 and "no energy of this model is constant" in done.stderr
