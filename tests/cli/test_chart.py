@@ -7,6 +7,7 @@ import html
 import io
 import json
 import math
+import re
 import shlex
 import statistics
 from dataclasses import replace
@@ -37,7 +38,18 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, Path]:
     model = directory / "pendulum.lag"
     model.write_text(PENDULUM)
     done = run_pkgen(
-        *("chart", model, "-o", directory, "--quick", "--seconds", 3, "--methods", METHODS),
+        *(
+            "chart",
+            model,
+            "-o",
+            directory,
+            "--quick",
+            "--seconds",
+            3,
+            "--methods",
+            METHODS,
+            "--full",
+        ),
         *("--set", "w=1.193", "--start", "theta=1.0", "--json"),
     )
     assert done.returncode == 0, done.stderr
@@ -177,9 +189,23 @@ def test_the_page_needs_nothing_else(made) -> None:
     assert all(f">{name}<" in text for name in METHODS.split(","))
 
 
+def test_the_picture_has_six_methods_at_most_and_the_answers_as_a_sentence(made) -> None:
+    found, directory = made
+    svg = (directory / "pendulum_chart.svg").read_text(encoding="utf-8")
+    named = [name for name in METHODS.split(",") if f">{name}</text>" in svg]
+    assert 0 < len(named) <= 6
+    said = " ".join(re.findall(r">([^<>]+)</text>", svg))
+    assert "Least time for an error of 1e-03:" in said
+    for answer in found["answers"]:
+        if answer["cheapest_in"] == "seconds" and answer["method"]:
+            assert f"{answer['accuracy']:.0e}: {answer['method']}," in said
+            assert answer["method"] in named
+    assert (directory / "pendulum_chart.png").read_bytes()[1:4] == b"PNG"
+
+
 def test_pictures_name_the_model_and_every_curve(made) -> None:
     _, directory = made
-    for name in ("pendulum_chart", "pendulum_chart_families"):
+    for name in ("pendulum_chart_full", "pendulum_chart_families"):
         svg = (directory / f"{name}.svg").read_text(encoding="utf-8")
         assert "w = 1.193" in svg and "theta(0) = 1" in svg and "10" in svg
         for method in METHODS.split(","):

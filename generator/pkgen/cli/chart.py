@@ -12,12 +12,14 @@ from ..analysis.chart import chart as charts
 from ..analysis.chart import table
 from ..analysis.chart.chart import Chart
 from ..analysis.chart.errors import KINDS
+from ..analysis.chart.look import Look
 from ..analysis.chart.points import ChartedMethod
 from ..analysis.chart.sweep import Effort
 from ..analysis.chart.text import report
 from ..compiler import Compilation
 from ..own.given import given
 from ..run.build import runtime_methods
+from ..run.settings import Settings
 from ..scenes import asked as parsing
 from ..scenes import scene
 from ..scenes.use import whole
@@ -26,8 +28,11 @@ from ..system.files import moved, scratch
 from ..system.progress import progress, unseen
 from . import arguments as shared
 from .compilation import compile_within_limits
+from .pictures import WIDTHS
 
 STARTS = 99
+COSTS = {"time": "seconds", "evaluations": "work", "steps": "steps"}
+FORMATS = ("svg", "png", "pdf", "pgf")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,13 +45,20 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
     add("--error", choices=tuple(KINDS), default="final", help="of what (default: the final state)")
     add("--starts", type=int, default=1, metavar="N", help="medians of N starts beside each other")
+    add("--cost", choices=tuple(COSTS), default="time", help="of the picture (default: time)")
+    add("--full", action="store_true", help="pictures of all methods too, and of each family")
+    add("--width", type=float, default=180, metavar="MM", help="of the picture (default: 180)")
+    add("--format", default="svg,png", metavar="LIST", help="of the picture: svg,png,pdf,pgf")
+    add("--dark", action="store_true", help="a picture for a dark page")
+    add("--long", action="store_true", help="drifts over 1e1 to 1e7 fixed steps instead")
+    add("--step", metavar="H", help="of --long (default: 1/32 of the fastest period)")
     add("--quick", action="store_true", help="fewer points, shorter laps, 8 s of measuring")
     add("--seconds", type=float, metavar="S", help="of measuring (default 60)")
 
 
 def run(options: argparse.Namespace) -> int:
     """Chart accuracy against cost, by every method that applies."""
-    effort = _effort(options)
+    effort, look = _effort(options), _look(options)
     directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     chosen = _methods(options, compilation)
@@ -56,6 +68,8 @@ def run(options: argparse.Namespace) -> int:
         if event.stop:
             note = f"event {event.name} would stop a run; a chart goes on until {settings.until:g}"
             print(f"pkgen: {note}", file=sys.stderr)
+    if options.long:
+        return _long(options, compilation, settings, chosen, look, directory)
     with progress(compilation.model.name) as show:
         chart = charts.measure(
             compilation,
@@ -68,11 +82,38 @@ def run(options: argparse.Namespace) -> int:
         )
     if not any(track.good for track in chart.tracks):
         raise NumericsFailed("no method arrived with an error below that of no motion at all")
-    files = _write(directory, chart, options)
+    files = _write(directory, chart, options, look)
     if options.json:
         print(json.dumps(_record(chart, files), indent=1))
     else:
         print(report(chart, options.model, _given(options)), end="")
+        print(f"\nwritten: {', '.join(map(str, files))}")
+    return DONE
+
+
+def _long(
+    options: argparse.Namespace,
+    compilation: Compilation,
+    settings: Settings,
+    chosen: list[ChartedMethod],
+    look: Look,
+    directory: Path,
+) -> int:
+    from ..analysis.chart import long, long_report
+
+    seconds = _effort(options).seconds
+    with progress(compilation.model.name) as show:
+        found = long.measure(compilation, settings, chosen, seconds, settings.step, show or unseen)
+    with scratch() as folder:
+        stem = folder / f"{found.model}_long"
+        files = long_report.write(found, stem, look)
+        stem.with_suffix(".csv").write_text(long_report.as_csv(found), encoding="utf-8")
+        files = moved([*files, stem.with_suffix(".csv")], directory)
+    if options.json:
+        told = {**long_report.record(found), "files": [str(file) for file in files]}
+        print(json.dumps(told, indent=1))
+    else:
+        print(long_report.text(found), end="")
         print(f"\nwritten: {', '.join(map(str, files))}")
     return DONE
 
@@ -98,9 +139,21 @@ def _effort(options: argparse.Namespace) -> Effort:
         raise UsageError(f"--points {options.points}: 2 at least")
     if not 1 <= options.starts <= STARTS:
         raise UsageError(f"--starts {options.starts}: from 1 to {STARTS}")
+    if options.step is not None and not options.long:
+        raise UsageError("--step is of --long; in a chart each method has its own steps")
     if options.seconds is not None and not 0 < options.seconds < math.inf:
         raise UsageError(f"--seconds {options.seconds:g}: must be positive and finite")
     return Effort.usual(options.points, options.seconds, options.quick)
+
+
+def _look(options: argparse.Namespace) -> Look:
+    formats = tuple(kind.strip() for kind in options.format.split(",") if kind.strip())
+    for kind in formats:
+        if kind not in FORMATS:
+            raise UsageError(parsing.unknown("--format", kind, FORMATS, "kind of picture"))
+    if not WIDTHS[0] <= options.width <= WIDTHS[1]:
+        raise UsageError(f"--width {options.width:g}: from {WIDTHS[0]:g} to {WIDTHS[1]:g} mm")
+    return Look(COSTS[options.cost], options.width, formats, options.dark)
 
 
 def _given(options: argparse.Namespace) -> list[str]:
@@ -114,13 +167,15 @@ def _given(options: argparse.Namespace) -> list[str]:
     return [word for pair in words for word in pair]
 
 
-def _write(directory: Path, chart: Chart, options: argparse.Namespace) -> list[Path]:
-    from ..analysis.chart import draw, page
+def _write(directory: Path, chart: Chart, options: argparse.Namespace, look: Look) -> list[Path]:
+    from ..analysis.chart import draw, page, picture
 
     text = report(chart, options.model, _given(options))
     with scratch() as folder:
         stem = folder / f"{chart.model}_chart"
-        files = draw.pictures(chart, stem)
+        files = picture.write(chart, stem, look)
+        if options.full:
+            files += draw.pictures(chart, stem)
         for suffix, content in (
             (".csv", table.as_csv(chart.tracks)),
             (".html", page.html(chart, text, [f for f in files if f.suffix == ".svg"])),

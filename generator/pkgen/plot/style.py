@@ -11,6 +11,8 @@ import io
 import re
 from typing import TYPE_CHECKING
 
+from ..system.exits import UsageError
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -24,6 +26,7 @@ SEQUENTIAL, DIVERGING = "cividis", "RdBu_r"
 
 COLUMN, PAGE = 90 / 25.4, 180 / 25.4  # inches
 FORMATS = ("svg", "png", "pdf")
+OF_LATEX = "pgf"  # drawn by LaTeX, in the type of the paper around it
 DPI = 200
 DPI_WITHIN = 144  # of pixels within a file of vectors
 # Others as wide as the one that labels are placed with, where that is not installed.
@@ -65,6 +68,22 @@ LOOK = {
 }
 
 
+# On a dark page: ink and grounds, and the palette with what would not show on it made lighter.
+DARK_GROUND, DARK_INK = "#15181C", "#E8EAED"
+DARK = {
+    **dict.fromkeys(("figure.facecolor", "axes.facecolor", "savefig.facecolor"), DARK_GROUND),
+    **dict.fromkeys(
+        ("axes.edgecolor", "axes.labelcolor", "text.color", "xtick.color", "ytick.color"), DARK_INK
+    ),
+    "grid.color": "#3A3F45",
+}
+LIGHTER = {BLUE: "#6FB1E8", RED: "#F0894A", BLACK: DARK_INK, GREEN: "#2FBF95"}
+
+
+def palette(dark: bool = False) -> tuple[str, ...]:
+    return tuple(LIGHTER.get(c, c) for c in PALETTE) if dark else PALETTE
+
+
 def colour(k: int) -> str:
     return PALETTE[k % len(PALETTE)]
 
@@ -78,7 +97,12 @@ def encoded(figure: Figure, kind: str, dpi: float = DPI) -> bytes:
     """The figure as a file of one of FORMATS."""
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None, "ModDate": None}}
     file = io.BytesIO()
-    figure.savefig(file, format=kind, dpi=dpi, metadata=dates.get(kind))
+    try:
+        figure.savefig(file, format=kind, dpi=dpi, metadata=dates.get(kind))
+    except (FileNotFoundError, RuntimeError) as error:
+        if kind != OF_LATEX:
+            raise
+        raise UsageError(f"a picture as pgf needs xelatex: {str(error).splitlines()[0]}") from None
     found = file.getvalue()
     return tidy(found.decode()).encode() if kind == "svg" else found
 

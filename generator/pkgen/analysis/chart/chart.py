@@ -12,6 +12,7 @@ from ...record import record
 from ...run import named
 from ...run.build import build_library, own_methods, runtime_methods
 from ...run.settings import Settings
+from ...system.exits import UsageError
 from ...system.progress import Show
 from . import answer, reference, spectrum, sweep
 from .answer import Answer
@@ -24,6 +25,7 @@ from .sweep import Bench, Effort
 
 TITLE_PARAMETERS = 12
 BESIDE = 0.01
+STEPWISE = "without dense output states on the way would cost steps of their own"
 
 
 @record
@@ -83,6 +85,10 @@ def measure(
     number. Raises NumericsFailed, BuildError, or UsageError."""
     name = compilation.model.name
     on_progress(0.0, "compiling")
+    stepwise = {m.name: STEPWISE for m in chosen if kind.path and m.adaptive and not m.dense}
+    chosen = [m for m in chosen if m.name not in stepwise]
+    if not chosen:
+        raise UsageError(f"--error {kind.name}: {STEPWISE}")
     path = build_library(
         compilation.files, name, *(m.name for m in chosen), own=compilation.model.methods
     )
@@ -92,7 +98,7 @@ def measure(
     exact = reference.find(compilation, given)
     motions = [(program, Measure(kind, exact.path, exact.scales))]
     for k in range(1, starts):
-        beside = Program(path, _beside(given, exact.scales, k))
+        beside = Program(path, _beside(given, exact.scales, k), compilation.model.methods)
         found = reference.find(compilation, beside.settings)
         motions.append((beside, Measure(kind, found.path, found.scales)))
     structure = compilation.structure
@@ -105,6 +111,7 @@ def measure(
     )
     on_progress(0.9, "the answers")
     able = [t for t in tracks if not t.points[0].refused]
+    refused = {t.method.name: t.points[0].reason for t in tracks if t.points[0].refused}
     told, able = answer.answers(bench, able)
     on_progress(1.0)
     return Chart(
@@ -117,7 +124,7 @@ def measure(
         reference=exact,
         spectrum=found,
         tracks=able,
-        refused={t.method.name: t.points[0].reason for t in tracks if t.points[0].refused},
+        refused={**stepwise, **refused},
         answers=told,
     )
 

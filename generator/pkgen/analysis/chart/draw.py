@@ -1,6 +1,5 @@
-"""The pictures of a chart. One has all methods, a colour and a marker a family, and those that are
-cheapest somewhere strong; the other a panel a family. Every curve is
-named where it ends.
+"""The pictures of `--full`. One has all methods, a colour and a marker a family, and those that are
+cheapest somewhere strong; the other a panel a family. Every curve is named where it ends.
 """
 
 from __future__ import annotations
@@ -23,8 +22,9 @@ from ...plot.style import (
 )
 from . import table, text
 from .chart import Chart
+from .front import strong as foremost
 from .panel import FAILED, UNITS, Curve, Style, draw
-from .points import AXES, FAMILIES, Point, Track
+from .points import AXES, FAMILIES, Point
 
 # Of a family: colour and marker.
 _COLOURS = (ORANGE, RED, BLUE, SKY, BLACK, PURPLE, GREEN, GREY)
@@ -42,7 +42,7 @@ FOOT = (
 
 
 def pictures(chart: Chart, stem: Path) -> list[Path]:
-    """STEM.svg, STEM.png, and the same of STEM_families."""
+    """STEM_full.svg, STEM_full.png, and the same of STEM_families."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -50,43 +50,18 @@ def pictures(chart: Chart, stem: Path) -> list[Path]:
 
     files = []
     with pyplot.rc_context(LOOK):
-        for name, make in ((stem.name, _overview), (f"{stem.name}_families", _families)):
+        for name, make in (("full", _overview), ("families", _families)):
             figure = make(chart)
             for kind in ("svg", "png"):
-                path = stem.with_name(f"{name}.{kind}")
+                path = stem.with_name(f"{stem.name}_{name}.{kind}")
                 path.write_bytes(encoded(figure, kind, dpi=120))
                 files.append(path)
             pyplot.close(figure)
     return files
 
 
-def front(tracks: list[Track], axis: str) -> list[str]:
-    """The methods that are cheapest at some error, the most often so first."""
-    wins: dict[str, int] = {}
-    for k in range(4, 57):
-        error = 10 ** (-k / 4)
-        costs = [(c, t.method.name) for t in tracks if (c := t.cost_at(error, axis)) is not None]
-        if costs:
-            name = min(costs)[1]
-            wins[name] = wins.get(name, 0) + 1
-    return sorted(wins, key=lambda name: -wins[name])
-
-
 def worst_drift(point: Point) -> float | None:
     return max(point.drifts.values(), default=None)
-
-
-def _strong(chart: Chart) -> set[str]:
-    """What the answers name, then what leads by either measure, then the best of each family."""
-    named = [a.method.name for a in chart.answers if a.method]
-    fronts = [front(chart.tracks, axis) for axis in AXES]
-    longest = max(map(len, fronts))
-    leading = [f[k] for k in range(longest) for f in fronts if k < len(f)]
-    families = [
-        front([t for t in chart.tracks if t.method.family == f], "seconds")[:1] for f in FAMILIES
-    ]
-    best = [name for found in families for name in found]
-    return set(list(dict.fromkeys([*named, *leading[:4], *best, *leading]))[:STRONG_MOST])
 
 
 def _curves(chart: Chart, axis: str, measure) -> list[Curve]:
@@ -96,7 +71,7 @@ def _curves(chart: Chart, axis: str, measure) -> list[Curve]:
 def _overview(chart: Chart):
     from matplotlib import pyplot
 
-    strong = _strong(chart)
+    strong = set(foremost(chart)[:STRONG_MOST])
     named = {t.method.name for t in chart.tracks} if len(chart.tracks) <= NAMED_MOST else strong
     styles = {
         m.name: Style(*STYLES[m.family], m.name in strong, m.name in named)
@@ -118,7 +93,7 @@ def _overview(chart: Chart):
             if row == 0:
                 _answers(axes, chart, axis)
     _legend(figure, chart, len(strong) if len(named) < len(chart.tracks) else 0)
-    _frame(figure, chart, bottom=0.75, height=height, gaps=(0.42, 0.21))
+    _frame(figure, chart, bottom=0.75, height=height, gaps=(0.24, 0.21))
     for name in names:
         name()
     return figure
@@ -148,7 +123,7 @@ def _families(chart: Chart):
         axes.set_xlabel(chart.kind.axis)
     for line in grid:
         line[0].set_ylabel(UNITS["seconds"])
-    _frame(figure, chart, bottom=0.3, height=height, gaps=(0.28, 0.31))
+    _frame(figure, chart, bottom=0.3, height=height, gaps=(0.1, 0.31))
     for name in names:
         name()
     return figure
@@ -193,11 +168,11 @@ def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float
 
     width = figure.get_figwidth()
     lines = textwrap.wrap(f"{chart.subtitle()}; {chart.time}", int(LINE * width / 11))
-    title = f"{chart.model.replace('_', ' ')}: accuracy against cost (right and low is better)"
+    title = f"{chart.model.replace('_', ' ')}: accuracy against cost (left and low is better)"
     figure.suptitle(title, y=1 - 0.12 / height, va="top", fontsize=12, weight="bold")
     figure.text(0.5, 1 - 0.38 / height, "\n".join(lines), ha="center", va="top", fontsize=8)
     figure.text(0.5, 0.06 / height, FOOT, ha="center", va="bottom", fontsize=8, color=FAILED)
     top = 1.0 + 0.16 * len(lines)
-    sides = {"left": 0.95 / width, "right": 1 - 0.98 / width}
+    sides = {"left": 0.95 / width, "right": 1 - 0.3 / width}
     ends = {"bottom": (bottom + 0.5) / height, "top": 1 - top / height}
     figure.subplots_adjust(**sides, **ends, wspace=gaps[0], hspace=gaps[1])

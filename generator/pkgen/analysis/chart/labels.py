@@ -9,9 +9,8 @@ from itertools import pairwise
 from ...record import record
 
 PAD = 1.0  # points around a text
-BESIDE = 66.0  # points right of the axes that labels may take
 # Where a label may be, as (dx, dy) in its own height from the anchor and how it is aligned there:
-# right of it first, ever further up and down, then left.
+# left of it first, ever further up and down, then right.
 REACH = (0.0, 0.6, -0.6, 1.1, -1.1, 1.7, -1.7, 2.4, -2.4, 3.2, -3.2, 4.2, -4.2, 5.5, -5.5, 7, -7)
 COVERED = 0.35  # the price of a curve's point under a label, that of another label being 1
 FAR = 0.12  # and of a height's distance
@@ -53,7 +52,7 @@ def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]
     renderer = figure.canvas.get_renderer()
     scale = figure.dpi / 72
     frame = axes.get_window_extent(renderer)
-    room = _Box(frame.x0, frame.y0, frame.x1 + BESIDE * scale, frame.y1)
+    room = _Box(frame.x0, frame.y0, frame.x1, frame.y1)
     covered = [p for xs, ys in curves for p in _along(axes.transData.transform, xs, ys)]
     taken: list[_Box] = []
     for label in labels:
@@ -61,14 +60,14 @@ def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]
         text = axes.text(
             0, 0, label.text, fontsize=label.size, weight=weight, color=label.colour, zorder=9
         )
-        text.set_bbox({"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.3})
+        text.set_bbox({"fc": axes.get_facecolor(), "ec": "none", "alpha": 0.7, "pad": 0.3})
         extent = text.get_window_extent(renderer)
         width, height = extent.width, extent.height * 0.85
         x, y = axes.transData.transform((label.x, label.y))
         best, price = None, math.inf
         for box in _places(x, y, width, height, 5 * scale):
             found = _price(box, taken, covered, room) + FAR * abs(box.y0 + height / 2 - y) / height
-            if box.x0 < x:
+            if box.x0 > x:
                 found += 0.3
             if found < price:
                 best, price = box, found
@@ -86,7 +85,7 @@ def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]
 def _places(x: float, y: float, width: float, height: float, gap: float):
     for reach in REACH:
         middle = y + reach * height
-        for left in (x + gap + abs(reach) * 1.5, x - gap - width):
+        for left in (x - gap - abs(reach) * 1.5 - width, x + gap):
             pad = PAD
             yield _Box(
                 left - pad, middle - height / 2 - pad, left + width + pad, middle + height / 2 + pad

@@ -112,6 +112,7 @@ class Program:
     ) -> list[State]:
         """What the error is of: the end of the run, or states on the way, of a run with rows."""
         if measure.kind.path:
-            but = {"every": self.settings.until / (len(measure.path) - 1), "show": self.state}
+            every = self.settings.until / (len(measure.path) - 1)
+            but = {"every": every, "show": self.state, "rows": "dense"}
             done = self.run(method.name, setting, but=but, bare=1, cap=cap)
         return list(zip(*self.states(done), strict=True))

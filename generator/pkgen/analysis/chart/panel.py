@@ -1,8 +1,8 @@
-"""One work-precision diagram: error (or drift) to the right ever smaller, cost upwards, both
-logarithmic, as they are drawn since Hairer, Norsett and Wanner (Solving Ordinary Differential
-Equations I, II.10). Right and low is better.
+"""One work-precision diagram: error (or drift) to the right, cost upwards, both logarithmic, as in
+Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I, II.10). Left and low is
+better.
 
-Points that failed stand as crosses in a strip at the left, at what they would have cost. A dotted
+Points that failed stand as crosses in a strip at the right, at what they would have cost. A dotted
 line from there ends on the curve where its step is the predicted limit of stability: what lies
 below it in the strip is over the cliff.
 """
@@ -17,11 +17,16 @@ from .chart import Chart
 from .labels import Label, place
 from .points import Point, Track
 
-LEFT, RIGHT = 2.0, 1e-16  # of the error's axis
-STRIP = 100.0  # between LEFT and it is where failures stand
+LEAST, MOST = 1e-16, 2.0  # errors
+NAMES = 1e-19  # between it and LEAST names have room
+STRIP = 100.0  # between MOST and it is where failures stand
 PALE = "#d9d9d9"
 FAILED = "#8a3a10"
-UNITS = {"seconds": "time of one integration", "work": "evaluations (a Jacobian: 2n of them)"}
+UNITS = {
+    "seconds": "time of one integration",
+    "work": "evaluations (a Jacobian: 2n of them)",
+    "steps": "steps",
+}
 
 
 @record
@@ -30,6 +35,7 @@ class Style:
     marker: str | None
     strong: bool
     named: bool = True
+    size: float = 4.0  # of a strong marker, in points
 
 
 BEHIND = Style(PALE, None, False, False)
@@ -56,7 +62,7 @@ class Curve:
         for point in good[: errors.index(min(errors)) + 2 if errors else 0]:
             value, cost = self.measure(point), point.cost(self.axis)
             if value is not None and cost:
-                found.append((min(max(value, 1.5 * RIGHT), 1.0), cost, point))
+                found.append((min(max(value, 1.5 * LEAST), 1.0), cost, point))
         return found
 
     def failures(self) -> list[float]:
@@ -99,20 +105,21 @@ def draw(
             _failures(axes, curve, style)
     _scales(axes, curves[0].axis if curves else "", failures)
     if failures:
-        axes.axvspan(STRIP, LEFT, color="#f6ebe6", zorder=0, lw=0)
-        axes.text(0.01, 0.99, "failed", transform=axes.transAxes, va="top", size=7.5, color=FAILED)
-        if chart.reference.error > 2 * RIGHT:
-            axes.axvspan(chart.reference.error, RIGHT, color="#eeeeee", zorder=0, lw=0)
+        axes.axvspan(MOST, STRIP, color="#f6ebe6", zorder=0, lw=0)
+        look = {"ha": "right", "va": "top", "size": 7.5, "color": FAILED}
+        axes.text(0.99, 0.99, "failed", transform=axes.transAxes, **look)
+        if chart.reference.error > 2 * LEAST:
+            axes.axvspan(NAMES, chart.reference.error, color="#eeeeee", zorder=0, lw=0)
     labels.reverse()  # strong ones first
     return lambda: place(axes, labels, drawn)
 
 
 def _line(axes, x: list[float], y: list[float], style: Style) -> None:
-    size = (4.0 if style.strong else 2.4) * (1.5 if style.marker == "*" else 1.0)
+    size = style.size * (1.0 if style.strong else 0.6) * (1.5 if style.marker == "*" else 1.0)
     alpha = 1.0 if style.strong or style is BEHIND else 0.65 if style.named else 0.4
     order = 4 if style.strong else 2 if style is BEHIND else 3
     point = {"marker": style.marker if style.named else None, "ms": size}
-    line = {"color": style.colour, "lw": 1.9 if style.strong else 0.8, "alpha": alpha}
+    line = {"color": style.colour, "lw": 0.47 * style.size if style.strong else 0.8, "alpha": alpha}
     axes.plot(x, y, **point, **line, zorder=order)
 
 
@@ -121,21 +128,21 @@ def _scales(axes, axis: str, failures: bool) -> None:
 
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlim(STRIP if failures else LEFT, RIGHT)
+    axes.set_xlim(NAMES, STRIP if failures else MOST)
     axes.xaxis.set_major_locator(FixedLocator([10.0**-k for k in range(0, 16, 3)]))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_locator(LogLocator(numticks=12))
     axes.yaxis.set_minor_locator(NullLocator())
     if axis == "seconds":
         axes.yaxis.set_major_formatter(EngFormatter("s"))
-    axes.grid(True, which="major", color="#e4e4e4", lw=0.6)
+    axes.grid(True, which="major", lw=0.6)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
 
 
 def _failures(axes, curve: Curve, style: Style) -> None:
     costs, strong = curve.failures(), style.strong
-    middle = math.sqrt(STRIP * LEFT)
+    middle = math.sqrt(STRIP * MOST)
     width = 1.3 if strong else 0.8
     at = {"color": style.colour, "zorder": 5 if strong else 3}
     axes.plot([middle] * len(costs), costs, "x", ms=5 if strong else 3.2, mew=width, **at)
@@ -143,5 +150,5 @@ def _failures(axes, curve: Curve, style: Style) -> None:
     if cliff is None:
         return
     error, cost = cliff
-    axes.plot([LEFT, error], [cost, cost], ":", lw=width, **at)
-    axes.plot([LEFT], [cost], "_", ms=10, mew=2 * width, **at)
+    axes.plot([MOST, error], [cost, cost], ":", lw=width, **at)
+    axes.plot([MOST], [cost], "_", ms=10, mew=2 * width, **at)

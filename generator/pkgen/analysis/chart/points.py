@@ -43,7 +43,15 @@ class ChartedMethod:
 
     @property
     def fixed(self) -> bool:
-        return "adaptive" not in self.flags
+        return not self.adaptive
+
+    @property
+    def adaptive(self) -> bool:
+        return "adaptive" in self.flags
+
+    @property
+    def dense(self) -> bool:
+        return "dense" in self.flags
 
     @property
     def implicit(self) -> bool:
@@ -121,8 +129,8 @@ class Point:
         return "done" if self.good else "lost"
 
     def cost(self, axis: str) -> float | None:
-        """`axis` is one of AXES."""
-        return self.seconds if axis == "seconds" else float(self.work)
+        """`axis` is one of AXES, or "steps"."""
+        return self.seconds if axis == "seconds" else float(getattr(self, axis))
 
 
 @record

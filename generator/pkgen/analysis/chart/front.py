@@ -1,0 +1,31 @@
+"""Which methods of a chart are foremost."""
+
+from __future__ import annotations
+
+from .chart import Chart
+from .points import AXES, FAMILIES, Track
+
+
+def front(tracks: list[Track], axis: str) -> list[str]:
+    """The methods that are cheapest at some error, the most often so first."""
+    wins: dict[str, int] = {}
+    for k in range(4, 57):
+        error = 10 ** (-k / 4)
+        costs = [(c, t.method.name) for t in tracks if (c := t.cost_at(error, axis)) is not None]
+        if costs:
+            name = min(costs)[1]
+            wins[name] = wins.get(name, 0) + 1
+    return sorted(wins, key=lambda name: -wins[name])
+
+
+def strong(chart: Chart) -> list[str]:
+    """What the answers name, then what leads by either measure, then the best of each family."""
+    named = [a.method.name for a in chart.answers if a.method]
+    fronts = [front(chart.tracks, axis) for axis in AXES]
+    longest = max(map(len, fronts))
+    leading = [f[k] for k in range(longest) for f in fronts if k < len(f)]
+    families = [
+        front([t for t in chart.tracks if t.method.family == f], "seconds")[:1] for f in FAMILIES
+    ]
+    best = [name for found in families for name in found]
+    return list(dict.fromkeys([*named, *leading[:4], *best, *leading]))

@@ -1,0 +1,131 @@
+"""Long horizons: the drift of each constant by each fixed-step method over decades of steps.
+
+All take the same step, a part of the fastest period. A run of 10^k steps is one of the driver's
+own, with its monitor of drifts; how the drift grows is fitted there (pk/diagnostics.h): bounded,
+sqrt(t), t, t^2. A method whose next decade would take more than its share of the time ends before.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from ...compiler import Compilation
+from ...record import record
+from ...run.build import build_library
+from ...run.settings import Settings
+from ...system.exits import NumericsFailed
+from ...system.progress import Show
+from . import spectrum
+from .measure import Program
+from .points import ChartedMethod
+
+PERIOD = 32  # steps, of the fastest oscillation
+SAFE = 0.5  # of a method's limit of stability
+DECADES = range(1, 8)
+
+
+@record
+class Decade:
+    steps: int
+    t: float
+    seconds: float
+    drifts: dict[str, float]
+    status: str
+
+
+@record
+class Drifting:
+    """A method over all decades that it was given the time for; `growth` of each constant, in
+    words, and the exponent of t, of the longest run."""
+
+    method: ChartedMethod
+    decades: tuple[Decade, ...]
+    growth: dict[str, str]
+    exponents: dict[str, float | None]
+    reason: str = ""  # why it ended early
+
+
+@record
+class Long:
+    model: str
+    unit: str
+    step: float
+    drifting: list[Drifting]
+    refused: dict[str, str]
+
+    @property
+    def constants(self) -> list[str]:
+        longest = max((d.decades for d in self.drifting), key=len, default=())
+        return list(longest[0].drifts) if longest else []
+
+
+def measure(
+    compilation: Compilation,
+    settings: Settings,
+    chosen: list[ChartedMethod],
+    seconds: float,
+    step: float | None,
+    show: Show,
+) -> Long:
+    """Raises NumericsFailed where the model has no constant or no method runs."""
+    name = compilation.model.name
+    fixed = [m for m in chosen if m.fixed and "exact" not in m.flags]
+    show(0.0, "compiling")
+    own = compilation.model.methods
+    path = build_library(compilation.files, name, *(m.name for m in fixed), own=own)
+    program = Program(path, settings, own)
+    if step is None:
+        follower = "gauss" if compilation.structure.smooth_in_pieces else "dop853"
+        found = spectrum.find(program, follower, settings.until, False)
+        limits = [limit for m in fixed if (limit := found.limit(m))]
+        step = min(2 * math.pi / found.fastest / PERIOD, SAFE * min(limits, default=math.inf))
+        step = float(f"{step:.2g}")
+
+    def lasting(until: float) -> Program:
+        return Program(path, replace(settings, until=until, every=None), own)
+
+    drifting, refused, left = [], {}, seconds
+    for k, method in enumerate(fixed):
+        show(k / len(fixed), method.name)
+        share = max(left, 0.0) / (len(fixed) - k)
+        one = _decades(lasting, method, step, share)
+        left -= sum(d.seconds for d in one.decades)
+        if one.decades:
+            drifting.append(one)
+        else:
+            refused[method.name] = one.reason
+    if not drifting:
+        raise NumericsFailed(f"no method with fixed steps runs: {next(iter(refused.values()), '')}")
+    long = Long(name, "" if compilation.model.dimensionless else "s", step, drifting, refused)
+    if not long.constants:
+        raise NumericsFailed(f"{name} has no constant of the motion whose drift could be followed")
+    return long
+
+
+def _decades(
+    program: Callable[[float], Program], method: ChartedMethod, step: float, share: float
+) -> Drifting:
+    found: list[Decade] = []
+    growth: dict[str, str] = {}
+    exponents: dict[str, float | None] = {}
+    reason = ""
+    for decade in DECADES:
+        if found and 10 * found[-1].seconds > share:
+            reason = f"the next decade would take some {10 * found[-1].seconds:.2g} s (--seconds)"
+            break
+        steps = 10**decade
+        told = program(steps * step).run(method.name, step, bare=1).report
+        if told["status"] == "PK_REFUSED":
+            return Drifting(method, (), {}, {}, told["reason"])
+        drifts = {
+            d["name"]: math.inf if d["max"] is None else float(d["max"]) for d in told["drifts"]
+        }
+        found.append(Decade(steps, told["t"], told["processor"], drifts, told["status"]))
+        growth = {d["name"]: d["growth"] for d in told["drifts"]}
+        exponents = {d["name"]: d.get("exponent") for d in told["drifts"]}
+        if told["status"] != "PK_DONE":
+            reason = told["reason"]
+            break
+    return Drifting(method, tuple(found), growth, exponents, reason)

@@ -1,0 +1,140 @@
+"""What `pkgen chart --long` found, as a table in words, as CSV and as a picture."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from pathlib import Path
+
+from ...plot import style
+from .labels import Label, place
+from .long import Drifting, Long
+from .look import Look
+
+MOST = 6  # lines of a panel: the best of each kind of growth first
+MARKERS = "osD^vP"
+HEADINGS = ("method", "constant", "steps", "largest drift", "growth")
+
+
+def _growth(one: Drifting, constant: str) -> str:
+    exponent = one.exponents.get(constant)
+    said = one.growth.get(constant, "")
+    return said if exponent is None else f"{said} (t^{exponent:.2f})"
+
+
+def text(long: Long) -> str:
+    """A row a method and constant."""
+    rows = [HEADINGS]
+    for one in long.drifting:
+        last = one.decades[-1]
+        for constant in long.constants:
+            drift = f"{last.drifts.get(constant, math.inf):.1e}"
+            rows.append(
+                (one.method.name, constant, f"{last.steps:,}", drift, _growth(one, constant))
+            )
+    widths = [max(len(row[i]) for row in rows) for i in range(len(HEADINGS))]
+    unit = f" {long.unit}".rstrip()
+    lines = [f"{long.model}: drifts over decades of steps of {long.step:g}{unit}, relative", ""]
+    for row in rows:
+        cells = zip(row, widths, strict=True)
+        shown = (x.rjust(w) if i in (2, 3) else x.ljust(w) for i, (x, w) in enumerate(cells))
+        lines.append("  ".join(shown).rstrip())
+    early = [f"{one.method.name}: {one.reason}" for one in long.drifting if one.reason]
+    return "\n".join([*lines, "", *early]).rstrip() + "\n"
+
+
+def as_csv(long: Long) -> str:
+    file = io.StringIO()
+    writer = csv.writer(file, lineterminator="\n")
+    columns = [f"drift({name})" for name in long.constants]
+    writer.writerow(["method", "order", "step", "steps", "t", "seconds", "status", *columns])
+    for one in long.drifting:
+        for d in one.decades:
+            cells = [repr(d.drifts.get(name, math.inf)) for name in long.constants]
+            head = [one.method.name, one.method.order, repr(long.step), d.steps, repr(d.t)]
+            writer.writerow([*head, repr(d.seconds), d.status, *cells])
+    return file.getvalue()
+
+
+def record(long: Long) -> dict[str, object]:
+    return {
+        "model": long.model,
+        "step": long.step,
+        "refused": long.refused,
+        "methods": [
+            {
+                "method": one.method.name,
+                "order": one.method.order,
+                "growth": one.growth,
+                "exponents": one.exponents,
+                "reason": one.reason,
+                "decades": [
+                    {
+                        "steps": d.steps,
+                        "t": d.t,
+                        "seconds": d.seconds,
+                        "status": d.status,
+                        "drifts": {k: v if math.isfinite(v) else None for k, v in d.drifts.items()},
+                    }
+                    for d in one.decades
+                ],
+            }
+            for one in long.drifting
+        ],
+    }
+
+
+def write(long: Long, stem: Path, look: Look) -> list[Path]:
+    """A panel a constant, drift against time, both logarithmic."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    with pyplot.rc_context({**style.LOOK, **(style.DARK if look.dark else {})}):
+        count = len(long.constants)
+        height = 0.5 + 2.4 * count
+        figure, grid = pyplot.subplots(
+            count, 1, figsize=(look.width / 25.4, height), squeeze=False, sharex=True
+        )
+        names = [
+            _panel(axes, long, constant, style.palette(look.dark))
+            for axes, constant in zip(grid[:, 0], long.constants, strict=True)
+        ]
+        grid[-1, 0].set_xlabel(f"t ({long.unit})" if long.unit else "t")
+        title = f"{long.model.replace('_', ' ')}, steps of {long.step:g} {long.unit}".rstrip()
+        grid[0, 0].set_title(title, loc="left", weight="bold")
+        inches = look.width / 25.4
+        ends = {"bottom": 0.42 / height, "top": 1 - 0.28 / height}
+        figure.subplots_adjust(left=0.62 / inches, right=1 - 0.1 / inches, hspace=0.12, **ends)
+        for name in names:
+            name()
+        files = []
+        for kind in dict.fromkeys(("svg", *look.formats)):
+            path = stem.with_suffix(f".{kind}")
+            path.write_bytes(style.encoded(figure, kind))
+            files.append(path)
+        pyplot.close(figure)
+    return files
+
+
+def _panel(axes, long: Long, constant: str, palette: tuple[str, ...]):
+    """Of the methods that get furthest those with the least drift and one of each other growth."""
+    finite = [d for d in long.drifting if math.isfinite(d.decades[-1].drifts.get(constant, 0.0))]
+    ranked = sorted(finite, key=lambda d: d.decades[-1].drifts.get(constant, math.inf))
+    kinds = list({d.growth.get(constant): d for d in reversed(ranked)}.values())
+    shown = list({id(d): d for d in [*kinds, *ranked]}.values())[:MOST]
+    drawn, labels = [], []
+    for k, one in enumerate(shown):
+        t = [d.t for d in one.decades]
+        y = [max(d.drifts.get(constant, 0.0), 1e-17) for d in one.decades]
+        axes.plot(t, y, color=palette[k], marker=MARKERS[k], ms=2.8)
+        drawn.append((t, y))
+        name = f"{one.method.name}: {_growth(one, constant)}"
+        labels.append(Label(name, t[-1], y[-1], palette[k], 7))
+    axes.set(xscale="log", yscale="log", ylabel=f"drift of {constant}")
+    axes.grid(True, which="major", lw=0.6)
+    least = long.step
+    axes.set_xlim(5 * least, 3e7 * least)
+    return lambda: place(axes, labels, drawn)

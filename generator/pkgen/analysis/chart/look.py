@@ -1,0 +1,15 @@
+"""How the picture of a chart is asked for; apart from what draws it, which imports matplotlib."""
+
+from __future__ import annotations
+
+from ...record import record
+
+
+@record
+class Look:
+    """How the picture is asked for: its cost axis, width in millimetres, kinds of files."""
+
+    axis: str = "seconds"
+    width: float = 180.0
+    formats: tuple[str, ...] = ("svg", "png")
+    dark: bool = False

@@ -1,0 +1,97 @@
+"""The default picture of a chart: one panel, at most six methods, the answers as sentences below.
+
+It is made for a page of a journal: a column or a page wide, in fonts of 7 to 8 points, in colours
+that are told apart with any usual colour vision, and with a marker a method for print in grey.
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...plot import style
+from . import text
+from .answer import Answer
+from .chart import Chart
+from .front import strong
+from .look import Look
+from .panel import UNITS, Curve, Style, draw
+
+MOST = 6  # lines
+MARKERS = "osD^vP"
+SIZE = 2.8
+SPREAD = 0.35  # opacity of the range of several starts
+LETTER = 1.5  # millimetres, of a sentence in 7 points
+COLUMN = 120.0  # millimetres from which on the picture is wider than a column
+
+
+def sentence(answers: Sequence[Answer]) -> str:
+    """Of one axis, from loose to tight."""
+    told, costs = [], {"seconds": "time", "work": "evaluations"}
+    for a in answers:
+        if a.method is None or a.point is None:
+            told.append(f"{a.accuracy:.0e}: {a.reason}")
+            continue
+        cost = text.seconds(a.point.seconds or 0) if a.axis == "seconds" else f"{a.point.work:,}"
+        told.append(f"{a.accuracy:.0e}: {a.method.name}, {text.setting(a)}, {cost}")
+    axis = costs[answers[0].axis] if answers else "time"
+    said = f"Least {axis} for an error of " + "; ".join(told) + "."
+    return re.sub(r"(?<=\d) (?=\D?s\b)|(?<=step|rtol) ", "\u00a0", said)
+
+
+def picture(chart: Chart, axis: str, width: float, dark: bool):
+    """A matplotlib figure in the look that is set; `axis` is one of UNITS."""
+    from matplotlib import pyplot
+
+    inches = width / 25.4
+    asked = axis if axis in ("seconds", "work") else "work"
+    said = sentence([a for a in chart.answers if a.axis == asked])
+    lines = textwrap.wrap(said, int(width / LETTER))
+    below = 0.52 + 0.125 * len(lines)
+    height = (2.6 if width < COLUMN else 3.4) + below
+    figure, axes = pyplot.subplots(figsize=(inches, height))
+    chosen = strong(chart)[:MOST]
+    palette = style.palette(dark)
+    styles = {name: Style(palette[k], MARKERS[k], True, size=SIZE) for k, name in enumerate(chosen)}
+    tracks = [t for t in chart.tracks if t.method.name in styles]
+    curves = [Curve(t, axis, lambda p: p.error, chart.spectrum.limit(t.method)) for t in tracks]
+    names = draw(axes, curves, styles, chart, False)
+    for track in tracks if chart.starts > 1 else ():
+        _spread(axes, track.good, axis, styles[track.method.name].colour)
+    axes.set(xlabel=chart.kind.axis, ylabel=UNITS[axis])
+    title = f"{chart.model.replace('_', ' ')}, {chart.time}"
+    axes.set_title(title, loc="left", weight="bold")
+    left = 0.62 / inches
+    look = {"ha": "left", "va": "bottom", "fontsize": 7, "linespacing": 1.25}
+    figure.text(left, 0.06 / height, "\n".join(lines), **look)
+    top = 1 - 0.28 / height
+    figure.subplots_adjust(left=left, right=1 - 0.1 / inches, bottom=below / height, top=top)
+    names()
+    return figure
+
+
+def _spread(axes, points, axis: str, colour: str) -> None:
+    for p in points:
+        cost = p.cost(axis)
+        if p.least and p.most and cost:
+            axes.plot([p.least, p.most], [cost, cost], color=colour, lw=2.5, alpha=SPREAD, zorder=2)
+
+
+def write(chart: Chart, stem: Path, look: Look) -> list[Path]:
+    """STEM.svg and so on; an SVG first in any case, which the page has."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    files = []
+    with pyplot.rc_context({**style.LOOK, **(style.DARK if look.dark else {})}):
+        figure = picture(chart, look.axis, look.width, look.dark)
+        for kind in dict.fromkeys(("svg", *look.formats)):
+            path = stem.with_suffix(f".{kind}")
+            path.write_bytes(style.encoded(figure, kind))
+            files.append(path)
+        pyplot.close(figure)
+    return files
