@@ -19,12 +19,12 @@
 #include "equilibria_search.h"
 #include "halton.h"
 
-enum { ITERATIONS = 200, POLISH = 60 };
+enum { ITERATIONS = 200, POLISH = 60, MORE = 8 }; /* starts for each root */
 
 static int open_search(struct search *s, const struct pk_problem *problem)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
-    double *x = (double *)calloc(11 * n + 5 * n * n, sizeof *x);
+    double *x = (double *)calloc(12 * n + 5 * n * n, sizeof *x);
     memset(s, 0, sizeof *s);
     s->turns = (unsigned char *)calloc(n, 1);
     s->primes = (size_t *)calloc(n + 1, sizeof *s->primes);
@@ -35,7 +35,7 @@ static int open_search(struct search *s, const struct pk_problem *problem)
         return 0;
     primes(s->primes, n + 1);
     double **const vectors[] = {&s->q,    &s->v, &s->kept,  &s->box,   &s->middle, &s->p,
-                                &s->pdot, &s->F, &s->pivot, &s->scale, &s->step};
+                                &s->pdot, &s->F, &s->pivot, &s->scale, &s->step,   &s->slope};
     double **const matrices[] = {&s->M, &s->p_q, &s->F_q, &s->F_v, &s->J};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
         *vectors[k] = x, x += n;
@@ -73,14 +73,55 @@ static int derivatives(struct search *s)
     return pk_all_finite(s->J, n * n);
 }
 
+/* How far the state is from root k along unknown i, in reaches: of an angle its sine, so that the
+ * root is kept from in every turn. *slope: its derivative. */
+static double apart(struct search *s, const struct pk_equilibria *known, size_t k, size_t i,
+                    double *slope)
+{
+    const int c = is_cyclic(s, i);
+    const double *root = (c ? known->v : known->q) + k * s->n;
+    const double d = *unknown(s, i) - root[i], size = s->box[i];
+    if (!c && s->turns[i]) {
+        *slope = cos(d / 2) / TWO_PI;
+        return 2 * sin(d / 2) / TWO_PI;
+    }
+    *slope = 1 / size;
+    return d / size;
+}
+
+/* What the equations are multiplied by, so that known roots are none: prod (1 + 1/|z - z_k|^2), in
+ * reaches; its logarithm's derivative into s->slope. Reference: P. E. Farrell, A. Birkisson, S. W.
+ * Funke, SIAM J. Sci. Comput. 37 (2015) A2026. */
+static double deflated(struct search *s)
+{
+    double product = 1;
+    memset(s->slope, 0, s->n * sizeof *s->slope);
+    for (size_t k = 0; s->known && k < s->known->count; k++) {
+        double square = 0, slope;
+        for (size_t i = 0; i < s->n; i++) {
+            const double d = apart(s, s->known, k, i, &slope);
+            square += d * d;
+        }
+        if (!(square > 0))
+            return HUGE_VAL;
+        product *= 1 + 1 / square;
+        for (size_t i = 0; i < s->n; i++) {
+            const double d = apart(s, s->known, k, i, &slope);
+            s->slope[i] -= 2 * d * slope / (square * (1 + square));
+        }
+    }
+    return product;
+}
+
 static int gsl_f(const gsl_vector *z, void *context, gsl_vector *f)
 {
     struct search *s = (struct search *)context;
     set_unknowns(s, z);
-    if (!equations(s))
+    const double m = deflated(s);
+    if (!equations(s) || !(m < HUGE_VAL))
         return GSL_EBADFUNC;
     for (size_t i = 0; i < s->n; i++)
-        gsl_vector_set(f, i, s->F[i] / s->scale[i]);
+        gsl_vector_set(f, i, m * s->F[i] / s->scale[i]);
     return GSL_SUCCESS;
 }
 
@@ -88,11 +129,12 @@ static int gsl_df(const gsl_vector *z, void *context, gsl_matrix *J)
 {
     struct search *s = (struct search *)context;
     set_unknowns(s, z);
-    if (!derivatives(s))
+    const double m = deflated(s);
+    if (!derivatives(s) || !equations(s) || !(m < HUGE_VAL))
         return GSL_EBADFUNC;
     for (size_t i = 0; i < s->n; i++)
         for (size_t j = 0; j < s->n; j++)
-            gsl_matrix_set(J, i, j, s->J[i * s->n + j] / s->scale[i]);
+            gsl_matrix_set(J, i, j, m * (s->J[i * s->n + j] + s->F[i] * s->slope[j]) / s->scale[i]);
     return GSL_SUCCESS;
 }
 
@@ -215,8 +257,9 @@ static int arrived(struct search *s, const gsl_vector *step)
     return 1;
 }
 
-static void try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vector *z,
-                     gsl_multiroot_function_fdf *function, struct pk_equilibria *found)
+/* Whether a root was found that was not known. */
+static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vector *z,
+                    gsl_multiroot_function_fdf *function, struct pk_equilibria *found)
 {
     int failed = gsl_multiroot_fdfsolver_set(solver, function, z);
     for (int k = 0; k < ITERATIONS && !failed; k++) {
@@ -224,15 +267,34 @@ static void try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vect
         if (arrived(s, solver->dx))
             break;
     }
+    const int again = s->known != NULL;
+    s->known = NULL;
     if (!is_root(s, solver->x)) /* also where it stopped at round-off, as GSL calls it */
-        found->failed++;
+        found->failed += !again;
     else if (!is_positive(s))
-        found->singular++;
+        found->singular += !again;
     else if (!is_known(s, found)) {
-        if (found->count < found->most)
+        if (found->count < found->most) {
             insert(s, found);
-        else
-            found->more = 1;
+            return 1;
+        }
+        found->more = 1;
+    }
+    return 0;
+}
+
+/* From a point, and as long as that finds another root again, those known deflated. */
+static void search_from(struct search *s, size_t point, gsl_multiroot_fdfsolver *solver,
+                        gsl_vector *z, gsl_multiroot_function_fdf *function,
+                        struct pk_equilibria *found)
+{
+    int more = 1;
+    for (int again = 0; again <= 1 || more; again++) {
+        pk_equilibria_place(s, point);
+        for (size_t i = 0; i < s->n; i++)
+            gsl_vector_set(z, i, *unknown(s, i));
+        s->known = again ? found : NULL;
+        more = try_from(s, solver, z, function, found);
     }
 }
 
@@ -258,12 +320,12 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
         pk_equilibria_box(&s, q0, v0);
         if (found->turns)
             memcpy(found->turns, s.turns, n);
-        for (size_t k = 0; k <= tries; k++) {
-            pk_equilibria_place(&s, k);
-            for (size_t i = 0; i < n; i++)
-                gsl_vector_set(z, i, *unknown(&s, i));
-            try_from(&s, solver, z, &function, found);
+        if (found->middle && found->box) {
+            memcpy(found->middle, s.middle, n * sizeof *s.middle);
+            memcpy(found->box, s.box, n * sizeof *s.box);
         }
+        for (size_t k = 0; k <= tries || (tries && k <= MORE * found->count); k++)
+            search_from(&s, k, solver, z, &function, found);
     }
     close_search(&s);
     gsl_multiroot_fdfsolver_free(solver);

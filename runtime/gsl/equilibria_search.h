@@ -23,9 +23,11 @@ struct search {
     double *p, *pdot, *F;        /* n */
     double *M, *p_q, *F_q, *F_v; /* n n */
     double *J, *pivot;
-    double *scale;        /* of each equation in the box */
-    unsigned char *turns; /* q_i + 2 pi is the same place */
-    size_t *primes;       /* n + 1, the bases of Halton's points */
+    double *scale;                     /* of each equation in the box */
+    unsigned char *turns;              /* q_i + 2 pi is the same place */
+    size_t *primes;                    /* n + 1, the bases of Halton's points */
+    double *slope;                     /* of deflated(), by each unknown */
+    const struct pk_equilibria *known; /* roots to keep away from; NULL: none */
 };
 
 static inline int is_cyclic(const struct search *s, size_t i)

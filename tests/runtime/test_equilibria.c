@@ -14,7 +14,7 @@ static const double PI = 3.14159265358979323846;
 
 static struct pk_equilibria seek(struct fixture *f, const struct pk_system *system, size_t most)
 {
-    struct pk_equilibria found = {most, found_q, found_v, 0, 0, 0, 0, NULL, NULL};
+    struct pk_equilibria found = {.most = most, .q = found_q, .v = found_v};
     fixture_set(f, system);
     CU_ASSERT_FATAL(pk_gsl_equilibria(&f->problem, f->q0, f->v0, 100, &found) == PK_DONE);
     return found;

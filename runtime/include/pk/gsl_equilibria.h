@@ -34,9 +34,12 @@ struct pk_equilibria {
     unsigned char *turns; /* n, or NULL: out, whether q_i + 2 pi is the same place as q_i */
     double *doubt; /* room as q has, or NULL: out, Newton's last correction of q_i, or of v_i where
                       cyclic. Where the linear terms vanish it is some of the way to the root. */
+    double *middle, *box; /* n each, or NULL: out, q_i (v_i) is sought in middle_i +- box_i, by a
+                             quarter of the starts each 4 and 32 times as far, but for angles */
 };
 
-/* From q0, v0 and `tries` more starts (Halton's points: the same each time) in a box about it: half
+/* From q0, v0 and `tries` more starts (Halton's points: the same each time), from each again with
+ * the roots that are known deflated until no other is found. The starts lie in a box about q0: half
  * a turn wide for angles, else some times what the motion covers, or |q0|; no length is absolute.
  * A coordinate of which the equations have the period 2 pi is given in (-pi, pi]. PK_REFUSED where
  * the equations depend on time or on inputs, or have states. That all are found cannot be promised.

@@ -169,7 +169,8 @@ static enum fitness choose(struct modes *m)
     struct pk_system still = *run->problem.system;
     struct pk_problem problem = run->problem;
     double *q = memory_take(&run->memory, 2 * PLACES * m->n, sizeof *q);
-    struct pk_equilibria found = {PLACES, q, q + PLACES * m->n, 0, 0, 0, 0, m->turns, NULL};
+    struct pk_equilibria found = {
+        .most = PLACES, .q = q, .v = q + PLACES * m->n, .turns = m->turns};
     double *rest = memory_take(&run->memory, m->n, sizeof *rest);
     still.cyclic = NULL; /* those that go on rest nowhere */
     problem.system = &still;

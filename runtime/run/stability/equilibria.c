@@ -81,14 +81,17 @@ static void print(struct pk_stability *s, const struct pk_equilibria *found, str
 int stability_equilibria(struct pk_stability *s, const struct pk_stability_question *x)
 {
     const size_t n = s->n;
-    double *const room = memory_take(&s->run->memory, 3 * MOST * n + 8 * n * n, sizeof *room);
-    double *const shapes = room + 3 * MOST * n;
+    double *const room =
+        memory_take(&s->run->memory, 3 * MOST * n + 2 * n + 8 * n * n, sizeof *room);
+    double *const shapes = room + 3 * MOST * n + 2 * n;
     struct pk_mode *const list = memory_take(&s->run->memory, 4 * n, sizeof *list);
     struct modes modes = {list, shapes, 0}, beside = {list + 2 * n, shapes + 4 * n * n, 0};
     struct pk_equilibria found = {.most = MOST,
                                   .q = room,
                                   .v = room + MOST * n,
                                   .doubt = room + 2 * MOST * n,
+                                  .middle = room + 3 * MOST * n,
+                                  .box = room + 3 * MOST * n + n,
                                   .turns = memory_take(&s->run->memory, n, 1)};
     const enum pk_status status =
         pk_gsl_equilibria(&s->problem, s->settings->q, s->settings->v, x->count, &found);
@@ -98,6 +101,8 @@ int stability_equilibria(struct pk_stability *s, const struct pk_stability_quest
     json_counts(&s->out, {"failed", found.failed}, {"singular", found.singular});
     json_flag(&s->out, "more", found.more);
     json_numbers(&s->out, "turns", s->work, n);
+    json_numbers(&s->out, "middle", found.middle, n);
+    json_numbers(&s->out, "box", found.box, n);
     print(s, &found, &modes, &beside);
     return 1;
 }

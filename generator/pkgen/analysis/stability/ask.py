@@ -77,6 +77,8 @@ class Rest:
     singular: int
     more: bool
     turns: tuple[bool, ...] = ()  # of each coordinate: q + 2 pi is the same place
+    middle: tuple[float, ...] = ()  # each was sought in middle +- box, or further (docs/maps.md)
+    box: tuple[float, ...] = ()
 
     def beside(self, q: float, place: float, i: int) -> float:
         """q_i; of an angle by whole turns next to a place."""

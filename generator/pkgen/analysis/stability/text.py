@@ -6,7 +6,7 @@ import csv
 import io
 
 from ...run import named
-from .ask import Equilibrium, Mode
+from .ask import TRIES, Equilibrium, Mode
 from .map import StabilityMap
 from .misses import difference, misses, name_mode, unpredicted
 
@@ -104,6 +104,24 @@ def counts(made: StabilityMap) -> Table:
     return ["points", *kinds], rows
 
 
+def searched(made: StabilityMap) -> str:
+    """How many equilibria were found, and where they were sought."""
+    rest, cyclic = made.rest, made.compilation.structure.cyclic
+    names = [c.name for c in named.coordinates(made.compilation).columns(64)]
+    parts = []
+    for i, name in enumerate(names[:6]):
+        if rest.turns and rest.turns[i] and not cyclic[i]:
+            parts.append(f"{name} all around")
+        else:
+            low, high = rest.middle[i] - rest.box[i], rest.middle[i] + rest.box[i]
+            parts.append(f"{name}{chr(39) * cyclic[i]} from {low:.3g} to {high:.3g}")
+    more = ", ..." if len(names) > 6 else ""
+    return (
+        f"equilibria: found {len(rest.equilibria)}, sought from {TRIES + 1} starts or more, "
+        f"{', '.join(parts)}{more}, half of them up to 32 times as far"
+    )
+
+
 def remarks(made: StabilityMap) -> list[str]:
     """What was left out, and why."""
     found = list(made.asked.left)
@@ -119,8 +137,15 @@ def remarks(made: StabilityMap) -> list[str]:
             f"{rest.singular} starts led to where M is singular, the pole of the coordinates: "
             "whether the system can rest there they cannot tell"
         )
+    if rest.equilibria:
+        found.append(searched(made))
     if rest.more:
-        found.append("there are more equilibria than are listed, perhaps a continuum")
+        flat = sum(any(mode.rate == 0 for mode in e.modes) for e in rest.equilibria)
+        found.append(
+            "equilibria form a continuum: along a mode of most of them nothing pulls back"
+            if 2 * flat > len(rest.equilibria)
+            else "there are more equilibria than are listed"
+        )
     ended = [row for row in made.rows if row.motion.status != "PK_DONE"]
     if ended:
         row = ended[0]
