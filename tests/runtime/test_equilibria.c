@@ -77,7 +77,7 @@ static void one_degree(void)
     CU_ASSERT(solve(&f, 0) == 1 && near(modes[0].frequency, sqrt(f.params.g)));
     CU_ASSERT(solve(&f, 1) == 2 && near(modes[0].growth, sqrt(f.params.g)));
     /* From a start three turns on they are the same two places. */
-    struct pk_equilibria again = {MOST, found_q, found_v, 0, 0, 0, 0, NULL, NULL};
+    struct pk_equilibria again = {.most = MOST, .q = found_q, .v = found_v};
     const double turned = f.q0[0] + 6 * PI;
     CU_ASSERT(pk_gsl_equilibria(&f.problem, &turned, f.v0, 0, &again) == PK_DONE);
     CU_ASSERT(again.count == 1 && fabs(found_q[0]) < PI * (1 + 1e-12));
@@ -97,7 +97,7 @@ static void none(void)
 static void refused(void)
 {
     static struct fixture f;
-    struct pk_equilibria found = {MOST, found_q, found_v, 7, 0, 0, 0, NULL, NULL};
+    struct pk_equilibria found = {.most = MOST, .q = found_q, .v = found_v, .count = 7};
     fixture_set(&f, &forced_system);
     CU_ASSERT(pk_gsl_equilibria(&f.problem, f.q0, f.v0, 100, &found) == PK_REFUSED);
     CU_ASSERT(found.count == 0);
