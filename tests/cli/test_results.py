@@ -287,7 +287,8 @@ WRITES = re.compile(r"\bopen\([^)]*, \"[wax]b?\"|write_text\(|write_bytes\(|save
 # Into folders of pkgen's own, which nobody sees before they are whole.
 OWN = {"__main__.py", "cli/chart.py", "cli/run.py", "cli/stability.py", "run/build.py"}
 OWN |= {"run/ensemble.py", "run/simulate.py", "system/cache.py", "system/files.py"}
-OWN |= {"analysis/chart/draw.py", "analysis/chart/measure.py", "analysis/stability/ask.py"}
+OWN |= {f"analysis/chart/{name}.py" for name in ("draw", "long_report", "measure", "picture")}
+OWN |= {"analysis/stability/ask.py"}
 OWN |= {"analysis/stability/draw.py", "plot/style.py"}  # the last: in memory
 OWN |= {"film/film.py", "film/write.py", "back/web/build.py"}
 
