@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from browser import browser_, packed_, show_  # noqa: F401
-from conftest import ROOT, written
+from conftest import ROOT, table, written
 
 PENDULUM = ROOT / "models" / "pendulums" / "pendulum.lag"
 CHAIN = ROOT / "models" / "chains" / "fput.lag"
@@ -131,7 +131,7 @@ def test_words_over_a_scene_keep_apart(show, model):
     found = _marks(page)
     width, height = page.js("[lab.stage.width, lab.stage.height]")
     for k, a in enumerate(found):
-        assert 0 <= a["x"] and a["x"] + a["width"] <= width and 0 < a["y"] < height
+        assert a["x"] >= 0 and a["x"] + a["width"] <= width and 0 < a["y"] < height
         for b in found[:k]:
             apart = a["x"] + a["width"] <= b["x"] or b["x"] + b["width"] <= a["x"]
             assert apart or abs(a["y"] - b["y"]) >= 14, (a, b)
@@ -152,3 +152,67 @@ def test_bodies_and_arrows_have_names_and_space_a_scale(show):
         return [q[0] - p[0], camera.focal() / camera.distance];
     })()""")
     assert ink[0] == pytest.approx(ink[1], rel=1e-9)
+
+
+def test_a_scene_plays_its_own_swarm(show, pkgen):
+    page = show(PENDULUM, "paused&scene=all_amplitudes")
+    assert page.js("lab.settings.view") == "swarm"
+    assert page.js("lab.swarm.members") == 1000
+    assert page.page.locator("#cloud").is_visible()
+    page.js("lab.runs.advance(1); lab.now = 1; lab.dirty = true")
+    page.until("lab.swarm.t === 1")
+    page.frames(2)
+    points = page.js("Array.from(lab.swarm.swarm.points(0, 1).points)")
+    last = {}
+    asked = ("--scene", "all_amplitudes", "--until", "1", "--every", "1")
+    head, table_ = table(pkgen("run", PENDULUM, *asked).stdout)
+    for row in table_:
+        named = dict(zip(head, row, strict=True))
+        if named["t"] == 1:
+            last[int(named[head[0]])] = (named["theta"], named["theta'"])
+    assert len(last) == 1000
+    for k, (x, v) in last.items():
+        assert points[2 * k - 2 : 2 * k] == pytest.approx((x, v), abs=1e-5)
+    # The scene's end is the swarm's too; an address says which view is meant.
+    page.page.click("#view-scene")
+    assert "view=scene" in page.js("location.hash")
+    page.page.select_option("#scene", "small")
+    assert page.js("lab.settings.view") == "scene"
+
+
+def test_the_points_of_a_swarm_are_read_where_they_are(show):
+    page = show(PENDULUM, "paused&view=swarm")
+    page.frames(3)
+    found = page.js("""(() => {
+        const { swarm } = lab.swarm;
+        let copies = 0;
+        const states = swarm.states.bind(swarm);
+        swarm.states = (...given) => { copies++; return states(...given); };
+        lab.tick();
+        lab.swarm.advance(lab.now);
+        lab.swarm.draw(lab.stage.width, lab.stage.height);
+        const { box, points } = swarm.points(0, 1);
+        const all = states();
+        let off = 0;
+        for (let k = 0; k < swarm.members; k++)
+            off = Math.max(off, Math.abs(points[2 * k] - all[2 * k]),
+                Math.abs(points[2 * k + 1] - all[2 * k + 1]));
+        return { copies, off, own: points.buffer === lab.engine.c.memory.buffer,
+            box: Array.from(box), low: Math.min(...points.filter((_, k) => k % 2 === 0)),
+            gl: Boolean(lab.swarm.cloud.gl) };
+    })()""")
+    assert found["copies"] == 0 and found["own"] and found["off"] < 1e-6
+    assert found["box"][0] == found["low"]
+    # WebGL has drawn them where the axes say.
+    at = page.js("lab.swarm.drawn[0].points[0]")
+    ink = page.js("""(() => {
+        lab.swarm.draw(lab.stage.width, lab.stage.height);
+        const { gl, canvas } = lab.swarm.cloud;
+        const all = new Uint8Array(4 * canvas.width * canvas.height);
+        gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, all);
+        let [x, n] = [0, 0];
+        for (let k = 0; k < all.length / 4; k++)
+            if (all[4 * k + 3]) { x = Math.max(x, k % canvas.width); n++; }
+        return [x, n];
+    })()""")
+    assert ink[1] > 1000 and ink[0] == pytest.approx(at[0], abs=25)

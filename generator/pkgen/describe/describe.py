@@ -26,6 +26,7 @@ from ..version import __version__
 from .drawing import drawing
 
 SCHEMA = 1
+SHOWN = 2000  # members of a swarm
 LISTED = 1000  # members of a family that are described one by one
 Given = dict[str, list[float]]  # parameters and start, as they are in memory
 
@@ -334,8 +335,30 @@ def _scene(model: Model, scene: Scene) -> dict[str, object]:
         found["start"] = _starts(model, scene)
         if scene.swarm is not None:
             lo, hi = (integer(end, sizes(model)) for end in (scene.swarm.lo, scene.swarm.hi))
-            found["swarm"] = {"first": lo, "last": hi}
+            found["swarm"] = {"first": lo, "last": hi, **_members_of(model, scene, lo, hi)}
     return found
+
+
+def _members_of(model: Model, scene: Scene, lo: int, hi: int) -> dict[str, object]:
+    """The starts and parameters of a swarm's members, of many every second, third and so on; none
+    where one has no value here."""
+    values = scenes.values(model, scene, {})
+    variable = scene.swarm.variable
+    own = [x for x in (*scene.starts, *scene.assignments) if variable in names(x.value)]
+    columns = []
+    for item in own:
+        index = None if item.index is None else integer(item.index, sizes(model))
+        columns.append(_member((item.name, index)) + "'" * getattr(item, "order", 0))
+    every = range(lo, hi + 1, max(1, -(-(hi + 1 - lo) // SHOWN)))
+    try:
+        rows = [
+            float(f"{values.number(x.name, x.value, {**sizes(model), variable: k}):.9g}")
+            for k in every
+            for x in own
+        ]
+    except WrongValue:
+        return {}
+    return {"columns": columns, "values": rows}
 
 
 def _member(key: tuple[str, int | None]) -> str:

@@ -17,6 +17,7 @@ struct swarm {
     pk_real *state, *shown, *ends, *u;
     size_t *done;
     pk_real *last;
+    float *points; /* their least and most of x and of y, then x, y of each */
     enum pk_status *status;
     unsigned char *ended; /* members that failed: they stand where they were */
 };
@@ -29,6 +30,7 @@ void EXPORT(live_swarm_free)(struct swarm *s)
     free(s->state);
     free(s->done);
     free(s->last);
+    free(s->points);
     free(s->status);
     free(s->ended);
     free(s);
@@ -57,9 +59,10 @@ struct swarm *EXPORT(live_swarm_new)(const void *params, const char *method, dou
     s->state = (pk_real *)calloc(3 * half + n_inputs * count + 1, sizeof *s->state);
     s->done = (size_t *)calloc(count, sizeof *s->done);
     s->last = (pk_real *)calloc(count, sizeof *s->last);
+    s->points = (float *)calloc(4 + 2 * count, sizeof *s->points);
     s->status = (enum pk_status *)calloc(count, sizeof *s->status);
     s->ended = (unsigned char *)calloc(count, 1);
-    if (!s->state || !s->done || !s->last || !s->status || !s->ended) {
+    if (!s->state || !s->done || !s->last || !s->points || !s->status || !s->ended) {
         live_swarm_free(s);
         refuse("there is no memory");
         return NULL;
@@ -101,6 +104,26 @@ pk_real *EXPORT(live_swarm_start)(struct swarm *s) { return s->state; }
 
 /* Those at the time of the last live_swarm_to(): q of all, then v of all. */
 const pk_real *EXPORT(live_swarm_states)(const struct swarm *s) { return s->shown; }
+
+/* Columns i and j, of q and behind them of v, as WebGL takes them. */
+const float *EXPORT(live_swarm_points)(struct swarm *s, size_t i, size_t j)
+{
+    const size_t n = s->n, members = s->e.members;
+    const pk_real *const x = s->shown + (i < n ? i : n * members + i - n);
+    const pk_real *const y = s->shown + (j < n ? j : n * members + j - n);
+    float *const lo = s->points, *const all = lo + 4;
+    lo[0] = lo[2] = INFINITY;
+    lo[1] = lo[3] = -INFINITY;
+    for (size_t k = 0; k < members; k++) {
+        const float at[2] = {(float)x[k * n], (float)y[k * n]};
+        for (size_t d = 0; d < 2; d++) {
+            all[2 * k + d] = at[d];
+            lo[2 * d] = fminf(lo[2 * d], at[d]);
+            lo[2 * d + 1] = fmaxf(lo[2 * d + 1], at[d]);
+        }
+    }
+    return s->points;
+}
 
 /* q and v of member i from one place to another. */
 static void take(const struct swarm *s, pk_real *to, const pk_real *from, size_t i)

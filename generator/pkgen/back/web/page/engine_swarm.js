@@ -65,13 +65,22 @@ class EngineSwarm {
     return going ? "" : `no member goes on: ${this.engine.text(this.engine.c.live_why())}`;
   }
 
-  /* Of each member q, then v. */
-  states() {
+  /* Two columns of the state, as they stand in memory until the next call: {box: [least and most of
+   * x, of y], points: x, y of each}. */
+  points(i, j) {
+    const { c } = this.engine;
+    const at = c.live_swarm_points(this.at, i, j);
+    const all = new Float32Array(c.memory.buffer, at, 4 + 2 * this.members);
+    return { box: all.subarray(0, 4), points: all.subarray(4) };
+  }
+
+  /* Of each member, or of the first, q, then v. */
+  states(count = this.members) {
     const { c, n, nq } = this.engine;
     const { members, width } = this;
     const all = this.engine.reals(c.live_swarm_states(this.at), 2 * n * members);
-    const found = new Float64Array(members * width);
-    for (let i = 0; i < members; i++) {
+    const found = new Float64Array(count * width);
+    for (let i = 0; i < count; i++) {
       for (let k = 0; k < nq; k++) found[i * width + k] = all[i * n + k];
       for (let k = 0; k < n; k++) found[i * width + nq + k] = all[n * members + i * n + k];
     }

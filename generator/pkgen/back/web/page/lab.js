@@ -77,7 +77,7 @@ const Lab = (() => {
 
     /* Ticks are counted from here, so that their times are exact multiples. */
     clock() {
-      this.from = this.runs.t;
+      this.from = this.now = this.runs.t;
       this.count = 0;
       this.behind = 0;
     }
@@ -95,7 +95,10 @@ const Lab = (() => {
     }
 
     enter(scene) {
-      const { speed, panels, view, reference } = this.settings;
+      const { speed, panels, reference } = this.settings;
+      /* What was looked at for the sake of the scene goes with it. */
+      const left = Settings.usual(this.model, this.settings.scene) === "swarm";
+      const view = left ? "scene" : this.settings.view;
       this.settings = Settings.enter(
         this.model,
         { ...Settings.fresh(), speed, panels, view, reference },
@@ -126,7 +129,7 @@ const Lab = (() => {
       this.sheets.swarm.refresh();
       const view = this.settings.view;
       $("cloud").hidden = view !== "swarm";
-      this.stage.canvas.hidden = $("marks").hidden = view === "swarm";
+      this.stage.canvas.hidden = view === "swarm";
       for (const name of ["scene", "swarm"])
         $("view-" + name).setAttribute("aria-pressed", String(view === name));
       $("hint").hidden = view === "swarm";
@@ -193,9 +196,8 @@ const Lab = (() => {
 
     tick() {
       this.count++;
-      const t = this.from + (this.count * this.speed()) / TICKS;
-      this.runs.advance(t);
-      if (this.settings.view === "swarm") this.swarm.advance(t);
+      this.now = this.from + (this.count * this.speed()) / TICKS;
+      this.runs.advance(this.now);
       this.dirty = true;
     }
 
@@ -224,7 +226,10 @@ const Lab = (() => {
       if (!this.dirty) return;
       this.dirty = false;
       this.frames = (this.frames || 0) + 1;
-      if (this.settings.view === "swarm") this.swarm.draw(this.stage.width, this.stage.height);
+      if (this.settings.view === "swarm") {
+        this.swarm.advance(this.now);
+        this.swarm.draw(this.stage.width, this.stage.height);
+      }
       else this.stage.draw();
       say($("time"), time(this.runs.t, this.natural, this.model.time));
       this.charts();

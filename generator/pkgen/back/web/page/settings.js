@@ -30,11 +30,16 @@ const Settings = (() => {
     return { method, step: row ? row.step : null, rtol: row ? row.rtol : null };
   }
 
+  /* Of a scene that is a swarm that is looked at. */
+  const usual = (model, scene) =>
+    model.sceneNamed.get(scene)?.swarm?.columns ? "swarm" : "scene";
+
   /* Takes a scene up: its values and starts, its method. */
   function enter(model, settings, scene) {
     settings.scene = scene;
     settings.values = new Map();
     settings.methods = [chosen(model, scene)];
+    settings.view = usual(model, scene) === "swarm" ? "swarm" : settings.view;
     return settings;
   }
 
@@ -66,14 +71,14 @@ const Settings = (() => {
         );
       else if (key.startsWith("r")) put(key, value);
     }
-    const usual = JSON.stringify([chosen(model, settings.scene)]);
-    if (JSON.stringify(settings.methods) !== usual)
+    const said = JSON.stringify([chosen(model, settings.scene)]);
+    if (JSON.stringify(settings.methods) !== said)
       for (const { method, step, rtol } of settings.methods)
         put("m", [method, step ?? "", rtol ?? ""].join(":").replace(/:+$/, ""));
     if (settings.reference) put("ref", 1);
     if (settings.speed) put("speed", settings.speed);
     if (settings.panels) put("panels", settings.panels.join(","));
-    if (settings.view !== "scene") put("view", settings.view);
+    if (settings.view !== usual(model, settings.scene)) put("view", settings.view);
     return out.join("&");
   }
 
@@ -116,9 +121,9 @@ const Settings = (() => {
     const speed = number(query.get("speed") ?? "");
     if (speed !== null) settings.speed = Math.max(-12, Math.min(12, Math.round(speed)));
     if (query.get("panels")) settings.panels = query.get("panels").split(",").slice(0, 6);
-    if (query.get("view") === "swarm") settings.view = "swarm";
+    if (["swarm", "scene"].includes(query.get("view"))) settings.view = query.get("view");
     return settings;
   }
 
-  return { read, write, enter, ofScene, chosen, fresh, MOST_METHODS };
+  return { read, write, enter, ofScene, chosen, usual, fresh, MOST_METHODS };
 })();

@@ -57,8 +57,8 @@ const SheetSwarm = (() => {
       h("dt", null, "Change since the start"),
       change,
     );
-    element.append(
-      h(
+    const own = h("p", { class: "words" }, "The scene's own swarm: its starts, method and step.");
+    const disc = h(
         "section",
         { class: "group" },
         h("h2", null, "A cloud of neighbours"),
@@ -87,9 +87,9 @@ const SheetSwarm = (() => {
           "Members",
           Dom.select(
             [1000, 3000, 10000, 30000].map((n) => [n, n.toLocaleString("en")]),
-            swarm.members,
+            swarm.asked,
             (n) => {
-              swarm.members = Number(n);
+              swarm.asked = Number(n);
               again();
             },
           ),
@@ -110,13 +110,14 @@ const SheetSwarm = (() => {
         ),
         h("label", { class: "line" }, "Step", step),
         facts,
-        status,
-      ),
-    );
+      );
+    element.append(own, disc, status);
     return {
       refresh() {
         Dom.say(size, `${Math.round(swarm.share * 100)} %`);
         Dom.say(status, swarm.status);
+        disc.hidden = Boolean(swarm.own());
+        own.hidden = !disc.hidden;
         if (lab.settings.view !== "swarm" || !swarm.swarm) return;
         const now = swarm.measure();
         Dom.say(area, Text.number(Math.abs(now), 6));

@@ -1,6 +1,6 @@
 "use strict";
-/* A cloud of neighbours of the start in a phase plane: a disc of points, and the loop round it,
- * whose area Hamiltonian motion keeps. The loop's points are the first members. */
+/* A cloud in a phase plane: the scene's own starts; else a disc of neighbours of the start, and the
+ * loop round it, whose area Hamiltonian motion keeps. The loop's points are the first members. */
 const Swarm = (() => {
   const LOOP = 600;
   const FIXED = ["blanes_moan4", "yoshida4", "verlet", "rk4"];
@@ -9,9 +9,11 @@ const Swarm = (() => {
     constructor(lab) {
       this.lab = lab;
       const { model } = lab;
-      this.canvas = Dom.$("cloud");
+      this.canvas = Dom.$("marks");
+      this.cloud = Cloud.make(Dom.$("cloud"));
       this.x = model.list.find((e) => e.kind === "q") || null;
-      this.members = 10000;
+      this.asked = 10000;
+      this.members = 0;
       this.share = 0.25;
       this.swarm = null;
       this.status = "";
@@ -43,37 +45,21 @@ const Swarm = (() => {
       if (this.lab.settings.view !== "swarm" || !this.can() || this.lab.runs.error) return;
       const { engine, runs } = this.lab;
       const { start } = runs;
-      const { index } = this.x;
-      const [rx, ry] = this.radii(start);
-      const values = new Float64Array(2 * this.members);
-      const loop = Math.min(LOOP, this.members);
-      /* A sunflower fills the disc evenly. */
-      for (let k = 0; k < this.members; k++) {
-        const inside = k >= loop;
-        const angle = inside ? k * 2.399963229728653 : (2 * Math.PI * k) / loop;
-        const radius = inside ? Math.sqrt((k - loop + 0.5) / (this.members - loop)) : 1;
-        values[2 * k] = start.q[index] + rx * radius * Math.cos(angle);
-        values[2 * k + 1] = start.v[index] + ry * radius * Math.sin(angle);
-      }
-      this.loop = loop;
+      const own = this.own();
+      const table = own ? own.table : this.disc(start);
+      this.members = table.values.length / table.columns.length;
+      this.loop = own ? 0 : Math.min(LOOP, this.members);
       try {
         this.swarm = engine.swarm({
-          method: this.method,
-          step: this.step(),
+          ...(own || { method: this.method, step: this.step() }),
           params: start.params,
           q: start.q,
           v: start.v,
-          table: {
-            columns: [
-              { kind: "q", index },
-              { kind: "v", index },
-            ],
-            values,
-          },
+          inputs: start.inputs,
+          table,
           members: this.members,
         });
-        this.width = start.q.length + start.v.length;
-        this.states = this.swarm.states();
+        this.t = 0;
         this.box = null;
         this.area = NaN;
         this.first = this.measure();
@@ -82,16 +68,50 @@ const Swarm = (() => {
       }
     }
 
+    /* What the scene says of its swarm: method and starts. */
+    own() {
+      const { model, settings } = this.lab;
+      const scene = model.sceneNamed.get(settings.scene);
+      if (!scene || !scene.swarm || !scene.swarm.columns) return null;
+      const columns = scene.swarm.columns.map((name) => model.byName.get(name));
+      const known = model.methodNamed.get(scene.method);
+      const method = known && known.applies ? scene.method : this.method;
+      return {
+        method,
+        step: method === scene.method ? scene.step : this.step(),
+        rtol: scene.rtol,
+        table: { columns, values: scene.swarm.values },
+      };
+    }
+
+    disc(start) {
+      const { index } = this.x;
+      const [rx, ry] = this.radii(start);
+      const values = new Float64Array(2 * this.asked);
+      const loop = Math.min(LOOP, this.asked);
+      /* A sunflower fills the disc evenly. */
+      for (let k = 0; k < this.asked; k++) {
+        const inside = k >= loop;
+        const angle = inside ? k * 2.399963229728653 : (2 * Math.PI * k) / loop;
+        const radius = inside ? Math.sqrt((k - loop + 0.5) / (this.asked - loop)) : 1;
+        values[2 * k] = start.q[index] + rx * radius * Math.cos(angle);
+        values[2 * k + 1] = start.v[index] + ry * radius * Math.sin(angle);
+      }
+      const columns = ["q", "v"].map((kind) => ({ kind, index }));
+      return { columns, values };
+    }
+
     step() {
       return this.stepAsked || this.lab.natural / 64;
     }
 
+    /* Once a frame: its steps lie where they lie, whenever it is looked at. */
     advance(t) {
-      if (!this.swarm || this.status) return;
+      if (!this.swarm || this.status || t === this.t) return;
+      this.t = t;
       try {
         const word = this.swarm.advance(t);
         if (typeof word === "string" && word) this.status = word;
-        this.states = this.swarm.states();
       } catch (error) {
         this.status = String(error.message || error);
       }
@@ -101,7 +121,10 @@ const Swarm = (() => {
      * momenta. */
     measure() {
       const { engine, runs, nq } = this.lab;
-      const { states, width, loop } = this;
+      const { swarm, loop } = this;
+      if (!loop) return NaN;
+      const { width } = swarm;
+      const states = swarm.states(loop);
       const column = (j) => Float64Array.from({ length: loop }, (_, k) => states[k * width + j]);
       if (!engine.momenta) {
         this.area = Numerics.area(column(nq + this.x.index), column(this.x.index));
@@ -124,8 +147,8 @@ const Swarm = (() => {
     }
 
     /* The window follows the cloud outwards, never inwards. */
-    frame(xs, ys) {
-      const now = [Chart.extent([xs]), Chart.extent([ys])].map((e) => Chart.padded(e, 0.12));
+    frame([x0, x1, y0, y1]) {
+      const now = [Chart.padded([x0, x1], 0.12), Chart.padded([y0, y1], 0.12)];
       if (!this.box) this.box = now;
       else
         this.box = this.box.map(([lo, hi], k) => [
@@ -142,15 +165,9 @@ const Swarm = (() => {
       g.setTransform(1, 0, 0, 1, 0, 0);
       g.clearRect(0, 0, this.canvas.width, this.canvas.height);
       if (!this.swarm) return;
-      const { states, width: w, members, lab } = this;
-      const [i, j] = [this.x.index, lab.nq + this.x.index];
-      const xs = new Float64Array(members);
-      const ys = new Float64Array(members);
-      for (let k = 0; k < members; k++) {
-        xs[k] = states[k * w + i];
-        ys[k] = states[k * w + j];
-      }
-      this.frame(xs, ys);
+      const { members, lab } = this;
+      const { box, points } = this.swarm.points(this.x.index, lab.engine.n + this.x.index);
+      this.frame(box);
       const [[x0, x1], [y0, y1]] = this.box;
       g.setTransform(ratio, 0, 0, ratio, 0, 0);
       const [left, right, top, bottom] = [74, width - 20, 56, height - 44];
@@ -169,21 +186,20 @@ const Swarm = (() => {
         below: Text.axis(this.x.name, this.x.unit),
         beside: Text.axis(coordinate.rate, coordinate.rate_unit),
       });
-      const size = members > 20000 ? 1 : 1.4;
-      g.fillStyle = theme.methods[0];
-      g.globalAlpha = 0.55;
-      for (let k = this.loop; k < members; k++) g.fillRect(X(xs[k]), Y(ys[k]), size, size);
-      g.globalAlpha = 1;
+      const [a, c] = [(right - left) / (x1 - x0), (top - bottom) / (y1 - y0)];
+      this.cloud.draw(g, points, this.loop, {
+        ...{ a, b: left - a * x0, c, d: bottom - c * y0, width, height },
+        size: members > 20000 ? 1 : members < 3000 ? 3 : 1.4,
+        colour: theme.methods[0],
+        alpha: 0.6,
+      });
       g.strokeStyle = theme.methods[1];
       g.lineWidth = 1.6;
       g.beginPath();
-      for (let k = 0; k <= this.loop; k++) {
-        const m = k % this.loop;
-        if (k) g.lineTo(X(xs[m]), Y(ys[m]));
-        else g.moveTo(X(xs[m]), Y(ys[m]));
-      }
+      for (let k = 0; k < this.loop; k++) g.lineTo(X(points[2 * k]), Y(points[2 * k + 1]));
+      g.closePath();
       g.stroke();
-      this.drawn = [{ kind: "swarm", points: [[X(xs[0]), Y(ys[0])]], members }];
+      this.drawn = [{ kind: "swarm", points: [[X(points[0]), Y(points[1])]], members }];
     }
 
     free() {
