@@ -89,7 +89,7 @@ def test_a_gif_shows_the_motion(tmp_path: Path, write) -> None:
 
 def test_an_svg_moves_without_script(tmp_path: Path, write) -> None:
     out = tmp_path / "film.svg"
-    found = film(write(SWINGS), "--until", 2, "--fps", 10, "-o", out)
+    found = film(write(SWINGS), "--until", 2, "--fps", 10, "--no-labels", "-o", out)
     root = ElementTree.parse(out).getroot()
     assert found["frames"] == 20 and root.get("viewBox") == "0 0 960 540"
     assert [*root.iter(f"{NS}script")] == [] and "href" not in out.read_text()
@@ -136,7 +136,7 @@ view space
 
 def test_all_shapes(tmp_path: Path, write) -> None:
     out = tmp_path / "film.svg"
-    found = film(write(SHAPES), "--until", 2, "-o", out)
+    found = film(write(SHAPES), "--until", 2, "--no-labels", "-o", out)
     root = ElementTree.parse(out).getroot()
     animated = [*root.iter(f"{NS}animate")]
     counts = {len(a.get("values").split(";")) for a in animated}
@@ -270,4 +270,49 @@ def test_names_are_text(tmp_path: Path, write) -> None:
     model = write(SWINGS.replace("model swings", "model a_b"))
     film(model, "--seconds", 1, "-o", tmp_path / "film.svg")
     root = ElementTree.parse(tmp_path / "film.svg").getroot()
-    assert [t.text for t in root.iter(f"{NS}text")] == ["a b"]
+    texts = [t.text for t in root.iter(f"{NS}text")]
+    assert [t for t in texts if not t.startswith("t = ")] == ["a b", "P"]
+
+
+def test_labels_of_vectors(tmp_path: Path) -> None:
+    """Title, a clock of which one text is seen at a time, and names that go with their bobs."""
+    out = tmp_path / "film.svg"
+    film(DOUBLE, "--seconds", 5, "--until", 5, "-o", out)
+    root = ElementTree.parse(out).getroot()
+    texts = {t.text: t for t in root.iter(f"{NS}text")}
+    assert {"double pendulum", "upper bob", "lower bob", "t = 0.0 s", "t = 1.2 s"} <= texts.keys()
+    (seen,) = texts["t = 1.2 s"].iter(f"{NS}animate")
+    assert (seen.get("keyTimes"), seen.get("dur")) == ("0;0.24;0.26", "5s")
+    assert seen.get("values") == "hidden;visible;hidden"
+    visible = [t for t, e in texts.items() if e.get("visibility") == "visible"]
+    assert visible == ["t = 0.0 s"]  # without SMIL
+    x = next(a for a in texts["lower bob"] if a.get("attributeName") == "x").get("values")
+    ways = [a for a in root.iter(f"{NS}animate") if a.get("attributeName") == "cx"]
+    offs = [
+        numpy.array(x.split(";"), float) - numpy.array(w.get("values").split(";"), float)
+        for w in ways
+    ]
+    assert min(numpy.ptp(off) for off in offs) < 0.25
+    film(DOUBLE, "--seconds", 5, "--until", 5, "--no-labels", "-o", out)
+    assert [*ElementTree.parse(out).getroot().iter(f"{NS}text")] == []
+
+
+def test_labels_of_pixels(tmp_path: Path) -> None:
+    """Names move with what they name; without labels nothing is left of them."""
+
+    def frames(*words: str) -> numpy.ndarray:
+        out = tmp_path / "film.gif"
+        film(DOUBLE, "--seconds", 2, "--fps", 5, "--pixels", "480x270", *words, "-o", out)
+        with Image.open(out) as picture:
+            made = []
+            for k in range(picture.n_frames):
+                picture.seek(k)
+                made.append(numpy.asarray(picture.convert("L")).astype(int))
+        return numpy.array(made)
+
+    differ = numpy.abs(frames() - frames("--no-labels")) > 60
+    corner = differ[:, :40, :200].any(axis=0), differ[:, -40:, :200].any(axis=0)
+    assert all(c.sum() > 100 for c in corner)  # the title above, the time below
+    names = differ[:, 40:-40, 100:]
+    assert all(20 < frame.sum() < 1500 for frame in names)
+    assert (names[0] & names[-1]).sum() < 0.5 * names[0].sum()

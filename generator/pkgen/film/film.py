@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from .raster import Label
 
 KINDS = (".mp4", ".webm", ".gif", ".svg")
+TICKS = 50  # of the clock of an SVG
 SAMPLES = 6  # frames of which the colours of a GIF are found
 INTEGRATED = 0.3  # of the work, as progress has it
 HELD = 0.5  # seconds that the last frame of a motion that ended early stays
@@ -35,6 +37,7 @@ class Asked:
     fps: float
     size: tuple[int, int]
     seconds: float
+    labels: bool = True  # title, time, and names of bobs
 
     @property
     def frames(self) -> int:
@@ -98,6 +101,18 @@ def _title(model: str, scene: str) -> str:
     return ", ".join(word for word in (model, scene) if word).replace("_", " ")
 
 
+def _clock(times: numpy.ndarray, of: str) -> list[tuple[str, float]]:
+    """Round times, some TICKS of them, and at which part of the film each is."""
+    span = float(times[-1] - times[0])
+    if not span > 0:
+        return []
+    size = 10.0 ** numpy.floor(numpy.log10(span / TICKS))
+    step = next(k * size for k in (1, 2, 5, 10) if k * size >= span / TICKS)
+    digits = max(0, int(-numpy.floor(numpy.log10(step) + 1e-9)))
+    ticks = step * numpy.arange(int(span / step + 1e-9) + 1)
+    return [(f"t = {t:.{digits}f}{of}", float(t / span)) for t in ticks if t < span]
+
+
 def _written(
     made: list[Track],
     labels: list[Label],
@@ -110,22 +125,27 @@ def _written(
 ) -> None:
     """The file of what is drawn at each time."""
     unit = min(asked.size) / 720
-    texts = [(title, 20 * unit, asked.size[1] - 36 * unit), *labels]
+    texts = [(title, 20 * unit, asked.size[1] - 36 * unit)] if asked.labels else []
+    texts += labels
+    if not asked.labels:
+        made = [replace(track, label="") for track in made]
+    of = "" if compilation.model.dimensionless else " s"
     if path.suffix == ".svg":
         seconds = asked.seconds * len(times) / asked.frames
-        path.write_text(svg_film(made, asked.size, seconds, title, texts), encoding="utf-8")
+        clock = _clock(times, of) if asked.labels else []
+        text = svg_film(made, asked.size, seconds, title, texts, clock)
+        path.write_text(text, encoding="utf-8")
         return
     from .raster import Raster
 
     raster = Raster(made, asked.size, texts)
-    of = "" if compilation.model.dimensionless else " s"
     digits = max(0, int(numpy.ceil(-numpy.log10(max(float(times[-1]), 1e-12) / 100))))
 
     def drawn() -> Iterator[numpy.ndarray]:
         for k, t in enumerate(times):
             part = INTEGRATED + (1 - INTEGRATED) * k / len(times)
             show(part, f"frame {k + 1} of {len(times)}")
-            frame = raster.frame(k, f"t = {t:.{digits}f}{of}")
+            frame = raster.frame(k, f"t = {t:.{digits}f}{of}" if asked.labels else "")
             yield frame
         if len(times) < asked.frames:
             for _ in range(round(HELD * asked.fps)):
@@ -133,7 +153,7 @@ def _written(
 
     if path.suffix == ".gif":
         some = numpy.linspace(0, len(times) - 1, SAMPLES).round().astype(int)
-        seen = [raster.frame(int(k), "t = 0") for k in some]
+        seen = [raster.frame(int(k), "t = 0" if asked.labels else "") for k in some]
         write.gif(drawn(), seen, asked.fps, path)
     else:
         write.video(drawn(), asked.size, asked.fps, path)

@@ -13,7 +13,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, IdentityTransform
 
 from ..plot.style import GREY, INK
-from .tracks import Track
+from .tracks import BESIDE, Track
 
 Label = tuple[str, float, float]  # a text and where it begins, in pixels from the lower left
 
@@ -27,6 +27,8 @@ class Raster:
         self.renderer = RendererAgg(*size, 72)
         self.unit = min(size) / 720
         self.font = FontProperties(family="DejaVu Sans", size=22 * self.unit)
+        self.small = FontProperties(family="DejaVu Sans", size=16 * self.unit)
+        self.named = [t for t in tracks if t.label]
         self.depth = numpy.stack([t.depth for t in tracks]) if tracks else numpy.zeros((0, 1))
 
     def frame(self, k: int, time: str) -> numpy.ndarray:
@@ -36,7 +38,10 @@ class Raster:
         for index in numpy.argsort(self.depth[:, k], kind="stable"):
             self._track(self.tracks[index], k)
         with matplotlib.rc_context({"text.parse_math": False}):
-            self._text(time, 20 * self.unit, 20 * self.unit, INK)
+            if time:
+                self._text(time, 20 * self.unit, 20 * self.unit, INK)
+            for track in self.named:
+                self._name(track, k)
             for text, x, y in self.texts:
                 self._text(text, x, y, GREY)
         return numpy.array(self.renderer.buffer_rgba())
@@ -101,8 +106,16 @@ class Raster:
         self.renderer.draw_path(gc, path, turn, to_rgba(fill) if fill else None)
         gc.restore()
 
-    def _text(self, text: str, x: float, y: float, colour: str) -> None:
+    def _name(self, track: Track, k: int) -> None:
+        (x, y), unit = track.points[k][0], self.unit
+        if numpy.isfinite([x, y]).all():
+            beside = x + track.radius + BESIDE * unit
+            self._text(track.label, beside, y + BESIDE * unit, GREY, self.small)
+
+    def _text(
+        self, text: str, x: float, y: float, colour: str, font: FontProperties | None = None
+    ) -> None:
         gc = self.renderer.new_gc()
         gc.set_foreground(colour)
-        self.renderer.draw_text(gc, x, self.size[1] - y, text, self.font, 0)
+        self.renderer.draw_text(gc, x, self.size[1] - y, text, font or self.font, 0)
         gc.restore()

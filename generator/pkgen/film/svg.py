@@ -7,8 +7,8 @@ from html import escape
 
 import numpy
 
-from ..plot.style import FONTS, GREY
-from .tracks import Track
+from ..plot.style import FONTS, GREY, INK
+from .tracks import BESIDE, Track
 
 _DISCRETE = ' calcMode="discrete"'
 STILL = 0.05  # pixels
@@ -20,8 +20,9 @@ def film(
     seconds: float,
     title: str,
     texts: list[tuple[str, float, float]],
+    times: list[tuple[str, float]] = (),
 ) -> str:
-    """`seconds` it takes, over and over."""
+    """`seconds` it takes, over and over; `times` are texts, and from which part of it on."""
     width, height = size
     body = []
     depth = [float(track.depth.mean()) for track in tracks]
@@ -39,6 +40,8 @@ def film(
         + "\n".join(body)
         + "\n</g>\n"
         + "\n".join(_text(text, x, height - y, unit) for text, x, y in texts)
+        + _names(tracks, height, beat, unit)
+        + _clock(times, seconds, height, unit)
         + "\n</svg>\n"
     )
 
@@ -46,6 +49,42 @@ def film(
 def _text(text: str, x: float, y: float, unit: float) -> str:
     look = f'font-size="{22 * unit:.4g}" font-family="{FONTS}" fill="{GREY}"'
     return f'<text x="{x:.1f}" y="{y:.1f}" {look}>{escape(text)}</text>'
+
+
+def _names(tracks: list[Track], height: int, beat: str, unit: float) -> str:
+    """Of discs, beside them, which they follow."""
+    found = []
+    for track in tracks:
+        if track.label:
+            points = _flipped(track.points, height)[:, 0]
+            x, y = points[:, 0] + track.radius + BESIDE * unit, points[:, 1] - BESIDE * unit
+            inner = _animate("x", [f"{v:.1f}" for v in x], beat, numpy.ptp(x) > STILL)
+            inner += _animate("y", [f"{v:.1f}" for v in y], beat, numpy.ptp(y) > STILL)
+            at = f'x="{x[0]:.1f}" y="{y[0]:.1f}"'
+            found.append(f"<text {at}>{escape(track.label)}{inner}</text>")
+    look = f'font-size="{16 * unit:.4g}" font-family="{FONTS}" fill="{GREY}"'
+    return f"\n<g {look}>" + "\n".join(found) + "</g>" if found else ""
+
+
+def _clock(times: list[tuple[str, float]], seconds: float, height: int, unit: float) -> str:
+    """A text for each time, of which one is seen: SMIL cannot change what a text says."""
+    if not times:
+        return ""
+    found = []
+    ends = [*(part for _, part in times[1:]), 1.0]
+    for (text, begin), end in zip(times, ends, strict=True):
+        cuts = [(0.0, "hidden"), (begin, "visible"), (end, "hidden")]
+        cuts = [c for k, c in enumerate(cuts) if c[0] < 1 and not (k == 0 and begin == 0)]
+        keys, values = ";".join(f"{c[0]:.5g}" for c in cuts), ";".join(c[1] for c in cuts)
+        first = "visible" if begin == 0 else "hidden"  # of a reader without SMIL
+        moves = (
+            f'<animate attributeName="visibility" dur="{seconds:.6g}s" repeatCount="indefinite"'
+            f'{_DISCRETE} keyTimes="{keys}" values="{values}"/>'
+        )
+        found.append(f'<text x="{20 * unit:.1f}" y="{height - 20 * unit:.1f}" '
+                     f'visibility="{first}">{escape(text)}{moves}</text>')  # fmt: skip
+    look = f'font-size="{22 * unit:.4g}" font-family="{FONTS}" fill="{INK}"'
+    return f"\n<g {look}>" + "\n".join(found) + "</g>"
 
 
 def _moves(points: numpy.ndarray) -> bool:

@@ -20,6 +20,8 @@ from .motion import Motion
 COLOURS = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY)
 BOB = 0.018  # radius of one that says none, of the picture's shorter side
 ARROW = 9.0  # pixels of a head, at a height of 720
+NAMED = 6  # bobs at most that have names beside them
+BESIDE = 6.0  # pixels from a bob to its name, at a height of 720
 TURNS = 40  # points of a circle
 TONES = ((0.36, 0.60, 0.80), (0.93, 0.88, 0.76))
 LIGHT = numpy.array([-0.4, 0.75, 0.55]) / numpy.linalg.norm([-0.4, 0.75, 0.55])
@@ -41,6 +43,7 @@ class Track:
     radius: float = 0.0
     span: numpy.ndarray | None = None
     alpha: float = 1.0
+    label: str = ""  # beside a disc
 
 
 def tracks(drawing: dict, motion: Motion, size: tuple[int, int]) -> tuple[list[Track], Camera]:
@@ -57,7 +60,8 @@ class _Maker:
         self.frames = slice(None, None, motion.fine)
         self.unit = min(size) / 720  # of the widths of lines
         self.colours: dict[str, str] = {}
-        self.many = sum(shape["kind"] == "bob" for shape in self.shapes) > len(COLOURS)
+        bobs = sum(shape["kind"] == "bob" for shape in self.shapes)
+        self.many, self.named = bobs > len(COLOURS), bobs <= NAMED
         width = drawing["view"]["width"]
         self.given = None if width is None else float(motion.number(width)[0])
         self.camera = fitted(turn_of(self.view), self._extent(), size, self.given)
@@ -158,8 +162,9 @@ class _Maker:
             given = float(self.motion.number(shape["radius"])[0]) * self.camera.scale
             radius = max(given, 2.0 * self.unit)
         colour = self._colour(shape)
+        label = str(shape.get("label") or shape.get("name") or "") if self.named else ""
         yield Track("disc", seen[..., :2], seen[:, 0, 2], INK, 0.8 * self.unit, colour,
-                    radius=radius)  # fmt: skip
+                    radius=radius, label=label)  # fmt: skip
 
     def _circle(self, shape: dict) -> Iterator[Track]:
         normal = numpy.array(shape.get("normal") or [0, 0, 1], float)
