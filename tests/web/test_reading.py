@@ -216,3 +216,15 @@ def test_the_points_of_a_swarm_are_read_where_they_are(show):
         return [x, n];
     })()""")
     assert ink[1] > 1000 and ink[0] == pytest.approx(at[0], abs=25)
+
+
+def test_what_is_not_the_energy_is_not_called_so(show):
+    """On a hoop that a motor turns h = q' dL/dq' - L is constant, T + V is not."""
+    page = show(ROOT / "models" / "bead_on_hoop.lag")
+    assert "Jacobi integral, not T + V" in page.js("document.body.textContent")
+    assert page.js("lab.model.description.constants[0].name") == "energy"
+
+
+def test_what_shakes_fast_is_shown_at_half_the_real_time(show):
+    page = show(ROOT / "models" / "constrained" / "rattleback.lag")
+    assert page.js("lab.speed()") >= 0.5

@@ -23,6 +23,7 @@ from ..source import ModelError
 from ..system.exits import UsageError
 from ..tree import names
 from ..version import __version__
+from .constants import constants
 from .drawing import drawing
 
 SCHEMA = 1
@@ -73,7 +74,7 @@ def described(
             }
             for k, q in enumerate(named.observed(compilation))
         ],
-        "constants": list(_constants(compilation)),
+        "constants": list(constants(compilation)),
         "events": list(_events(compilation)),
         "constraints": [
             {"name": c.name, "holonomic": c.holonomic, "unit": c.unit} for c in model.constraints
@@ -230,27 +231,6 @@ def _rotations(compilation: Compilation, given: Given) -> Iterator[dict[str, obj
             "rate_unit": r.rate_unit,
             "description": r.description,
         }
-
-
-def _constants(compilation: Compilation) -> Iterator[dict[str, object]]:
-    """What is proved constant: `index` is among claims, or among momenta."""
-    structure, model = compilation.structure, compilation.model
-    energy = "" if model.dimensionless else "J"
-    if structure.conservative and named.has_energy(compilation):
-        yield {"name": "energy", "kind": "energy", "index": 0, "unit": energy}
-    for k, item in enumerate(model.conserved):
-        yield {"name": item.name, "kind": "claim", "index": k, "unit": item.unit}
-    if compilation.looped:
-        return
-    cyclic = getattr(structure, "cyclic", ())
-    for k, quantity in enumerate(compilation.equations.momenta_names):
-        if k < len(cyclic) and cyclic[k]:
-            yield {
-                "name": quantity.name,
-                "kind": "momentum",
-                "index": k,
-                "unit": quantity.unit,
-            }
 
 
 def _events(compilation: Compilation) -> Iterator[dict[str, object]]:

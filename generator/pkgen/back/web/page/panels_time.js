@@ -11,7 +11,7 @@ const PanelsTime = (() => {
     if (constants.length > 1)
       tools.append(
         Dom.select(
-          constants.map((c, k) => [k, Text.plain(c.name)]),
+          constants.map((c, k) => [k, Text.plain(c.label || c.name)]),
           0,
           (k) => {
             which = Number(k);
@@ -25,7 +25,7 @@ const PanelsTime = (() => {
       free: () => chart.free(),
       update(runs) {
         const c = constants[which];
-        chart.options.y = `drift of ${Text.plain(c.name)}, relative`;
+        chart.options.y = `drift of ${Text.plain(c.label || c.name)}, relative`;
         chart.set(
           runs.map((run) => ({
             ...run.drifts.line(which, run.sizes[which] || 1),

@@ -49,7 +49,7 @@ const SheetModel = (() => {
         list(
           "Proved constant",
           d.constants.map((c) => [
-            c.name,
+            c.label || c.name,
             [
               c.why ||
                 {

@@ -4,6 +4,7 @@
 const Trial = (() => {
   const POINTS = 240;
   const BUDGET = 1200; /* ms */
+  const SHAKING = 0.5; /* of real time */
   const SWING = 2.4; /* s: how long a swing should last on the screen */
   const SHOW = 45; /* s: and all that a scene is about, if swings are still seen, */
   const SWINGS = 4; /* so many a second */
@@ -118,7 +119,9 @@ const Trial = (() => {
     const real = lab.model.time === "s" && period > 0.3 && period < 8;
     if (period !== null && !(real && !asked)) {
       const all = Math.min(((scene && scene.until) || 0) / SHOW, SWINGS * period);
-      speed = round125(Math.max(real ? 1 : period / SWING, all));
+      // Of what shakes fast the slow part is meant to be seen: a rattleback's spin.
+      const shaking = lab.model.time === "s" && period > 0.02 && period <= 0.3;
+      speed = round125(Math.max(real ? 1 : period / SWING, shaking ? SHAKING : 0, all));
     }
     if (period === null && until) speed = round125(until / 20);
     return { speed, box, period, moving: found ? moving(lab, found.rows) : null };

@@ -1,0 +1,61 @@
+"""What is proved constant of a model, in its description."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterator
+
+from ..compiler import Compilation
+from ..graph.differentiate import symbols_in
+from ..graph.evaluate import evaluate
+from ..run import named
+
+POINTS = 5
+CLOSE = 1e-9
+
+
+def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
+    """What is proved constant: `index` is among claims, or among momenta; the energy's `label` says
+    where it is not T + V, as on a hoop that a motor turns."""
+    structure, model = compilation.structure, compilation.model
+    energy = "" if model.dimensionless else "J"
+    if structure.conservative and named.has_energy(compilation):
+        yield {
+            "name": "energy",
+            "kind": "energy",
+            "index": 0,
+            "unit": energy,
+            "label": "energy" if _is_sum(compilation) else "Jacobi integral, not T + V",
+        }
+    for k, item in enumerate(model.conserved):
+        yield {"name": item.name, "kind": "claim", "index": k, "unit": item.unit}
+    if compilation.looped:
+        return
+    cyclic = getattr(structure, "cyclic", ())
+    for k, quantity in enumerate(compilation.equations.momenta_names):
+        if k < len(cyclic) and cyclic[k]:
+            yield {
+                "name": quantity.name,
+                "kind": "momentum",
+                "index": k,
+                "unit": quantity.unit,
+            }
+
+
+def _is_sum(compilation: Compilation) -> bool:
+    """Whether h = q' dL/dq' - L is T + V, tried at random states. Of a loop, and where L is stated
+    and not T and V, nothing else is known."""
+    e = compilation.equations
+    if compilation.looped or e.kinetic is None or e.potential is None:
+        return True
+    chance = random.Random(1)
+    nodes = [e.energy, e.kinetic, e.potential]
+    symbols = symbols_in(e.graph, nodes)
+    for _ in range(POINTS):
+        values = {symbol: chance.uniform(0.5, 1.5) for symbol in symbols}
+        h, t, v = evaluate(e.graph, nodes, values)
+        size = abs(t) + abs(v)
+        if math.isfinite(h) and math.isfinite(size) and abs(h - t - v) > CLOSE * size:
+            return False
+    return True
