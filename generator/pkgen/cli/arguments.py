@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 
-from ..run.diagnostics import NAMES
-
 
 def of_a_motion(parser: argparse.ArgumentParser, until: str) -> None:
     """Which motion of the model; `until` is what its duration is by default."""
@@ -91,6 +89,8 @@ def of_a_run(parser: argparse.ArgumentParser) -> None:
 
 def of_an_integration(parser: argparse.ArgumentParser) -> None:
     """All of a run but where its rows go."""
+    from ..run.diagnostics import NAMES  # for a run alone: `pkgen methods` compiles nothing
+
     add = parser.add_argument
     of_a_motion(parser, "10")
     add(
