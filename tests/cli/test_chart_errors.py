@@ -75,6 +75,7 @@ def charted(pkgen, folder: Path, *words: object) -> tuple[dict, list[dict[str, s
         return json.loads(done.stdout), list(csv.DictReader(file))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", EXPECTED)
 def test_errors_are_those_of_closed_forms(kind: str, pkgen, tmp_path: Path) -> None:
     told, rows = charted(pkgen, tmp_path, "--error", kind)

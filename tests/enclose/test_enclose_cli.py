@@ -54,6 +54,7 @@ def test_options_that_mean_nothing_here_are_refused(options: tuple[str, ...]) ->
     assert options[0] in said(BEAD, *options)
 
 
+@pytest.mark.long
 def test_digits_are_for_bounds() -> None:
     done = run_pkgen("run", BEAD, "--digits", "20")
     assert done.returncode == 2 and "--enclose" in done.stderr

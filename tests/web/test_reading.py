@@ -125,6 +125,7 @@ def test_what_is_drawn_says_what_it_is(show, size):
     assert len(texts & set(well.js("lab.stage.levels.marks.map((m) => m.text)"))) >= 2
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("model", ["bodies/free_body", "particles/kepler", "chains/fput"])
 def test_words_over_a_scene_keep_apart(show, model):
     page = show(ROOT / "models" / f"{model}.lag", "m=gauss&m=dop853")
@@ -225,6 +226,7 @@ def test_what_is_not_the_energy_is_not_called_so(show):
     assert page.js("lab.model.description.constants[0].name") == "energy"
 
 
+@pytest.mark.long
 def test_what_shakes_fast_is_shown_at_half_the_real_time(show):
     page = show(ROOT / "models" / "constrained" / "rattleback.lag")
     assert page.js("lab.speed()") >= 0.5
