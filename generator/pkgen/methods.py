@@ -56,7 +56,7 @@ class Own(Method):
         """In C, as one of pk/methods.h."""
         flags = " | ".join(f"PK_{trait.upper()}" for trait in sorted(self.traits)) or "0"
         numbers = f"{self.order}, {self.stages}, {self.dense_order}"
-        text = self.doc.replace("\\", "/").replace('"', "'")
+        text = re.sub(r'[^ -~]|["\\?]', "_", self.doc)  # names a file, which may be called anything
         return (
             f"PK_DEFINE_METHOD(PK_FAMILY_{self.family}, {self.name}, {numbers}, {flags}, "
             f'{self.name}, "{text}");'

@@ -18,6 +18,7 @@ from ..analysis.chart.sweep import Effort
 from ..analysis.chart.text import report
 from ..compiler import Compilation
 from ..own.given import given
+from ..plot import style
 from ..run.build import runtime_methods
 from ..run.settings import Settings
 from ..scenes import asked as parsing
@@ -32,7 +33,9 @@ from .pictures import WIDTHS
 
 STARTS = 99
 COSTS = {"time": "seconds", "evaluations": "work", "steps": "steps"}
-FORMATS = ("svg", "png", "pdf", "pgf")
+FORMATS = (*style.FORMATS, style.OF_LATEX)
+# Of a chart, which --long is not.
+OF_CHART = {"points": None, "error": "final", "starts": 1, "cost": "time", "full": False}
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -139,6 +142,9 @@ def _effort(options: argparse.Namespace) -> Effort:
         raise UsageError(f"--points {options.points}: 2 at least")
     if not 1 <= options.starts <= STARTS:
         raise UsageError(f"--starts {options.starts}: from 1 to {STARTS}")
+    for name, usual in OF_CHART.items():
+        if options.long and getattr(options, name) != usual:
+            raise UsageError(f"--{name} is of a chart: --long has one step and drifts alone")
     if options.step is not None and not options.long:
         raise UsageError("--step is of --long; in a chart each method has its own steps")
     if options.seconds is not None and not 0 < options.seconds < math.inf:

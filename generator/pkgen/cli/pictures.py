@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..api.prepare import Prepared
 from ..back.facts import found
+from ..plot import style
 from ..plot import view as views
 from ..plot.view import View
 from ..record import record
@@ -26,8 +27,7 @@ if TYPE_CHECKING:
 
 MILLIMETRES = 25.4
 WIDTHS = (40.0, 1000.0)
-# As style.FORMATS; matplotlib is imported where something is drawn.
-ENDS = (".svg", ".png", ".pdf")
+ENDS = tuple(f".{kind}" for kind in style.FORMATS)
 
 
 @record

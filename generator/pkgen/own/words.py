@@ -12,9 +12,7 @@ import math
 from collections.abc import Sequence
 from fractions import Fraction
 
-from .trees import BITS, CLOSE, ONE, scaled
-
-MOST_ORDER = 10
+from .trees import BITS, CLOSE, MOST_ORDER, ONE, scaled
 
 
 class Series:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..system.exits import UsageError
@@ -80,6 +82,10 @@ DARK = {
 LIGHTER = {BLUE: "#6FB1E8", RED: "#F0894A", BLACK: DARK_INK, GREEN: "#2FBF95"}
 
 
+def look(dark: bool) -> dict[str, object]:
+    return {**LOOK, **DARK} if dark else LOOK
+
+
 def palette(dark: bool = False) -> tuple[str, ...]:
     return tuple(LIGHTER.get(c, c) for c in PALETTE) if dark else PALETTE
 
@@ -105,6 +111,14 @@ def encoded(figure: Figure, kind: str, dpi: float = DPI) -> bytes:
         raise UsageError(f"a picture as pgf needs xelatex: {str(error).splitlines()[0]}") from None
     found = file.getvalue()
     return tidy(found.decode()).encode() if kind == "svg" else found
+
+
+def saved(figure: Figure, stem: Path, kinds: Iterable[str], dpi: float = DPI) -> list[Path]:
+    """STEM.svg and so on, of FORMATS or OF_LATEX."""
+    files = [stem.with_name(f"{stem.name}.{kind}") for kind in kinds]
+    for path in files:
+        path.write_bytes(encoded(figure, path.suffix[1:], dpi))
+    return files
 
 
 def tidy(svg: str) -> str:

@@ -22,9 +22,9 @@ void settle_every(struct settings *s);
 /* How the options of `pkgen run`, and of a program that it builds, call settings. */
 extern const struct pk_words run_options;
 
-/* The core's methods, then GSL's. */
-/* The model's own first. */
+/* Of the model's own methods and run_method_at()'s. */
 const struct pk_method *run_method_find(const struct pk_run_model *model, const char *name);
+/* The core's methods, then GSL's. */
 const struct pk_method *run_method_at(size_t index);
 
 /* The number under which a member, from 0 on, is spoken of. */

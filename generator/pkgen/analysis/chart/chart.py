@@ -17,6 +17,7 @@ from ...system.progress import Show
 from . import answer, reference, spectrum, sweep
 from .answer import Answer
 from .errors import ENERGY, KINDS, ErrorKind, Measure
+from .exact import Exact
 from .measure import Program
 from .points import ChartedMethod, Track
 from .reference import Reference
@@ -81,8 +82,7 @@ def measure(
     kind: ErrorKind = KINDS["final"],
     starts: int = 1,
 ) -> Chart:
-    """Errors of a kind; with several starts the given one and others beside it, seeded by their
-    number. Raises NumericsFailed, BuildError, or UsageError."""
+    """Errors of a kind, of so many starts. Raises NumericsFailed, BuildError, or UsageError."""
     name = compilation.model.name
     on_progress(0.0, "compiling")
     stepwise = {m.name: STEPWISE for m in chosen if kind.path and m.adaptive and not m.dense}
@@ -97,11 +97,13 @@ def measure(
     on_progress(0.02, "compiling and integrating the reference")
     exact = reference.find(compilation, given)
     motions = [(program, Measure(kind, exact.path, exact.scales))]
-    for k in range(1, starts):
-        beside = Program(path, _beside(given, exact.scales, k), compilation.model.methods)
-        found = reference.find(compilation, beside.settings)
-        motions.append((beside, Measure(kind, found.path, found.scales)))
     structure = compilation.structure
+    for k in range(1, starts):
+        at = exact.path[k * reference.TIMES // starts][1] if structure.autonomous else None
+        other = _at(given, at) if at else _beside(given, exact.scales, k)
+        motion = Program(path, other, compilation.model.methods)
+        found = reference.find(compilation, other)
+        motions.append((motion, Measure(kind, found.path, found.scales)))
     follower = "gauss" if structure.smooth_in_pieces else "dop853"
     found = spectrum.find(program, follower, settings.until, not structure.variational)
     floor = 0.0 if kind.name == ENERGY else exact.worst if kind.path else exact.error
@@ -129,8 +131,19 @@ def measure(
     )
 
 
+def _at(given: Settings, state: Exact) -> Settings:
+    """From another state of the motion, which meets constraints and has attitudes as it has."""
+    q, v = state[: state.coordinates], state[state.coordinates :]
+    return replace(
+        given,
+        start_q=tuple((i, float(x)) for i, x in enumerate(q)),
+        start_v=tuple((i, float(x)) for i, x in enumerate(v)),
+    )
+
+
 def _beside(given: Settings, scales: list[float], seed: int) -> Settings:
-    """Each coordinate and rate by up to BESIDE of its largest magnitude elsewhere."""
+    """Where the same state at another time begins another motion: each coordinate and rate by up
+    to BESIDE of its largest magnitude elsewhere."""
     chance = random.Random(seed)
     n = len(given.start_q)
     moved = [BESIDE * s * chance.uniform(-1, 1) for s in scales]

@@ -18,7 +18,7 @@ from ...plot.style import (
     PURPLE,
     RED,
     SKY,
-    encoded,
+    saved,
 )
 from . import table, text
 from .chart import Chart
@@ -52,10 +52,7 @@ def pictures(chart: Chart, stem: Path) -> list[Path]:
     with pyplot.rc_context(LOOK):
         for name, make in (("full", _overview), ("families", _families)):
             figure = make(chart)
-            for kind in ("svg", "png"):
-                path = stem.with_name(f"{stem.name}_{name}.{kind}")
-                path.write_bytes(encoded(figure, kind, dpi=120))
-                files.append(path)
+            files += saved(figure, stem.with_name(f"{stem.name}_{name}"), ("svg", "png"), dpi=120)
             pyplot.close(figure)
     return files
 

@@ -15,7 +15,7 @@ from ...compiler import Compilation
 from ...record import record
 from ...run.build import build_library
 from ...run.settings import Settings
-from ...system.exits import NumericsFailed
+from ...system.exits import NumericsFailed, UsageError
 from ...system.progress import Show
 from . import spectrum
 from .measure import Program
@@ -24,6 +24,7 @@ from .points import ChartedMethod
 PERIOD = 32  # steps, of the fastest oscillation
 SAFE = 0.5  # of a method's limit of stability
 DECADES = range(1, 8)
+LEAST = 0.1  # seconds that a method has in any case
 
 
 @record
@@ -73,6 +74,8 @@ def measure(
     name = compilation.model.name
     fixed = [m for m in chosen if m.fixed and "exact" not in m.flags]
     show(0.0, "compiling")
+    if not fixed:
+        raise UsageError("--long follows methods with fixed steps, and --methods names none")
     own = compilation.model.methods
     path = build_library(compilation.files, name, *(m.name for m in fixed), own=own)
     program = Program(path, settings, own)
@@ -116,9 +119,12 @@ def _decades(
             reason = f"the next decade would take some {10 * found[-1].seconds:.2g} s (--seconds)"
             break
         steps = 10**decade
-        told = program(steps * step).run(method.name, step, bare=1).report
+        told = program(steps * step).run(method.name, step, bare=1, cap=max(share, LEAST)).report
         if told["status"] == "PK_REFUSED":
             return Drifting(method, (), {}, {}, told["reason"])
+        if told["slow"]:
+            reason = f"{steps} steps take more than {max(share, LEAST):.2g} s (--seconds)"
+            break
         drifts = {
             d["name"]: math.inf if d["max"] is None else float(d["max"]) for d in told["drifts"]
         }

@@ -92,7 +92,7 @@ def write(long: Long, stem: Path, look: Look) -> list[Path]:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    with pyplot.rc_context({**style.LOOK, **(style.DARK if look.dark else {})}):
+    with pyplot.rc_context(style.look(look.dark)):
         count = len(long.constants)
         height = 0.5 + 2.4 * count
         figure, grid = pyplot.subplots(
@@ -110,11 +110,7 @@ def write(long: Long, stem: Path, look: Look) -> list[Path]:
         figure.subplots_adjust(left=0.62 / inches, right=1 - 0.1 / inches, hspace=0.12, **ends)
         for name in names:
             name()
-        files = []
-        for kind in dict.fromkeys(("svg", *look.formats)):
-            path = stem.with_suffix(f".{kind}")
-            path.write_bytes(style.encoded(figure, kind))
-            files.append(path)
+        files = style.saved(figure, stem, look.kinds)
         pyplot.close(figure)
     return files
 

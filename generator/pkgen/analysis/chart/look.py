@@ -13,3 +13,8 @@ class Look:
     width: float = 180.0
     formats: tuple[str, ...] = ("svg", "png")
     dark: bool = False
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """An SVG in any case, which the page has."""
+        return tuple(dict.fromkeys(("svg", *self.formats)))

@@ -29,15 +29,14 @@ COLUMN = 120.0  # millimetres from which on the picture is wider than a column
 
 def sentence(answers: Sequence[Answer]) -> str:
     """Of one axis, from loose to tight."""
-    told, costs = [], {"seconds": "time", "work": "evaluations"}
+    told = []
     for a in answers:
         if a.method is None or a.point is None:
             told.append(f"{a.accuracy:.0e}: {a.reason}")
             continue
         cost = text.seconds(a.point.seconds or 0) if a.axis == "seconds" else f"{a.point.work:,}"
         told.append(f"{a.accuracy:.0e}: {a.method.name}, {text.setting(a)}, {cost}")
-    axis = costs[answers[0].axis] if answers else "time"
-    said = f"Least {axis} for an error of " + "; ".join(told) + "."
+    said = f"Least {text.AXIS[answers[0].axis]} for an error of " + "; ".join(told) + "."
     return re.sub(r"(?<=\d) (?=\D?s\b)|(?<=step|rtol) ", "\u00a0", said)
 
 
@@ -86,12 +85,8 @@ def write(chart: Chart, stem: Path, look: Look) -> list[Path]:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    files = []
-    with pyplot.rc_context({**style.LOOK, **(style.DARK if look.dark else {})}):
+    with pyplot.rc_context(style.look(look.dark)):
         figure = picture(chart, look.axis, look.width, look.dark)
-        for kind in dict.fromkeys(("svg", *look.formats)):
-            path = stem.with_suffix(f".{kind}")
-            path.write_bytes(style.encoded(figure, kind))
-            files.append(path)
+        files = style.saved(figure, stem, look.kinds)
         pyplot.close(figure)
     return files

@@ -40,11 +40,9 @@ SAID = 12  # values in the title
 
 def pictures(made: StabilityMap, stem: Path) -> list[Path]:
     """STEM.svg and STEM.png."""
-    files = [stem.with_suffix(".svg"), stem.with_suffix(".png")]
     with plt.rc_context({**style.FILES, "font.size": 8}):
         figure = _figure(made)
-        for path in files:
-            path.write_bytes(style.encoded(figure, path.suffix[1:], dpi=150))
+        files = style.saved(figure, stem, ("svg", "png"), dpi=150)
         plt.close(figure)
     return files
 
