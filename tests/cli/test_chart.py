@@ -16,7 +16,20 @@ from pathlib import Path
 
 import pytest
 from conftest import run_pkgen
-from pkgen.analysis.chart import chart, draw, labels, points, spectrum, sweep, table
+from pkgen.analysis.chart import (
+    chart,
+    draw,
+    labels,
+    picture,
+    points,
+    reference,
+    spectrum,
+    sweep,
+    table,
+)
+from pkgen.analysis.chart import errors as errors_of
+from pkgen.analysis.chart.answer import Answer
+from pkgen.analysis.chart.exact import Exact
 from pkgen.analysis.chart.panel import Curve
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.methods import inline_flags
@@ -28,7 +41,7 @@ kinetic theta'^2/2
 potential -w^2*cos(theta)
 start theta = 1.1
 """
-METHODS = "euler,verlet,rk4,gauss2,gauss"
+METHODS = "euler,verlet,rk4,gauss2,gauss,yoshida4,dop853"
 
 
 @pytest.fixture(scope="module")
@@ -315,6 +328,30 @@ def test_families_follow_from_what_a_method_says_of_itself() -> None:
         points.EXACT: ChartedMethod("any", 0, ("exact",), ("affine",)),
     }
     assert {family: m.family for family, m in of.items()} == {f: f for f in draw.STYLES}
+
+
+def test_of_many_methods_six_are_drawn() -> None:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    # Of nine each is the cheapest at an error of its own.
+    errors = [10.0 ** -(k + 1) for k in range(9)]
+    tracks = []
+    for k in range(9):
+        costs = [1 + 5 * abs(j - k) + j for j in range(9)]
+        made = [point(0.5**j, e, c) for j, (e, c) in enumerate(zip(errors, costs, strict=True))]
+        tracks.append(Track(ChartedMethod(f"method{k}", 4), tuple(made)))
+    known = reference.Reference([(0.0, Exact([1]))], [1.0], 0, 0, 1.0, 1.0, "double", 1)
+    found = spectrum.Spectrum(omega=1.0, rho=0.0, until=1.0)
+    about = "m", "", [], 1.0, errors_of.KINDS["final"], 1, known, found, tracks, {}
+    figure = picture.picture(
+        chart.Chart(*about, [Answer(1e-3, "seconds", None, None, "none")]), "seconds", 180, False
+    )
+    named = {t.get_text() for t in figure.axes[0].texts} & {t.method.name for t in tracks}
+    pyplot.close(figure)
+    assert len(named) == 6
 
 
 def test_labels_do_not_lie_over_each_other() -> None:

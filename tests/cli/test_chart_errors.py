@@ -75,7 +75,6 @@ def charted(pkgen, folder: Path, *words: object) -> tuple[dict, list[dict[str, s
         return json.loads(done.stdout), list(csv.DictReader(file))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("kind", EXPECTED)
 def test_errors_are_those_of_closed_forms(kind: str, pkgen, tmp_path: Path) -> None:
     told, rows = charted(pkgen, tmp_path, "--error", kind)
@@ -91,6 +90,7 @@ def test_errors_are_those_of_closed_forms(kind: str, pkgen, tmp_path: Path) -> N
     assert seen > 2
 
 
+@pytest.mark.long
 def test_errors_on_the_way_are_no_smaller_than_at_the_end(pkgen, tmp_path: Path) -> None:
     found = {}
     for kind in ("final", "max", "mean"):

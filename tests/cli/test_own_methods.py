@@ -158,3 +158,12 @@ def test_refusals(folder: Path) -> None:
     pendulum = ROOT / "models/double_pendulum.lag"
     done = run_pkgen("run", pendulum, "--composition", "1", "--step", 0.1)
     assert done.returncode != 0 and "separable" in done.stderr
+
+
+def test_a_file_may_be_called_anything(tmp_path: Path) -> None:
+    """Its name stands in C, in a text."""
+    path = tmp_path / 'odd"\nint x = 1; "\\.tab'
+    path.write_text("A\n0\n1\nb 1/2 1/2\n")
+    words = ("--tableau", path, "--step", "0.01", "--until", "0.02", "-o", tmp_path / "rows.csv")
+    done = run_pkgen("run", ROOT / "models" / "double_pendulum.lag", *words)
+    assert done.returncode == 0, done.stderr

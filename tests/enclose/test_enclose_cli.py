@@ -54,12 +54,12 @@ def test_options_that_mean_nothing_here_are_refused(options: tuple[str, ...]) ->
     assert options[0] in said(BEAD, *options)
 
 
-@pytest.mark.long
 def test_digits_are_for_bounds() -> None:
     done = run_pkgen("run", BEAD, "--digits", "20")
     assert done.returncode == 2 and "--enclose" in done.stderr
 
 
+@pytest.mark.long
 def test_bounds_that_end_early_say_so(tmp_path: Path) -> None:
     """x' = x^2 from 1 is 1/(1 - t)."""
     (tmp_path / "m.lag").write_text("model m\nstate x\nrate x = x^2\nstart x = 1\n")
