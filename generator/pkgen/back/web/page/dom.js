@@ -52,5 +52,14 @@ const Dom = (() => {
    * machine without a graphics card shows them as smoothly. */
   const pen = (canvas) => canvas.getContext("2d", { willReadFrequently: true });
 
-  return { $, h, fill, select, say, fitCanvas, pen };
+  /* The pen of an empty canvas of that size, which measures in CSS pixels. */
+  function blank(canvas, width, height) {
+    fitCanvas(canvas, width, height);
+    const g = pen(canvas);
+    g.setTransform(canvas.width / width, 0, 0, canvas.height / height, 0, 0);
+    g.clearRect(0, 0, width, height);
+    return g;
+  }
+
+  return { $, h, fill, select, say, fitCanvas, pen, blank };
 })();

@@ -13,10 +13,7 @@ const GraphView = (() => {
     }
 
     draw({ width, height, runs }) {
-      Dom.fitCanvas(this.canvas, width, height);
-      const g = Dom.pen(this.canvas);
-      g.setTransform(this.canvas.width / width, 0, 0, this.canvas.height / height, 0, 0);
-      g.clearRect(0, 0, width, height);
+      const g = Dom.blank(this.canvas, width, height);
       this.drawn = [];
       if (!runs.length) return;
       const entries = this.entries();

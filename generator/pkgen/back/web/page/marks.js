@@ -14,11 +14,7 @@ const Marks = (() => {
 
     /* The scene that the view draws; what was placed where stays in `placed`. */
     draw({ width, height, runs, levels, unit }) {
-      Dom.fitCanvas(this.canvas, width, height);
-      const g = Dom.pen(this.canvas);
-      this.g = g;
-      g.setTransform(this.canvas.width / width, 0, 0, this.canvas.height / height, 0, 0);
-      g.clearRect(0, 0, width, height);
+      const g = (this.g = Dom.blank(this.canvas, width, height));
       g.textAlign = "left";
       g.textBaseline = "middle";
       this.size = [width, height];

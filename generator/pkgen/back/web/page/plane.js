@@ -15,11 +15,7 @@ const PlaneView = (() => {
     /* scene: {width, height, runs: [{run, made, trails, style}], level, unit} */
     draw(scene) {
       const { width, height } = scene;
-      Dom.fitCanvas(this.canvas, width, height);
-      const g = Dom.pen(this.canvas);
-      this.g = g;
-      g.setTransform(this.canvas.width / width, 0, 0, this.canvas.height / height, 0, 0);
-      g.clearRect(0, 0, width, height);
+      const g = (this.g = Dom.blank(this.canvas, width, height));
       g.lineJoin = "round";
       g.lineCap = "round";
       this.drawn = [];
