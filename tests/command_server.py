@@ -1,8 +1,9 @@
 """The command line in processes forked from one that has imported pkgen already.
 
-Imports are more than half of what a small command costs. Each line of standard input is a request,
-{"arguments", "cwd", "env", "out", "err"}; each line of standard output the exit code of its
-process.
+Imports are more than half of what a small command costs, and those of pictures half a second. That
+a command imports no more than it uses is seen in test_start.py. Each line of standard input is a
+request, {"arguments", "cwd", "env", "out", "err"}; each line of standard output the exit code of
+its process.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ import signal
 import sys
 import traceback
 
+import matplotlib.backends.backend_svg
+import matplotlib.pyplot  # noqa: F401
 from pkgen.__main__ import main
 from pkgen.compiler import compile_model
 from pkgen.source import Source
