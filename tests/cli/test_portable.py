@@ -9,7 +9,7 @@ import platform
 from pathlib import Path
 
 import pytest
-from conftest import ROOT, long_but, run_pkgen
+from conftest import ROOT, run_pkgen
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
 from pkgen.run.build import build_library
@@ -30,8 +30,9 @@ def has_fma() -> bool:
     return platform.machine() == "x86_64" and info.exists() and " fma " in info.read_text()
 
 
+@pytest.mark.long  # it compiles the runtime four times
 @pytest.mark.skipif(not has_fma(), reason="of an x86 processor with FMA its absence is tried")
-@pytest.mark.parametrize("method", long_but(["rk4"], METHODS))
+@pytest.mark.parametrize("method", METHODS)
 def test_the_same_bits_with_and_without(method: str, tmp_path: Path) -> None:
     def rows(portable: list[str], flags: str, tunables: str) -> str:
         words = ["run", DOUBLE, "--method", method, *METHODS[method], "--until", "30"]

@@ -14,7 +14,7 @@ PENDULUM = ROOT / "models" / "double_pendulum.lag"
 KEPLER = ROOT / "models" / "particles" / "kepler.lag"
 TOP = ROOT / "models" / "heavy_top.lag"
 CHAIN = ROOT / "models" / "chains" / "fput.lag"
-QUICK = {PENDULUM, TOP, CHAIN}
+QUICK = {PENDULUM, TOP}
 PIXELS = 2.0
 
 
