@@ -73,51 +73,11 @@ static int derivatives(struct search *s)
     return pk_all_finite(s->J, n * n);
 }
 
-/* How far the state is from root k along unknown i, in reaches: of an angle its sine, so that the
- * root is kept from in every turn. *slope: its derivative. */
-static double apart(struct search *s, const struct pk_equilibria *known, size_t k, size_t i,
-                    double *slope)
-{
-    const int c = is_cyclic(s, i);
-    const double *root = (c ? known->v : known->q) + k * s->n;
-    const double d = *unknown(s, i) - root[i], size = s->box[i];
-    if (!c && s->turns[i]) {
-        *slope = cos(d / 2) / TWO_PI;
-        return 2 * sin(d / 2) / TWO_PI;
-    }
-    *slope = 1 / size;
-    return d / size;
-}
-
-/* What the equations are multiplied by, so that known roots are none: prod (1 + 1/|z - z_k|^2), in
- * reaches; its logarithm's derivative into s->slope. Reference: P. E. Farrell, A. Birkisson, S. W.
- * Funke, SIAM J. Sci. Comput. 37 (2015) A2026. */
-static double deflated(struct search *s)
-{
-    double product = 1;
-    memset(s->slope, 0, s->n * sizeof *s->slope);
-    for (size_t k = 0; s->known && k < s->known->count; k++) {
-        double square = 0, slope;
-        for (size_t i = 0; i < s->n; i++) {
-            const double d = apart(s, s->known, k, i, &slope);
-            square += d * d;
-        }
-        if (!(square > 0))
-            return HUGE_VAL;
-        product *= 1 + 1 / square;
-        for (size_t i = 0; i < s->n; i++) {
-            const double d = apart(s, s->known, k, i, &slope);
-            s->slope[i] -= 2 * d * slope / (square * (1 + square));
-        }
-    }
-    return product;
-}
-
 static int gsl_f(const gsl_vector *z, void *context, gsl_vector *f)
 {
     struct search *s = (struct search *)context;
     set_unknowns(s, z);
-    const double m = deflated(s);
+    const double m = pk_equilibria_deflated(s);
     if (!equations(s) || !(m < HUGE_VAL))
         return GSL_EBADFUNC;
     for (size_t i = 0; i < s->n; i++)
@@ -129,7 +89,7 @@ static int gsl_df(const gsl_vector *z, void *context, gsl_matrix *J)
 {
     struct search *s = (struct search *)context;
     set_unknowns(s, z);
-    const double m = deflated(s);
+    const double m = pk_equilibria_deflated(s);
     if (!derivatives(s) || !equations(s) || !(m < HUGE_VAL))
         return GSL_EBADFUNC;
     for (size_t i = 0; i < s->n; i++)

@@ -26,7 +26,7 @@ struct search {
     double *scale;                     /* of each equation in the box */
     unsigned char *turns;              /* q_i + 2 pi is the same place */
     size_t *primes;                    /* n + 1, the bases of Halton's points */
-    double *slope;                     /* of deflated(), by each unknown */
+    double *slope;                     /* of the factor of deflation, by each unknown */
     const struct pk_equilibria *known; /* roots to keep away from; NULL: none */
 };
 
@@ -63,5 +63,8 @@ static inline int equations(struct search *s)
 void pk_equilibria_box(struct search *s, const double *q0, const double *v0);
 /* Point k of the search as unknowns of the state; 0 is the start. */
 void pk_equilibria_place(struct search *s, size_t k);
+/* prod (1 + 1/|z - z_k|^2) over the known roots, in reaches, infinite at one; its logarithm's
+ * derivative by each unknown into s->slope. */
+double pk_equilibria_deflated(struct search *s);
 
 #endif

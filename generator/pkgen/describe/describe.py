@@ -9,26 +9,22 @@ from contextlib import suppress
 
 from ..compiler import Compilation
 from ..front.check.scene_numbers import Values, WrongValue
-from ..indices import NotAnInteger, hidden, integer, parted
+from ..indices import hidden, parted
 from ..methods import METHODS, Method, provides
-from ..middle.quantities import ends, sizes
-from ..model import Model, Parameter, Scene, Start
+from ..model import Model, Parameter, Scene
 from ..run import named
 from ..run.build import runtime_methods
 from ..run.default_method import default_method
 from ..run.methods_table import in_words
 from ..run.settings import Settings
-from ..scenes import scene as scenes
-from ..source import ModelError
-from ..system.exits import UsageError
 from ..tree import names
 from ..version import __version__
 from .constants import constants
 from .drawing import drawing
+from .scenes import LISTED, described_scene, members_of
 
 SCHEMA = 1
-SHOWN = 2000  # members of a swarm
-LISTED = 1000  # members of a family that are described one by one
+
 Given = dict[str, list[float]]  # parameters and start, as they are in memory
 
 
@@ -80,7 +76,7 @@ def described(
             {"name": c.name, "holonomic": c.holonomic, "unit": c.unit} for c in model.constraints
         ],
         "methods": list(_methods(compilation, settings)),
-        "scenes": [_scene(model, s) for s in model.scenes if not hidden(s.name)],
+        "scenes": [described_scene(compilation, s) for s in model.scenes if not hidden(s.name)],
         "drawing": drawing(compilation),
     }
 
@@ -185,17 +181,9 @@ def _following(model: Model) -> Callable[[str, int], bool]:
             moving.add(item.name)
     found: dict[tuple[str, int | None, int], bool] = {}
     for item in model.starts:
-        for index in _members(model, item):
+        for index in members_of(model, item):
             found[item.name, index, item.order] = bool(names(item.value) & moving)
     return lambda name, order: found.get((*parted(name), order), False)
-
-
-def _members(model: Model, item: Start) -> list[int | None]:
-    """The indices of the members that a start is of; of more than are described none."""
-    if item.range is None:
-        return [None if item.index is None else integer(item.index, sizes(model))]
-    lo, hi = ends(model, item.range)
-    return list(range(lo, hi + 1)) if hi - lo < LISTED else []
 
 
 def _angle(unit: str) -> bool:
@@ -300,61 +288,3 @@ def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str
             if flag in item["flags"]:
                 return f"it needs {kernels}, which families that are kept as loops do not have"
     return ""
-
-
-def _scene(model: Model, scene: Scene) -> dict[str, object]:
-    found: dict[str, object] = {"name": scene.name, "description": scene.description}
-    found |= dict.fromkeys(("until", "method", "step", "rtol", "accuracy", "every"))
-    found |= {"set": {}, "start": {}, "swarm": None}
-    with suppress(UsageError, ModelError, WrongValue, NotAnInteger):
-        numbers = scenes.numbers(model, scene, {})
-        for key in ("until", "method", "step", "rtol", "accuracy", "every"):
-            found[key] = getattr(numbers, key) or None
-        found["set"] = {_member(key): x for key, x in numbers.parameters.items()}
-        found["set"] |= numbers.inputs
-        found["start"] = _starts(model, scene)
-        if scene.swarm is not None:
-            lo, hi = (integer(end, sizes(model)) for end in (scene.swarm.lo, scene.swarm.hi))
-            found["swarm"] = {"first": lo, "last": hi, **_members_of(model, scene, lo, hi)}
-    return found
-
-
-def _members_of(model: Model, scene: Scene, lo: int, hi: int) -> dict[str, object]:
-    """The starts and parameters of a swarm's members, of many every second, third and so on; none
-    where one has no value here."""
-    values = scenes.values(model, scene, {})
-    variable = scene.swarm.variable
-    own = [x for x in (*scene.starts, *scene.assignments) if variable in names(x.value)]
-    columns = []
-    for item in own:
-        index = None if item.index is None else integer(item.index, sizes(model))
-        columns.append(_member((item.name, index)) + "'" * getattr(item, "order", 0))
-    every = range(lo, hi + 1, max(1, -(-(hi + 1 - lo) // SHOWN)))
-    try:
-        rows = [
-            float(f"{values.number(x.name, x.value, {**sizes(model), variable: k}):.9g}")
-            for k in every
-            for x in own
-        ]
-    except WrongValue:
-        return {}
-    return {"columns": columns, "values": rows}
-
-
-def _member(key: tuple[str, int | None]) -> str:
-    name, index = key
-    return name if index is None else f"{name}[{index}]"
-
-
-def _starts(model: Model, scene: Scene) -> dict[str, float]:
-    """Those that are numbers for the parameters as the scene sets them, but for members of a
-    swarm."""
-    values = scenes.values(model, scene, {})
-    found = {}
-    for item in scene.starts:
-        for index in _members(model, item):
-            loop = {item.range.variable: index} if item.range else {}
-            with suppress(WrongValue):
-                name = _member((item.name, index)) + "'" * item.order
-                found[name] = values.number(item.name, item.value, {**sizes(model), **loop})
-    return found

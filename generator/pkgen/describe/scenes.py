@@ -1,0 +1,78 @@
+"""The scenes of a model in its description."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+from ..compiler import Compilation
+from ..front.check.scene_numbers import WrongValue
+from ..indices import NotAnInteger, integer
+from ..middle.quantities import ends, sizes
+from ..model import Model, Scene, Start
+from ..run.ensemble import settable
+from ..scenes import scene as scenes
+from ..source import ModelError
+from ..system.exits import UsageError
+
+SHOWN = 2000  # members of a swarm
+LISTED = 1000  # members of a family that are described one by one
+
+
+def members_of(model: Model, item: Start) -> list[int | None]:
+    """The indices of the members that a start is of; of more than are described none."""
+    if item.range is None:
+        return [None if item.index is None else integer(item.index, sizes(model))]
+    lo, hi = ends(model, item.range)
+    return list(range(lo, hi + 1)) if hi - lo < LISTED else []
+
+
+def described_scene(compilation: Compilation, scene: Scene) -> dict[str, object]:
+    model = compilation.declared
+    found: dict[str, object] = {"name": scene.name, "description": scene.description}
+    found |= dict.fromkeys(("until", "method", "step", "rtol", "accuracy", "every"))
+    found |= {"set": {}, "start": {}, "swarm": None}
+    with suppress(UsageError, ModelError, WrongValue, NotAnInteger):
+        numbers = scenes.numbers(model, scene, {})
+        for key in ("until", "method", "step", "rtol", "accuracy", "every"):
+            found[key] = getattr(numbers, key) or None
+        found["set"] = {_member(key): x for key, x in numbers.parameters.items()}
+        found["set"] |= numbers.inputs
+        found["start"] = _starts(model, scene)
+        if scene.swarm is not None:
+            lo, hi = (integer(end, sizes(model)) for end in (scene.swarm.lo, scene.swarm.hi))
+            found["swarm"] = {"first": lo, "last": hi, **_members_of(compilation, scene)}
+    return found
+
+
+def _members_of(compilation: Compilation, scene: Scene) -> dict[str, object]:
+    """What differs between a swarm's members, of many every second, third and so on; nothing where
+    one has no value."""
+    from ..scenes.swarm import members  # NumPy
+
+    model = compilation.declared
+    try:
+        found = members(model, scene, scenes.values(model, scene, {}), settable(compilation), ())
+    except UsageError:
+        return {}
+    few = found.values[:: -(-len(found.values) // SHOWN)]
+    values = [float(f"{x:.9g}") for x in few.ravel()]
+    return {"columns": [column.name for column in found.columns], "values": values}
+
+
+def _member(key: tuple[str, int | None]) -> str:
+    name, index = key
+    return name if index is None else f"{name}[{index}]"
+
+
+def _starts(model: Model, scene: Scene) -> dict[str, float]:
+    """Those that are numbers for the parameters as the scene sets them, but for members of a
+    swarm."""
+    values = scenes.values(model, scene, {})
+    found = {}
+    for item in scene.starts:
+        for index in members_of(model, item):
+            loop = {item.range.variable: index} if item.range else {}
+            with suppress(WrongValue):
+                name = _member((item.name, index)) + "'" * item.order
+                found[name] = values.number(item.name, item.value, {**sizes(model), **loop})
+    return found
