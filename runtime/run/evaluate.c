@@ -149,7 +149,7 @@ size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const
     pk_real *work = memory_ask(&run->memory, lanes + one + jacobian_size(&problem), sizeof *work);
     if (!work)
         return count;
-    if (kernel.kind == ACCELERATION && s->system->lanes) {
+    if (kernel.kind == ACCELERATION && s->system->lanes && count > 1) {
         const size_t failed = in_lanes(s, count, t, q, v, out, work);
         memory_drop(&run->memory, work);
         return failed;

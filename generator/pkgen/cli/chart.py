@@ -13,6 +13,7 @@ from ..analysis.chart import table
 from ..analysis.chart.chart import Chart
 from ..analysis.chart.errors import KINDS
 from ..analysis.chart.look import Look
+from ..analysis.chart.peers import PEERS, Peer, gsl_methods
 from ..analysis.chart.points import ChartedMethod
 from ..analysis.chart.sweep import Effort
 from ..analysis.chart.text import report
@@ -35,7 +36,14 @@ STARTS = 99
 COSTS = {"time": "seconds", "evaluations": "work", "steps": "steps"}
 FORMATS = (*style.FORMATS, style.OF_LATEX)
 # Of a chart, which --long is not.
-OF_CHART = {"points": None, "error": "final", "starts": 1, "cost": "time", "full": False}
+OF_CHART = {
+    "points": None,
+    "error": "final",
+    "starts": 1,
+    "cost": "time",
+    "full": False,
+    "against": None,
+}
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -48,6 +56,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--points", type=int, metavar="N", help="of a method, at most (default 16)")
     add("--error", choices=tuple(KINDS), default="final", help="of what (default: the final state)")
     add("--starts", type=int, default=1, metavar="N", help="medians of N starts beside each other")
+    known = ",".join(peer.name for peer in PEERS)
+    add("--against", metavar="LIST", help=f"other packages in the same picture, of {known}")
     add("--cost", choices=tuple(COSTS), default="time", help="of the picture (default: time)")
     add("--full", action="store_true", help="pictures of all methods too, and of each family")
     add("--width", type=float, default=180, metavar="MM", help="of the picture (default: 180)")
@@ -64,7 +74,8 @@ def run(options: argparse.Namespace) -> int:
     effort, look = _effort(options), _look(options)
     directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
-    chosen = _methods(options, compilation)
+    peers = _peers(options)
+    chosen = _methods(options, compilation, any(peer.open is None for peer in peers))
     chosen_scene = scene.chosen(compilation.declared, options.scene) if options.scene else None
     settings = parsing.settings(options, compilation, chosen=chosen_scene)
     for event in compilation.model.events:
@@ -82,6 +93,7 @@ def run(options: argparse.Namespace) -> int:
             show or unseen,
             KINDS[options.error],
             options.starts,
+            peers,
         )
     if not any(track.good for track in chart.tracks):
         raise NumericsFailed("no method arrived with an error below that of no motion at all")
@@ -121,12 +133,37 @@ def _long(
     return DONE
 
 
-def _methods(options: argparse.Namespace, compilation: Compilation) -> list[ChartedMethod]:
-    """Those asked for by name, and those that options bring."""
+def _peers(options: argparse.Namespace) -> list[Peer]:
+    """Those of --against that are installed; the others are named. Raises UsageError."""
+    if options.against is None:
+        return []
+    known, found, missing = {peer.name: peer for peer in PEERS}, [], []
+    for name in dict.fromkeys(n.strip() for n in options.against.split(",") if n.strip()):
+        if name not in known:
+            raise UsageError(parsing.unknown("--against", name, [*known], "package"))
+        why = known[name].missing
+        (missing if why else found).append(why or known[name])
+    if not found:
+        raise UsageError("--against: " + ("; ".join(missing) or "name one package at least"))
+    if options.error == "energy":
+        raise UsageError(
+            "--error energy: other packages watch none; --against has final, max, mean, phase"
+        )
+    for why in missing:
+        print(f"pkgen: --against: {why}", file=sys.stderr)
+    return found
+
+
+def _methods(
+    options: argparse.Namespace, compilation: Compilation, gsl: bool
+) -> list[ChartedMethod]:
+    """Those asked for by name, those that options bring, and GSL's if these are compared with."""
     wanted, own = None, compilation.model.methods
     if options.methods is not None:
         wanted = [name.strip() for name in options.methods.split(",") if name.strip()]
         wanted += [method.name for method in given(options)]
+        if gsl:
+            wanted += gsl_methods()
     try:
         found = charts.methods(wanted, own)
     except KeyError as missing:
@@ -220,7 +257,18 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
             }
             for a in chart.answers
         ],
-        "refused": chart.refused,
+        "against": [
+            {
+                "package": b.peer.version,
+                "accuracy": a.accuracy,
+                "reason": a.reason,
+                "times": chart.times(a),
+            }
+            | (table.record(a.method, a.point) if a.method and a.point else {"method": None})
+            for b in chart.beside
+            for a in b.answers
+        ],
+        "refused": chart.refused | {b.peer.name: b.why for b in chart.beside if b.why},
         "points": table.rows(chart.tracks),
         "files": [str(file) for file in files],
     }

@@ -56,8 +56,8 @@ class Function:
     interval: Callable[..., Range] = lambda *x: ANY
     ball: Callable = lambda *_: None
     opened: Callable = lambda *_: None
-    # (a domain of analysis/enclose/domains.py, a, b) -> the value there, of smooth ones a power
-    # series too; None: no bounds.
+    # (a domain as Floats of graph/written.py is one, a, b) -> the value there, in bounds of smooth
+    # ones a power series too; None: no bounds.
     enclosed: Callable | None = None
     branched: bool = False  # one of several values, so its derivative does not say where it jumps
     jump: str = ""  # how it jumps

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 BLUE, RED, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, BLACK, YELLOW = "#E69F00", "#56B4E9", "#000000", "#F0E442"
+BROWN = "#7A4A21"
 INK, GREY, PALE = "#222222", "#8C8C8C", "#E4E4E4"
 # In turn; a curve is yet told apart where a printer has no colours, by its dashes.
 PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK)

@@ -193,6 +193,29 @@ class Run:
         self._c.pk_run_evaluate(self._run, what.encode(), count, *pointers)
         return out
 
+    def rates(self) -> Callable[[float, numpy.ndarray], numpy.ndarray]:
+        """y' as a function of t and y, for one caller at a time; y = (coordinates, rates and
+        first-order variables). Raises UsageError where a model has no accelerations."""
+        import numpy
+
+        n, what = self._c.pk_run_width(self._run, b"acceleration"), b"acceleration"
+        seen = len(self.given()["q"])
+        if not n:
+            raise UsageError("the model has no accelerations")
+        t, q, y, out = (numpy.zeros(k) for k in (1, n, seen + n, seen + n))
+        address = [x.ctypes.data for x in (t, q, y[seen:], out[seen:])]
+        pointers = [ctypes.cast(a, POINTER(c_double)) for a in address]
+        evaluate = self._c.pk_run_evaluate
+
+        def rates(time: float, state: numpy.ndarray) -> numpy.ndarray:
+            t[0], y[:] = time, state
+            q[:seen] = y[:seen]
+            evaluate(self._run, what, 1, *pointers)
+            out[:seen] = y[seen : 2 * seen]
+            return out.copy()
+
+        return rates
+
     def given(self) -> dict[str, list[float]]:
         """Parameters and start as they are in memory."""
         return json.loads(self._c.pk_run_given(self._run))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Sequence
 from dataclasses import replace
 
 from ...compiler import Compilation
@@ -14,11 +15,13 @@ from ...run.build import build_library, own_methods, runtime_methods
 from ...run.settings import Settings
 from ...system.exits import UsageError
 from ...system.progress import Show
-from . import answer, reference, spectrum, sweep
+from . import against, answer, reference, spectrum, sweep
+from .against import Beside
 from .answer import Answer
 from .errors import ENERGY, KINDS, ErrorKind, Measure
 from .exact import Exact
 from .measure import Program
+from .peers import Peer
 from .points import ChartedMethod, Track
 from .reference import Reference
 from .spectrum import Spectrum
@@ -42,10 +45,20 @@ class Chart:
     tracks: list[Track]  # of methods that apply
     refused: dict[str, str]  # of those that do not: why
     answers: list[Answer]
+    beside: tuple[Beside, ...] = ()  # other packages
 
     @property
     def time(self) -> str:
         return f"{self.until:g} {self.unit}".rstrip()
+
+    def times(self, answer: Answer) -> float | None:
+        """How many times the least time of pkgen's methods an answer beside them takes."""
+        mine = next(
+            a.point for a in self.answers if (a.accuracy, a.axis) == (answer.accuracy, answer.axis)
+        )
+        if not (answer.point and mine and mine.seconds and answer.point.seconds):
+            return None
+        return answer.point.seconds / mine.seconds
 
     def subtitle(self) -> str:
         """Parameters, starts that are not zero, and the duration."""
@@ -81,8 +94,10 @@ def measure(
     on_progress: Show,
     kind: ErrorKind = KINDS["final"],
     starts: int = 1,
+    peers: Sequence[Peer] = (),
 ) -> Chart:
-    """Errors of a kind, of so many starts. Raises NumericsFailed, BuildError, or UsageError."""
+    """Errors of a kind, of so many starts, beside `peers`. Raises NumericsFailed, BuildError, or
+    UsageError."""
     name = compilation.model.name
     on_progress(0.0, "compiling")
     stepwise = {m.name: STEPWISE for m in chosen if kind.path and m.adaptive and not m.dense}
@@ -115,6 +130,10 @@ def measure(
     able = [t for t in tracks if not t.points[0].refused]
     refused = {t.method.name: t.points[0].reason for t in tracks if t.points[0].refused}
     told, able = answer.answers(bench, able)
+    beside: tuple[Beside, ...] = ()
+    if peers:
+        show = lambda part, text="": on_progress(0.92 + 0.08 * part, text)  # noqa: E731
+        beside, told, able = against.measure(bench, peers, compilation, found, told, able, show)
     on_progress(1.0)
     return Chart(
         model=name,
@@ -128,6 +147,7 @@ def measure(
         tracks=able,
         refused={**stepwise, **refused},
         answers=told,
+        beside=beside,
     )
 
 

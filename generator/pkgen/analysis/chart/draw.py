@@ -10,6 +10,7 @@ from pathlib import Path
 from ...plot.style import (
     BLACK,
     BLUE,
+    BROWN,
     FILES,
     GREEN,
     GREY,
@@ -27,8 +28,8 @@ from .panel import FAILED, UNITS, Curve, Style, draw
 from .points import AXES, FAMILIES, Point
 
 # Of a family: colour and marker.
-_COLOURS = (ORANGE, RED, BLUE, SKY, BLACK, PURPLE, GREEN, GREY)
-STYLES = dict(zip(FAMILIES, zip(_COLOURS, "Dos^*PvX", strict=True), strict=True))
+_COLOURS = (ORANGE, RED, BLUE, SKY, BLACK, PURPLE, GREEN, GREY, BROWN)
+STYLES = dict(zip(FAMILIES, zip(_COLOURS, "Dos^*PvXp", strict=True), strict=True))
 # Of the members of a family, in turn.
 MEMBERS = tuple(zip(PALETTE, "sovPD^X", strict=True))
 STRONG_MOST = 10

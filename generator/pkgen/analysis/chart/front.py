@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .chart import Chart
-from .points import AXES, FAMILIES, Track
+from .points import AXES, FAMILIES, PEER, Track
 
 
 def front(tracks: list[Track], axis: str) -> list[str]:
@@ -21,11 +21,20 @@ def front(tracks: list[Track], axis: str) -> list[str]:
 def strong(chart: Chart) -> list[str]:
     """What the answers name, then what leads by either measure, then the best of each family."""
     named = [a.method.name for a in chart.answers if a.method]
-    fronts = [front(chart.tracks, axis) for axis in AXES]
+    own = [t for t in chart.tracks if t.method.family != PEER]
+    fronts = [front(own, axis) for axis in AXES]
     longest = max(map(len, fronts))
     leading = [f[k] for k in range(longest) for f in fronts if k < len(f)]
-    families = [
-        front([t for t in chart.tracks if t.method.family == f], "seconds")[:1] for f in FAMILIES
-    ]
+    families = [front([t for t in own if t.method.family == f], "seconds")[:1] for f in FAMILIES]
     best = [name for found in families for name in found]
     return list(dict.fromkeys([*named, *leading[:4], *best, *leading]))
+
+
+def drawn(chart: Chart, most: int) -> list[str]:
+    """So many of the foremost; of each package beside them one, which is more often its answer."""
+    peers = []
+    for beside in chart.beside:
+        names = [a.method.name for a in beside.answers if a.method]
+        peers += sorted(set(names), key=lambda name: (-names.count(name), name))[:1]
+    own = [name for name in strong(chart) if name not in peers]
+    return [*own[: max(1, most - len(peers))], *peers][:most]

@@ -9,7 +9,7 @@ from ...system import page
 from ...version import __version__
 from . import table
 from .chart import Chart
-from .text import HEADINGS, answer_rows, preamble
+from .text import BESIDE, HEADINGS, answer_rows, beside_rows, preamble
 
 POINTS = ("method", "step", "rtol", "outcome", "error", "seconds", "work", "evaluations", "steps")
 
@@ -24,6 +24,8 @@ def html(chart: Chart, report: str, pictures: list[Path]) -> str:
             page.heading("The cheapest here"),
             page.table(HEADINGS, answer_rows(chart)),
             f"<details><summary>as commands</summary><pre>{escape(report)}</pre></details>",
+            page.heading("Other packages") if chart.beside else "",
+            page.table(BESIDE, beside_rows(chart)) if chart.beside else "",
             page.heading("Work and precision"),
             *(page.picture(svg, k) for k, svg in enumerate(texts)),
             page.heading("Predicted limits of stability"),

@@ -15,7 +15,7 @@ from ...plot import style
 from . import text
 from .answer import Answer
 from .chart import Chart
-from .front import strong
+from .front import drawn
 from .look import Look
 from .panel import UNITS, Curve, Style, draw
 
@@ -46,12 +46,12 @@ def picture(chart: Chart, axis: str, width: float, dark: bool):
 
     inches = width / 25.4
     asked = axis if axis in ("seconds", "work") else "work"
-    said = sentence([a for a in chart.answers if a.axis == asked])
+    said = sentence([a for a in chart.answers if a.axis == asked]) + _beside(chart)
     lines = textwrap.wrap(said, int(width / LETTER))
     below = 0.52 + 0.125 * len(lines)
     height = (2.6 if width < COLUMN else 3.4) + below
     figure, axes = pyplot.subplots(figsize=(inches, height))
-    chosen = strong(chart)[:MOST]
+    chosen = drawn(chart, MOST)
     palette = style.palette(dark)
     styles = {name: Style(palette[k], MARKERS[k], True, size=SIZE) for k, name in enumerate(chosen)}
     tracks = [t for t in chart.tracks if t.method.name in styles]
@@ -69,6 +69,17 @@ def picture(chart: Chart, axis: str, width: float, dark: bool):
     figure.subplots_adjust(left=left, right=1 - 0.1 / inches, bottom=below / height, top=top)
     names()
     return figure
+
+
+def _beside(chart: Chart) -> str:
+    """How many times as long other packages take, from loose to tight."""
+    told = []
+    for b in chart.beside:
+        ratios = [chart.times(a) for a in b.answers]
+        if any(ratios):
+            times = ", ".join(f"{r:.3g}×" if r else "none" for r in ratios)
+            told.append(f"{b.peer.version} {times}")
+    return f" As long as that takes: {'; '.join(told)}." if told else ""
 
 
 def _spread(axes, points, axis: str, colour: str) -> None:

@@ -15,7 +15,8 @@ SPLITTING = "splitting"
 SYMMETRIC = "implicit symmetric, fixed step"
 IMPLICIT_ADAPTIVE = "implicit, adaptive"
 DISSIPATIVE = "implicit dissipative, fixed step"
-FOREIGN = "GSL"
+FOREIGN, GSL = "GSL", "gsl_"
+PEER = "other packages"
 EXACT = "exact"
 FAMILIES = (
     SPLITTING,
@@ -26,13 +27,15 @@ FAMILIES = (
     DISSIPATIVE,
     FOREIGN,
     EXACT,
+    PEER,
 )
 
 
 @record
 class ChartedMethod:
     """`imaginary` and `real`: how far the method is stable on these axes (of h times the
-    eigenvalue); infinite where there is no end, 0 where there is no beginning, None: not known."""
+    eigenvalue); infinite where there is no end, 0 where there is no beginning, None: not known.
+    `peer` is the package that it is of, with its version; "" of the runtime's."""
 
     name: str
     order: int
@@ -40,6 +43,7 @@ class ChartedMethod:
     requires: tuple[str, ...] = ()
     imaginary: float | None = None
     real: float | None = None
+    peer: str = ""
 
     @property
     def fixed(self) -> bool:
@@ -64,7 +68,9 @@ class ChartedMethod:
 
     @property
     def family(self) -> str:
-        if self.name.startswith("gsl_"):
+        if self.peer:
+            return PEER
+        if self.name.startswith(GSL):
             return FOREIGN
         if "exact" in self.flags:
             return EXACT
@@ -80,7 +86,7 @@ class ChartedMethod:
 @record
 class Point:
     """`error` and `seconds` are None where the integration did not arrive. `slow`: it was given
-    up, which is no failure of the method."""
+    up, which is no failure of the method. Of other packages some counts are None: not known."""
 
     method: str
     setting: float
@@ -90,11 +96,11 @@ class Point:
     t: float
     error: float | None
     seconds: float | None
-    steps: int
-    rejections: int
-    evaluations: int
-    jacobians: int
-    work: int  # evaluations, each Jacobian as many as differences of its columns would take
+    steps: int | None
+    rejections: int | None
+    evaluations: int | None
+    jacobians: int | None
+    work: int | None  # evaluations, each Jacobian as many as differences of its columns would take
     took: float  # to measure, in seconds of the processor
     drifts: dict[str, float] = field(default_factory=dict)
     least: float | None = None  # errors of several starts, of which `error` is the median
@@ -130,7 +136,8 @@ class Point:
 
     def cost(self, axis: str) -> float | None:
         """`axis` is one of AXES, or "steps"."""
-        return self.seconds if axis == "seconds" else float(getattr(self, axis))
+        cost = getattr(self, axis)
+        return None if cost is None else float(cost)
 
 
 @record

@@ -104,7 +104,7 @@ class Search:
         """Seconds, where the method's evaluations take as long as in its fastest run: what else
         the machine did may have been in the way of this one."""
         paces = [p.seconds / p.work for p in self.points[point.method] if p.seconds and p.work]
-        return min(_cost(point, "seconds"), point.work * min(paces, default=math.inf))
+        return min(_cost(point, "seconds"), (point.work or math.inf) * min(paces, default=math.inf))
 
     def _close_in(self, method: ChartedMethod, accuracy: float, axis: str) -> None:
         for _ in range(TRIALS):

@@ -22,7 +22,7 @@ OF_POINT = [
     "rejections",
     "t",
 ]
-COLUMNS = ("method", "family", "order", "step", "rtol", *OF_POINT)
+COLUMNS = ("method", "family", "peer", "order", "step", "rtol", *OF_POINT)
 
 
 def record(method: ChartedMethod, point: Point) -> dict[str, object]:
@@ -30,6 +30,7 @@ def record(method: ChartedMethod, point: Point) -> dict[str, object]:
     return {
         "method": method.name,
         "family": method.family,
+        "peer": method.peer,
         "order": method.order,
         "step": point.setting if method.fixed else None,
         "rtol": None if method.fixed else point.setting,

@@ -34,6 +34,7 @@ def preamble(chart: Chart) -> list[str]:
         + (f"; the median of {chart.starts} starts" if chart.starts > 1 else ""),
         "time: one integration, one core to itself; evaluations: a Jacobian counts as 2n of them",
     ]
+    lines += how_beside(chart)
     if chart.refused:
         lines.append(f"do not apply: {', '.join(chart.refused)}")
     arrived = [track for track in chart.tracks if track.good]
@@ -66,6 +67,36 @@ def answer_rows(chart: Chart) -> list[tuple[str, ...]]:
     return rows
 
 
+BESIDE = ("accuracy", "package", "method", "", "time", "beside pkgen's", "error")
+
+
+def beside_rows(chart: Chart) -> list[tuple[str, ...]]:
+    """A row an answer of a package: accuracy, package, method, setting, time, how many times the
+    least of pkgen's methods, error."""
+    rows = []
+    for b in chart.beside:
+        if b.why:
+            rows.append(("", b.peer.version, b.why, "", "", "", ""))
+        for a in b.answers:
+            head = f"{a.accuracy:.0e}", b.peer.version
+            if a.point is None or a.method is None:
+                rows.append((*head, a.reason, "", "", "", ""))
+                continue
+            times = f"{ratio:.3g}×" if (ratio := chart.times(a)) else ""
+            cost = seconds(a.point.seconds or 0.0), times, f"{a.point.error:.1e}"
+            rows.append((*head, a.method.name, setting(a), *cost))
+    return rows
+
+
+def how_beside(chart: Chart) -> list[str]:
+    """What the packages were given."""
+    given = [f"{b.peer.name} calls {b.peer.takes}" for b in chart.beside if b.peer.takes]
+    return given and [
+        "other packages: one call of each one's Python API, what it compiles compiled before; "
+        + "; ".join(given)
+    ]
+
+
 HEADINGS = ("accuracy", "cheapest in", "method", "", "time", "evaluations", "error")
 
 
@@ -80,15 +111,23 @@ def command(chart: Chart, answer: Answer, model: str, given: list[str]) -> str:
 
 
 def report(chart: Chart, model: str, given: list[str]) -> str:
-    rows = [HEADINGS, *answer_rows(chart)]
-    told = [r for r in rows if r[3] or r is HEADINGS]
-    widths = [max(len(row[i]) for row in told) for i in range(len(HEADINGS))]
-    lines = [*preamble(chart), ""]
-    for row in rows:
-        cells = zip(row if row in told else row[:3], widths, strict=False)
-        shown = (x.rjust(w) if i >= 4 else x.ljust(w) for i, (x, w) in enumerate(cells))
-        lines.append("  ".join(shown).rstrip())
+    lines = [*preamble(chart), "", *_lined(HEADINGS, answer_rows(chart))]
+    if chart.beside:
+        lines += ["", *_lined(BESIDE, beside_rows(chart))]
     runs = [command(chart, a, model, given) for a in chart.answers if a.point]
     if runs:
         lines += ["", *dict.fromkeys(runs)]
     return "\n".join(lines) + "\n"
+
+
+def _lined(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
+    """In columns; of a row without numbers the third is a sentence."""
+    rows = [headings, *rows]
+    told = [r for r in rows if r[3] or r is headings]
+    widths = [max(len(row[i]) for row in told) for i in range(len(headings))]
+    lines = []
+    for row in rows:
+        cells = zip(row if row in told else row[:3], widths, strict=False)
+        shown = (x.rjust(w) if i >= 4 else x.ljust(w) for i, (x, w) in enumerate(cells))
+        lines.append("  ".join(shown).rstrip())
+    return lines

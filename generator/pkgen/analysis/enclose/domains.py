@@ -7,13 +7,12 @@ Reference: F. Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from ...functions import FUNCTIONS
-from ...graph.differentiate import reachable
-from ...graph.graph import Graph, Kind, Node, Op, Symbol
+from ...graph.graph import Graph, Node, Symbol
+from ...graph.written import Written
 from ...system.exits import UsageError
 
 MISSING = (
@@ -39,6 +38,12 @@ def ball(value: Fraction | int) -> Any:
 
 class Reals:
     """Of arb: what the functions of a row call (functions/row.py, `enclosed`)."""
+
+    number = staticmethod(ball)
+
+    @property
+    def pi(self) -> Any:
+        return flint().arb.pi()
 
     def sin(self, x: Any) -> Any:
         return x.sin()
@@ -66,6 +71,12 @@ class Reals:
 
     def atan2(self, y: Any, x: Any) -> Any:
         return x.nan() if on_cut(y, x) else flint().arb.atan2(y, x)
+
+    def min(self, x: Any, y: Any) -> Any:
+        return x.min(y)
+
+    def max(self, x: Any, y: Any) -> Any:
+        return x.max(y)
 
     # Of constants alone:
 
@@ -138,61 +149,6 @@ def on_cut(y: Any, x: Any) -> bool:
     return bool(y.contains(0)) and not x > 0
 
 
-class Function:
-    """Nodes as one function of Python's text: (domain, value of a symbol) -> values."""
-
-    def __init__(self, g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any]):
-        """`constants` are balls of the parameters: what depends on these alone is known once."""
-        self.nodes = list(nodes)
-        real = Reals()
-        used: dict[str, object] = {}
-        lines: list[str] = []
-        for node in reachable(g, self.nodes):
-            args, data = g.args[node], g.data[node]
-            if not g.is_constant(node):
-                lines.append(f"  x{node} = {_text(g, node, used)}")
-            elif g.op[node] is Op.NUMBER:
-                used[f"x{node}"] = ball(data)
-            elif g.op[node] is Op.SYMBOL:
-                pi = data.kind is Kind.PI
-                used[f"x{node}"] = flint().arb.pi() if pi else constants[data]
-            else:
-                scope = used | {f"x{a}": used[f"x{a}"] for a in args} | {"e": real}
-                used[f"x{node}"] = eval(_text(g, node, used, scope), scope)
-        results = ", ".join(f"x{node}" for node in self.nodes)
-        body = "\n".join([*lines, f"  return [{results}]"])
-        exec(f"def evaluated(e, values):\n{body}", used)
-        self.called: Callable[[Reals, Mapping[Symbol, Any]], list[Any]] = used["evaluated"]
-
-    def __call__(self, domain: Reals, values: Mapping[Symbol, Any]) -> list[Any]:
-        return self.called(domain, values)
-
-
-def _text(g: Graph, node: Node, used: dict[str, object], scope: dict | None = None) -> str:
-    """The expression of a node; what it names is put into `used` and `scope`."""
-    names = [used] if scope is None else [used, scope]
-    op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
-    if op is Op.SYMBOL:
-        for each in names:
-            each[f"s{node}"] = data
-        return f"values[s{node}]"
-    if op is Op.ADD:
-        return " + ".join(args)
-    if op is Op.MULTIPLY:
-        return " * ".join(args)
-    if op is Op.POWER:
-        return _power(args[0], data)
-    for each in names:
-        each[f"f_{data}"] = FUNCTIONS[data].enclosed
-    return f"f_{data}(e, {', '.join(args)})"
-
-
-def _power(base: str, exponent: Fraction) -> str:
-    """By products and one division, by a root where it is half a whole number."""
-    whole, twice = exponent.denominator == 1, exponent.denominator == 2
-    if not (whole or twice):
-        return f"e.exp(e.log({base}) * {exponent.numerator} / {exponent.denominator})"
-    text = base if whole else f"e.sqrt({base})"
-    power = abs(exponent.numerator)
-    text = text if power == 1 else f"({text}) ** {power}"
-    return text if exponent > 0 else f"1 / ({text})"
+def written(g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any]) -> Written:
+    """Nodes as a function over a domain, the parameters as balls."""
+    return Written(g, nodes, constants, Reals())

@@ -9,9 +9,9 @@ from typing import Any
 from ...equations import Equations
 from ...graph.differentiate import Forward
 from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Symbol
-from ...graph.substitute import substituted
+from ...middle.first_order import slopes, variables, without_rates_of_states
 from ...record import record
-from .domains import Complexes, Function, Reals, Series, ball, flint
+from .domains import Complexes, Reals, Series, ball, flint, written
 
 TIME = Symbol(Kind.TIME)
 
@@ -38,23 +38,18 @@ class Flow:
         e = given.equations
         g = e.graph.copy()
         self.parameters = _parameters(e, given)
-        self.variables = _variables(e)
-        n = len(e.seen)
-        turning = [i for i in range(len(e.coordinates)) if i in e.turning]
-        slopes = [g.symbol(Symbol(Kind.RATE, i)) for i in range(n)]
-        slopes += [e.acceleration[i] for i in (*range(n), *turning)]
-        slopes += e.state_rates
-        slopes = _without_rates_of_states(g, e, slopes)
+        self.variables = variables(e)
         self.size = len(self.variables)
-        self.slopes = Function(g, slopes, self.parameters)
-        jacobian = [[_partial(g, row, s) for s in self.variables] for row in slopes]
+        rates = slopes(g, e)
+        self.slopes = written(g, rates, self.parameters)
+        jacobian = [[_partial(g, row, s) for s in self.variables] for row in rates]
         self.entries = [
             (i, j) for i, row in enumerate(jacobian) for j, x in enumerate(row) if x != ZERO
         ]
         nodes = [jacobian[i][j] for i, j in self.entries]
-        self.jacobian = Function(g, nodes, self.parameters)
-        shown = _without_rates_of_states(g, e, given.columns)
-        self.columns = Function(g, shown, self.parameters)
+        self.jacobian = written(g, nodes, self.parameters)
+        shown = without_rates_of_states(g, e, given.columns)
+        self.columns = written(g, shown, self.parameters)
         self.start = _start(e, given, self.parameters)
 
     def values(self, t: Any, y: list[Any]) -> dict[Symbol, Any]:
@@ -114,24 +109,6 @@ def _coefficient(value: Any, k: int) -> Any:
     return library.arb(value) if k == 0 else library.arb(0)
 
 
-def _variables(e: Equations) -> list[Symbol]:
-    """Of a rotation its body rates and its quaternion: nothing depends on its coordinates."""
-    seen = range(len(e.seen))
-    turning = [i for i in range(len(e.coordinates)) if i in e.turning]
-    return [
-        *(Symbol(Kind.COORDINATE, i) for i in seen),
-        *(Symbol(Kind.RATE, i) for i in (*seen, *turning)),
-        *(Symbol(Kind.STATE, i) for i in range(len(e.states))),
-    ]
-
-
-def _without_rates_of_states(g: Graph, e: Equations, nodes: Any) -> list[Node]:
-    """Symbols beyond the states stand for their rates (middle/derive/states.py)."""
-    n = len(e.states)
-    swap = {g.symbol(Symbol(Kind.STATE, n + i)): rate for i, rate in enumerate(e.state_rates)}
-    return substituted(g, nodes, swap)
-
-
 def _partial(g: Graph, node: Node, symbol: Symbol) -> Node:
     return Forward(g, BIT[symbol.kind], lambda leaf: ONE if g.data[leaf] == symbol else ZERO)(node)
 
@@ -143,7 +120,7 @@ def _parameters(e: Equations, given: Given) -> dict[Symbol, Any]:
         if k in given.parameters:
             value = ball(given.parameters[k])
         else:
-            (value,) = Function(e.graph, [slot.default], found)(REAL, {})
+            (value,) = written(e.graph, [slot.default], found)(REAL, {})
         found[Symbol(Kind.PARAMETER, k)] = value
     return found
 
@@ -151,13 +128,13 @@ def _parameters(e: Equations, given: Given) -> dict[Symbol, Any]:
 def _start(e: Equations, given: Given, parameters: Mapping[Symbol, Any]) -> list[Any]:
     n = len(e.coordinates)
     nodes = [*e.start_q, *e.start_v, *e.state_start]
-    values = Function(e.graph, nodes, parameters)(REAL, {})
+    values = written(e.graph, nodes, parameters)(REAL, {})
     known = dict(zip(_all(e), values, strict=True))
     known |= {Symbol(Kind.COORDINATE, i): ball(x) for i, x in given.coordinates.items()}
     for i, x in given.rates.items():
         symbol = Symbol(Kind.RATE, i) if i < n else Symbol(Kind.STATE, i - n)
         known[symbol] = ball(x)
-    return [known[s] for s in _variables(e)]
+    return [known[s] for s in variables(e)]
 
 
 def _all(e: Equations) -> list[Symbol]:

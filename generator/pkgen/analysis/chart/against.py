@@ -1,0 +1,196 @@
+"""Other packages' integrators measured beside pkgen's: same motion, same reference, same error.
+
+Each package's answers are found as pkgen's own are, of its methods alone and by time; then all
+that is compared is timed once more in turns.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import sys
+import time
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+from ...compiler import Compilation
+from ...record import record
+from ...system.progress import Show
+from . import answer, sweep
+from .answer import Answer
+from .errors import Measure, State
+from .exact import Exact
+from .measure import Program
+from .peers import Integrate, Motion, Peer, Refused, Slow
+from .points import FOREIGN, ChartedMethod, Point, Track
+from .spectrum import Spectrum
+from .sweep import Bench
+
+SHARE = 0.5  # of the time that a chart takes, as much again for all packages
+LAP = 1e-3  # seconds of the shortest lap
+ROUNDS, LONGEST, MOST = 3, 0.3, 30  # of timing in turns; seconds of a run that is, and with all
+
+
+@record
+class Beside:
+    """A package's cheapest by time for each accuracy; or `why` it has none."""
+
+    peer: Peer
+    answers: tuple[Answer, ...] = ()
+    why: str = ""
+
+
+class Opened:
+    """A method of a package on one motion; measured as Program.point does its own."""
+
+    def __init__(self, peer: Peer, name: str, motion: Motion):
+        self.motion = motion
+        self.integrate: Integrate = peer.open(motion, name)
+
+    def point(
+        self, method: ChartedMethod, setting: float, seconds: float, cap: float, measure: Measure
+    ) -> Point:
+        motion, error, fastest, slow, reason = self.motion, None, None, False, ""
+        times = [t for t, _ in measure.path] if measure.kind.path else []
+        began = time.process_time()
+        motion.late = began + cap
+        try:
+            with _quiet():
+                states = self.integrate(setting, times)
+                error = measure.of(self._seen(states, times), {})
+                motion.late = math.inf
+                fastest = self._laps(setting, seconds)
+        except Slow:
+            slow = True
+        except Exception as failure:  # whatever a package raises, its run has failed
+            reason = str(failure) or type(failure).__name__
+        done = fastest is not None
+        return Point(
+            method=method.name,
+            setting=setting,
+            status="PK_DONE" if done else "PK_STOPPED" if slow else "failed",
+            reason=reason,
+            slow=slow,
+            t=motion.until if done else 0.0,
+            error=error if done else None,
+            seconds=fastest,
+            steps=None,
+            rejections=None,
+            evaluations=motion.count or None,
+            jacobians=None,
+            work=motion.count or None,
+            took=time.process_time() - began,
+        )
+
+    def _seen(self, states: Any, times: Sequence[float]) -> list[State]:
+        n = self.motion.coordinates
+        rows = [list(map(float, y)) for y in (states if times else states[-1:])]
+        exact = [Exact.of(y, [0.0] * len(y), n) for y in rows]
+        return list(zip(times or [self.motion.until], exact, strict=True))
+
+    def _laps(self, setting: float, seconds: float) -> float:
+        """The fastest of laps over so long or more; `count` is then that of one run."""
+        best, total, block = math.inf, 0.0, 1
+        while best == math.inf or total < seconds:
+            began = time.process_time()
+            for _ in range(block):
+                self.motion.count = 0
+                self.integrate(setting, ())
+            took = time.process_time() - began
+            total += took
+            if took < LAP:
+                block *= 2
+            else:
+                best = min(best, took / block)
+        return best
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Without warnings, and without what compiled code prints, which is not of a chart's output."""
+    sys.stdout.flush()
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
+def opened(
+    peers: Sequence[Peer], compilation: Compilation, starts: list[tuple[Program, Measure]]
+) -> dict[str, str]:
+    """Gives the programs the packages' methods; why not, by the names of packages."""
+    refused: dict[str, str] = {}
+    for peer in peers:
+        if peer.open is None:
+            continue
+        try:
+            for program, measure in starts:
+                motion = Motion(compilation, program, measure.scales)
+                for method, name in zip(peer.charted(), peer.methods, strict=True):
+                    program.peers[method.name] = Opened(peer, name, motion)
+        except Refused as why:
+            refused[peer.name] = str(why)
+    return refused
+
+
+def measure(
+    bench: Bench,
+    peers: Sequence[Peer],
+    compilation: Compilation,
+    spectrum: Spectrum,
+    own: list[Answer],
+    tracks: list[Track],
+    on_progress: Show,
+) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
+    """What packages answer, pkgen's own answers and all tracks, timed again in turns."""
+    refused = opened(peers, compilation, bench.starts)
+    able = [p for p in peers if p.name not in refused]
+    part = SHARE * bench.effort.seconds / max(1, sum(p.open is not None for p in able))
+    bench = replace(bench, effort=replace(bench.effort, seconds=part))
+    found: list[Beside] = [Beside(p, why=refused[p.name]) for p in peers if p.name in refused]
+    for k, peer in enumerate(able):
+        on_progress(k / len(able), peer.name)
+        if peer.open is None:
+            swept = [t for t in tracks if t.method.family == FOREIGN]
+        else:
+            swept = sweep.measure(bench, peer.charted(), spectrum, lambda *_: None)
+        told, swept = answer.answers(bench, swept)
+        found.append(Beside(peer, tuple(a for a in told if a.axis == "seconds")))
+        names = {t.method.name for t in swept}
+        tracks = [*(t for t in tracks if t.method.name not in names), *swept]
+    told = {(a.method.name, a.point.setting): a for b in found for a in b.answers if a.point}
+    told |= {(a.method.name, a.point.setting): a for a in own if a.point and a.axis == "seconds"}
+    times = _in_turns(bench, list(told.values()))
+
+    def timed(p: Point | None) -> Point | None:
+        if p is None or (p.method, p.setting) not in times:
+            return p
+        return replace(p, seconds=times[p.method, p.setting])
+
+    def again(answers: Sequence[Answer]) -> list[Answer]:
+        return [replace(a, point=timed(a.point)) for a in answers]
+
+    tracks = [replace(t, points=tuple(timed(p) for p in t.points)) for t in tracks]
+    beside = tuple(replace(b, answers=tuple(again(b.answers))) for b in found)
+    return beside, again(own), tracks
+
+
+def _in_turns(bench: Bench, answers: list[Answer]) -> dict[tuple[str, float], float]:
+    times: dict[tuple[str, float], float] = {}
+    for _ in range(ROUNDS):
+        for a in answers:
+            least = times.get((a.method.name, a.point.setting), a.point.seconds)
+            if a.point.seconds < LONGEST:
+                again = bench.point(a.method, a.point.setting, cap=MOST * LONGEST)
+                least = min(least, again.seconds or math.inf)
+            times[a.method.name, a.point.setting] = least
+    return times

@@ -1,0 +1,214 @@
+"""Integrators of other packages, a row each, by their own Python API (`--against`).
+
+A package that takes a function gets the model's compiled acceleration by ctypes; one that takes
+expressions gets those of the model's graph. All get one tolerance relative to the size of each
+number, and whatever a package compiles is compiled before it is timed.
+"""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+from ...compiler import Compilation
+from ...functions import FUNCTIONS
+from ...graph.differentiate import reachable
+from ...graph.graph import Kind, Op, Symbol
+from ...graph.written import Written
+from ...middle.first_order import slopes, variables
+from ...record import record
+from ...run.build import runtime_methods
+from .measure import Program
+from .points import GSL, ChartedMethod
+
+if TYPE_CHECKING:
+    import numpy
+
+SELDOM = 64  # evaluations from one look at the clock to the next
+MOST_STEPS = 10**7
+TIME = Symbol(Kind.TIME)
+
+
+class Refused(Exception):
+    """A package cannot be given this model: why."""
+
+
+class Slow(Exception):
+    """An integration that has had its time."""
+
+
+class Motion:
+    """What a package integrates: y' = f(t, y) from `start`, y = (coordinates, rates, first-order
+    variables); `count` is of the calls of f, which raises Slow at the processor's time `late`."""
+
+    def __init__(self, compilation: Compilation, program: Program, scales: Sequence[float]):
+        import numpy
+
+        self.compilation, self.settings = compilation, program.given()
+        self.until = program.settings.until
+        given = program.start
+        self.coordinates = len(given["q"])
+        self.start = numpy.array([*given["q"], *given["v"]], dtype=float)
+        self.scales = numpy.array(scales)
+        self.count, self.late = 0, float("inf")
+        self._idle = program.library.run(self.settings, idle=True)
+        self._rates = self._idle.rates()
+
+    def f(self, t: float, y: numpy.ndarray) -> numpy.ndarray:
+        self.count += 1
+        if self.count % SELDOM == 0 and time.process_time() > self.late:
+            raise Slow
+        return self._rates(t, y)
+
+    def expressions(self, name: str, domain: Any, t: Any, y: Sequence[Any]) -> list[Any]:
+        """F in a package's expressions, the parameters as numbers. Raises Refused."""
+        e = self.compilation.equations
+        if self.compilation.looped or e.acceleration is None:
+            raise Refused(f"the accelerations are too large to be written out for {name}")
+        g = e.graph.copy()
+        nodes = slopes(g, e)
+        called = {
+            g.data[n] for n in reachable(g, nodes) if g.op[n] is Op.CALL and not g.is_constant(n)
+        }
+        for function in sorted(called):
+            if FUNCTIONS[function].kinked and not hasattr(domain, function):
+                raise Refused(f"{name} has no {function}(), which the equations have")
+        constants = {Symbol(Kind.PARAMETER, i): x for i, x in self.settings.parameters}
+        inputs = {Symbol(Kind.INPUT, i): 0.0 for i in range(len(e.inputs))}
+        inputs |= {Symbol(Kind.INPUT, i): x for i, x in self.settings.inputs}
+        values = {TIME: t, **inputs, **dict(zip(variables(e), y, strict=True))}
+        return Written(g, nodes, constants)(domain, values)
+
+
+# (tolerance, times) -> states there; without times the last one.
+Integrate = Callable[[float, Sequence[float]], Any]
+
+
+def gsl_methods() -> list[str]:
+    """Those of GSL that the runtime has, if it was there when that was compiled."""
+    return [name for m in runtime_methods() if (name := str(m["name"])).startswith(GSL)]
+
+
+@record
+class Peer:
+    """`open` makes an integrator of a method and a motion; `takes` says what that is given."""
+
+    name: str  # of --against, and with an underscore before the names of its methods
+    module: str = ""  # what is imported; "": nothing, the runtime has its methods
+    package: str = ""  # what pip installs
+    takes: str = ""
+    methods: Mapping[str, int] = field(default_factory=dict)  # and their orders
+    open: Callable[[Motion, str], Integrate] | None = None
+
+    @property
+    def missing(self) -> str:
+        """Why it cannot be had, and what to do; else nothing."""
+        if not self.module:
+            return "" if gsl_methods() else "pkgen is built without gsl: install libgsl-dev"
+        try:
+            importlib.import_module(self.module)
+        except ImportError as error:
+            return f"{self.name} cannot be imported ({error}): pip install {self.package}"
+        return ""
+
+    @property
+    def version(self) -> str:
+        return f"{self.package} {metadata.version(self.package)}" if self.package else self.name
+
+    def charted(self) -> list[ChartedMethod]:
+        return [
+            ChartedMethod(f"{self.name}_{name}", order, ("adaptive", "dense"), peer=self.version)
+            for name, order in self.methods.items()
+        ]
+
+
+def _scipy(motion: Motion, method: str) -> Integrate:
+    from scipy.integrate import solve_ivp
+
+    def integrate(tolerance: float, times: Sequence[float]) -> Any:
+        done = solve_ivp(
+            motion.f,
+            (0.0, motion.until),
+            motion.start,
+            method=method,
+            rtol=tolerance,
+            atol=tolerance * motion.scales,
+            t_eval=times or None,
+        )
+        if not done.success:
+            raise ArithmeticError(done.message)
+        return done.y.T
+
+    return integrate
+
+
+def _heyoka(motion: Motion, method: str) -> Integrate:
+    """An integrator is compiled for each tolerance, which its order follows from."""
+    import heyoka
+
+    names = [f"y{i}" for i in range(len(motion.start))]
+    y = heyoka.make_vars(*names) if len(names) > 1 else [heyoka.make_vars(*names)]
+    rates = motion.expressions("heyoka", heyoka, heyoka.time, y)
+    system = [(a, heyoka.expression(b)) for a, b in zip(y, rates, strict=True)]
+    compiled: dict[float, Any] = {}
+
+    def integrate(tolerance: float, times: Sequence[float]) -> Any:
+        if tolerance not in compiled:
+            compiled[tolerance] = heyoka.taylor_adaptive(system, list(motion.start), tol=tolerance)
+        it = compiled[tolerance]
+        it.time = 0.0
+        it.state[:] = motion.start
+        if times:
+            outcome, *_, states = it.propagate_grid(list(times), max_steps=MOST_STEPS)
+        else:
+            outcome, *_ = it.propagate_until(motion.until, max_steps=MOST_STEPS)
+            states = [it.state]
+        if outcome != heyoka.taylor_outcome.time_limit:
+            raise ArithmeticError(f"{outcome} at t = {it.time:.3g}")
+        return states
+
+    return integrate
+
+
+def _cvode(motion: Motion, method: str) -> Integrate:
+    import numpy
+    from sksundae.cvode import CVODE
+
+    def rates(t: float, y: Any, out: Any) -> None:
+        out[:] = motion.f(t, y)
+
+    def integrate(tolerance: float, times: Sequence[float]) -> Any:
+        solver = CVODE(
+            rates,
+            method=method,
+            rtol=tolerance,
+            atol=tolerance * motion.scales,
+            max_num_steps=MOST_STEPS,
+        )
+        ends = numpy.array([*times] if times else [0.0, motion.until])
+        done = solver.solve(ends, motion.start)
+        if not done.success:
+            raise ArithmeticError(str(done.message))
+        return done.y
+
+    return integrate
+
+
+COMPILED = "the model's compiled acceleration, by ctypes"
+PEERS = (
+    Peer("scipy", "scipy", "scipy", COMPILED, {"DOP853": 8, "Radau": 5, "LSODA": 12}, _scipy),
+    Peer(
+        "heyoka",
+        "heyoka",
+        "heyoka",
+        "the model's expressions, compiled by LLVM",
+        {"taylor": 20},
+        _heyoka,
+    ),
+    Peer("cvode", "sksundae", "scikit-sundae", COMPILED, {"Adams": 12, "BDF": 5}, _cvode),
+    Peer("gsl"),
+)

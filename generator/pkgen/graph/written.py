@@ -1,0 +1,91 @@
+"""Nodes as one function of Python's text, over whatever has +, * and the functions of the
+language: balls and series (analysis/enclose), another package's expressions (analysis/chart)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from typing import Any
+
+from ..functions import FUNCTIONS
+from .differentiate import reachable
+from .graph import Graph, Kind, Node, Op, Symbol
+
+
+class Floats:
+    """A domain of functions as rows of functions/row.py call them, `enclosed`; of constants also
+    what numbers and pi are."""
+
+    sin, cos, exp, log, sqrt = math.sin, math.cos, math.exp, math.log, math.sqrt
+    asin, acos, atan, atan2, pi = math.asin, math.acos, math.atan, math.atan2, math.pi
+    min, max, number = min, max, float
+
+    @staticmethod
+    def step(x: float) -> float:
+        return FUNCTIONS["step"].real(x)
+
+    @staticmethod
+    def sign(x: float) -> float:
+        return FUNCTIONS["sign"].real(x)
+
+
+class Written:
+    """(domain, values of symbols) -> values of the nodes."""
+
+    def __init__(
+        self, g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any], domain: Any = Floats
+    ):
+        """`constants` are the parameters' values: what depends on these alone is known once, in
+        the `domain` that they are of."""
+        self.nodes = list(nodes)
+        used: dict[str, object] = {}
+        lines: list[str] = []
+        for node in reachable(g, self.nodes):
+            args, data = g.args[node], g.data[node]
+            if not g.is_constant(node):
+                lines.append(f"  x{node} = {_text(g, node, used)}")
+            elif g.op[node] is Op.NUMBER:
+                used[f"x{node}"] = domain.number(data)
+            elif g.op[node] is Op.SYMBOL:
+                used[f"x{node}"] = domain.pi if data.kind is Kind.PI else constants[data]
+            else:
+                scope = used | {f"x{a}": used[f"x{a}"] for a in args} | {"e": domain}
+                used[f"x{node}"] = eval(_text(g, node, used, scope), scope)
+        results = ", ".join(f"x{node}" for node in self.nodes)
+        body = "\n".join([*lines, f"  return [{results}]"])
+        exec(f"def evaluated(e, values):\n{body}", used)
+        self.called: Callable[[Any, Mapping[Symbol, Any]], list[Any]] = used["evaluated"]
+
+    def __call__(self, domain: Any, values: Mapping[Symbol, Any]) -> list[Any]:
+        return self.called(domain, values)
+
+
+def _text(g: Graph, node: Node, used: dict[str, object], scope: dict | None = None) -> str:
+    """The expression of a node; what it names is put into `used` and `scope`."""
+    names = [used] if scope is None else [used, scope]
+    op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
+    if op is Op.SYMBOL:
+        for each in names:
+            each[f"s{node}"] = data
+        return f"values[s{node}]"
+    if op is Op.ADD:
+        return " + ".join(args)
+    if op is Op.MULTIPLY:
+        return " * ".join(args)
+    if op is Op.POWER:
+        return _power(args[0], data)
+    for each in names:
+        each[f"f_{data}"] = FUNCTIONS[data].enclosed
+    return f"f_{data}(e, {', '.join(args)})"
+
+
+def _power(base: str, exponent: Fraction) -> str:
+    """By products and one division, by a root where it is half a whole number."""
+    whole, twice = exponent.denominator == 1, exponent.denominator == 2
+    if not (whole or twice):
+        return f"e.exp(e.log({base}) * {exponent.numerator} / {exponent.denominator})"
+    text = base if whole else f"e.sqrt({base})"
+    power = abs(exponent.numerator)
+    text = text if power == 1 else f"({text}) ** {power}"
+    return text if exponent > 0 else f"1 / ({text})"
