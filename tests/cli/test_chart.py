@@ -326,6 +326,7 @@ def test_families_follow_from_what_a_method_says_of_itself() -> None:
         points.DISSIPATIVE: ChartedMethod("any", 5, ("implicit",)),
         points.FOREIGN: ChartedMethod("gsl_any", 5, ("adaptive",)),
         points.EXACT: ChartedMethod("any", 0, ("exact",), ("affine",)),
+        points.PEER: ChartedMethod("gsl_any", 5, ("adaptive",), peer="package 1.0"),
     }
     assert {family: m.family for family, m in of.items()} == {f: f for f in draw.STYLES}
 

@@ -19,7 +19,7 @@ class Floats:
 
     sin, cos, exp, log, sqrt = math.sin, math.cos, math.exp, math.log, math.sqrt
     asin, acos, atan, atan2, pi = math.asin, math.acos, math.atan, math.atan2, math.pi
-    min, max, number = min, max, float
+    min, max, abs, number = min, max, abs, float
 
     @staticmethod
     def step(x: float) -> float:

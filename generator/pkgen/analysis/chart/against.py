@@ -124,19 +124,21 @@ def _quiet() -> Iterator[None]:
         os.close(nowhere)
 
 
-def opened(
+def refusals(
     peers: Sequence[Peer], compilation: Compilation, starts: list[tuple[Program, Measure]]
 ) -> dict[str, str]:
-    """Gives the programs the packages' methods; why not, by the names of packages."""
+    """Gives the programs the packages' methods; and why not, by the names of packages."""
     refused: dict[str, str] = {}
-    for peer in peers:
-        if peer.open is None:
-            continue
+    e = compilation.equations
+    jolts = [] if compilation.looped else [x.quantity.name for x in e.jolted]
+    for peer in (p for p in peers if p.open):
         try:
+            if jolts:
+                raise Refused(f"rates jump where {jolts[0]} is zero, which it does not locate")
             for program, measure in starts:
                 motion = Motion(compilation, program, measure.scales)
                 for method, name in zip(peer.charted(), peer.methods, strict=True):
-                    program.peers[method.name] = Opened(peer, name, motion)
+                    program.peers[method.name] = Opened(peer, name, motion).point
         except Refused as why:
             refused[peer.name] = str(why)
     return refused
@@ -152,7 +154,7 @@ def measure(
     on_progress: Show,
 ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
     """What packages answer, pkgen's own answers and all tracks, timed again in turns."""
-    refused = opened(peers, compilation, bench.starts)
+    refused = refusals(peers, compilation, bench.starts)
     able = [p for p in peers if p.name not in refused]
     part = SHARE * bench.effort.seconds / max(1, sum(p.open is not None for p in able))
     bench = replace(bench, effort=replace(bench.effort, seconds=part))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ...methods import Own, known
 from ...run.library import USAGE, Run, load
@@ -17,10 +17,10 @@ from .errors import Measure, State
 from .exact import Exact
 from .points import ChartedMethod, Point
 
-if TYPE_CHECKING:
-    from .against import Opened
-
 AS_REPORTED = ("status", "slow", "t", "steps", "rejections", "evaluations", "jacobians")
+
+# As Program.point.
+Measured = Callable[[ChartedMethod, float, float, float, Measure], Point]
 
 
 class Program:
@@ -30,7 +30,7 @@ class Program:
         self.known = known(own)
         self.library = load(path)
         self.settings = settings
-        self.peers: dict[str, Opened] = {}  # methods of other packages, by name
+        self.peers: dict[str, Measured] = {}  # methods of other packages, by name
 
     def run(self, method: str, setting: float, **more: object) -> Run:
         """By a method at a step or rtol. Raises UsageError for wrong settings."""
@@ -90,7 +90,7 @@ class Program:
         """One integration and laps of it, compared with the reference. A step is made a whole part
         of the time to go, as the driver makes it: a run by it is the one measured."""
         if method.name in self.peers:
-            return self.peers[method.name].point(method, setting, seconds, cap, measure)
+            return self.peers[method.name](method, setting, seconds, cap, measure)
         until = self.settings.until
         if method.fixed:
             setting = until / max(1, math.ceil(until / setting * (1 - 1e-12)))

@@ -11,7 +11,6 @@ import importlib
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
-from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 from ...compiler import Compilation
@@ -117,6 +116,8 @@ class Peer:
 
     @property
     def version(self) -> str:
+        from importlib import metadata
+
         return f"{self.package} {metadata.version(self.package)}" if self.package else self.name
 
     def charted(self) -> list[ChartedMethod]:
