@@ -9,6 +9,7 @@ from fractions import Fraction
 from ..functions import FUNCTIONS
 from .differentiate import reachable, swept
 from .graph import Graph, Kind, Node, Op, Symbol
+from .written import text_of
 
 COMPILED = 5_000  # nodes
 _PLAIN = 1e300  # a larger number may be none of doubles
@@ -34,21 +35,13 @@ class Evaluator:
         used: dict[str, object] = {"pow": math.pow}
         lines = []
         for node in order:
-            op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
+            op, data = g.op[node], g.data[node]
             if op is Op.NUMBER:
                 value = repr(float(data)) if abs(data) < _PLAIN else f"value({node})"
-            elif op is Op.SYMBOL:
-                used[f"s{node}"] = data
-                value = repr(math.pi) if data.kind is Kind.PI else f"values[s{node}]"
-            elif op is Op.ADD:
-                value = " + ".join(args)
-            elif op is Op.MULTIPLY:
-                value = " * ".join(args)
-            elif op is Op.POWER:
-                value = f"pow({args[0]}, {float(data)!r})"
+            elif op is Op.SYMBOL and data.kind is Kind.PI:
+                value = repr(math.pi)
             else:
-                used[f"f_{data}"] = FUNCTIONS[data].real
-                value = f"f_{data}({', '.join(args)})"
+                value = text_of(g, node, (used,), "real", "", _power)
             lines.append(f"  x{node} = {value}")
         used["value"] = lambda node: float(g.data[node])
         results = ", ".join(f"x{node}" for node in self.nodes)
@@ -64,6 +57,10 @@ class Evaluator:
             return self._evaluated(values)
         except (ValueError, OverflowError, ZeroDivisionError):
             return evaluate(self.graph, self.nodes, values)
+
+
+def _power(base: str, exponent: Fraction) -> str:
+    return f"pow({base}, {float(exponent)!r})"
 
 
 def value_of(g: Graph, node: Node, args: list[float], values: Mapping[Symbol, float]) -> float:

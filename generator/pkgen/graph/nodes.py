@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from copy import copy
 from fractions import Fraction
 from sys import maxsize
@@ -69,7 +70,7 @@ class TooLarge(Exception):
 SQUARES = {"sin": "cos", "cos": "sin"}
 
 
-class Nodes:
+class Nodes(ABC):
     """Hash-consed nodes; `Graph` adds the constructors that simplify."""
 
     def __init__(self, limit: int | None = None) -> None:
@@ -100,17 +101,17 @@ class Nodes:
 
     # Constructors that `Graph` has.
 
-    def add(self, a: Node, b: Node) -> Node:
-        raise NotImplementedError
+    @abstractmethod
+    def add(self, a: Node, b: Node) -> Node: ...
 
-    def multiply(self, a: Node, b: Node) -> Node:
-        raise NotImplementedError
+    @abstractmethod
+    def multiply(self, a: Node, b: Node) -> Node: ...
 
-    def negate(self, a: Node) -> Node:
-        raise NotImplementedError
+    @abstractmethod
+    def negate(self, a: Node) -> Node: ...
 
-    def _product_of(self, factors: Factors) -> Node:
-        raise NotImplementedError
+    @abstractmethod
+    def _product_of(self, factors: Factors) -> Node: ...
 
     def __len__(self) -> int:
         return len(self.op)

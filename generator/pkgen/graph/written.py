@@ -62,22 +62,31 @@ class Written:
 
 
 def _text(g: Graph, node: Node, used: dict[str, object], scope: dict | None = None) -> str:
-    """The expression of a node; what it names is put into `used` and `scope`."""
-    names = [used] if scope is None else [used, scope]
+    return text_of(g, node, (used,) if scope is None else (used, scope), "enclosed", "e, ", _power)
+
+
+def text_of(
+    g: Graph,
+    node: Node,
+    scopes: Iterable[dict[str, object]],
+    function: str,
+    before: str,
+    power: Callable[[str, Fraction], str],
+) -> str:
+    """The expression of a node that is no number, of x0, x1, ... and what is put into `scopes`: its
+    symbol, or of its function what the row calls `function`, given `before` its arguments."""
     op, args, data = g.op[node], [f"x{a}" for a in g.args[node]], g.data[node]
-    if op is Op.SYMBOL:
-        for each in names:
-            each[f"s{node}"] = data
-        return f"values[s{node}]"
     if op is Op.ADD:
         return " + ".join(args)
     if op is Op.MULTIPLY:
         return " * ".join(args)
     if op is Op.POWER:
-        return _power(args[0], data)
-    for each in names:
-        each[f"f_{data}"] = FUNCTIONS[data].enclosed
-    return f"f_{data}(e, {', '.join(args)})"
+        return power(args[0], data)
+    symbol = op is Op.SYMBOL
+    name = f"s{node}" if symbol else f"f_{data}"
+    for each in scopes:
+        each[name] = data if symbol else getattr(FUNCTIONS[data], function)
+    return f"values[{name}]" if symbol else f"{name}({before}{', '.join(args)})"
 
 
 def _power(base: str, exponent: Fraction) -> str:

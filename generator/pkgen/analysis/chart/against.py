@@ -124,10 +124,10 @@ def _quiet() -> Iterator[None]:
         os.close(nowhere)
 
 
-def refusals(
+def lend(
     peers: Sequence[Peer], compilation: Compilation, starts: list[tuple[Program, Measure]]
 ) -> dict[str, str]:
-    """Gives the programs the packages' methods; and why not, by the names of packages."""
+    """Lends the programs the packages' methods; returns why not, by the names of packages."""
     refused: dict[str, str] = {}
     e = compilation.equations
     jolts = [] if compilation.looped else [x.quantity.name for x in e.jolted]
@@ -154,7 +154,7 @@ def measure(
     on_progress: Show,
 ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
     """What packages answer, pkgen's own answers and all tracks, timed again in turns."""
-    refused = refusals(peers, compilation, bench.starts)
+    refused = lend(peers, compilation, bench.starts)
     able = [p for p in peers if p.name not in refused]
     part = SHARE * bench.effort.seconds / max(1, sum(p.open is not None for p in able))
     bench = replace(bench, effort=replace(bench.effort, seconds=part))

@@ -30,7 +30,7 @@ class Program:
         self.known = known(own)
         self.library = load(path)
         self.settings = settings
-        self.peers: dict[str, Measured] = {}  # methods of other packages, by name
+        self.peers: dict[str, Measured] = {}  # methods of other packages, which are lent, by name
 
     def run(self, method: str, setting: float, **more: object) -> Run:
         """By a method at a step or rtol. Raises UsageError for wrong settings."""

@@ -9,7 +9,7 @@ from typing import Any
 from ...equations import Equations
 from ...graph.differentiate import Forward
 from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Symbol
-from ...middle.first_order import slopes, variables, without_rates_of_states
+from ...middle.slopes import slopes, variables, without_rates_of_states
 from ...record import record
 from .domains import Complexes, Reals, Series, ball, flint, written
 

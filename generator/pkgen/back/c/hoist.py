@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
@@ -19,7 +20,7 @@ def rewritten(targets: Iterable[Target], new: Mapping[Node, Node]) -> list[Targe
     return [replace(t, nodes=tuple(new[node] for node in t.nodes)) for t in targets]
 
 
-class Hoisting:
+class Hoisting(ABC):
     """The expressions of one C file, and what `prepare` computes for all of them."""
 
     def __init__(self, graph: Graph, name: str, libm: bool) -> None:
@@ -30,9 +31,9 @@ class Hoisting:
         self.helpers: set[str] = set()
         self._leaves: dict[Node, Code] = {}
 
+    @abstractmethod
     def symbol(self, symbol: Symbol) -> Code:
         """The text of a symbol other than pi and t."""
-        raise NotImplementedError
 
     def fixed_leaf(self, node: Node) -> Code | None:
         """The text of what needs no computing where nothing is hoisted."""

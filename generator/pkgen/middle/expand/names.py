@@ -6,6 +6,7 @@ coordinates go over to rates, t to 1, an input to its derivative, a state to its
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeVar
@@ -66,7 +67,7 @@ class Acceleration(Exception):
     """The time derivative of a rate."""
 
 
-class Names:
+class Names(ABC):
     """Holds the graph while the statements of one model are entered into it."""
 
     def __init__(self, model: Model, orders: tuple[int, ...]):
@@ -152,9 +153,9 @@ class Names:
             raise error(self.model, "a vector where a single value is needed", expr.span)
         return value
 
+    @abstractmethod
     def value(self, expr: Expr, loop: Loop) -> Value:
         """`Expander` has it."""
-        raise NotImplementedError
 
     def refused(self, message: str, span: Span) -> Exception:
         """What is to be raised where an expression cannot be entered."""
