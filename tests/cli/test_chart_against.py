@@ -57,8 +57,9 @@ FREE = "coord x, y\nkinetic (x'^2 + y'^2)/2\n"
 KINDS = {
     "force": f"{FREE}potential p*x^2*y^2/2 + x\nforce x = {{}}\n",
     "mass": "coord x, y\nkinetic (2 + sin({}))*x'^2/2 + y'^2/2 + x'*y'/3\npotential {}\n",
-    "state": f"{FREE}state s\npotential s*x\nrate s = {{}} - s*y'\n",
-    "states": "state x, y\nrate x = y*{}\nrate y = p*x - {}\n",
+    "state": "coord x, y\nstate s\nkinetic (2 + s^2)*(x'^2 + y'^2)/2\npotential s*x\n"
+    "rate s = {} - s*y'\n",
+    "states": "state x, y\nrate x = y*{}\nrate y = p*x' - {}\n",
     "input": f"{FREE}input u\npotential p*u*x*y + {{}}\n",
     "constraint": f"{FREE}potential {{}}\nconstraint rod: x + 2*y = 0.2*sin(x*y)\n",
     "rotation": "rotation R\nlet w = omega(R)\nkinetic (p*w.x^2 + 2*w.y^2 + 3*w.z^2)/2\n"
@@ -186,6 +187,7 @@ def test_another_package_is_measured_as_pkgens_methods_are(found) -> None:
     assert all(a["method"] in ("rk4", "dop853") or "gsl" in a["method"] for a in told["answers"])
     assert "known_good</text>" in page and "As long as that takes" in page
     assert "<td>known_good</td>" in page and "pkgen run" in page
+    assert "<h2>Other packages</h2>" in page and page.count(f"<td>{beside[0]['package']}</td>") == 4
 
 
 BRIEF = ("--against", "known", "--methods", "rk4", "--points", 5, "--seconds", 0.3)
@@ -279,6 +281,26 @@ def test_a_package_does_as_it_is_told(name: str, found) -> None:
         assert min(mine) < 1e-3 * mine[0] and min(mine) < 1e-9
     answers = [a for a in told["against"] if a["package"] == row.version]
     assert len(answers) == 4 and answers[0]["method"] and answers[1]["method"]
+
+
+@pytest.mark.parametrize("name", [p.name for p in peers.PEERS if p.takes == COMPILED])
+def test_a_tolerance_is_relative_to_the_size_of_each_number(name: str, tmp_path: Path) -> None:
+    """A linear motion of 2^20 times the size is made of the same steps; not so by heyoka, which has
+    one tolerance for all numbers together."""
+    (row,) = (p for p in peers.PEERS if p.name == name)
+    if row.missing:
+        pytest.skip(row.missing)
+    path = tmp_path / "oscillator.lag"
+    path.write_text(MODEL)
+    for method in row.methods:
+        ends = []
+        for size in (1.0, 2.0**20):
+            motion = motion_of(path, "--until", UNTIL, "--start", f"x={size}")
+            motion.scales = numpy.array([size, size])
+            state = row.open(motion, method)(1e-5, ())[-1]
+            ends.append([float(x) / size for x in state])
+        assert ends[0] == pytest.approx(ends[1], rel=1e-12)
+        assert ends[0] != pytest.approx([math.cos(UNTIL), -math.sin(UNTIL)], rel=1e-15)
 
 
 def test_scipys_errors_are_those_of_a_program_of_ones_own(found) -> None:
