@@ -9,7 +9,6 @@ from typing import Any
 from ...equations import Equations
 from ...graph.differentiate import Forward
 from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Symbol
-from ...graph.substitute import substituted
 from ...middle.slopes import slopes, variables
 from ...record import record
 from .domains import Complexes, Reals, Series, ball, flint, written
@@ -49,8 +48,7 @@ class Flow:
         ]
         nodes = [jacobian[i][j] for i, j in self.entries]
         self.jacobian = written(g, nodes, self.parameters)
-        shown = _without_rates_of_states(g, e, given.columns)
-        self.columns = written(g, shown, self.parameters)
+        self.columns = written(g, given.columns, self.parameters)
         self.start = _start(e, given, self.parameters)
 
     def values(self, t: Any, y: list[Any]) -> dict[Symbol, Any]:
@@ -108,13 +106,6 @@ def _coefficient(value: Any, k: int) -> Any:
     if isinstance(value, library.arb_series):
         return value[k]
     return library.arb(value) if k == 0 else library.arb(0)
-
-
-def _without_rates_of_states(g: Graph, e: Equations, nodes: list[Node]) -> list[Node]:
-    """Symbols beyond the states stand for their rates (middle/derive/states.py)."""
-    n = len(e.states)
-    swap = {g.symbol(Symbol(Kind.STATE, n + i)): rate for i, rate in enumerate(e.state_rates)}
-    return substituted(g, nodes, swap)
 
 
 def _partial(g: Graph, node: Node, symbol: Symbol) -> Node:
