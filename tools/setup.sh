@@ -18,6 +18,7 @@ else
     editable=-e
     extra='[dev]'
 fi
+mkdir -p build
 log=build/setup.log
 : >"$log"
 
