@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from . import (
+    beyond,
     chains,
     coupled,
     driven,
@@ -19,7 +20,7 @@ from . import (
 from .prediction import Missing
 
 LISTED = (linear, resonance, kepler, pendulum, coupled, chains, tops, ends)
-OWN = (modified, maps, scaling, driven)
+OWN = (modified, maps, scaling, driven, beyond)
 
 PREDICTIONS = [entry for part in (*LISTED, *OWN) for entry in part.PREDICTIONS]
 

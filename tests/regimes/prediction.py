@@ -31,6 +31,9 @@ class Prediction:
     missed: str = ""  # why it is not met, where it is not
     own: bool = False  # not in the list of regimes
     no_method: str = ""  # why what is worse is no other method, where it is not
+    command: str = ""  # of pkgen, where it is measured by that: shown.py
+    read: str = ""  # of what it leaves
+    instead: str = ""  # options of the worse run
 
     def met(self, value: float) -> bool:
         if isinstance(self.predicted, tuple):

@@ -23,8 +23,8 @@ HEAD = """\
 
 Each prediction was made before it was run: a closed form, evaluated beside the test, or a value
 converged by other means. The models are in `tests/regimes/models/` (some in `models/`), the
-predictions and how each is measured in `tests/regimes/*.py`; steps are the runtime's own, taken
-one by one. A prediction is met if the measured value lies within the tolerance of it, or in the
+predictions and how each is measured in `tests/regimes/*.py`: by the runtime's own steps, taken
+one by one, or (the third table) by commands that are shown. A prediction is met if the measured value lies within the tolerance of it, or in the
 band that it is, and the worse method beside it, measured in the same way, does not; where no
 method can be worse, something else is changed, and why stands at the end. A limit that is met says
 more: the motion is stable at .999 of it and grows at 1.001. `make test` measures the short ones,
@@ -93,7 +93,9 @@ def write(entry: Prediction, measured: float, worse: float) -> None:
     with LOCK.open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         known = rows() | {entry.id: row(entry, measured, worse)}
-        PAGE.write_text(text(known), encoding="utf-8")
+        new = LOCK.with_suffix(".md")
+        new.write_text(text(known), encoding="utf-8")
+        os.replace(new, PAGE)  # others read it
 
 
 def table(entries: list[Prediction], known: dict[str, list[str]]) -> str:
@@ -102,13 +104,46 @@ def table(entries: list[Prediction], known: dict[str, list[str]]) -> str:
     return "".join("| " + " | ".join(line) + " |\n" for line in lines)
 
 
+BY_COMMAND = """\
+These were measured by pkgen's commands alone. Each, in `tests/regimes/models`, is followed by
+`-o rows.csv`; what is read is an expression in the columns, in `report` (that of `rows.csv.json`,
+of other commands than `run` what `--json` prints) and in what `tests/regimes/shown.py` has
+(`slope`, the power of a loop's variable; `times`, those of an event). The worse run has the
+options of the last column instead of the same ones, or besides.
+
+"""
+
+
+def commands() -> str:
+    found = [e for e in PREDICTIONS if e.command]
+    cells = [("id", "command", "what is read", "worse"), ("---",) * 4]
+    cells += [(e.id, f"`{e.command}`", f"`{e.read}`", f"`{e.instead}`") for e in found]
+    return "".join("| " + " | ".join(line) + " |\n" for line in cells)
+
+
+def command_of(id: str) -> str:
+    """As the page shows it."""
+    lines = [cells(x) for x in PAGE.read_text(encoding="utf-8").splitlines() if x.startswith("| ")]
+    (found,) = [c[1] for c in lines if len(c) == 4 and c[0] == id]
+    return found.strip("`")
+
+
+def sections() -> tuple[list[Prediction], ...]:
+    """The list of regimes, what is not in it, and what commands measure, which is not either."""
+    return (
+        [e for e in PREDICTIONS if not e.own],
+        [e for e in PREDICTIONS if e.own and not e.command],
+        [e for e in PREDICTIONS if e.command],
+    )
+
+
 def text(known: dict[str, list[str]]) -> str:
-    listed = [e for e in PREDICTIONS if not e.own]
-    own = [e for e in PREDICTIONS if e.own]
+    listed, own, shown = sections()
+    missed = [e for e in PREDICTIONS if e.missed]
     said = [HEAD, "## Regimes\n\n", table(listed, known)]
     said += ["\n## More of them\n\n", "Predictions that are not in that list.\n\n"]
-    said += [table(own, known), "\n## Misses\n\n"]
-    missed = [e for e in PREDICTIONS if e.missed]
+    said += [table(own, known), "\n## By commands\n\n", table(shown, known), "\n"]
+    said += [BY_COMMAND, commands(), "\n## Misses\n\n"]
     said += [f"- **{e.id}**: {e.missed}\n" for e in missed] or ["None.\n"]
     said += ["\n## Without a worse method\n\n", WITHOUT, "| id | changed | why |\n", "| --- " * 3]
     said += ["|\n", *(f"| {e.id} | {e.worse} | {e.no_method} |\n" for e in without_method())]

@@ -1,0 +1,136 @@
+"""Predictions that are measured by pkgen's commands alone, as the page shows them.
+
+An entry has a command, to be run in tests/regimes/models, and what is read of its output: an
+expression in the columns of the rows (x' is the rate of x), `t`, `report` (the JSON) and the
+functions below. `instead` are options of the worse run, in place of the same ones or besides. In
+`for h in 0.1 0.05; do ...; done` a command is run for each value; "power of h: EXPRESSION" is the
+exponent by which what is read goes with it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shlex
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from conftest import run_pkgen
+
+from .prediction import Prediction, slope
+
+MODELS = Path(__file__).parent / "models"
+LOOP = re.compile(r"for (\w+) in ([^;]+); do (.+); done")
+POWER = re.compile(r"power of (\w+): (.+)")
+
+
+def with_options(command: str, instead: str) -> str:
+    """The command with these options, each with a value, in place of its own or besides."""
+    words, changes = shlex.split(command), shlex.split(instead)
+    for option, given in zip(changes[::2], changes[1::2], strict=True):
+        assert option.startswith("--"), instead
+        name = given.split("=")[0] + "=" if option in ("--set", "--start") else ""
+        for i in range(len(words) - 1):
+            if words[i] == option and words[i + 1].startswith(name):
+                words[i + 1] = given
+                break
+        else:
+            words += [option, given]
+    return " ".join(w if re.fullmatch(r"[\w.$=+*/,-]+", w) else f'"{w}"' for w in words)
+
+
+@cache
+def outcome(command: str) -> dict[str, object]:
+    """What a command leaves: its columns, and what it reports."""
+    program, *words = shlex.split(command)
+    assert program == "pkgen", command
+    with tempfile.TemporaryDirectory() as folder:
+        rows = Path(folder) / "rows.csv"
+        done = run_pkgen(*words, *(["-o", rows] if words[0] == "run" else []), cwd=MODELS)
+        found: dict[str, object] = {"exit_code": done.returncode, "said": done.stderr}
+        if words[0] != "run":
+            found["report"] = json.loads(done.stdout)
+            return found
+        if not rows.exists():  # of a run that failed
+            rows = rows.with_suffix(".csv.partial")
+        if not rows.exists():
+            return found
+        found["report"] = json.loads(Path(f"{rows}.json").read_text())["report"]
+        head, *lines = rows.read_text().splitlines()
+    numbers = np.array([[float(x) for x in line.split(",")] for line in lines])
+    return found | dict(zip(map(identifier, head.split(",")), numbers.T, strict=True))
+
+
+def identifier(column: str) -> str:
+    return re.sub(r"\W+", "_", column.replace("'", "_rate"))
+
+
+def times(report: dict, name: str) -> np.ndarray:
+    """Those of an event or a switch."""
+    (found,) = [e for e in (*report["events"], *report["switches"]) if e["name"] == name]
+    return np.array(found["times"])
+
+
+def first(found: np.ndarray) -> float:
+    """Infinite if there is none."""
+    return found[0] if len(found) else math.inf
+
+
+FUNCTIONS = {
+    **{name: getattr(np, name) for name in ("abs", "sqrt", "log", "exp", "diff", "argmax")},
+    **{name: getattr(np, name) for name in ("arctan2", "hypot", "unwrap", "median", "sign")},
+    **{"max": np.max, "min": np.min, "pi": math.pi, "cos": np.cos, "sin": np.sin, "len": len},
+    **{
+        "acos": np.arccos,
+        "times": times,
+        "slope": slope,
+        "mean": np.mean,
+        "sum": np.sum,
+        "first": first,
+    },
+}
+
+
+def read(command: str, expression: str) -> float:
+    text = re.sub(r"(\w+)'", lambda m: identifier(m[0]), expression)
+    return float(eval(text, {"__builtins__": {}}, FUNCTIONS | outcome(command)))
+
+
+def value(command: str, expression: str) -> float:
+    loop = LOOP.fullmatch(command)
+    if not loop:
+        return read(command, expression)
+    name, values, body = loop.groups()
+    power = POWER.fullmatch(expression)
+    assert power and power[1] == name, expression
+    found = [read(body.replace(f"${name}", x), power[2]) for x in values.split()]
+    return slope([float(x) for x in values.split()], found)
+
+
+def worse_command(command: str, instead: str) -> str:
+    loop = LOOP.fullmatch(command)
+    if not loop:
+        return with_options(command, instead)
+    return command.replace(loop[3], with_options(loop[3], instead))
+
+
+def shown(
+    id: str,
+    system: str,
+    says: str,
+    predicted: float | tuple[float, float],
+    tolerance: float,
+    command: str,
+    read: str,
+    instead: str,
+    **more,
+) -> Prediction:
+    worse = re.sub(r"^--method (\w+) ?", r"\1, ", instead).removesuffix(", ")
+    return Prediction(
+        id, system, says, predicted, tolerance,
+        lambda: value(command, read), worse, lambda: value(worse_command(command, instead), read),
+        own=True, command=command, read=read, instead=instead, **more,
+    )  # fmt: skip
