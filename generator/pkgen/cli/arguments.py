@@ -73,6 +73,14 @@ def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
     add("--width", type=float, metavar="MM", help="of the picture: 90, a column, or 180, a page")
 
 
+def of_a_look(parser: argparse.ArgumentParser) -> None:
+    """What is asked of a picture that pkgen measures for: pictures.look_of()."""
+    add = parser.add_argument
+    add("--width", type=float, metavar="MM", help="of the picture: 90, a column, or 180, a page")
+    add("--format", default="svg,png", metavar="LIST", help="of the picture: svg,png,pdf,pgf")
+    add("--dark", action="store_true", help="a picture for a dark page")
+
+
 def of_a_run(parser: argparse.ArgumentParser) -> None:
     of_an_integration(parser)
     add = parser.add_argument

@@ -12,14 +12,13 @@ from ..analysis.chart import chart as charts
 from ..analysis.chart import table
 from ..analysis.chart.chart import Chart
 from ..analysis.chart.errors import KINDS
-from ..analysis.chart.look import Look
 from ..analysis.chart.peers import PEERS, Peer, gsl_methods
 from ..analysis.chart.points import ChartedMethod
 from ..analysis.chart.sweep import Effort
 from ..analysis.chart.text import report
 from ..compiler import Compilation
 from ..own.given import given
-from ..plot import style
+from ..plot.style import Look
 from ..run.build import runtime_methods
 from ..run.settings import Settings
 from ..scenes import asked as parsing
@@ -30,11 +29,10 @@ from ..system.files import moved, scratch
 from ..system.progress import progress, unseen
 from . import arguments as shared
 from .compilation import compile_within_limits
-from .pictures import WIDTHS
+from .pictures import look_of
 
 STARTS = 99
 COSTS = {"time": "seconds", "evaluations": "work", "steps": "steps"}
-FORMATS = (*style.FORMATS, style.OF_LATEX)
 # Of a chart, which --long is not.
 OF_CHART = {
     "points": None,
@@ -60,9 +58,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--against", metavar="LIST", help=f"other packages in the same picture, of {known}")
     add("--cost", choices=tuple(COSTS), default="time", help="of the picture (default: time)")
     add("--full", action="store_true", help="pictures of all methods too, and of each family")
-    add("--width", type=float, default=180, metavar="MM", help="of the picture (default: 180)")
-    add("--format", default="svg,png", metavar="LIST", help="of the picture: svg,png,pdf,pgf")
-    add("--dark", action="store_true", help="a picture for a dark page")
+    shared.of_a_look(parser)
     add("--long", action="store_true", help="drifts over 1e1 to 1e7 fixed steps instead")
     add("--step", metavar="H", help="of --long (default: 1/32 of the fastest period)")
     add("--quick", action="store_true", help="fewer points, shorter laps, 8 s of measuring")
@@ -71,7 +67,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Chart accuracy against cost, by every method that applies."""
-    effort, look = _effort(options), _look(options)
+    effort, look = _effort(options), look_of(options)
     directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     peers = _peers(options)
@@ -189,16 +185,6 @@ def _effort(options: argparse.Namespace) -> Effort:
     return Effort.usual(options.points, options.seconds, options.quick)
 
 
-def _look(options: argparse.Namespace) -> Look:
-    formats = tuple(kind.strip() for kind in options.format.split(",") if kind.strip())
-    for kind in formats:
-        if kind not in FORMATS:
-            raise UsageError(parsing.unknown("--format", kind, FORMATS, "kind of picture"))
-    if not WIDTHS[0] <= options.width <= WIDTHS[1]:
-        raise UsageError(f"--width {options.width:g}: from {WIDTHS[0]:g} to {WIDTHS[1]:g} mm")
-    return Look(COSTS[options.cost], options.width, formats, options.dark)
-
-
 def _given(options: argparse.Namespace) -> list[str]:
     """The options that a run of one of the points repeats."""
     words = [("--scene", options.scene)] if options.scene else []
@@ -216,7 +202,7 @@ def _write(directory: Path, chart: Chart, options: argparse.Namespace, look: Loo
     text = report(chart, options.model, _given(options))
     with scratch() as folder:
         stem = folder / f"{chart.model}_chart"
-        files = picture.write(chart, stem, look)
+        files = picture.write(chart, stem, look, COSTS[options.cost])
         if options.full:
             files += draw.pictures(chart, stem)
         for suffix, content in (

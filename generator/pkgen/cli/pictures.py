@@ -18,6 +18,7 @@ from ..plot.view import View
 from ..record import record
 from ..run import named
 from ..run.simulate import columns
+from ..scenes.asked import unknown
 from ..system.exits import UsageError
 from ..system.files import place
 from ..system.near import near
@@ -78,6 +79,17 @@ def width(options: argparse.Namespace) -> float | None:
     if not WIDTHS[0] <= options.width <= WIDTHS[1]:
         raise UsageError(f"--width {options.width:g}: from {WIDTHS[0]:g} to {WIDTHS[1]:g} mm")
     return options.width / MILLIMETRES
+
+
+def look_of(options: argparse.Namespace) -> style.Look:
+    """Of arguments.of_a_look(). Raises UsageError."""
+    formats = tuple(kind.strip() for kind in options.format.split(",") if kind.strip())
+    known = (*style.FORMATS, style.OF_LATEX)
+    for kind in formats:
+        if kind not in known:
+            raise UsageError(unknown("--format", kind, known, "kind of picture"))
+    millimetres = (width(options) or style.PAGE) * MILLIMETRES
+    return style.Look(millimetres, formats, options.dark)
 
 
 def recorded(

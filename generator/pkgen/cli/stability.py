@@ -14,6 +14,7 @@ from ..analysis.stability.map import MapOptions, StabilityMap
 from ..analysis.stability.misses import misses, unpredicted
 from ..compiler import Compilation
 from ..own.given import given
+from ..plot.style import Look
 from ..scenes import asked as parsing
 from ..scenes.use import whole
 from ..system.exits import DONE, UsageError
@@ -22,6 +23,7 @@ from ..system.progress import progress
 from ..system.toolchain import BuildError, find_toolchain
 from . import arguments as shared
 from .compilation import compile_within_limits
+from .pictures import look_of
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,6 +37,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--steps", metavar="LO..HI", help="default: to somewhat beyond the predicted limits")
     add("--points", metavar="NxM", help="steps x values (default 48x32)")
     add("--quick", action="store_true", help="24x12 points, and resonances measured with less")
+    shared.of_a_look(parser)
     shared.of_implicit_methods(parser)
     parser.set_defaults(method="rk4")  # a run wants one; the maps have their own
 
@@ -45,13 +48,13 @@ def run(options: argparse.Namespace) -> int:
         raise BuildError(
             "pkgen stability finds equilibria and modes by GSL, which is not installed"
         )
-    directory = parsing.directory(options.directory)
+    look, directory = look_of(options), parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     _refuse_states(compilation)
     asked = _asked(options, compilation)
     with progress(compilation.model.name) as show:
         made = maps.make(compilation, asked, show)
-    files = _write(directory, made)
+    files = _write(directory, made, look)
     if options.json:
         print(json.dumps(record(made, files), indent=1))
     else:
@@ -110,12 +113,12 @@ def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:
     )
 
 
-def _write(directory: Path, made: StabilityMap) -> list[Path]:
+def _write(directory: Path, made: StabilityMap, look: Look) -> list[Path]:
     from ..analysis.stability import draw, page
 
     with scratch() as folder:
         stem = folder / f"{made.compilation.model.name}_stability"
-        files = draw.pictures(made, stem)
+        files = draw.pictures(made, stem, look)
         for suffix, content in ((".csv", text.as_csv(made)), (".html", page.html(made, files[0]))):
             files.append(stem.with_suffix(suffix))
             files[-1].write_text(content, encoding="utf-8")

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..record import record
 from ..system.exits import UsageError
 
 if TYPE_CHECKING:
@@ -83,8 +84,44 @@ DARK = {
 LIGHTER = {BLUE: "#6FB1E8", RED: "#F0894A", BLACK: DARK_INK, GREEN: "#2FBF95"}
 
 
-def look(dark: bool) -> dict[str, object]:
-    return {**LOOK, **DARK} if dark else LOOK
+@record
+class Look:
+    """How a picture is asked for: its width in millimetres, kinds of files, for which page."""
+
+    width: float = 180.0
+    formats: tuple[str, ...] = ("svg", "png")
+    dark: bool = False
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """An SVG in any case, which a page of HTML has."""
+        return tuple(dict.fromkeys(("svg", *self.formats)))
+
+    @property
+    def inches(self) -> float:
+        return self.width / 25.4
+
+    @property
+    def ink(self) -> str:
+        return DARK_INK if self.dark else INK
+
+    @property
+    def ground(self) -> str:
+        return DARK_GROUND if self.dark else "#FFFFFF"
+
+
+def written(make: Callable[[Look], Figure], stem: Path, look: Look) -> list[Path]:
+    """What `make` draws, in this look, as files of STEM."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    with pyplot.rc_context({**LOOK, **DARK} if look.dark else LOOK):
+        figure = make(look)
+        files = saved(figure, stem, look.kinds)
+        pyplot.close(figure)
+    return files
 
 
 def palette(dark: bool = False) -> tuple[str, ...]:

@@ -8,9 +8,9 @@ import math
 from pathlib import Path
 
 from ...plot import style
+from ...plot.style import Look
 from .labels import Label, place
 from .long import Drifting, Long
-from .look import Look
 
 MOST = 6  # lines of a panel: the best of each kind of growth first
 MARKERS = "osD^vP"
@@ -86,33 +86,28 @@ def record(long: Long) -> dict[str, object]:
 
 
 def write(long: Long, stem: Path, look: Look) -> list[Path]:
-    """A panel a constant, drift against time, both logarithmic."""
-    import matplotlib
+    return style.written(lambda look: _figure(long, look), stem, look)
 
-    matplotlib.use("Agg")
+
+def _figure(long: Long, look: Look):
+    """A panel a constant, drift against time, both logarithmic."""
     from matplotlib import pyplot
 
-    with pyplot.rc_context(style.look(look.dark)):
-        count = len(long.constants)
-        height = 0.5 + 2.4 * count
-        figure, grid = pyplot.subplots(
-            count, 1, figsize=(look.width / 25.4, height), squeeze=False, sharex=True
-        )
-        names = [
-            _panel(axes, long, constant, style.palette(look.dark))
-            for axes, constant in zip(grid[:, 0], long.constants, strict=True)
-        ]
-        grid[-1, 0].set_xlabel(f"t ({long.unit})" if long.unit else "t")
-        title = f"{long.model.replace('_', ' ')}, steps of {long.step:g} {long.unit}".rstrip()
-        grid[0, 0].set_title(title, loc="left", weight="bold")
-        inches = look.width / 25.4
-        ends = {"bottom": 0.42 / height, "top": 1 - 0.28 / height}
-        figure.subplots_adjust(left=0.62 / inches, right=1 - 0.1 / inches, hspace=0.12, **ends)
-        for name in names:
-            name()
-        files = style.saved(figure, stem, look.kinds)
-        pyplot.close(figure)
-    return files
+    count = len(long.constants)
+    inches, height = look.inches, 0.5 + 2.4 * count
+    figure, grid = pyplot.subplots(count, 1, figsize=(inches, height), squeeze=False, sharex=True)
+    names = [
+        _panel(axes, long, constant, style.palette(look.dark))
+        for axes, constant in zip(grid[:, 0], long.constants, strict=True)
+    ]
+    grid[-1, 0].set_xlabel(f"t ({long.unit})" if long.unit else "t")
+    title = f"{long.model.replace('_', ' ')}, steps of {long.step:g} {long.unit}".rstrip()
+    grid[0, 0].set_title(title, loc="left", weight="bold")
+    ends = {"bottom": 0.42 / height, "top": 1 - 0.28 / height}
+    figure.subplots_adjust(left=0.62 / inches, right=1 - 0.1 / inches, hspace=0.12, **ends)
+    for name in names:
+        name()
+    return figure
 
 
 def _panel(axes, long: Long, constant: str, palette: tuple[str, ...]):

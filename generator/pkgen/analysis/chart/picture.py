@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ...plot import style
+from ...plot.style import Look
 from . import text
 from .answer import Answer
 from .chart import Chart
 from .front import drawn
-from .look import Look
 from .panel import UNITS, Curve, Style, draw
 
 MOST = 6  # lines
@@ -40,11 +40,11 @@ def sentence(answers: Sequence[Answer]) -> str:
     return re.sub(r"(?<=\d) (?=\D?s\b)|(?<=step|rtol) ", "\u00a0", said)
 
 
-def picture(chart: Chart, axis: str, width: float, dark: bool):
+def picture(chart: Chart, axis: str, look: Look):
     """A matplotlib figure in the look that is set; `axis` is one of UNITS."""
     from matplotlib import pyplot
 
-    inches = width / 25.4
+    inches, width = look.inches, look.width
     asked = axis if axis in ("seconds", "work") else "work"
     said = sentence([a for a in chart.answers if a.axis == asked]) + _beside(chart)
     lines = textwrap.wrap(said, int(width / LETTER))
@@ -52,7 +52,7 @@ def picture(chart: Chart, axis: str, width: float, dark: bool):
     height = (2.6 if width < COLUMN else 3.4) + below
     figure, axes = pyplot.subplots(figsize=(inches, height))
     chosen = drawn(chart, MOST)
-    palette = style.palette(dark)
+    palette = style.palette(look.dark)
     styles = {name: Style(palette[k], MARKERS[k], True, size=SIZE) for k, name in enumerate(chosen)}
     tracks = [t for t in chart.tracks if t.method.name in styles]
     curves = [Curve(t, axis, lambda p: p.error, chart.spectrum.limit(t.method)) for t in tracks]
@@ -63,8 +63,8 @@ def picture(chart: Chart, axis: str, width: float, dark: bool):
     title = f"{chart.model.replace('_', ' ')}, {chart.time}"
     axes.set_title(title, loc="left", weight="bold")
     left = 0.62 / inches
-    look = {"ha": "left", "va": "bottom", "fontsize": 7, "linespacing": 1.25}
-    figure.text(left, 0.06 / height, "\n".join(lines), **look)
+    beside = {"ha": "left", "va": "bottom", "fontsize": 7, "linespacing": 1.25}
+    figure.text(left, 0.06 / height, "\n".join(lines), **beside)
     top = 1 - 0.28 / height
     figure.subplots_adjust(left=left, right=1 - 0.1 / inches, bottom=below / height, top=top)
     names()
@@ -89,15 +89,6 @@ def _spread(axes, points, axis: str, colour: str) -> None:
             axes.plot([p.least, p.most], [cost, cost], color=colour, lw=2.5, alpha=SPREAD, zorder=2)
 
 
-def write(chart: Chart, stem: Path, look: Look) -> list[Path]:
+def write(chart: Chart, stem: Path, look: Look, axis: str) -> list[Path]:
     """STEM.svg and so on; an SVG first in any case, which the page has."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    with pyplot.rc_context(style.look(look.dark)):
-        figure = picture(chart, look.axis, look.width, look.dark)
-        files = style.saved(figure, stem, look.kinds)
-        pyplot.close(figure)
-    return files
+    return style.written(lambda look: picture(chart, axis, look), stem, look)

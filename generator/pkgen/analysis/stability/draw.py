@@ -1,74 +1,84 @@
-"""The picture: a map a method, predictions over it. SVG (maps rasterised, so files stay small) and
-PNG. Each class has a hatch beside its colour."""
+"""The picture: a map a method, predictions over it. Maps are pixels, so that files stay small."""
 
 from __future__ import annotations
 
 import textwrap
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.colors import BoundaryNorm, ListedColormap
-from matplotlib.patches import Patch
+from matplotlib.artist import Artist
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.ticker import MaxNLocator
 
 from ...plot import style
+from ...plot.style import Look
 from ...run import named
-from . import overlay
+from . import classes, overlay
 from .map import StabilityMap
 from .misses import unpredicted
 
-# Class -> colour, hatch (of lines: dots would make files large). In the order of the legend.
-CLASSES = {
-    "bounded": ("#DCEBF5", ""),
-    "drifting by less than 1 %": ("#FAF6C8", ""),
-    "drifting": (style.YELLOW, "--"),
-    "growing": (style.ORANGE, "////"),
-    "wrong branch": (style.BLUE, "\\\\\\\\"),
-    "not converged": (style.PURPLE, 4 * "x"),
-    "not finite": ("#333333", ""),
-    "singular": (style.GREEN, "||||"),
-    "failed": ("#999999", "++"),
-    "not judged": ("#FFFFFF", "////"),
-}
-SAID_OF = {"not judged": "not judged: the motion itself leaves"}  # in the legend
-NARROWEST = 7.4  # inches: titles and legend fit
-SAID = 12  # values in the title
+SAID = 12  # values below the title
+LETTER = 1.32  # millimetres, of a sentence in 7 points
+LEGEND = 43.0  # millimetres of an entry of the legend
+WIDE = 120.0  # millimetres from which on three maps stand side by side
+SMALL = 6.5  # points, of what is beside the axes
 
 
-def pictures(made: StabilityMap, stem: Path) -> list[Path]:
-    """STEM.svg and STEM.png."""
-    with plt.rc_context({**style.FILES, "font.size": 8}):
-        figure = _figure(made)
-        files = style.saved(figure, stem, ("svg", "png"), dpi=150)
-        plt.close(figure)
-    return files
+def pictures(made: StabilityMap, stem: Path, look: Look) -> list[Path]:
+    """STEM.svg and so on."""
+    return style.written(lambda look: figure(made, look), stem, look)
 
 
-def _figure(made: StabilityMap) -> plt.Figure:
+def figure(made: StabilityMap, look: Look) -> plt.Figure:
+    """In the look that is set."""
     names = list(made.steps)
-    columns = min(3, len(names))
+    columns = min(3 if look.width >= WIDE else 2, len(names))
     rows = -(-len(names) // columns)
-    width = max(3.5 * columns + 0.4, NARROWEST)
-    figure, grid = plt.subplots(
-        rows, columns, figsize=(width, 2.9 * rows + 1.15), squeeze=False, layout="constrained"
+    height = (1.65 if columns > 1 else 2.3) * rows + 1.1
+    page, grid = plt.subplots(
+        rows, columns, figsize=(look.inches, height), squeeze=False, layout="constrained"
     )
+    page.get_layout_engine().set(w_pad=0.03, h_pad=0.03)
     used: set[str] = set()
+    later = []
     for k, name in enumerate(names):
-        last = k % columns == columns - 1 or k == len(names) - 1
-        used |= _panel(grid[k // columns][k % columns], made, name, k % columns == 0, last)
+        last = k % columns == columns - 1 or k == len(names) - 1 < columns
+        there, after = _panel(grid[k // columns][k % columns], made, name, look, k % columns, last)
+        used |= there
+        later.append(after)
     for axes in grid.flat[len(names) :]:
         axes.set_visible(False)
-    lines = [line for title in titles(made) for line in textwrap.wrap(title, int(14 * width))]
-    figure.suptitle("\n".join(lines), fontsize=9)
-    _legend(figure, used, int(width / 2.1))
-    return figure
+    bottom = _legend(page, used, look)
+    bottom += _words(page, made, look, bottom) + 0.04 / height
+    page.get_layout_engine().set(rect=(0, bottom, 1, 1 - bottom))
+    page.draw_without_rendering()  # the axes get their places
+    page.set_layout_engine("none")
+    for after in later:
+        after()
+    return page
+
+
+def _words(page: plt.Figure, made: StabilityMap, look: Look, bottom: float) -> float:
+    """The title, and below the maps, from `bottom` on, what the model is set to; how high that is,
+    as all here in parts of the page."""
+    title, *said = titles(made)
+    wrap = int(look.width / LETTER)
+    lines = [line for text in said for line in textwrap.wrap(text, wrap)]
+    left = {"x": 0.06 / look.inches, "ha": "left"}
+    bold = textwrap.fill(title, int(0.8 * wrap))
+    page.suptitle(bold, **left, fontsize=8.5, fontweight="bold")
+    text = page.text(y=bottom, s="\n".join(lines), **left, va="bottom", fontsize=7)
+    text.set_in_layout(False)
+    return _height(page, text)
+
+
+def _height(page: plt.Figure, of: Artist) -> float:
+    return of.get_window_extent(page.canvas.get_renderer()).height / page.bbox.height
 
 
 def titles(made: StabilityMap) -> list[str]:
-    """Model, what it is set to, for how long."""
+    """What it shows; model, what it is set to, for how long."""
     unit = "" if made.compilation.model.dimensionless else " s"
     values = [
         *zip(named.parameters(made.compilation).columns(64), made.motion.parameters, strict=False),
@@ -77,96 +87,71 @@ def titles(made: StabilityMap) -> list[str]:
     ]
     count = len(made.motion.parameters)
     said = [
-        f"{quantity.name}{'' if k < count else '(0)'} = {x:.6g} {quantity.unit}".rstrip()
+        f"{quantity.name}{'' if k < count else '(0)'} = {x:.3g} {quantity.unit}".rstrip()
         for k, (quantity, x) in enumerate(values)
         if (k < count or x != 0) and quantity.name != made.asked.axis.name
     ]
     more = ", ..." if len(said) > SAID else ""
     why = unpredicted(made)
     return [
-        f"{made.compilation.model.name}: where each method fails; "
-        f"each point {made.until:.4g}{unit} of motion, told from its energy",
-        ", ".join(said[:SAID]) + more,
-        *([f"nothing is predicted here: {why}"] if why else []),
+        f"{made.compilation.model.name.replace('_', ' ')}: where each method fails",
+        f"Each point: {made.until:.3g}{unit} of motion, told from its energy. "
+        f"{', '.join(said[:SAID])}{more}.",
+        *([f"Nothing is predicted here: {why}."] if why else []),
     ]
 
 
-def _grid(made: StabilityMap, name: str) -> np.ndarray:
-    order = {kind: k for k, kind in enumerate(CLASSES)}
-    return np.array([[order[p.kind] for p in row.points if p.method == name] for row in made.rows])
-
-
-def edges(values: np.ndarray) -> np.ndarray:
-    """Borders of cells about ascending values."""
-    if len(values) == 1:
-        return np.array([values[0] - 0.5, values[0] + 0.5])
-    middles = (values[1:] + values[:-1]) / 2
-    first, last = values[0] - (middles[0] - values[0]), values[-1] + (values[-1] - middles[-1])
-    return np.concatenate([[first], middles, [last]])
-
-
-def _panel(axes: plt.Axes, made: StabilityMap, name: str, first: bool, last: bool) -> set[str]:
-    """One method's map; which classes and lines are on it."""
-    cells = _grid(made, name)
-    hs = np.array(made.steps[name])
-    xs = np.array(made.asked.axis.values)
-    kinds = list(CLASSES)
-    colours = ListedColormap([CLASSES[kind][0] for kind in kinds])
-    norm = BoundaryNorm(np.arange(len(kinds) + 1) - 0.5, len(kinds))
-    axes.pcolormesh(edges(hs), edges(xs), cells, cmap=colours, norm=norm, rasterized=True)
-    here = {kinds[k] for k in np.unique(cells)}
-    for kind in kinds:  # in order, not in that of a set: files are the same from run to run
-        if kind in here and CLASSES[kind][1]:
-            _hatch(axes, hs, xs, cells == kinds.index(kind), CLASSES[kind][1])
-    axes.set_xlim(edges(hs)[0], edges(hs)[-1])
-    axes.set_ylim(edges(xs)[0], edges(xs)[-1])
-    drawn = overlay.lines(axes, made, name)
-    if overlay.measured(axes, made, name):
+def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: int, last: bool):
+    """One method's map; what is on it, and what to draw once it has its place."""
+    hs, xs = np.array(made.steps[name]), np.array(made.asked.axis.values)
+    kinds = [[p.kind for p in row.points if p.method == name] for row in made.rows]
+    used = classes.fill(axes, hs, xs, kinds, look)
+    axes.set_xlim(*classes.edges(hs)[[0, -1]])
+    axes.set_ylim(*classes.edges(xs)[[0, -1]])
+    drawn, labels = overlay.lines(axes, made, name, look)
+    if overlay.measured(axes, made, name, look):
         drawn.add("measured")
-    axes.set_title(name, fontsize=9, fontweight="bold", loc="left", pad=3)
-    unit = "" if made.compilation.model.dimensionless else " [s]"
+    axes.set_title(name, fontweight="bold", loc="left", pad=3)
+    axes.spines[["top", "right"]].set_visible(True)
+    axes.locator_params(nbins=5)
+    unit = "" if made.compilation.model.dimensionless else " (s)"
     axes.set_xlabel(f"step h{unit}", labelpad=1)
-    if first:
+    if column == 0:
         axes.set_ylabel(made.asked.axis.label)
     _second_axes(axes, made, last)
-    return here | drawn
 
+    def after() -> None:
+        classes.glyphs(axes, hs, xs, kinds, look)
+        overlay.label(axes, labels, look)
 
-def _hatch(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, cells: np.ndarray, hatch: str) -> None:
-    """Hatches whole cells: each is drawn by its four corners, drawn in by a hair."""
-    across, up = (np.repeat(edges(values), 2)[1:-1] for values in (hs, xs))
-    for ends in (across, up):
-        hair = 1e-4 * (ends[-1] - ends[0]) * np.tile([1.0, -1.0], len(ends) // 2)
-        hair[[0, -1]] = 0
-        ends += hair
-    mask = np.repeat(np.repeat(cells.astype(float), 2, axis=0), 2, axis=1)
-    axes.contourf(across, up, mask, levels=[0.5, 1.5], colors="none", hatches=[hatch])
+    return used | drawn, after
 
 
 def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
     rate = fastest(made)
     if rate:
         top = axes.secondary_xaxis("top", functions=(lambda h: h * rate, lambda y: y / rate))
-        top.tick_params(labelsize=6.5, pad=1)
-        top.set_xlabel(f"h {overlay.omega(0)}", fontsize=7, labelpad=2)
-    energies = np.array([row.motion.energy for row in made.rows])
-    if last and made.asked.axis.kind == "amplitude" and len(energies) > 3:
-        right = axes.twinx()
-        right.set_ylim(axes.get_ylim())
-        ticks = np.linspace(0, len(energies) - 1, 5).astype(int)
-        right.set_yticks(np.array(made.asked.axis.values)[ticks], _told_apart(energies[ticks]))
-        right.tick_params(labelsize=6.5)
-        unit = "" if made.compilation.model.dimensionless else " [J]"
-        right.set_ylabel(f"energy{unit}", fontsize=7)
+        top.tick_params(labelsize=SMALL, pad=1, length=2)
+        top.xaxis.set_major_locator(MaxNLocator(5))
+        axes.set_title(f"h {overlay.omega(0)}", fontsize=SMALL, loc="right", pad=3)
+    if not last or made.asked.axis.kind != "amplitude" or made.primary is None:
+        return
+    rest = made.rest.equilibria[made.primary].energy
+    energies = np.array([row.motion.energy - rest for row in made.rows])
+    if len(energies) < 4:
+        return
+    right = axes.twinx()
+    right.set_ylim(axes.get_ylim())
+    ticks = np.linspace(0, len(energies) - 1, 4).astype(int)
+    right.set_yticks(np.array(made.asked.axis.values)[ticks], list(map(_three, energies[ticks])))
+    right.tick_params(labelsize=SMALL, pad=2, length=2)
+    unit = "" if made.compilation.model.dimensionless else " (J)"
+    right.set_ylabel(f"energy above rest{unit}", fontsize=SMALL)
 
 
-def _told_apart(values: np.ndarray) -> list[str]:
-    """With as many digits as it takes."""
-    for digits in range(3, 17):
-        texts = [f"{x:.{digits}g}" for x in values]
-        if len(set(texts)) == len(set(values)):
-            break
-    return texts
+def _three(x: float) -> str:
+    """With three digits."""
+    return f"{x:#.3g}".rstrip(".")
 
 
 def fastest(made: StabilityMap) -> float | None:
@@ -177,16 +162,21 @@ def fastest(made: StabilityMap) -> float | None:
     return max(rates, default=0.0) or None
 
 
-def _legend(figure: plt.Figure, used: set[str], columns: int) -> None:
-    handles: list = [
-        Patch(fc=colour, hatch=hatch, ec="#666666", lw=0.4, label=SAID_OF.get(kind, kind))
-        for kind, (colour, hatch) in CLASSES.items()
-        if kind in used
-    ]
-    handles += overlay.handles(used)
-    legend = figure.legend(
-        handles=handles, loc="lower center", ncols=min(columns, len(handles)), frameon=False
+def _legend(page: plt.Figure, used: set[str], look: Look) -> float:
+    """Along the lower edge; how high it is."""
+    entries = [*classes.handles(used, look), *overlay.handles(used, look)]
+    signs, words = zip(*entries, strict=True)
+    legend = page.legend(
+        signs,
+        words,
+        loc="lower left",
+        ncols=max(1, min(int(look.width / LEGEND), len(entries))),
+        frameon=False,
+        handler_map={tuple: HandlerTuple(ndivide=1)},
+        borderpad=0.2,
+        borderaxespad=0.1,
+        columnspacing=1.2,
+        handlelength=1.8,
     )
-    # "outside lower center" is not known to matplotlib before 3.7.
-    height = legend.get_window_extent(figure.canvas.get_renderer()).height / figure.bbox.height
-    figure.get_layout_engine().set(rect=(0, height, 1, 1 - height))
+    # "outside lower left" is not known to matplotlib before 3.7.
+    return _height(page, legend)

@@ -6,7 +6,10 @@ import matplotlib.patheffects as effects
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
+from matplotlib.transforms import Bbox
 
+from ...plot.style import Look
+from ...record import record
 from .map import StabilityMap
 from .measure import Row
 from .method import PAIRS
@@ -22,10 +25,29 @@ LINES = {
     "3:4": ("-.", "3:4"),
     **dict.fromkeys(PAIRS, (":", "")),
 }
+WORDS = {  # in the legend
+    "limit": "predicted limit",
+    "branch": "predicted loss of the solution",
+    "1:3": "step resonance 1:3, 2:3",
+    "1:4": "step resonance 1:4, 3:4",
+    "1:2": "step resonance of two modes",
+}
 PAIR_WORDS = {"1:2": "1:2 {slow}, {fast}", "1+2": "{fast} + 2{slow}", "2+1": "2{fast} + {slow}"}
-SILENT = "#8090A0"  # a resonance that nothing answers
-BOX = {"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85}
-HALO = [effects.withStroke(linewidth=2.6, foreground="white")]
+SILENT, SILENT_DARK = "#708090", "#8FA3B5"  # a resonance that nothing answers
+SIZE = 6.0  # points, of a label
+DOWN = 24  # places along a line that are tried for its label
+COVERED = 0.3  # the price of another line under a label, that of its whole line's length being 1
+
+
+@record(eq=False)
+class Marked:
+    """A line with its label, which is yet to be placed."""
+
+    text: str
+    colour: str
+    h: np.ndarray
+    x: np.ndarray
+    rank: int  # those that matter first
 
 
 def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, float]]]:
@@ -40,12 +62,14 @@ def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, f
     return found
 
 
-def lines(axes: plt.Axes, made: StabilityMap, name: str) -> set[str]:
-    """Which kinds of predictions are on the map, "silent" among them."""
+def lines(
+    axes: plt.Axes, made: StabilityMap, name: str, look: Look
+) -> tuple[set[str], list[Marked]]:
+    """Which kinds of predictions are on the map, "silent" among them; the lines to be labelled."""
     drawn: set[str] = set()
     low, high = axes.get_xlim()
     bottom, top = axes.get_ylim()
-    labels: list[tuple[float, str, str]] = []
+    labels: list[Marked] = []
     seen: set[tuple[str, int]] = set()
     silent = [m.prediction for m in made.measured if m.prediction.method == name and m.silent]
     silent = {(p.kind, p.mode, p.other) for p in silent}
@@ -61,13 +85,14 @@ def lines(axes: plt.Axes, made: StabilityMap, name: str) -> set[str]:
         if len(xs) == len(made.rows):
             xs = np.concatenate([[bottom], xs, [top]])
             hs = np.concatenate([hs[:1], hs, hs[-1:]])
-        style, word = LINES[kind]
+        dashes, word = LINES[kind]
         quiet = (kind, mode, other) in silent
         drawn |= {kind, "silent"} if quiet else {kind}
-        colour = SILENT if quiet else "black" if primary or kind == "branch" else "#555555"
-        width = 1.5 if kind == "limit" and primary else 0.9 if quiet else 1.2
-        behind = {"path_effects": None if quiet else HALO, "zorder": 2 if quiet else 3}
-        axes.plot(hs, xs, ls=style, color=colour, lw=width, **behind)
+        colour = _silent(look) if quiet else look.ink
+        width = 1.3 if kind == "limit" and primary else 0.7 if quiet else 1.0
+        halo = [effects.withStroke(linewidth=width + 1, foreground=look.ground)]
+        behind = {"path_effects": None if quiet else halo, "zorder": 2 if quiet else 3}
+        axes.plot(hs, xs, ls=dashes, color=colour, lw=width, **behind)
         several = primary and len(made.rest.equilibria[made.primary].oscillating) > 1
         if kind in RESONANCES and several:
             word = f"{word} {omega(mode)}"
@@ -75,9 +100,57 @@ def lines(axes: plt.Axes, made: StabilityMap, name: str) -> set[str]:
             word = PAIR_WORDS[kind].format(fast=omega(mode), slow=omega(other))
         elif kind == "limit" and not primary:
             word = "limit elsewhere"
-        labels.append((float(hs[-1]), word, colour))
-    _label(axes, sorted(labels))
-    return drawn
+        rank = 2 if quiet else 0 if kind == "limit" and primary else 1
+        labels.append(Marked(word, colour, hs, xs, rank))
+    return drawn, labels
+
+
+def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
+    """Upright texts on the lines, those that matter first: where no other text is, and if possible
+    no other line; as high as may be. One that has no place is left out: the legend has its line.
+    The axes have their size."""
+    renderer = axes.figure.canvas.get_renderer()
+    frame = axes.get_window_extent(renderer)
+    gap = axes.figure.dpi / 72
+    taken: list[Bbox] = []
+    courses = [axes.transData.transform(np.column_stack([one.h, one.x])) for one in labels]
+    places = sorted(zip(labels, courses, strict=True), key=lambda p: (p[0].rank, p[1][-1][0]))
+    for one, course in places:
+        box = {"fc": look.ground, "ec": "none", "pad": 0.6, "alpha": 0.85}
+        at = {"rotation": 90, "ha": "center", "va": "center", "zorder": 4, "clip_on": True}
+        text = axes.text(0, 0, one.text, fontsize=SIZE, color=one.colour, bbox=box, **at)
+        text.set_in_layout(False)
+        size = text.get_window_extent(renderer)
+        best, least = None, np.inf
+        room = frame.height - size.height - 6 * gap
+        for k in range(DOWN):
+            y = frame.y1 - 3 * gap - size.height / 2 - k * room / DOWN
+            x = float(np.interp(y, course[:, 1], course[:, 0]))
+            here = Bbox.from_bounds(
+                x - size.width / 2 - gap, y - size.height / 2 - gap, size.width + 2 * gap,
+                size.height + 2 * gap,
+            )  # fmt: skip
+            inside = course[0, 1] <= y <= course[-1, 1]
+            inside = inside and here.x0 >= frame.x0 and here.x1 <= frame.x1
+            if not inside or any(here.overlaps(other) for other in taken):
+                continue
+            crossed = sum(
+                here.x0 < np.interp(y, other[:, 1], other[:, 0]) < here.x1
+                for other in courses
+                if other is not course
+            )
+            if k / DOWN + COVERED * crossed < least:
+                best, least = here, k / DOWN + COVERED * crossed
+        if best is None:
+            text.remove()
+            continue
+        taken.append(best)
+        middle = ((best.x0 + best.x1) / 2, (best.y0 + best.y1) / 2)
+        text.set_position(axes.transData.inverted().transform(middle))
+
+
+def _silent(look: Look) -> str:
+    return SILENT_DARK if look.dark else SILENT
 
 
 def omega(mode: int) -> str:
@@ -85,23 +158,7 @@ def omega(mode: int) -> str:
     return "ω" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(mode + 1))
 
 
-def _label(axes: plt.Axes, labels: list[tuple[float, str, str]]) -> None:
-    """Upright texts along the lines' upper ends; where lines are close, one below the other, those
-    that matter first."""
-    low, high = axes.get_xlim()
-    ends: list[tuple[float, float]] = []  # place, and how far down its text reaches
-    for h, text, colour in sorted(labels, key=lambda label: (label[2] == SILENT, label[0])):
-        near = [end for at, end in ends if abs(at - h) < 0.05 * (high - low)]
-        down = max([0.02, *near])
-        reach = down + 0.032 * len(text) + 0.03
-        if low < h < high and reach < 1:
-            at = {"transform": axes.transAxes, "rotation": 90, "ha": "center", "va": "top"}
-            look = {"fontsize": 6.5, "color": colour, "bbox": BOX, "zorder": 4}
-            axes.text((h - low) / (high - low), 1 - down, text, **at, **look)
-            ends.append((h, reach))
-
-
-def measured(axes: plt.Axes, made: StabilityMap, name: str) -> bool:
+def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
     """Triangles on the lower edge, where small motions were measured to fail; if there are any."""
     low, high = axes.get_xlim()
     own = [m for m in made.measured if m.prediction.method == name and m.h]
@@ -109,32 +166,25 @@ def measured(axes: plt.Axes, made: StabilityMap, name: str) -> bool:
     places = [h for h in failing if low < h < high]
     if not places:
         return False  # an empty line that is not clipped has no size that a layout could use
-    look = {"marker": "^", "ls": "", "ms": 6, "color": "black", "mec": "white", "mew": 0.6}
+    how = {"marker": "^", "ls": "", "ms": 4.5, "color": look.ink, "mec": look.ground, "mew": 0.5}
     at = {"clip_on": False, "transform": axes.get_xaxis_transform(), "zorder": 5}
-    axes.plot(places, [0.0] * len(places), **look, **at)
+    axes.plot(places, [0.0] * len(places), **how, **at)
     return True
 
 
-def handles(drawn: set[str]) -> list[Line2D]:
+def handles(drawn: set[str], look: Look) -> list[tuple[Line2D, str]]:
     """For the legend, of what lines() and measured() drew."""
-    words = {
-        "limit": "predicted limit",
-        "branch": "predicted loss of the solution",
-        "1:3": "step resonance 1:3, 2:3",
-        "1:4": "step resonance 1:4, 3:4",
-        "1:2": "step resonance of two modes",
-    }
     same = {"2:3": "1:3", "3:4": "1:4", **dict.fromkeys(PAIRS, "1:2")}
     shown = {same.get(kind, kind) for kind in drawn}
     found = [
-        Line2D([], [], color="black", ls=LINES[kind][0], lw=1.2, label=words[kind])
-        for kind in words
+        (Line2D([], [], color=look.ink, ls=LINES[kind][0], lw=1.0), words)
+        for kind, words in WORDS.items()
         if kind in shown
     ]
     if "silent" in shown:
-        found.append(Line2D([], [], color=SILENT, lw=1.2, label="resonance that nothing answers"))
+        line = Line2D([], [], color=_silent(look), lw=1.0)
+        found.append((line, "resonance that nothing answers"))
     if "measured" in shown:
-        found.append(
-            Line2D([], [], color="black", marker="^", ls="", ms=5, label="measured, small motion")
-        )
+        mark = Line2D([], [], color=look.ink, marker="^", ls="", ms=4)
+        found.append((mark, "measured, small motion"))
     return found

@@ -94,7 +94,7 @@ def rates(made: StabilityMap) -> Table:
 
 def counts(made: StabilityMap) -> Table:
     """How many points of each class a method has."""
-    from .draw import CLASSES
+    from .classes import CLASSES
 
     kinds = [k for k in CLASSES if any(p.kind == k for row in made.rows for p in row.points)]
     rows = []

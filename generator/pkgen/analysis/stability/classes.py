@@ -1,0 +1,116 @@
+"""How a class of points looks on a map: a colour, and a glyph here and there for prints in grey."""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgb
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from ...plot import style
+from ...plot.style import Look
+from ...record import record
+
+
+@record
+class Class:
+    colour: str
+    dark: str
+    glyph: str = ""  # a marker of matplotlib's
+
+
+# In the order of the legend.
+CLASSES = {
+    "bounded": Class("#DCEBF5", "#22333F"),
+    "drifting by less than 1 %": Class("#FAF6C8", "#4A4726"),
+    "drifting": Class(style.YELLOW, "#A79A1F", "_"),
+    "growing": Class(style.ORANGE, style.ORANGE, "^"),
+    "wrong branch": Class(style.BLUE, "#2E7FB8", "d"),
+    "not converged": Class(style.PURPLE, style.PURPLE, "x"),
+    "not finite": Class("#444444", "#000000", "o"),
+    "singular": Class(style.GREEN, style.GREEN, "|"),
+    "failed": Class("#999999", "#777777", "s"),
+    "not judged": Class("#FFFFFF", style.DARK_GROUND, "."),
+}
+SAID_OF = {"not judged": "not judged: the motion itself leaves"}  # in the legend
+SIZE = 2.6  # points, of a glyph
+APART, CLEAR = 30.0, 9.0  # points: between glyphs of a class, and of any two
+DEEP = 2  # cells around one that say how far inside its region it is
+
+
+def edges(values: np.ndarray) -> np.ndarray:
+    """Borders of cells about ascending values."""
+    if len(values) == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middles = (values[1:] + values[:-1]) / 2
+    first, last = values[0] - (middles[0] - values[0]), values[-1] + (values[-1] - middles[-1])
+    return np.concatenate([[first], middles, [last]])
+
+
+def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look) -> set:
+    """Colours cells, a row of `kinds` an x; the kinds that are there."""
+    order = list(CLASSES)
+    cells = np.array([[order.index(kind) for kind in row] for row in kinds])
+    colours = ListedColormap([_colour(kind, look) for kind in order])
+    norm = BoundaryNorm(np.arange(len(order) + 1) - 0.5, len(order))
+    axes.pcolormesh(edges(hs), edges(xs), cells, cmap=colours, norm=norm, rasterized=True)
+    return {order[k] for k in np.unique(cells)}
+
+
+def glyphs(
+    axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look
+) -> None:
+    """Sparsely, deep inside regions first. The axes have their size."""
+    cells = np.array(kinds)
+    h, x = np.meshgrid(hs, xs)
+    page = axes.transData.transform(np.column_stack([h.ravel(), x.ravel()])) * 72 / axes.figure.dpi
+    deep = _depth(cells).ravel()
+    placed: list[tuple[float, float, str]] = []
+    found: dict[str, list[int]] = {}
+    for k in np.argsort(-deep, kind="stable"):
+        kind, (a, b) = str(cells.ravel()[k]), page[k]
+        if not CLASSES[kind].glyph:
+            continue
+        if all(
+            (a - p) ** 2 + (b - q) ** 2 > (APART if kind == of else CLEAR) ** 2
+            for p, q, of in placed
+        ):
+            placed.append((a, b, kind))
+            found.setdefault(kind, []).append(k)
+    for kind in (kind for kind in CLASSES if kind in found):
+        at = found[kind]
+        axes.plot(h.ravel()[at], x.ravel()[at], **_glyph(kind, look), clip_on=True, zorder=1.5)
+
+
+def _depth(cells: np.ndarray) -> np.ndarray:
+    """Of each cell, how many around it are of its class."""
+    padded = np.pad(cells, DEEP, constant_values="")
+    rows, columns = cells.shape
+    return sum(
+        (padded[i : i + rows, j : j + columns] == cells).astype(int)
+        for i in range(2 * DEEP + 1)
+        for j in range(2 * DEEP + 1)
+    )
+
+
+def _colour(kind: str, look: Look) -> str:
+    return CLASSES[kind].dark if look.dark else CLASSES[kind].colour
+
+
+def _glyph(kind: str, look: Look) -> dict[str, object]:
+    red, green, blue = to_rgb(_colour(kind, look))
+    bright = 0.3 * red + 0.59 * green + 0.11 * blue > 0.35
+    ink = style.INK if bright else "#FFFFFF"
+    how = {"ms": SIZE, "mec": ink, "mfc": "none", "mew": 0.5, "ls": ""}
+    return {"marker": CLASSES[kind].glyph, **how}
+
+
+def handles(used: set[str], look: Look) -> list[tuple]:
+    """For the legend: colour with its glyph, and its name."""
+    found = []
+    for kind in (kind for kind in CLASSES if kind in used):
+        patch = Patch(fc=_colour(kind, look), ec=style.GREY, lw=0.4)
+        marks = (Line2D([], [], **_glyph(kind, look)),) if CLASSES[kind].glyph else ()
+        found.append(((patch, *marks), SAID_OF.get(kind, kind)))
+    return found

@@ -1,0 +1,128 @@
+"""The pictures of `pkgen stability`: no text lies over another, whatever is predicted."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import random
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+from matplotlib import pyplot
+from matplotlib.text import Text
+from pkgen.__main__ import main
+from pkgen.analysis.stability import draw, overlay
+from pkgen.analysis.stability import map as maps
+from pkgen.analysis.stability.map import StabilityMap
+from pkgen.analysis.stability.predict import Prediction
+from pkgen.plot.style import Look
+
+LOOKS = [Look(width, dark=dark) for width, dark in ((90.0, False), (180.0, True))]
+LEAST = 0.5  # points by which two boxes must overlap to count: boxes are wider than their ink
+PENDULUM = "model p\ncoord a\nkinetic a'^2/2\npotential -cos(a)\nstart a = 1\n"
+
+
+def mapped(monkeypatch, *arguments: object) -> StabilityMap:
+    kept = []
+    real = maps.make
+    monkeypatch.setattr(maps, "make", lambda *given: kept.append(real(*given)) or kept[-1])
+    with contextlib.redirect_stdout(io.StringIO()):
+        assert main(["stability", *map(str, arguments)]) == 0
+    return kept[0]
+
+
+def texts(made: StabilityMap, look: Look, monkeypatch) -> dict[str, list]:
+    """Boxes of all that is really written, under its text."""
+    boxes: list[tuple[str, object]] = []
+    real = Text.draw
+
+    def seen(self: Text, renderer: object) -> None:
+        if self.get_visible() and self.get_text().strip():
+            boxes.append((self.get_text(), self.get_window_extent(renderer)))
+        real(self, renderer)
+
+    def make(look: Look):
+        figure = draw.figure(made, look)
+        monkeypatch.setattr(Text, "draw", seen)
+        figure.canvas.draw()
+        monkeypatch.setattr(Text, "draw", real)
+        inside = figure.bbox.padded(1)
+        assert all(inside.contains(b.x0, b.y0) and inside.contains(b.x1, b.y1) for _, b in boxes)
+        return figure
+
+    monkeypatch.setattr(draw.style, "saved", lambda *_: [])
+    draw.style.written(make, Path("none"), look)
+    pyplot.close("all")
+    return boxes
+
+
+def overlapping(boxes: list[tuple[str, object]]) -> list[tuple[str, str]]:
+    return [
+        (a, b)
+        for (a, of_a), (b, of_b) in combinations(boxes, 2)
+        if min(of_a.x1, of_b.x1) - max(of_a.x0, of_b.x0) > LEAST
+        and min(of_a.y1, of_b.y1) - max(of_a.y0, of_b.y0) > LEAST
+    ]
+
+
+def crowded(made: StabilityMap, seed: int) -> StabilityMap:
+    """As many predictions as there may be, close together, upright and aslant."""
+    chance = random.Random(seed)
+    lines = []
+    for name, steps in made.steps.items():
+        middle = chance.uniform(0, steps[-1])
+        for _ in range(chance.randrange(1, 25)):
+            kind = chance.choice(list(overlay.LINES))
+            other = chance.randrange(4, 40) if kind in overlay.PAIRS else None
+            h = abs(middle + chance.gauss(0, 0.2) * steps[-1])
+            slant = chance.choice((0.0, 0.0, chance.uniform(-0.5, 0.5)))
+            lines.append((Prediction(kind, name, 0, chance.randrange(4), other, h, 1.0), slant))
+    rows = tuple(
+        replace(
+            row,
+            predictions=tuple(replace(p, h=p.h * (1 + slant * k / 4)) for p, slant in lines),
+        )
+        for k, row in enumerate(made.rows)
+    )
+    return replace(made, rows=rows)
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory) -> StabilityMap:
+    directory = tmp_path_factory.mktemp("picture")
+    model = directory / "p.lag"
+    model.write_text(PENDULUM)
+    with pytest.MonkeyPatch.context() as patch:
+        asked = ("--methods", "verlet,rk4,gauss1,gauss2", "--points", "6x5", "--until", "20")
+        return mapped(patch, model, "-o", directory, "--quick", *asked)
+
+
+@pytest.mark.parametrize("look", LOOKS, ids=("column", "page"))
+@pytest.mark.parametrize("seed", range(2))
+def test_no_text_lies_over_another(small, look: Look, seed: int, monkeypatch) -> None:
+    boxes = texts(crowded(small, seed), look, monkeypatch)
+    said = [text for text, _ in boxes]
+    assert any(text in said for text in ("limit", "branch", "1:3", "1:4")), said
+    assert not overlapping(boxes)
+
+
+def test_formats_and_widths(tmp_path: Path, capsys) -> None:
+    model = tmp_path / "p.lag"
+    model.write_text(PENDULUM)
+    asked = ["--methods", "rk4", "--points", "2x2", "--until", "9", "-o", str(tmp_path), "--quick"]
+    assert main(["stability", str(model), *asked, "--width", "90", "--format", "pdf"]) == 0
+    assert {f.suffix for f in tmp_path.glob("p_*")} == {".svg", ".pdf", ".csv", ".html"}
+    assert 'width="255' in (tmp_path / "p_stability.svg").read_text()[:600]  # points
+    assert main(["stability", str(model), *asked, "--format", "gif"]) == 2
+    assert "--format" in capsys.readouterr().err
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("model", sorted((ROOT / "models").glob("*.lag")), ids=lambda m: m.stem)
+def test_no_text_lies_over_another_on_the_models_maps(model, tmp_path, monkeypatch) -> None:
+    made = mapped(monkeypatch, model, "-o", tmp_path, "--quick", "--points", "6x4")
+    for look in LOOKS:
+        assert not overlapping(texts(made, look, monkeypatch)), look
