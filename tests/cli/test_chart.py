@@ -33,6 +33,7 @@ from pkgen.analysis.chart.exact import Exact
 from pkgen.analysis.chart.panel import Curve
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.methods import inline_flags
+from pkgen.plot.style import Look
 
 PENDULUM = """model pendulum
 param w = 1.8 in (0, inf)
@@ -348,7 +349,7 @@ def test_of_many_methods_six_are_drawn() -> None:
     found = spectrum.Spectrum(omega=1.0, rho=0.0, until=1.0)
     about = "m", "", [], 1.0, errors_of.KINDS["final"], 1, known, found, tracks, {}
     figure = picture.picture(
-        chart.Chart(*about, [Answer(1e-3, "seconds", None, None, "none")]), "seconds", 180, False
+        chart.Chart(*about, [Answer(1e-3, "seconds", None, None, "none")]), "seconds", Look()
     )
     named = {t.get_text() for t in figure.axes[0].texts} & {t.method.name for t in tracks}
     pyplot.close(figure)

@@ -154,7 +154,7 @@ def test_without_an_equilibrium_something_is_to_be_varied(stability, tmp_path: P
     assert "none:" not in done.out
     # At y' = 1.6 it flies away.
     assert "not judged" in done.out and "leaves in 1 of 2 rows" in done.out
-    assert "nothing is predicted" in (tmp_path / "kepler_stability.svg").read_text()
+    assert "Nothing is predicted" in (tmp_path / "kepler_stability.svg").read_text()
 
 
 def test_what_may_be_varied_is_the_models_own(stability, tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ LETTER = 1.32  # millimetres, of a sentence in 7 points
 LEGEND = 43.0  # millimetres of an entry of the legend
 WIDE = 120.0  # millimetres from which on three maps stand side by side
 SMALL = 6.5  # points, of what is beside the axes
+APART = 3.0  # pixels between numbers on an axis
 
 
 def pictures(made: StabilityMap, stem: Path, look: Look) -> list[Path]:
@@ -113,7 +114,6 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: in
         drawn.add("measured")
     axes.set_title(name, fontweight="bold", loc="left", pad=3)
     axes.spines[["top", "right"]].set_visible(True)
-    axes.locator_params(nbins=5)
     unit = "" if made.compilation.model.dimensionless else " (s)"
     axes.set_xlabel(f"step h{unit}", labelpad=1)
     if column == 0:
@@ -121,10 +121,26 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: in
     _second_axes(axes, made, last)
 
     def after() -> None:
+        _ticks(axes)
         classes.glyphs(axes, hs, xs, kinds, look)
         overlay.label(axes, labels, look)
 
     return used | drawn, after
+
+
+def _ticks(axes: plt.Axes) -> None:
+    """As many steps as have room, of five. The axes have their size."""
+    for axis in (axes.xaxis, *(other.xaxis for other in axes.child_axes)):
+        for count in range(5, 0, -1):
+            axis.set_major_locator(MaxNLocator(count))
+            low, high = sorted(axis.get_view_interval())
+            boxes = [
+                number.get_window_extent()
+                for number in axis.get_majorticklabels()
+                if number.get_text() and low <= number.get_position()[0] <= high
+            ]
+            if all(a.x1 + APART < b.x0 for a, b in zip(boxes, boxes[1:], strict=False)):
+                break
 
 
 def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
@@ -132,7 +148,6 @@ def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
     if rate:
         top = axes.secondary_xaxis("top", functions=(lambda h: h * rate, lambda y: y / rate))
         top.tick_params(labelsize=SMALL, pad=1, length=2)
-        top.xaxis.set_major_locator(MaxNLocator(5))
         axes.set_title(f"h {overlay.omega(0)}", fontsize=SMALL, loc="right", pad=3)
     if not last or made.asked.axis.kind != "amplitude" or made.primary is None:
         return
