@@ -10,17 +10,21 @@ from . import (
     ends,
     kepler,
     linear,
+    located,
     maps,
     modified,
     pendulum,
     resonance,
+    rounding,
     scaling,
+    stiff,
     tops,
+    waves,
 )
 from .prediction import Missing
 
 LISTED = (linear, resonance, kepler, pendulum, coupled, chains, tops, ends)
-OWN = (modified, maps, scaling, driven, beyond)
+OWN = (modified, maps, scaling, driven, beyond, located, rounding, stiff, waves)
 
 PREDICTIONS = [entry for part in (*LISTED, *OWN) for entry in part.PREDICTIONS]
 
