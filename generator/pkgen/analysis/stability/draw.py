@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from itertools import pairwise
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -139,7 +140,7 @@ def _ticks(axes: plt.Axes) -> None:
                 for number in axis.get_majorticklabels()
                 if number.get_text() and low <= number.get_position()[0] <= high
             ]
-            if all(a.x1 + APART < b.x0 for a, b in zip(boxes, boxes[1:], strict=False)):
+            if all(a.x1 + APART < b.x0 for a, b in pairwise(boxes)):
                 break
 
 
