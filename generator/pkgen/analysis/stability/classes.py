@@ -33,7 +33,7 @@ CLASSES = {
     "failed": Class("#999999", "#777777", "s"),
     "not judged": Class("#FFFFFF", style.DARK_GROUND, "."),
 }
-SAID_OF = {"not judged": "not judged: the motion itself leaves"}  # in the legend
+SAID_OF = {"not judged": "not judged: it leaves by itself"}  # in the legend
 SIZE = 2.6  # points, of a glyph
 APART, CLEAR = 30.0, 9.0  # points: between glyphs of a class, and of any two
 DEEP = 2  # cells around one that say how far inside its region it is

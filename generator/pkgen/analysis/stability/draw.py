@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.legend_handler import HandlerTuple
+from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
 from ...plot import style
@@ -21,7 +22,9 @@ from .misses import unpredicted
 
 SAID = 12  # values below the title
 LETTER = 1.32  # millimetres, of a sentence in 7 points
-LEGEND = 43.0  # millimetres of an entry of the legend
+BETWEEN = 0.08  # inches above and below these words
+MOST_COLUMNS = 4  # of the legend
+WITHIN = 0.95  # of the page, for a file's letters may be wider than those on the screen
 WIDE = 120.0  # millimetres from which on three maps stand side by side
 SMALL = 6.5  # points, of what is beside the axes
 APART = 3.0  # pixels between numbers on an axis
@@ -37,9 +40,9 @@ def figure(made: StabilityMap, look: Look) -> plt.Figure:
     names = list(made.steps)
     columns = min(3 if look.width >= WIDE else 2, len(names))
     rows = -(-len(names) // columns)
-    height = (1.65 if columns > 1 else 2.3) * rows + 1.1
+    maps = (1.75 if columns > 1 else 2.4) * rows + 0.25
     page, grid = plt.subplots(
-        rows, columns, figsize=(look.inches, height), squeeze=False, layout="constrained"
+        rows, columns, figsize=(look.inches, maps), squeeze=False, layout="constrained"
     )
     page.get_layout_engine().set(w_pad=0.03, h_pad=0.03)
     used: set[str] = set()
@@ -51,8 +54,12 @@ def figure(made: StabilityMap, look: Look) -> plt.Figure:
         later.append(after)
     for axes in grid.flat[len(names) :]:
         axes.set_visible(False)
-    bottom = _legend(page, used, look)
-    bottom += _words(page, made, look, bottom) + 0.04 / height
+    legend = _legend(page, used, look)
+    words = _words(page, made, look)
+    below = legend + _inches(page, words) + BETWEEN
+    page.set_size_inches(look.inches, maps + below)
+    words.set_y((legend + BETWEEN / 2) / (maps + below))
+    bottom = below / (maps + below)
     page.get_layout_engine().set(rect=(0, bottom, 1, 1 - bottom))
     page.draw_without_rendering()  # the axes get their places
     page.set_layout_engine("none")
@@ -61,22 +68,22 @@ def figure(made: StabilityMap, look: Look) -> plt.Figure:
     return page
 
 
-def _words(page: plt.Figure, made: StabilityMap, look: Look, bottom: float) -> float:
-    """The title, and below the maps, from `bottom` on, what the model is set to; how high that is,
-    as all here in parts of the page."""
+def _words(page: plt.Figure, made: StabilityMap, look: Look) -> Text:
+    """The title; and what the model is set to, which goes below the maps."""
     title, *said = titles(made)
     wrap = int(look.width / LETTER)
     lines = [line for text in said for line in textwrap.wrap(text, wrap)]
     left = {"x": 0.06 / look.inches, "ha": "left"}
     bold = textwrap.fill(title, int(0.8 * wrap))
     page.suptitle(bold, **left, fontsize=8.5, fontweight="bold")
-    text = page.text(y=bottom, s="\n".join(lines), **left, va="bottom", fontsize=7)
+    text = page.text(y=0, s="\n".join(lines), **left, va="bottom", fontsize=7)
     text.set_in_layout(False)
-    return _height(page, text)
+    return text
 
 
-def _height(page: plt.Figure, of: Artist) -> float:
-    return of.get_window_extent(page.canvas.get_renderer()).height / page.bbox.height
+def _inches(page: plt.Figure, of: Artist) -> float:
+    """How high it is."""
+    return of.get_window_extent(page.canvas.get_renderer()).height / page.dpi
 
 
 def titles(made: StabilityMap) -> list[str]:
@@ -179,20 +186,23 @@ def fastest(made: StabilityMap) -> float | None:
 
 
 def _legend(page: plt.Figure, used: set[str], look: Look) -> float:
-    """Along the lower edge; how high it is."""
+    """Along the lower edge, in as many columns as have room; how high it is."""
     entries = [*classes.handles(used, look), *overlay.handles(used, look)]
     signs, words = zip(*entries, strict=True)
-    legend = page.legend(
-        signs,
-        words,
-        loc="lower left",
-        ncols=max(1, min(int(look.width / LEGEND), len(entries))),
-        frameon=False,
-        handler_map={tuple: HandlerTuple(ndivide=1)},
-        borderpad=0.2,
-        borderaxespad=0.1,
-        columnspacing=1.2,
-        handlelength=1.8,
-    )
-    # "outside lower left" is not known to matplotlib before 3.7.
-    return _height(page, legend)
+    how = {
+        "loc": "lower left",
+        "frameon": False,
+        "handler_map": {tuple: HandlerTuple(ndivide=1)},
+        "borderpad": 0.2,
+        "borderaxespad": 0.1,
+        "columnspacing": 1.2,
+        "handlelength": 1.8,
+    }
+    for columns in range(MOST_COLUMNS, 0, -1):
+        # "outside lower left" is not known to matplotlib before 3.7.
+        legend = page.legend(signs, words, ncols=columns, **how)
+        box = legend.get_window_extent(page.canvas.get_renderer())
+        if box.x1 <= WITHIN * page.bbox.x1 or columns == 1:
+            break
+        legend.remove()
+    return _inches(page, legend)
