@@ -1,5 +1,6 @@
 """`python -m bench [--quick] [--own] [--models NAME,...] [--docs]`; see `make bench`.
 `python -m bench accuracy [--quick] [--only TEXT] [--docs]` judges what scenes promise: accuracy.py
+`python -m bench kept [--quick] [--docs]` the same of hundreds of scenes, more briefly: kept.py
 `python -m bench answers` judges what charts answer: answers.py
 `python -m bench reductions [--quick] [--docs]` measures what scenes save: reductions.py
 `python -m bench systems [--docs]` runs every scene of every model: systems.py
@@ -49,6 +50,7 @@ from .report import write_docs
 ALONE = (
     "accuracy",
     "answers",
+    "kept",
     "reductions",
     "systems",
     "side_by_side",

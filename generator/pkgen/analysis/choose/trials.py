@@ -112,7 +112,7 @@ class Trials(Program):
         self.spent = 0.0  # seconds of the processor, for all so far
         self.exact: Rows | None = None
         self.ignored: set[int] = set()  # columns of rows
-        self._last: Rows | None = None
+        self.last: Rows | None = None
 
     @property
     def without(self) -> bool:
@@ -146,10 +146,10 @@ class Trials(Program):
         able = bool(found.get("begun"))
         arrived = able and found["code"] >= 0 and not found["slow"]
         fastest = took = found.get("processor", 0.0)
-        self._last = self._rows(done)
+        self.last = self._rows(done)
         columns, error, holds = (), math.inf, 0.0
         if self.exact is not None and able:
-            columns, error, holds = self.exact.compare(self._last, accuracy, self.ignored)
+            columns, error, holds = self.exact.compare(self.last, accuracy, self.ignored)
         elif self.exact is not None:
             columns = (math.inf,) * self.exact.x.shape[1]
         while arrived and took < laps:
@@ -185,7 +185,7 @@ class Trials(Program):
 
     def keep_as_exact(self) -> tuple[float, ...]:
         """The rows of the last run; the largest magnitude of each column."""
-        self.exact = self._last
+        self.exact = self.last
         return tuple(map(float, self.exact.scales))
 
     def ignore(self, column: int) -> None:
