@@ -302,6 +302,8 @@ class Facts:
     smooth: bool
     affine: bool = False  # the acceleration is so in q and v, with constant coefficients
     switched: bool = False  # smooth but for switches, which a run locates
+    linear_drag: bool = False  # separable but for forces C v with constant C
+    affine_rates: bool = False  # ... with any C(q, t)
     claims: tuple[Claim, ...] = ()
     symmetries: Symmetries | None = None  # None: not asked for
 

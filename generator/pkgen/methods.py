@@ -96,12 +96,17 @@ def known(own: Iterable[Own] = ()) -> dict[str, Method]:
     return {**METHODS, **{method.name: method for method in own}}
 
 
+# What includes a fact: where switches are located each step is one of smooth equations.
+STRONGER = {
+    "smooth": ("smooth_in_pieces",),
+    "linear_drag": ("separable",),
+    "affine_rates": ("linear_drag", "separable"),
+}
+
+
 def provides(structure: object, fact: str) -> bool:
-    """Whether a run of a system has what a method requires: where switches are located each of its
-    steps is one of smooth equations."""
-    if fact == "smooth" and getattr(structure, "smooth_in_pieces", False):
-        return True
-    return bool(getattr(structure, fact, False))
+    """Whether a run of a system has what a method requires."""
+    return any(getattr(structure, name, False) for name in (fact, *STRONGER.get(fact, ())))
 
 
 def carries_quadratures(method: Method | None) -> bool:
@@ -109,10 +114,12 @@ def carries_quadratures(method: Method | None) -> bool:
     return method is None or "quadrature" in method.traits
 
 
-def in_blocks(method: Method | None, steps: bool) -> bool:
+def in_blocks(method: Method | None, steps: bool, structure: object) -> bool:
     """Whether members go side by side: by methods of a fixed step, or that are given one."""
     family = method.inlined if method else ""
-    return family in ("ERK", "SPLITTING") or (family == "EMBEDDED" and steps)
+    if family == "SPLITTING":
+        return provides(structure, "separable")
+    return family == "ERK" or (family == "EMBEDDED" and steps)
 
 
 NONE = Method("", frozenset(), ())  # what the generator knows of GSL's methods with no GSL

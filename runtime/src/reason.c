@@ -32,6 +32,10 @@ static const struct {
 } fact_text[] = {
     {PK_AFFINE, "linear: its acceleration affine in q and v, with constant coefficients"},
     {PK_SEPARABLE, "separable: M constant, forces independent of the rates"},
+    {PK_LINEAR_DRAG,
+     "separable: M constant, forces independent of the rates, or linear in them with "
+     "constant coefficients"},
+    {PK_AFFINE_RATES, "of constant M, its forces affine in the rates"},
     {PK_MASS_CONSTANT, "of constant M"},
     {PK_QUADRATIC, "of second degree in the rates"},
     {PK_SMOOTH, "smooth, without abs, min, max or step (use dop853, or stop and restart at kinks)"},
@@ -151,7 +155,8 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             "(rolling): use gauss",
                             it->method->name, name);
         }
-        if (it->n > PK_EXPONENTIAL_MOST && (it->method->traits & PK_EXACT))
+        if (it->n > PK_EXPONENTIAL_MOST &&
+            (it->method->traits & PK_EXACT || pk_splitting_table(it->method)))
             return snprintf(text, size, "%s is for at most %d coordinates; %s has %zu",
                             it->method->name, PK_EXPONENTIAL_MOST, system->name, it->n);
         if (it->method->resolved)

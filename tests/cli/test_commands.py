@@ -309,7 +309,7 @@ def test_methods_as_a_table(pkgen) -> None:
     rows = {words[0]: words[1:] for words in map(str.split, lines[2:]) if words}
     assert "1.7320508" in next(line for line in lines if line.startswith("rk3"))
     assert any(
-        line.split() == ["verlet", "2", "1", "yes", "yes", "fixed", "2", "-", "separable"]
+        line.split()[:9] == ["verlet", "2", "1", "yes", "yes", "fixed", "2", "any", "separable"]
         for line in lines
     )
     assert any("gauss2" in line and line.count("any") == 2 for line in lines)

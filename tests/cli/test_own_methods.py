@@ -118,7 +118,7 @@ def test_what_is_told(folder: Path) -> None:
     assert rk4["limits"]["imaginary"] == pytest.approx(math.sqrt(8), rel=1e-12)
     assert rk4["limits"]["real"] == pytest.approx(2.785293563405, rel=1e-10)
     assert halves["limits"]["imaginary"] == pytest.approx(4, rel=1e-12)
-    assert halves["facts"]["symplectic"] and "separable" in halves["requires"]
+    assert halves["facts"]["symplectic"] and "linear_drag" in halves["requires"]
     assert midpoint["facts"]["symplectic"] and not midpoint["runs"]
     text = run_pkgen("methods", "--tableau", folder / "rk4.tab").stdout
     assert "own_rk4" in text and "2.8284271" in text and "0.0145" in text

@@ -12,7 +12,7 @@ param c = 0.1 in [0, inf)
 coord x, y, z
 kinetic   (x'^2 + y'^2 + z'^2)/2
 potential x^2/2 + y^2
-dissipation c*x'^2
+dissipation c*x'^2 + c*x'^4
 observe twice = 2*x
 event hit: x falling
 start x = 1, y = 0.5
@@ -99,8 +99,8 @@ BY_RK4 = ["--method", "rk4", "--step", "0.1"]
     ("options", "said"),
     [
         ([], None),
-        (["--no-reduce"], "13:10: scene 'one': verlet needs a system that is separable, and this "
-         "is not: --no-reduce switches reductions off"),
+        (["--no-reduce"], "13:10: scene 'one': verlet needs a system that is separable but "
+         "for linear drag, and this is not: --no-reduce switches reductions off"),
         (["--no-reduce", *BY_RK4], None),  # the same motion, whose energy is known to be constant
         (["--set", "c=0.1", *BY_RK4], "15:10: scene 'one': drift(energy): the energy is not "
          "constant here: --set leaves parameters to the run"),

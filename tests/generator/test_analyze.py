@@ -51,7 +51,33 @@ def test_one_thing_changed(change, gone):
     found = facts(**(FREE | change))
     if "smooth" not in gone:
         gone = gone | {"switched"}  # said of what bends only
-    assert {name for name in FACTS.split() if not getattr(found, name)} == gone | {"affine"}
+    lacking = {name for name in FACTS.split() if not getattr(found, name)}
+    assert lacking - {"linear_drag", "affine_rates"} == gone | {"affine"}
+
+
+# What stands in the forces beside the rates: nothing else, coefficients that vary, or more.
+@pytest.mark.parametrize(
+    ("change", "linear_drag", "affine_rates"),
+    [
+        ({}, False, False),  # separable, which is more
+        (dict(dissipation="k/2*(D(x) - 2*D(y))**2", forces={"x": "cos(x*t)"}), True, True),
+        (dict(lagrangian="k*x*D(y)", potential="x**4"), True, True),
+        (dict(kinetic="m/2*((D(x) - k*y)**2 + (D(y) + k*x)**2)", potential="x**4"), True, True),
+        (dict(lagrangian="k*x*y*D(x)"), False, True),
+        (dict(lagrangian="k*x**2*D(y)", dissipation="k/2*D(x)**2"), False, True),
+        (dict(forces={"x": "-u*D(x)"}, inputs={"u": 0}), False, True),
+        (dict(forces={"x": "-t*D(y)"}), False, True),
+        (dict(forces={"x": "step(x)*D(x)"}), False, True),
+        (dict(forces={"x": "-k*abs(D(x))*D(x)"}), False, False),
+        (dict(forces={"x": "-k*D(x)*D(y)"}), False, False),
+        (dict(forces={"x": "-tanh(D(x))"}), False, False),
+        (dict(lagrangian="k*x**2*D(x)**2", dissipation="D(x)**2"), False, False),
+    ],
+)
+def test_how_forces_depend_on_the_rates(change, linear_drag, affine_rates):
+    found = facts(**(FREE | change))
+    assert (found.linear_drag, found.affine_rates) == (linear_drag, affine_rates)
+    assert not (linear_drag and found.separable)
 
 
 def test_cyclic_needs_no_force_along_it():

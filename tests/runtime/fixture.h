@@ -85,6 +85,7 @@ void add_spectrum(void);
 void add_branch(void);
 void add_implicit(void);
 void add_exponential(void);
+void add_linear_drag(void);
 void add_quadrature(void);
 void add_apart(void);
 void add_least_action(void);

@@ -171,6 +171,7 @@ int main(int argc, char **argv)
     add_branch();
     add_implicit();
     add_exponential();
+    add_linear_drag();
     add_quadrature();
     add_apart();
     add_least_action();

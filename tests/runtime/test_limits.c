@@ -12,26 +12,29 @@ static void predicted(void)
 {
     static const struct {
         const char *name;
-        double imaginary, real; /* real < 0: has none */
+        double imaginary, real; /* real < 0: has none; splitting: the drag is exact */
     } row[] = {{"euler", 0, 2},
                {"rk2", 0, 2},
                {"rk3", 1.7320508076, 2.5127453266},
                {"rk4", 2.8284271247, 2.7852935634},
                {"dopri5", 0.9971890086, 3.3065678926},
-               {"symplectic_euler", 2, -1},
-               {"verlet", 2, -1},
+               {"symplectic_euler", 2, INFINITY},
+               {"verlet", 2, INFINITY},
                {"adaptive_verlet", 2, -1},
-               {"yoshida4", 1.5734019474, -1},
-               {"suzuki4", 2.7209745386, -1},
-               {"yoshida6", 2.2690579964, -1},
-               {"kahan_li6", 2.5326273883, -1}};
+               {"yoshida4", 1.5734019474, INFINITY},
+               {"suzuki4", 2.7209745386, INFINITY},
+               {"yoshida6", 2.2690579964, INFINITY},
+               {"kahan_li6", 2.5326273883, INFINITY},
+               {"boris", 2, INFINITY}};
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         const struct pk_method *m = pk_method_find(row[i].name);
         const double imaginary = pk_method_limit(m, PK_AXIS_IMAGINARY);
         const double real = pk_method_limit(m, PK_AXIS_REAL);
         printf("\n    %-16s %.10f %.10f", m->name, imaginary, real);
         CU_ASSERT(fabs(imaginary - row[i].imaginary) < 1e-10);
-        CU_ASSERT(row[i].real < 0 ? real != real : fabs(real - row[i].real) < 1e-10);
+        CU_ASSERT(row[i].real < 0     ? real != real
+                  : row[i].real > 100 ? real > 1e30
+                                      : fabs(real - row[i].real) < 1e-10);
     }
     static const char *const unlimited[] = {"gauss1", "gauss4", "gauss8", "gauss"};
     for (size_t i = 0; i < 4; i++)
@@ -56,7 +59,7 @@ static double growth(const struct pk_system *system, const struct pk_method *met
     static struct fixture f;
     fixture_set(&f, system);
     f.options.h = y; /* an adaptive method makes just these */
-    f.options.h_max = method->needs & PK_SEPARABLE ? 0 : y;
+    f.options.h_max = method->needs & PK_SEPARABLE ? 0 : y; /* adaptive_verlet */
     f.options.rtol = f.options.atol = 1e300;
     CU_ASSERT_FATAL(fixture_init(&f, method->name) == PK_DONE);
     for (unsigned long i = 0; i < n; i++)
@@ -74,13 +77,22 @@ static int drag_acceleration(const void *params, double t, const double *q, cons
     return 0;
 }
 
+static void drag_linear(const void *params, double t, const double *q, const double *v,
+                        const double *u, const double *a, double *r_q, double *r_v, double *r_t)
+{
+    (void)params, (void)t, (void)q, (void)v, (void)u, (void)a;
+    r_q[0] = r_t[0] = 0;
+    r_v[0] = -1;
+}
+
 /* At a limit's two sides, and in the middle of growth that a thousandth above is over again. */
 static void step_against_table(enum pk_axis axis)
 {
     static struct pk_system drag;
     drag = oscillator_system;
     drag.acceleration = drag_acceleration;
-    drag.facts = PK_MASS_CONSTANT | PK_QUADRATIC | PK_AUTONOMOUS;
+    drag.linear = drag_linear;
+    drag.facts = PK_MASS_CONSTANT | PK_QUADRATIC | PK_AUTONOMOUS | PK_LINEAR_DRAG;
     drag.steppers = NULL;
     const struct pk_system *system = axis == PK_AXIS_REAL ? &drag : &oscillator_system;
     int found = 0;
@@ -148,11 +160,15 @@ static void maps(void)
         CU_ASSERT(fabs(map[0]) > 0.1);
     }
     CU_ASSERT(pk_method_oscillator(pk_method_find("rk4"), 0, map) == PK_BAD_ARGUMENT);
-    CU_ASSERT(pk_method_decay(pk_method_find("verlet"), 1, map) == PK_REFUSED);
+    CU_ASSERT(pk_method_decay(pk_method_find("verlet"), 1, map) == PK_DONE);
+    CU_ASSERT(fabs(map[0] - exp(-1)) < 1e-15);
+    CU_ASSERT(pk_method_decay(pk_method_find("boris"), 1, map) == PK_DONE);
+    CU_ASSERT(fabs(map[0] - 1. / 3) < 1e-15);
+    CU_ASSERT(pk_method_decay(pk_method_find("adaptive_verlet"), 1, map) == PK_REFUSED);
 }
 
 /* A spring of any stiffness with damping: the midpoint rule is (1 - hA/2)^-1 (1 + hA/2) of
- * A = (0 1; -K -C). Splitting methods take no damping, a pole no step. */
+ * A = (0 1; -K -C); Verlet is kick, exact drag, kick. A pole takes no step. */
 static void springs(void)
 {
     static const double K[] = {2, -1.5, 0}, C[] = {0.3, -0.2, 1};
@@ -166,7 +182,11 @@ static void springs(void)
         CU_ASSERT(fabs(map[2] + 2 * k / d) < 1e-14);
         CU_ASSERT(fabs(map[3] - (1 - c - k * h / 2) / d) < 1e-14);
     }
-    CU_ASSERT(pk_method_spring(pk_method_find("verlet"), 1, 0.1, 0.4, map) == PK_REFUSED);
+    CU_ASSERT_FATAL(pk_method_spring(pk_method_find("verlet"), 1, 0.1, 0.4, map) == PK_DONE);
+    const double shrunk = exp(-0.04), drift = (1 - shrunk) / 0.1;
+    CU_ASSERT(fabs(map[1] - drift) < 1e-15 && fabs(map[0] - (1 - 0.2 * drift)) < 1e-15);
+    CU_ASSERT(fabs(map[3] - (shrunk - 0.2 * drift)) < 1e-15);
+    CU_ASSERT(fabs(map[0] * map[3] - map[1] * map[2] - shrunk) < 1e-15);
     CU_ASSERT(pk_method_spring(midpoint, -1, 0, 2.1, map) == PK_AMBIGUOUS_STEP);
     CU_ASSERT(pk_method_spring(midpoint, 1, 0, 0, map) == PK_BAD_ARGUMENT);
 }

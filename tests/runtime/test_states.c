@@ -39,7 +39,7 @@ static void order(void)
         const struct pk_method *m = pk_method_at(i);
         double h[60], error[60];
         int count = 0;
-        if (m->order > 6 || m->traits & PK_EXACT || m->needs & PK_SEPARABLE)
+        if (m->order > 6 || m->traits & PK_EXACT || m->needs & PK_MASS_CONSTANT)
             continue;
         for (double steps = 8; steps < 20000 && count < 60; steps = ceil(steps * 1.25)) {
             fixture_set(&f, &brusselator_system);

@@ -16,7 +16,7 @@ static void refused(void)
     int found = 0;
     for (size_t i = 0; pk_method_at(i); i++) {
         const char *name = pk_method_at(i)->name;
-        if (!(pk_method_at(i)->needs & PK_SEPARABLE))
+        if (!(pk_method_at(i)->needs & (PK_SEPARABLE | PK_LINEAR_DRAG)))
             continue;
         CU_ASSERT(fixture_run(&f, &double_pendulum_system, name, 0.01, 1) == PK_REFUSED);
         CU_ASSERT(strstr(reason(&f), "M constant, forces independent of the rates") != NULL);

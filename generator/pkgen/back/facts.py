@@ -15,10 +15,7 @@ def facts(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
     rows = [
         ("mass matrix", _mass(equations, structure) if own else ""),
         ("definite", _definite(structure) if own else ""),
-        (
-            "separable",
-            _yes(structure.separable, "verlet and its like apply", "verlet does not apply"),
-        ),
+        ("separable", _separable(structure)),
         ("linear", _yes(structure.affine, "constant coefficients", "")),
         ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
         ("forces beyond L", _forces(equations) if own else ""),
@@ -49,6 +46,14 @@ def found_by_symmetry(symmetries: Symmetries) -> list[tuple[str, str]]:
 
 def claimed(structure: Facts) -> list[tuple[str, str]]:
     return [(x.name, f"claimed, {x.outcome}: {x.says}") for x in structure.claims]
+
+
+def _separable(structure: Structure) -> str:
+    if structure.linear_drag:
+        return "but for forces C v with constant C: verlet and its like apply"
+    if structure.affine_rates:
+        return "no: forces are affine in the rates, for which there is boris"
+    return _yes(structure.separable, "verlet and its like apply", "verlet does not apply")
 
 
 def loop_facts(e: LoopEquations) -> list[tuple[str, str]]:

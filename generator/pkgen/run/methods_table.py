@@ -21,9 +21,15 @@ HEADER = (
 NOTE = """\
 h omega   limit below which the steps of an oscillation q'' = -omega^2 q do not grow
 h lambda  the same of a decay q'' = -lambda q'
-          none: all steps grow; any: none does; -: no answer, since splitting methods take no
+          none: all steps grow; any: none does; -: no answer, since adaptive_verlet takes no
           damping and GSL keeps its tables. Adaptive methods: of their formula at a fixed step.
 """
+
+
+WORDS = {
+    "linear drag": "separable but for linear drag",
+    "affine rates": "of constant M, its forces affine in the rates",
+}
 
 
 def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
@@ -73,7 +79,8 @@ def _said(key: str, value: object) -> str:
 def in_words(requires: Iterable[str]) -> list[str]:
     """The facts that a method requires of a system."""
     found = [fact.replace("_", " ") for fact in requires]
-    if "separable" in found:  # which says so
+    found = [WORDS.get(fact, fact) for fact in found]
+    if found[1:]:  # the second says so
         found = [fact for fact in found if fact != "mass constant"]
     return found
 

@@ -137,7 +137,7 @@ def _side_by_side(
 ) -> bool:
     """Whether members go in blocks, as in runtime/src/ensemble/ensemble.c."""
     alone = equations.quadratures or equations.constraints or equations.switches
-    return in_blocks(method, steps) and not alone
+    return in_blocks(method, steps, structure) and not alone
 
 
 def whole(options: argparse.Namespace) -> Use | None:

@@ -15,6 +15,7 @@ size_t pk_erk_size(const struct pk_method *method, size_t n); /* the slopes of a
 enum pk_status pk_erk_step(struct pk_integrator *it, pk_real limit);
 int pk_erk_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
 
+enum pk_status pk_splitting_init(struct pk_integrator *it);
 enum pk_status pk_splitting_step(struct pk_integrator *it, pk_real limit);
 
 size_t pk_embedded_size(const struct pk_method *method, size_t n);
@@ -30,8 +31,9 @@ PK_END
 #define PK_FAMILY_ERK(of)                                                                       \
     .needs = PK_NEEDS_ERK, .table = &pk_##of##_table, .size = pk_erk_size, .step = pk_erk_step, \
     .stage = pk_erk_stage
-#define PK_FAMILY_SPLITTING(of) \
-    .needs = PK_NEEDS_SPLITTING, .table = &pk_##of##_table, .step = pk_splitting_step
+#define PK_FAMILY_SPLITTING(of)                                                        \
+    .needs = PK_NEEDS_SPLITTING, .table = &pk_##of##_table, .init = pk_splitting_init, \
+    .step = pk_splitting_step
 #define PK_FAMILY_EMBEDDED(of)                                                       \
     .needs = PK_NEEDS_EMBEDDED, .table = &pk_##of##_table, .size = pk_embedded_size, \
     .init = pk_embedded_init, .step = pk_embedded_step, .dense = pk_embedded_dense,  \

@@ -24,7 +24,7 @@
       "the classical Runge-Kutta method; W. Kutta (1901), HNW II.1 Table 1.2")
 
 #define PK_TRAITS_SYMPLECTIC (PK_SYMPLECTIC | PK_SYMMETRIC)
-#define PK_NEEDS_SPLITTING (PK_MASS_CONSTANT | PK_SEPARABLE)
+#define PK_NEEDS_SPLITTING (PK_MASS_CONSTANT | PK_LINEAR_DRAG)
 #define PK_METHODS_SPLITTING(X, A)                                                                 \
     X(A, symplectic_euler, 1, 1, 0, PK_SYMPLECTIC, symplectic_euler,                               \
       "symplectic Euler, kick first; R. de Vogelaere (1956), GNI I.1.9")                           \
@@ -48,6 +48,16 @@
       "fifteen Verlet steps, solution D; H. Yoshida, Phys. Lett. A 150 (1990) 262")                \
     X(A, kahan_li8, 8, 17, 0, PK_TRAITS_SYMPLECTIC, kahan_li8,                                     \
       "seventeen Verlet steps, s17odr8a; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
+
+/* Drifts and kicks of the composition that the table is. */
+#define PK_NEEDS_BORIS (PK_MASS_CONSTANT | PK_AFFINE_RATES)
+#define PK_METHODS_BORIS(X, A)                                                                     \
+    X(A, boris, 2, 1, 0, PK_SYMMETRIC | PK_LINEAR, verlet,                                         \
+      "Verlet whose kicks turn v, for magnetic forces; J. P. Boris (1970)")                        \
+    X(A, boris4, 4, 5, 0, PK_SYMMETRIC | PK_LINEAR, suzuki4,                                       \
+      "five steps of boris; M. Suzuki, Phys. Lett. A 146 (1990) 319")                              \
+    X(A, boris6, 6, 9, 0, PK_SYMMETRIC | PK_LINEAR, kahan_li6,                                     \
+      "nine steps of boris; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
 
 #define PK_NEEDS_ADAPTIVE_VERLET (PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS)
 #define PK_METHODS_ADAPTIVE_VERLET(X, A)                                                           \
@@ -155,7 +165,8 @@
 
 /* All but GSL's, in the order in which they are listed. */
 #define PK_METHODS_CORE(X, A)                                                                      \
-    PK_METHODS_ERK(X, A) PK_METHODS_SPLITTING(X, A) PK_METHODS_ADAPTIVE_VERLET(X, A)               \
+    PK_METHODS_ERK(X, A) PK_METHODS_SPLITTING(X, A) PK_METHODS_BORIS(X, A)                         \
+    PK_METHODS_ADAPTIVE_VERLET(X, A)                                                               \
     PK_METHODS_COLLOCATION(X, A) PK_METHODS_EMBEDDED(X, A) PK_METHODS_GAUSS(X, A)                  \
     PK_METHODS_RADAU(X, A) PK_METHODS_EXPONENTIAL(X, A) PK_METHODS_LIE_MIDPOINT(X, A)              \
     PK_METHODS_RATTLE(X, A) PK_METHODS_RKMK(X, A)

@@ -50,7 +50,10 @@ enum pk_fact {
     PK_VARIATIONAL = 1u << 6,  /* no Q and no D: the flow is symplectic */
     PK_SMOOTH = 1u << 7,       /* no abs, min, max or step in the equations */
     PK_AFFINE = 1u << 8,       /* a = A q + B v + c with constant A, B, c; no t and no inputs */
-    PK_SWITCHED = 1u << 9      /* smooth with the sides of all switches given */
+    PK_SWITCHED = 1u << 9,     /* smooth with the sides of all switches given */
+    /* Not separable, but nearly: M constant, no first-order variables, no constraints, and */
+    PK_LINEAR_DRAG = 1u << 10, /* f = g(q, t, u) + C v with constant C */
+    PK_AFFINE_RATES = 1u << 11 /* f = g(q, t, u) + C(q, t, u) v */
 };
 
 /* What may jump across a switch: L or a constraint of positions; a rolling's row. */

@@ -35,7 +35,10 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
 
 unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method)
 {
-    const unsigned missing = method->needs & ~system->facts;
+    unsigned facts = system->facts;
+    facts |= facts & PK_SEPARABLE ? PK_LINEAR_DRAG : 0; /* each is a case of the next */
+    facts |= facts & PK_LINEAR_DRAG ? PK_AFFINE_RATES : 0;
+    const unsigned missing = method->needs & ~facts;
     return system->facts & PK_SWITCHED ? missing & ~(unsigned)PK_SMOOTH : missing;
 }
 

@@ -34,6 +34,10 @@ enum { PK_EXPONENTIAL_MOST = 256 };
 
 /* Kicks and drifts of a splitting method; NULL of any other. */
 const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
+/* Numbers that it takes, where the system is not separable; 0 of any other. */
+size_t pk_splitting_size(const struct pk_system *system, const struct pk_method *method, size_t n);
+size_t pk_linear_drag_size(const struct pk_splitting *table, size_t n);
+enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_splitting *table);
 /* Stage i of an explicit Runge-Kutta step of h, whose slopes are k. */
 int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *table, pk_real h,
                       const pk_real *k, int i, struct pk_stage *stage, pk_real *room);

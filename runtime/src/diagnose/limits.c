@@ -145,8 +145,9 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
         imaginary(&ask, table);
     ask.shears = shears;
     /* Explicit: stable nowhere above 2 s, or on the real axis 2 s^2. */
-    ask.spacing = polynomial ? PK_C(0.015625) : PK_C(0.125);
-    ask.near = polynomial ? 1 : PK_C(0.1);
+    const int fine = !(formula->traits & PK_IMPLICIT); /* boris has narrow poles */
+    ask.spacing = fine ? PK_C(0.015625) : PK_C(0.125);
+    ask.near = fine ? 1 : PK_C(0.1);
     ask.end = polynomial ? 1000 : PK_C(1e4);
     ask.blind = polynomial ? 0 : pk_max(PK_C(1e-10), PK_EPS * 10000);
     first_growth(&ask, from, growth);

@@ -50,7 +50,7 @@ static void linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *
 
 enum {
     DAMPED = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH |
-        PK_AFFINE,
+        PK_AFFINE | PK_LINEAR_DRAG,
     FREE = DAMPED | PK_SEPARABLE | PK_CONSERVATIVE | PK_VARIATIONAL
 };
 
@@ -142,7 +142,7 @@ enum pk_status pk_method_spring(const struct pk_method *method, pk_real stiffnes
     const struct spring params = {stiffness, damping};
     if (!(h > 0) || !pk_finite(h))
         return PK_BAD_ARGUMENT;
-    if (varies(f))
+    if (varies(f) || (method->needs & PK_SEPARABLE && (damping > 0 || damping < 0)))
         return PK_REFUSED;
     for (int column = 0; column < 2; column++) {
         pk_real q = column == 0, v = column == 1;
@@ -190,8 +190,12 @@ enum pk_status pk_method_decay(const struct pk_method *method, pk_real z, pk_rea
         *factor = sum;
         return PK_DONE;
     }
-    if (varies(f))
+    if (varies(f) || method->needs & PK_SEPARABLE)
         return PK_REFUSED;
+    if (pk_splitting_table(f)) { /* parts that go back grow by what overflows before the whole */
+        *factor = PK_F(exp)(-z);
+        return PK_DONE;
+    }
     pk_real q = 0, v = 1;
     const struct spring drag = {0, 1};
     const enum pk_status status = run(f, drag, z, &q, &v);

@@ -145,7 +145,7 @@ enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk
     /* p of the displacements depends on q, so on v too unless M is constant: then M, with zeros
      * for that, is not the whole of dp/dv. */
     unsigned kept = PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS | PK_SMOOTH | PK_MASS_DIAGONAL |
-                    PK_AFFINE;
+                    PK_AFFINE | PK_LINEAR_DRAG;
     if (system->facts & PK_MASS_CONSTANT)
         kept |= PK_QUADRATIC;
     variation->system =

@@ -18,6 +18,8 @@ static const struct pk_block_stepper *find(const struct pk_block_stepper *list, 
 static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 {
     const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
+    if (e->method->needs & PK_LINEAR_DRAG && !(e->system->facts & PK_SEPARABLE))
+        return NULL;
     if (!(e->options.h > 0) || e->system->quadratures.n || e->system->constraints.n)
         return NULL;
     return own ? own : find(pk_block_steppers, e->method->name);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "../core/project.h"
+#include "../core/tableau.h"
 
 /* The private part stands first in the block, the state behind it. Both begin a cache line where
  * there are vectors: fused steps of a chain take a fifth longer on a state that does not. */
@@ -40,7 +41,7 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
         {&own->atol, pk_scale_size(method, n)},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
         {&own->lane, system->lanes ? 0 : 3 * n + system->n_inputs},
-        {&own->work, method->size ? method->size(method, n) : 0},
+        {&own->work, method->size ? method->size(method, n) : pk_splitting_size(system, method, n)},
         {&own->singularities, pk_singularity_size(singularities, n)},
         {&own->project, pk_project_size(system, n)},
         {&own->marks, pk_marks_size(system, n)},

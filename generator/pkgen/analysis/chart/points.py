@@ -74,7 +74,7 @@ class ChartedMethod:
             return FOREIGN
         if "exact" in self.flags:
             return EXACT
-        if "separable" in self.requires:
+        if {"separable", "linear_drag", "affine_rates"} & {*self.requires}:
             return SPLITTING
         if not self.implicit:
             return EXPLICIT if self.fixed else EMBEDDED

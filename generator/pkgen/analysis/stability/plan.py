@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from ...compiler import Compilation
 from ...equations import Structure
+from ...methods import provides
 from ...record import record
 from ...run import named
 from ...run.methods_table import in_words
@@ -142,7 +143,7 @@ def methods(
                 raise UsageError(parsing.unknown("--methods", name, list(by_name), "method"))
             continue
         traits = by_name[name]
-        missing = [r for r in traits.requires if not getattr(structure, r, False)]
+        missing = [r for r in traits.requires if not provides(structure, r)]
         if not traits.fixed:
             left.append(f"{name} chooses its steps itself: there is no map of it over the step")
         elif missing:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 # The fields of Structure that prove what enum pk_fact has, in the order of that.
 FACTS = """
     mass_constant mass_diagonal quadratic separable autonomous conservative variational smooth
-    affine switched
+    affine switched linear_drag affine_rates
 """
 
 # Kernels that struct pk_system has, and where: in its core, or in a part.

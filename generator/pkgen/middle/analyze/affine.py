@@ -38,6 +38,30 @@ def is_affine(g: Graph, nodes: list[Node], symbols: dict[Node, bool]) -> bool:
     return all(affine.get(node, True) for node in nodes)
 
 
+NONE, CONSTANT, VARYING, MORE = range(4)
+
+
+def of_rates(equations: Equations) -> int:
+    """How the forces of a system with constant M depend on the rates, as they stand: not at all; as
+    C v with constant C; with C of q, t and inputs; otherwise."""
+    g, rates = equations.graph, BIT[Kind.RATE]
+    if equations.states or equations.constraints is not None:
+        return MORE
+    moving = [*equations.force, *(equations.acceleration or ())]
+    found: dict[Node, int] = {}
+    for node in reachable(g, moving, rates):
+        of = [found[a] for a in g.args[node] if a in found]
+        if g.op[node] is Op.ADD:
+            found[node] = max(of)
+        elif g.op[node] is Op.MULTIPLY and len(of) == 1:
+            others = (a for a in g.args[node] if a not in found)
+            varies = any(g.depends[a] & VARIABLE for a in others)
+            found[node] = max(of[0], VARYING) if varies else of[0]
+        else:
+            found[node] = CONSTANT if g.op[node] is Op.SYMBOL else MORE
+    return max((found.get(node, NONE) for node in moving), default=NONE)
+
+
 def _expanded(g: Graph, normal: Normal, node: Node) -> bool:
     polynomial = normal(node)
     if polynomial is None:

@@ -15,7 +15,7 @@ from ...graph.differentiate import reachable, symbols_in
 from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import WORK, Normal
 from ...graph.residues import Varying
-from .affine import affine
+from .affine import CONSTANT, VARYING, affine, of_rates
 from .coupling import blocks_of, influences, mass_band, mass_blocks, ties
 from .mass import definite, singular
 from .proofs import claims_of
@@ -54,11 +54,15 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         from .symmetries import symmetries  # which few ask for
 
         found = symmetries(equations, coupled, influence)
+    separable = constant and not seen.occurs(moving, RATES | STATES)
+    of_v = of_rates(equations) if constant and not separable else 0
     return Structure(
         mass_constant=constant,
         mass_diagonal=all(equations.mass[i][j] == ZERO for i in range(n) for j in range(i)),
         quadratic=not seen.occurs(triangle, RATES),
-        separable=constant and not seen.occurs(moving, RATES | STATES),
+        separable=separable,
+        linear_drag=of_v == CONSTANT,
+        affine_rates=of_v in (CONSTANT, VARYING),
         autonomous=autonomous,
         conservative=n > 0
         and unforced

@@ -1,4 +1,5 @@
-/* Splitting methods for separable systems, M constant and a = a(q, t): compositions of
+/* Splitting methods for separable systems, M constant and a = a(q, t), or nearly so
+ * (src/explicit/linear_drag.c): compositions of
  *
  *     kick   v += kappa h a(q, t)          drift   q += delta h v,  t += delta h
  *
@@ -11,9 +12,15 @@
  */
 #include <pk/step/tables.h>
 
+PK_BEGIN
+enum pk_status pk_linear_drag_step(struct pk_integrator *it, const struct pk_splitting *table);
+PK_END
+
 static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
                                                       const struct pk_splitting *table)
 {
+    if (!(it->problem.system->facts & PK_SEPARABLE))
+        return pk_linear_drag_step(it, table);
     const size_t n = PK_STEPPER_N(it);
     const pk_real h = it->own->h, *from = it->own->state, *a = from + PK_A * n;
     pk_real *to = it->own->next, *a1 = to + PK_A * n;

@@ -1,0 +1,185 @@
+/* Splitting methods of systems that are separable but for drag and gyroscopic forces C v with a
+ * constant C, M a = g(q, t) + C v: the drift is the exact flow of what is left without g,
+ *
+ *     q += Phi v,   v += D v,       D = exp(delta h B) - 1,  B D^-1 Phi = 1,  B = M^-1 C,
+ *
+ * so a kick is still one of a(q, t) alone. Without g a step of any length is exact. Where C is
+ * antisymmetric (a uniform magnetic field, a turning frame) the drift is the flow of T, which is
+ * quadratic in p, so steps are symplectic, and methods for such T (Blanes and Moan's) keep their
+ * order; where C is a drag that is a multiple of M the form shrinks as the true one does.
+ *
+ * D and Phi are made once for a length of step, in twice the precision, since what they err by is
+ * the same in each step. References: GNI II.5; R. I. McLachlan, G. R. W. Quispel, Acta Numerica 11
+ * (2002) 341, 3.
+ */
+#include <string.h>
+
+#include "../core/double_double.h"
+#include "../core/tableau.h"
+
+enum { KEPT = 2 }; /* lengths: of the step, and of the last, shorter one of an interval */
+
+struct work {
+    size_t n;
+    pk_real *h, *last, *zero, *B, *norm; /* `last`: which of KEPT was used; zero: rates of n */
+    pk_real *drifts[KEPT];               /* of each stage Phi and D, and their low parts */
+    struct pk_pairs L, E;
+    pk_real *room;
+};
+
+static size_t lay_out(struct work *w, size_t n, int stages, pk_real *base)
+{
+    const size_t m = 2 * n, mm = m * m, one = (size_t)stages * mm;
+    const struct pk_slot slots[] = {
+        {&w->h, KEPT},  {&w->last, 1},        {&w->norm, 1},        {&w->zero, n},
+        {&w->B, n * n}, {&w->L.hi, mm},       {&w->L.lo, mm},       {&w->E.hi, mm},
+        {&w->E.lo, mm}, {&w->drifts[0], one}, {&w->drifts[1], one}, {&w->room, pk_expm_room(m)}};
+    w->n = n;
+    return PK_LAY_OUT(base, slots);
+}
+
+size_t pk_linear_drag_size(const struct pk_splitting *table, size_t n)
+{
+    struct work w;
+    return n > PK_EXPONENTIAL_MOST ? 0 : lay_out(&w, n, table->stages, NULL);
+}
+
+static struct work work_of(const struct pk_integrator *it, const struct pk_splitting *table)
+{
+    struct work w;
+    lay_out(&w, it->n, table->stages, it->own->work);
+    return w;
+}
+
+/* B from accelerations at rates so long that g is rounded away beside what they make. */
+enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_splitting *table)
+{
+    if (it->n > PK_EXPONENTIAL_MOST)
+        return PK_REFUSED;
+    const struct work w = work_of(it, table);
+    const size_t n = w.n;
+    const pk_real length = 1 / (PK_EPS * PK_EPS);
+    pk_real *g = w.room, *a = g + n;
+    memset(w.h, 0, KEPT * sizeof *w.h);
+    memset(w.zero, 0, n * sizeof *w.zero);
+    *w.last = *w.norm = 0;
+    PK_TRY(pk_eval_acceleration(it, it->t, it->q, w.zero, g));
+    for (size_t j = 0; j < n; j++) {
+        w.zero[j] = length;
+        const enum pk_status status = pk_eval_acceleration(it, it->t, it->q, w.zero, a);
+        w.zero[j] = 0;
+        if (status < 0)
+            return status;
+        for (size_t i = 0; i < n; i++)
+            w.B[i * n + j] = (a[i] - g[i]) / length;
+    }
+    for (size_t i = 0; i < n; i++) {
+        pk_real row = 0;
+        for (size_t j = 0; j < n; j++)
+            row += pk_abs(w.B[i * n + j]);
+        *w.norm = pk_max(*w.norm, row);
+    }
+    return pk_all_finite(w.B, n * n) ? PK_DONE : PK_NOT_FINITE;
+}
+
+/* Those of a drift of length h, from exp(h L) - 1 = (0 s Phi; 0 D) of L = (0 s; 0 B), s a power of
+ * two like the norm of B, so that it makes no squaring more. */
+static enum pk_status drift(const struct work *w, pk_real h, pk_real *to)
+{
+    const size_t n = w->n, m = 2 * n, nn = n * n;
+    pk_real s = 1;
+    for (; s < *w->norm; s *= 2)
+        ;
+    for (; *w->norm > 0 && s > 2 * *w->norm; s /= 2)
+        ;
+    memset(w->L.hi, 0, m * m * sizeof *w->L.hi);
+    memset(w->L.lo, 0, m * m * sizeof *w->L.lo);
+    for (size_t i = 0; i < n; i++) {
+        w->L.hi[i * m + n + i] = s;
+        memcpy(w->L.hi + (n + i) * m + n, w->B + i * n, n * sizeof *w->B);
+    }
+    PK_TRY(pk_expm(w->E, w->L, s, h, m, w->room));
+    pk_pairs_settle(w->E, m * m);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++)
+            for (int low = 0; low < 2; low++) {
+                const pk_real *E = low ? w->E.lo : w->E.hi;
+                pk_real *out = to + (size_t)(2 * low) * nn + i * n + j;
+                out[0] = E[i * m + n + j] / s;
+                out[nn] = E[(n + i) * m + n + j];
+            }
+    return PK_DONE;
+}
+
+/* Those of all stages of a step of h; made where they are not kept. */
+static enum pk_status drifts(struct pk_integrator *it, const struct work *w,
+                             const struct pk_splitting *table, pk_real h, const pk_real **found)
+{
+    const size_t one = 4 * w->n * w->n;
+    int k = 0;
+    while (k < KEPT && (w->h[k] < h || w->h[k] > h))
+        k++;
+    if (k == KEPT) {
+        k = (int)(*w->last + 1) % KEPT;
+        w->h[k] = 0;
+        it->count.factorisations++;
+        for (int i = 0; i < table->stages; i++) {
+            int same = 0; /* an earlier stage of this length */
+            while (table->drift[same] < table->drift[i] || table->drift[same] > table->drift[i])
+                same++;
+            pk_real *to = w->drifts[k] + (size_t)i * one;
+            if (same < i)
+                memcpy(to, w->drifts[k] + (size_t)same * one, one * sizeof *to);
+            else
+                PK_TRY(drift(w, table->drift[i] * h, to));
+        }
+        w->h[k] = h;
+    }
+    *w->last = (pk_real)k;
+    *found = w->drifts[k];
+    return PK_DONE;
+}
+
+static void kick_drift(const struct work *w, pk_real kappa, const pk_real *a, const pk_real *of,
+                       const pk_real *from, pk_real *to)
+{
+    const size_t n = w->n, nn = n * n;
+    pk_real *v = w->room, *dv = v + n;
+    pk_kick_drift(n, kappa, a, 0, from, to);
+    memcpy(v, to + n, n * sizeof *v);
+    memset(dv, 0, n * sizeof *dv);
+    for (int row = 0; row < 2; row++) { /* of q, then of v */
+        memset(dv, 0, n * sizeof *dv);
+        pk_add_product(dv, of + (size_t)(2 + row) * nn, v, n);
+        pk_add_product(dv, of + (size_t)row * nn, v, n);
+        for (size_t i = 0; i < n; i++)
+            to[(size_t)row * n + i] = pk_sum(to[(size_t)row * n + i], dv[i],
+                                             &to[(size_t)(row ? PK_LOW_X : PK_LOW_Q) * n + i]);
+    }
+}
+
+enum pk_status pk_linear_drag_step(struct pk_integrator *it, const struct pk_splitting *table)
+{
+    const struct work w = work_of(it, table);
+    const size_t n = w.n;
+    const pk_real h = it->own->h, *from = it->own->state, *a = from + PK_A * n, *of;
+    pk_real *to = it->own->next, *a1 = to + PK_A * n, done = 0;
+    const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
+    PK_TRY(drifts(it, &w, table, h, &of));
+    for (int i = 0; i < s; i++) {
+        if (i > 0 || !(it->own->flags & PK_HAVE_A)) {
+            PK_TRY(pk_eval_acceleration(it, it->t + done * h, from, w.zero, a1));
+            a = a1;
+        }
+        kick_drift(&w, table->kick[i] * h, a, of + (size_t)i * 4 * n * n, from, to);
+        done += table->drift[i];
+        from = to;
+    }
+    if (ends) {
+        PK_TRY(pk_eval_acceleration(it, it->own->next_t, to, w.zero, a1));
+        pk_kick(n, table->kick[s] * h, a1, to);
+    }
+    if (pk_all_finite(to, 2 * n))
+        it->own->flags = ends ? it->own->flags | PK_HAVE_A : it->own->flags & ~PK_HAVE_A;
+    return PK_DONE;
+}
