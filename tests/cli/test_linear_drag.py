@@ -22,6 +22,16 @@ MODELS = {
     "drag of time": FREE + "force x = -w*(1 + sin(t)/2)*x'\n",
     "square drag": FREE + "force x = -w*abs(x')*x'\n",
 }
+CHAIN = """\
+model chain
+size N = 40
+param c = 0.3
+coord x[1..N]
+kinetic sum(x[i]'^2/2, i = 1..N)
+potential sum((x[i+1] - x[i])^2/2 + (x[i+1] - x[i])^4/4, i = 1..N-1)
+dissipation sum(c*i*(x[i+1]' - x[i]')^2/N, i = 1..N-1)
+start x[1] = 1, x[2]' = 0.4
+"""
 SPLIT = ("drag", "drag driven", "field", "frame")
 NONE = ("square drag",)
 
@@ -95,3 +105,17 @@ def test_members_are_those_alone(model, tmp_path: Path) -> None:
     alone = last(model("drag"), "--method", "yoshida4", "--step", 0.1)
     ends = [row[2:6] for row in rows if row[1] > 1]
     assert ends[0] == alone and ends[1] != alone and len(ends) == 2
+
+
+def test_a_family_that_stays_a_loop(model, tmp_path: Path) -> None:
+    path = tmp_path / "chain.lag"
+    path.write_text(CHAIN)
+    done = run_pkgen("explain", path)
+    assert "loops in C" in done.stdout and "but for forces C v with constant C" in done.stdout
+    true = last(path, "--method", "dop853", "--rtol", "1e-13")
+    coarse, fine = (off(path, "blanes_moan4", h, true) for h in (0.2, 0.1))
+    assert fine > 1e-11 and 12 < coarse / fine < 20
+    for size, method, said in ((40, "boris", "derivatives"), (300, "verlet", "at most 256")):
+        by = ("--until", 1, "--method", method, "--step", 0.1)
+        done = run_pkgen("run", path, "--size", f"N={size}", *by)
+        assert done.returncode != 0 and said in done.stderr

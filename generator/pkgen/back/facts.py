@@ -48,7 +48,7 @@ def claimed(structure: Facts) -> list[tuple[str, str]]:
     return [(x.name, f"claimed, {x.outcome}: {x.says}") for x in structure.claims]
 
 
-def _separable(structure: Structure) -> str:
+def _separable(structure: Facts) -> str:
     if structure.linear_drag:
         return "but for forces C v with constant C: verlet and its like apply"
     if structure.affine_rates:
@@ -67,7 +67,7 @@ def loop_facts(e: LoopEquations) -> list[tuple[str, str]]:
         shape += f", constant: {once}"
     return [
         ("mass matrix", shape),
-        ("separable", _yes(proved.separable, "verlet and its like apply", "")),
+        ("separable", _separable(proved)),
         ("linear", _yes(proved.affine, "constant coefficients", "")),
         ("explicit time", "no" if proved.autonomous else "yes (or an input)"),
         ("forces beyond L", "none" if proved.variational else "yes (force or dissipation)"),

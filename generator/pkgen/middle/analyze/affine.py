@@ -42,24 +42,33 @@ NONE, CONSTANT, VARYING, MORE = range(4)
 
 
 def of_rates(equations: Equations) -> int:
-    """How the forces of a system with constant M depend on the rates, as they stand: not at all; as
-    C v with constant C; with C of q, t and inputs; otherwise."""
-    g, rates = equations.graph, BIT[Kind.RATE]
+    """How the forces of a system with constant M depend on the rates."""
     if equations.states or equations.constraints is not None:
         return MORE
-    moving = [*equations.force, *(equations.acceleration or ())]
+    return in_rates(equations.graph, [*equations.force, *(equations.acceleration or ())])
+
+
+def in_rates(g: Graph, nodes: list[Node], constant: frozenset[Node] = frozenset()) -> int:
+    """How nodes depend on the rates, as they stand: not at all; as C v with constant C; with C of
+    q, t and inputs; otherwise. `constant`: inputs that are, such as the index of a loop."""
     found: dict[Node, int] = {}
-    for node in reachable(g, moving, rates):
+    varying: set[Node] = set()
+    for node in reachable(g, nodes, VARIABLE):
         of = [found[a] for a in g.args[node] if a in found]
-        if g.op[node] is Op.ADD:
+        if g.op[node] is Op.SYMBOL:
+            if g.depends[node] & BIT[Kind.RATE]:
+                found[node] = CONSTANT
+            elif node not in constant:
+                varying.add(node)
+        elif not of:
+            varying |= {node} if varying & {*g.args[node]} else set()
+        elif g.op[node] is Op.ADD:
             found[node] = max(of)
         elif g.op[node] is Op.MULTIPLY and len(of) == 1:
-            others = (a for a in g.args[node] if a not in found)
-            varies = any(g.depends[a] & VARIABLE for a in others)
-            found[node] = max(of[0], VARYING) if varies else of[0]
+            found[node] = max(of[0], VARYING) if varying & {*g.args[node]} else of[0]
         else:
-            found[node] = CONSTANT if g.op[node] is Op.SYMBOL else MORE
-    return max((found.get(node, NONE) for node in moving), default=NONE)
+            found[node] = MORE
+    return max((found.get(node, NONE) for node in nodes), default=NONE)
 
 
 def _expanded(g: Graph, normal: Normal, node: Node) -> bool:

@@ -8,7 +8,7 @@ from ...equations import Facts
 from ...graph.calls import jumps, smooth
 from ...graph.differentiate import reachable
 from ...graph.graph import BIT, Kind, Node, Op
-from ..analyze.affine import is_affine
+from ..analyze.affine import CONSTANT, VARYING, in_rates, is_affine
 from .expand import LoopExpander
 from .loops import LoopEquations, Total, Vector
 from .rows import Gather
@@ -26,6 +26,7 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     constant = not _kinds(x, entries) & {"q", "v", "t", "input", "w"}
     steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
     is_smooth = smooth(x.graph, reachable(x.graph, [*energies, *forces]))
+    of_v = _in_rates(x, forces) if constant else 0
     jumping = any(jumps(x.graph, node) for node in reachable(x.graph, energies))
     return Facts(
         mass_constant=constant,
@@ -37,6 +38,8 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
         variational=not gather.applied,
         smooth=is_smooth,
         affine=constant and steady and _affine(x, forces),
+        linear_drag=of_v == CONSTANT,
+        affine_rates=of_v in (CONSTANT, VARYING),
     )
 
 
@@ -50,6 +53,15 @@ def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
         if slot is not None and slot.kind not in ("param", "size", "index")
     }
     return is_affine(g, nodes, symbols)
+
+
+def _in_rates(x: LoopExpander, nodes: list[Node]) -> int:
+    slots = {node: x.slots.of(node) for node in reachable(x.graph, nodes)}
+    kinds = {node: slot.kind for node, slot in slots.items() if slot is not None}
+    if {"sum", "flux"} & {*kinds.values()}:  # with rates in it perhaps
+        return 0
+    same = ("param", "size", "index")
+    return in_rates(x.graph, nodes, frozenset(n for n, kind in kinds.items() if kind in same))
 
 
 def _kinds(x: LoopExpander, nodes: list[Node]) -> set[str]:
