@@ -96,7 +96,7 @@ def test_orders(tmp_path: Path, seed: int, varies: bool) -> None:
         slope = np.log(coarse / fine) / np.log(steps[1] / steps[0])
         assert fine > 1e-12 and abs(slope - order) < 0.5, (method, coarse, fine)
     if varies:
-        with pytest.raises((api.UsageError, api.RunError), match="linear (drag|in them)"):
+        with pytest.raises((api.UsageError, api.RunError), match=r"linear (drag|in them)"):
             end(model, "verlet", 0.1, drawn.n)
 
 
