@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from math import atan, exp, log, sqrt
+from math import atan, exp, log, pi, sqrt
 
-from .prediction import CLOSED, MEASURED, ORDER
+from .prediction import BOUNDARY, CLOSED, MEASURED, ORDER
 from .shown import shown
 
 
@@ -23,6 +23,15 @@ def parasite(h: float) -> tuple[float, float]:
     return n * h, odd * h
 
 
+def impulse_limit(omega: float, k: float) -> float:
+    """The step at which 2 cos(omega h) - (h k/omega) sin(omega h), the trace of a kick and a turn,
+    is -2 below omega h = pi."""
+    h = pi / omega
+    for _ in range(60):
+        h = 2 / omega * atan(2 * omega / (h * k))
+    return h
+
+
 def radau5(y: float) -> float:
     """|R(iy)|^2, HW IV.3: the (2, 3) Pade approximant of exp."""
     z = 1j * y
@@ -32,6 +41,9 @@ def radau5(y: float) -> float:
 LOGISTIC = "pkgen run logistic.lag --method euler --step 2.3 --until 460 --every 2.3"
 TWO_STEP = "pkgen run two_step.lag --method verlet --step 0.2 --until 10 --every 0.2"
 INDEX_ONE = "pkgen run index_one.lag --method rk4 --step 0.02 --until 40 --every 10"
+IMPULSES = (
+    "for h in {}; do pkgen run impulses.lag --set h=$h --method gauss --until 3*$h --every $h; done"
+)
 EJECTED = (
     'pkgen run kepler.lag --set e=0.99 --start x=1.99 --start "y\'=sqrt(0.01/1.99)" '
     "--method verlet --step {} --until {}"
@@ -117,5 +129,25 @@ PREDICTIONS = [
             "--method gauss", missed=EJECTED_LATER if i else "",
         )
         for i, (h, at, until) in enumerate(((0.005, 3.45, 10), (0.001, 33.5, 50)))
+    ),
+    *(
+        shown(
+            f"G11{'ab'[i]}", "impulse multiple time stepping, fast omega = 10, slow k = 1",
+            f"resonance at half the fast period: unstable {says}", at, BOUNDARY,
+            IMPULSES.format(between), "root of h: (q[2] + q[0])/q[1] + 2",
+            "--method verlet --step 0.05",
+        )
+        for i, (says, at, between) in enumerate(
+            (
+                ("from h = 2 atan(2 omega/(h k))/omega", impulse_limit(10, 1), "0.309 0.313"),
+                ("to h = pi/omega", pi / 10, "0.313 0.318"),
+            )
+        )
+    ),
+    shown(
+        "G12", "x' = x (1 - x), euler, h = 3", "chaotic: |4 - 6 x| grows a step, in the mean, by "
+        "log 2", log(2), CLOSED,
+        "pkgen run logistic.lag --method euler --step 3 --until 30000 --every 3 --start x=0.3",
+        "mean(log(abs(4 - 6*x)))", "--method rk4",
     ),
 ]  # fmt: skip

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from math import cos
+from math import cos, log, sin
 
-from .prediction import ORDER
+from .prediction import MEASURED, ORDER
 from .shown import shown
 
 ORBITS = (
@@ -18,6 +18,21 @@ ROD = (
     "--method {} --step 0.02 --until $n --every 0.5 --record energy; done"
 )
 DRIFT = "power of n: max(abs(energy - energy[0]))"
+
+TOLERANCES = (
+    "for e in 1e-7 1e-8 1e-9 1e-10 1e-11 1e-12; do pkgen run kepler.lag --set e=0.3 --method {} "
+    "--rtol $e --until 20*pi --every 20*pi; done"
+)
+TOLERANCE = "power of e: hypot(x[-1] - 0.7, y[-1])"
+WAVES = (
+    "for n in 20 40 80 160; do pkgen run oscillator.lag --method {} --until 2*pi*$n "
+    "--every 2*pi; done"
+)
+NEIGHBOURS = (
+    "pkgen run ../../../models/double_pendulum.lag --ensemble neighbours.csv --method rk4 "
+    "--step 0.01 --until 20 --every 1"
+)
+DENSE = "pkgen run oscillator.lag --method {} --step 1 --until 20 --every 0.5"
 
 PREDICTIONS = [
     shown(
@@ -57,5 +72,40 @@ PREDICTIONS = [
     shown(
         "R8", "pendulum on a rod, rattle, h = .02", "energy drifts with the power of t",
         (-0.01, 0.01), 0, ROD.format("rattle"), DRIFT, "--method rk4",
+    ),
+    shown(
+        "R9", "Kepler, e = .3, gsl_rk8pd", "the error after ten orbits goes with the power of the "
+        "tolerance", 1.0, ORDER, TOLERANCES.format("gsl_rk8pd"), TOLERANCE, "--method gsl_msbdf",
+    ),
+    shown(
+        "R10", "Kepler, e = .3, radau", "its step is that for tolerance^(2/3), by an estimate of "
+        "order 3: the error goes with its power", 5 / 6, ORDER, TOLERANCES.format("radau"),
+        TOLERANCE, "--method gsl_rk8pd",
+    ),
+    shown(
+        "R11", "oscillator, gsl_msbdf", "tolerance kept in each step, and yet energy grows "
+        "with the power of t", 1.0, ORDER, WAVES.format("gsl_msbdf"),
+        "power of n: abs(energy[-1]/energy[0] - 1)", "--method gauss4 --step 0.5",
+    ),
+    shown(
+        "R12", "eight double pendulums side by side, rk4, two alike", "a lane does not know its "
+        "neighbours: they differ by", (0.0, 0.0), 0, NEIGHBOURS,
+        "max(abs(theta1[member == 1] - theta1[member == 8]))", "--ensemble strangers.csv",
+        no_method="members are compared, by whatever method",
+    ),
+    shown(
+        "R13", "logistic maps 1e-12 apart, euler, h = 3", "part by log 2 a step", log(2), MEASURED,
+        "pkgen run logistic.lag --ensemble twins.csv --method euler --step 3 --until 105 --every 3",
+        "mean(diff(log(abs(x[36:] - x[:36]) + 1e-300)))", "--method rk4 --step 2",
+    ),
+    shown(
+        "R14", "oscillator, gauss8, h = 1, a cubic through the ends of steps",
+        "half-way it is wrong by 1 - cos(h/2) - (h/4) sin(h/2), whatever the method's order",
+        1 - cos(0.5) - sin(0.5) / 4, 1e-9, DENSE.format("gauss8"),
+        "1 - mean(((q[:-2:2] + q[2::2])/2 + (q'[:-2:2] - q'[2::2])/8)/q[1::2])", "--method verlet",
+    ),
+    shown(
+        "R15", "oscillator, gauss8, h = 1, rows between steps", "wrong by no more than its steps",
+        (1e-17, 1e-14), 0, DENSE.format("gauss8"), "max(abs(q - cos(t)))", "--method kahan_li8",
     ),
 ]  # fmt: skip

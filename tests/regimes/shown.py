@@ -4,7 +4,8 @@ An entry has a command, to be run in tests/regimes/models, and what is read of i
 expression in the columns of the rows (x' is the rate of x), `t`, `report` (the JSON) and the
 functions below. `instead` are options of the worse run, in place of the same ones or besides. In
 `for h in 0.1 0.05; do ...; done` a command is run for each value; "power of h: EXPRESSION" is the
-exponent by which what is read goes with it.
+exponent by which what is read goes with it, "root of h: EXPRESSION" where between two values of h
+it is zero, further h between them tried; infinite if it has the same sign at both.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import math
 import re
 import shlex
 import tempfile
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -24,7 +26,7 @@ from .prediction import Prediction, slope
 
 MODELS = Path(__file__).parent / "models"
 LOOP = re.compile(r"for (\w+) in ([^;]+); do (.+); done")
-POWER = re.compile(r"power of (\w+): (.+)")
+OVER = re.compile(r"(power|root) of (\w+): (.+)")
 
 
 def with_options(command: str, instead: str) -> str:
@@ -99,15 +101,35 @@ def read(command: str, expression: str) -> float:
     return float(eval(text, {"__builtins__": {}}, FUNCTIONS | outcome(command)))
 
 
+def root(f: Callable[[float], float], low: float, high: float) -> float:
+    """By regula falsi, the end that stays weighted down (M. Dowell, P. Jarratt, 1971)."""
+    a, b = f(low), f(high)
+    if a * b > 0:
+        return math.inf
+    for _ in range(12):
+        x = (low * b - high * a) / (b - a)
+        c = f(x)
+        if b * c < 0:
+            low, a = high, b
+        else:
+            a *= 0.5
+        high, b = x, c
+        if c == 0 or abs(high - low) < 1e-9 * abs(high):
+            break
+    return high
+
+
 def value(command: str, expression: str) -> float:
     loop = LOOP.fullmatch(command)
     if not loop:
         return read(command, expression)
     name, values, body = loop.groups()
-    power = POWER.fullmatch(expression)
-    assert power and power[1] == name, expression
-    found = [read(body.replace(f"${name}", x), power[2]) for x in values.split()]
-    return slope([float(x) for x in values.split()], found)
+    kind, over, expression = OVER.fullmatch(expression).groups()
+    assert over == name, expression
+    at = [float(x) for x in values.split()]
+    if kind == "root":
+        return root(lambda x: read(body.replace(f"${name}", repr(x)), expression), *at)
+    return slope(at, [read(body.replace(f"${name}", x), expression) for x in values.split()])
 
 
 def worse_command(command: str, instead: str) -> str:
