@@ -94,7 +94,8 @@ PREDICTIONS = [
         no_method="members are compared, by whatever method",
     ),
     shown(
-        "R13", "logistic maps 1e-12 apart, euler, h = 3", "part by log 2 a step", log(2), MEASURED,
+        "R13", "logistic maps 1e-12 apart, euler, h = 3", "part by log 2 a step",
+        log(2), MEASURED,
         "pkgen run logistic.lag --ensemble twins.csv --method euler --step 3 --until 105 --every 3",
         "mean(diff(log(abs(x[36:] - x[:36]) + 1e-300)))", "--method rk4 --step 2",
     ),
