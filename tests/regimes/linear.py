@@ -3,34 +3,14 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import acos, asin, atan, pi
+from math import asin, atan, pi
 
 import mpmath as mp
 import numpy as np
 
 from .prediction import BOUNDARY, CLOSED, Prediction, boundary
-from .probe import Failed, Probe
-
-STEPS = 2000
-
-
-def energy_after(method: str, y: float, steps: int = STEPS) -> float:
-    """H / H(0); infinite if the motion overflows."""
-    probe = Probe("oscillator", method, y, fixed=True)
-    try:
-        return probe.steps(steps, steps)[-1, -1] / 0.5
-    except Failed:
-        return np.inf
-
-
-def limit(method: str, predicted: float) -> float:
-    """Splitting methods: beyond the limit |trace| > 2; below it H only oscillates."""
-    return boundary(predicted, lambda y: energy_after(method, y) > 1e6)
-
-
-def amplification_limit(method: str, predicted: float) -> float:
-    """Runge-Kutta methods: H is multiplied by |R(iy)|^2 in each step."""
-    return boundary(predicted, lambda y: energy_after(method, y, 500) > 1)
+from .probe import Probe
+from .shown import around, shown
 
 
 def trace_limit(kick: list, drift: list) -> float:
@@ -104,41 +84,6 @@ def axis_limit(method: str, direction) -> float:
     )
 
 
-def kick_first_invariant(h: float, method: str = "symplectic_euler") -> float:
-    """Largest relative change of p^2 + q^2 - h p q."""
-    rows = Probe("oscillator", method, h, start={"q": 0.7, "q'": 0.31}).steps(10_000)
-    q, p = rows[:, 1], rows[:, 2]
-    invariant = p * p + q * q - h * p * q
-    return np.abs(invariant / (0.31**2 + 0.7**2 - h * 0.31 * 0.7) - 1).max()
-
-
-def verlet_invariant(h: float, method: str = "verlet") -> float:
-    rows = Probe("oscillator", method, h).steps(10_000)
-    q, p = rows[:, 1], rows[:, 2]
-    return np.abs((p * p + (1 - h * h / 4) * q * q) / (1 - h * h / 4) - 1).max()
-
-
-def energy_ratio(method: str, h: float) -> float:
-    energy = Probe("oscillator", method, h).steps(20_000)[:, -1]
-    return energy.max() / energy.min()
-
-
-def frequency(method: str, y: float) -> float:
-    """omega h a step, of what is exactly periodic but for round-off: q_(n+1) + q_(n-1) =
-    2 cos(angle) q_n."""
-    q = Probe("oscillator", method, y).steps(2000)[:, 1]
-    return acos((q[1:-1] @ (q[2:] + q[:-2])) / (2 * q[1:-1] @ q[1:-1])) / y - 1
-
-
-def real_axis(method: str, predicted: float) -> float:
-    """q'' = -q': the rate decays only below the limit."""
-
-    def grows(h: float) -> bool:
-        return abs(Probe("decay", method, h, fixed=True).steps(2000, 2000)[-1, 2]) > 1
-
-    return boundary(predicted, grows)
-
-
 def fixed_point_limit(method: str, predicted: float) -> float:
     """Beyond y rho(A) = 1 the fixed-point iteration of the stages diverges, and must say so."""
 
@@ -162,23 +107,6 @@ def iteration_limit(s: int) -> float:
     return float(min(abs(z) for z in mp.polyroots(rising[::-1], maxsteps=200, extraprec=100)))
 
 
-AMBIGUOUS = -13
-
-
-def ambiguous_from(method: str, predicted: float) -> float:
-    """The step from which a pendulum at rest upright is refused: its equations have more solutions
-    than to stay there. (Within some 1e-5 of it, where they are singular, Newton's iteration does
-    not converge, which it says.)"""
-
-    def status(y: float) -> int:
-        probe = Probe("pendulum", method, y, start={"theta": pi, "theta'": 0.0})
-        probe.steps(1, strict=False)
-        return probe.status
-
-    found = boundary(predicted, lambda y: status(y) < 0)
-    return found if status(1.001 * found) == AMBIGUOUS else 0.0
-
-
 def midpoint_roots(y: float) -> float:
     """Solutions x of x = pi + (y^2/4) a(x), the middle of a midpoint step from rest upright: the
     changes of sign over +-y^2/4 about pi, beyond which there is none."""
@@ -189,46 +117,58 @@ def midpoint_roots(y: float) -> float:
 
 
 RATIO = 1 / (1 - 1.9**2 / 4)
+OSCILLATOR = "pkgen run oscillator.lag --method {} --step {} --until {} --every {}"
+FREQUENCY = "acos(sum(q[1:-1]*(q[2:] + q[:-2]))/(2*sum(q[1:-1]**2)))/0.1 - 1"
+
+
+def limit(method: str, at: float, steps: int, more: str = "") -> str:
+    run = f"pkgen run oscillator.lag --method {method} --step $h{more}"
+    return f"for h in {around(at)}; do {run} --until {steps}*$h --every {steps}*$h; done"
+
+
+# Splitting methods: beyond the limit |trace| > 2; below it H only oscillates.
+SPLIT = "edge of h: not energy[-1] < 1e6*energy[0]"
+# Runge-Kutta methods: H is multiplied by |R(iy)|^2 in each step.
+AMPLIFIED = "edge of h: not energy[-1] < energy[0]"
 
 PREDICTIONS = [
-    Prediction(
+    shown(
         "L1", "oscillator, euler, h = .1", "H grows by 1 + h^2 a step: over 1000 steps by",
-        1.01**1000, 1e-9, lambda: energy_after("euler", 0.1, 1000),
-        "rk2", lambda: energy_after("rk2", 0.1, 1000),
+        1.01**1000, 1e-9, OSCILLATOR.format("euler", 0.1, 100, 100), "energy[-1]/energy[0]",
+        "--method rk2", own=False,
     ),
-    Prediction(
+    shown(
         "L2a", "oscillator, symplectic_euler", "limit y = 2", 2.0, BOUNDARY,
-        lambda: limit("symplectic_euler", 2.0),
-        "yoshida4", lambda: limit("yoshida4", 2.0),
+        limit("symplectic_euler", 2, 4000), SPLIT, "--method yoshida4", own=False,
     ),
-    Prediction(
+    shown(
         "L2b", "oscillator, symplectic_euler, h = .3, 10,000 steps",
         "p^2 + q^2 - h p q is constant but for round-off: relative change", (1e-17, 1e-13), 0,
-        lambda: kick_first_invariant(0.3),
-        "verlet", lambda: kick_first_invariant(0.3, "verlet"),
+        OSCILLATOR.format("symplectic_euler", 0.3, 3000, 0.3),
+        "max(abs(q'**2 + q**2 - 0.3*q'*q - 1))", "--method verlet", own=False,
     ),
-    Prediction(
-        "L3a", "oscillator, verlet", "limit y = 2", 2.0, BOUNDARY, lambda: limit("verlet", 2.0),
-        "yoshida4", lambda: limit("yoshida4", 2.0),
+    shown(
+        "L3a", "oscillator, verlet", "limit y = 2", 2.0, BOUNDARY, limit("verlet", 2, 4000),
+        SPLIT, "--method yoshida4", own=False,
     ),
-    Prediction(
+    shown(
         "L3b", "oscillator, verlet, h = 1.9, 10,000 steps",
         "p^2 + (1 - h^2/4) q^2 is constant but for round-off: relative change", (1e-17, 1e-13), 0,
-        lambda: verlet_invariant(1.9),
-        "symplectic_euler", lambda: verlet_invariant(1.9, "symplectic_euler"),
+        OSCILLATOR.format("verlet", 1.9, 19000, 1.9),
+        "max(abs((q'**2 + (1 - 1.9**2/4)*q**2)/(1 - 1.9**2/4) - 1))",
+        "--method symplectic_euler", own=False,
     ),
-    Prediction(
+    shown(
         "L3c", "oscillator, verlet, h = 1.9", "Hmax / Hmin = 1/(1 - h^2/4)", RATIO, 1e-6,
-        lambda: energy_ratio("verlet", 1.9),
-        "gauss1", lambda: energy_ratio("gauss1", 1.9),
+        OSCILLATOR.format("verlet", 1.9, 19000, 1.9), "max(energy)/min(energy)",
+        "--method gauss1", own=False,
     ),
     *(
-        Prediction(
+        shown(
             id, f"oscillator, {method}", "limit: the trace of a step's matrix is -2 or 2",
-            predicted, BOUNDARY, lambda m=method, p=predicted: limit(m, p),
-            worse, lambda m=worse, p=predicted: limit(m, p),
+            at, BOUNDARY, limit(method, at, 4000), SPLIT, f"--method {worse}", own=False,
         )
-        for id, method, predicted, worse in (
+        for id, method, at, worse in (
             ("L4", "yoshida4", composed(triple(2)), "verlet"),
             ("L6", "yoshida6", composed(YOSHIDA6), "yoshida4"),
             ("L7a", "suzuki4", composed(suzuki()), "yoshida4"),
@@ -236,42 +176,41 @@ PREDICTIONS = [
         )
     ),
     *(
-        Prediction(
+        shown(
             id, f"oscillator, {method}", "limit on the imaginary axis, |R(iy)| = 1",
-            axis_limit(method, 1j), BOUNDARY,
-            lambda m=method: amplification_limit(m, axis_limit(m, 1j)),
-            worse, lambda m=method, w=worse: amplification_limit(w, axis_limit(m, 1j)),
+            axis_limit(method, 1j), BOUNDARY, limit(method, axis_limit(method, 1j), 500, more),
+            AMPLIFIED, f"--method {worse}", own=False,
         )
-        for id, method, worse in (
-            ("L9a", "rk4", "rk3"), ("L9b", "rk3", "rk4"), ("L9c", "dopri5", "rk4"),
+        for id, method, worse, more in (
+            ("L9a", "rk4", "rk3", ""), ("L9b", "rk3", "rk4", ""),
+            ("L9c", "dopri5", "dop853", " --max-step $h --rtol 1e9"),
         )
     ),
-    Prediction(
+    shown(
         "L9d", "oscillator, rk2, y = .1",
         "no limit at all: H grows by 1 + y^4/4 a step; over 2000 steps, less 1, by",
-        (1 + 0.1**4 / 4) ** 2000 - 1, CLOSED, lambda: energy_after("rk2", 0.1) - 1,
-        "rk3, which decays", lambda: energy_after("rk3", 0.1) - 1,
+        (1 + 0.1**4 / 4) ** 2000 - 1, CLOSED, OSCILLATOR.format("rk2", 0.1, 200, 200),
+        "energy[-1]/energy[0] - 1", "--method rk3", own=False,
     ),
-    Prediction(
+    shown(
         "L10", "oscillator, rk4, y = .5", "H shrinks by y^6/72 - y^8/576 a step",
-        0.5**6 / 72 - 0.5**8 / 576, 1e-6,
-        lambda: 1 - energy_after("rk4", 0.5, 1000) ** 0.001,
-        "rk3", lambda: 1 - energy_after("rk3", 0.5, 1000) ** 0.001,
+        0.5**6 / 72 - 0.5**8 / 576, 1e-6, OSCILLATOR.format("rk4", 0.5, 500, 500),
+        "1 - (energy[-1]/energy[0])**0.001", "--method rk3", own=False,
     ),
-    Prediction(
-        "L11", "q'' = -q', rk4", "limit on the real axis, |R(-y)| = 1",
-        axis_limit("rk4", -1), BOUNDARY, lambda: real_axis("rk4", axis_limit("rk4", -1)),
-        "dopri5", lambda: real_axis("dopri5", axis_limit("rk4", -1)),
+    shown(
+        "L11", "q'' = -q', rk4", "limit on the real axis, |R(-y)| = 1", axis_limit("rk4", -1),
+        BOUNDARY, limit("rk4", axis_limit("rk4", -1), 2000).replace("oscillator", "decay"),
+        "edge of h: not abs(q'[-1]) < 1", "--method rk3", own=False,
     ),
-    Prediction(
+    shown(
         "L12a", "oscillator, verlet, y = .1", "relative error of the frequency, 2 asin(y/2)/y - 1",
-        2 * asin(0.05) / 0.1 - 1, 1e-6, lambda: frequency("verlet", 0.1),
-        "gauss1", lambda: frequency("gauss1", 0.1),
+        2 * asin(0.05) / 0.1 - 1, 1e-6, OSCILLATOR.format("verlet", 0.1, 200, 0.1), FREQUENCY,
+        "--method gauss1", own=False,
     ),
-    Prediction(
+    shown(
         "L12b", "oscillator, gauss1, y = .1", "relative error of the frequency, 2 atan(y/2)/y - 1",
-        2 * atan(0.05) / 0.1 - 1, 1e-6, lambda: frequency("gauss1", 0.1),
-        "verlet", lambda: frequency("verlet", 0.1),
+        2 * atan(0.05) / 0.1 - 1, 1e-6, OSCILLATOR.format("gauss1", 0.1, 200, 0.1), FREQUENCY,
+        "--method verlet", own=False,
     ),
     *(
         Prediction(
@@ -283,11 +222,11 @@ PREDICTIONS = [
         )
         for s in (1, 2, 3)
     ),
-    Prediction(
+    shown(
         "L14a", "pendulum at rest upright, gauss1",
         "one solution of the step if y < 2; beyond, it says that there are several", 2.0, BOUNDARY,
-        lambda: ambiguous_from("gauss1", 2.0),
-        "radau5", lambda: ambiguous_from("radau5", 2.0),
+        "for h in 1.998 2.002; do pkgen run pendulum.lag --start theta=pi --method gauss1 "
+        "--step $h --until $h; done", 'edge of h: "several" in said', "--method radau5", own=False,
     ),
     *(
         Prediction(

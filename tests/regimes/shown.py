@@ -4,8 +4,9 @@ An entry has a command, to be run in tests/regimes/models, and what is read of i
 expression in the columns of the rows (x' is the rate of x), `t`, `report` (the JSON) and the
 functions below. `instead` are options of the worse run, in place of the same ones or besides. In
 `for h in 0.1 0.05; do ...; done` a command is run for each value; "power of h: EXPRESSION" is the
-exponent by which what is read goes with it, "root of h: EXPRESSION" where between two values of h
-it is zero, further h between them tried; infinite if it has the same sign at both.
+exponent by which what is read goes with it. Of two values of h, "root of h: EXPRESSION" is where
+between them it is zero, "edge of h: EXPRESSION" from where on it is true: false at the first, true
+at the second, h between them tried. Both are infinite where the ends do not differ.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from .prediction import Prediction, slope
 
 MODELS = Path(__file__).parent / "models"
 LOOP = re.compile(r"for (\w+) in ([^;]+); do (.+); done")
-OVER = re.compile(r"(power|root) of (\w+): (.+)")
+OVER = re.compile(r"(power|root|edge) of (\w+): (.+)")
 
 
 def with_options(command: str, instead: str) -> str:
@@ -119,6 +120,15 @@ def root(f: Callable[[float], float], low: float, high: float) -> float:
     return high
 
 
+def edge(true: Callable[[float], float], low: float, high: float, bits: int = 6) -> float:
+    if true(low) or not true(high):
+        return math.inf
+    for _ in range(bits):
+        middle = (low + high) / 2
+        low, high = (low, middle) if true(middle) else (middle, high)
+    return (low + high) / 2
+
+
 def value(command: str, expression: str) -> float:
     loop = LOOP.fullmatch(command)
     if not loop:
@@ -127,8 +137,9 @@ def value(command: str, expression: str) -> float:
     kind, over, expression = OVER.fullmatch(expression).groups()
     assert over == name, expression
     at = [float(x) for x in values.split()]
-    if kind == "root":
-        return root(lambda x: read(body.replace(f"${name}", repr(x)), expression), *at)
+    if kind != "power":
+        way = {"root": root, "edge": edge}[kind]
+        return way(lambda x: read(body.replace(f"${name}", f"{x:.12g}"), expression), *at)
     return slope(at, [read(body.replace(f"${name}", x), expression) for x in values.split()])
 
 
@@ -137,6 +148,11 @@ def worse_command(command: str, instead: str) -> str:
     if not loop:
         return with_options(command, instead)
     return command.replace(loop[3], with_options(loop[3], instead))
+
+
+def around(limit: float) -> str:
+    """The ends of a loop: where a motion is to be stable still, and to grow."""
+    return f"{0.999 * limit:.9g} {1.001 * limit:.9g}"
 
 
 def shown(
@@ -148,11 +164,12 @@ def shown(
     command: str,
     read: str,
     instead: str,
+    own: bool = True,
     **more,
 ) -> Prediction:
     worse = re.sub(r"^--method (\w+) ?", r"\1, ", instead).removesuffix(", ")
     return Prediction(
         id, system, says, predicted, tolerance,
         lambda: value(command, read), worse, lambda: value(worse_command(command, instead), read),
-        own=True, command=command, read=read, instead=instead, **more,
+        own=own, command=command, read=read, instead=instead, **more,
     )  # fmt: skip

@@ -24,7 +24,7 @@ HEAD = """\
 Each prediction was made before it was run: a closed form, evaluated beside the test, or a value
 converged by other means. The models are in `tests/regimes/models/` (some in `models/`), the
 predictions and how each is measured in `tests/regimes/*.py`: by the runtime's own steps, taken one
-by one, or, in the third table, by the commands that are shown. A prediction is met if the measured
+by one, or by the commands that are shown below. A prediction is met if the measured
 value lies within the tolerance of it, or in the band that it is, and the worse method beside it,
 measured in the same way, does not; where no method can be worse, something else is changed, and why
 stands at the end. A limit that is met says more: the motion is stable at .999 of it and grows at
@@ -105,11 +105,11 @@ def table(entries: list[Prediction], known: dict[str, list[str]]) -> str:
     return "".join("| " + " | ".join(line) + " |\n" for line in lines)
 
 
-BY_COMMAND = """\
-These were measured by pkgen's commands alone. Each, in `tests/regimes/models`, is followed by
+COMMANDS = """\
+These are measured by pkgen's commands alone. Each, in `tests/regimes/models`, is followed by
 `-o rows.csv`; what is read is an expression in the columns, in `report` (that of `rows.csv.json`,
 of other commands than `run` what `--json` prints) and in what `tests/regimes/shown.py` has
-(`slope`, the power of a loop's variable; `times`, those of an event). The worse run has the
+(`times` of an event; of a loop's variable `power`, `root` and `edge`). The worse run has the
 options of the last column instead of the same ones, or besides.
 
 """
@@ -130,21 +130,17 @@ def command_of(id: str) -> str:
 
 
 def sections() -> tuple[list[Prediction], ...]:
-    """The list of regimes, what is not in it, and what commands measure, which is not either."""
-    return (
-        [e for e in PREDICTIONS if not e.own],
-        [e for e in PREDICTIONS if e.own and not e.command],
-        [e for e in PREDICTIONS if e.command],
-    )
+    """The list of regimes, and what is not in it."""
+    return [e for e in PREDICTIONS if not e.own], [e for e in PREDICTIONS if e.own]
 
 
 def text(known: dict[str, list[str]]) -> str:
-    listed, own, shown = sections()
+    listed, own = sections()
     missed = [e for e in PREDICTIONS if e.missed]
     said = [HEAD, "## Regimes\n\n", table(listed, known)]
     said += ["\n## More of them\n\n", "Predictions that are not in that list.\n\n"]
-    said += [table(own, known), "\n## By commands\n\n", table(shown, known), "\n"]
-    said += [BY_COMMAND, commands(), "\n## Misses\n\n"]
+    said += [table(own, known), "\n## Commands\n\n", COMMANDS, commands()]
+    said += ["\n## Misses\n\n"]
     said += [f"- **{e.id}**: {e.missed}\n" for e in missed] or ["None.\n"]
     said += ["\n## Without a worse method\n\n", WITHOUT, "| id | changed | why |\n", "| --- " * 3]
     said += ["|\n", *(f"| {e.id} | {e.worse} | {e.no_method} |\n" for e in without_method())]
