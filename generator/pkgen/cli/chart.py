@@ -15,7 +15,7 @@ from ..analysis.chart.errors import KINDS
 from ..analysis.chart.peers import PEERS, Peer, gsl_methods
 from ..analysis.chart.points import ChartedMethod
 from ..analysis.chart.sweep import Effort
-from ..analysis.chart.text import report
+from ..analysis.chart.text import interrupted, report
 from ..compiler import Compilation
 from ..own.given import given
 from ..plot.style import Look
@@ -24,9 +24,10 @@ from ..run.settings import Settings
 from ..scenes import asked as parsing
 from ..scenes import scene
 from ..scenes.use import whole
-from ..system.exits import DONE, NumericsFailed, UsageError
+from ..system import children
+from ..system.exits import DONE, INTERRUPTED, NumericsFailed, UsageError
 from ..system.files import moved, scratch
-from ..system.progress import progress, unseen
+from ..system.progress import progress, say, took, unseen
 from . import arguments as shared
 from .compilation import compile_within_limits
 from .pictures import look_of
@@ -61,8 +62,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.of_a_look(parser)
     add("--long", action="store_true", help="drifts over 1e1 to 1e7 fixed steps instead")
     add("--step", metavar="H", help="of --long (default: 1/32 of the fastest period)")
-    add("--quick", action="store_true", help="fewer points, shorter laps, 8 s of measuring")
-    add("--seconds", type=float, metavar="S", help="of measuring (default 60)")
+    add("--quick", action="store_true", help="fewer points, shorter laps, 10 s in all")
+    add("--seconds", type=float, metavar="S", help="of all but drawing (default 55)")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -92,14 +93,18 @@ def run(options: argparse.Namespace) -> int:
             peers,
         )
     if not any(track.good for track in chart.tracks):
+        if chart.interrupted:
+            raise KeyboardInterrupt
         raise NumericsFailed("no method arrived with an error below that of no motion at all")
     files = _write(directory, chart, options, look)
     if options.json:
         print(json.dumps(_record(chart, files), indent=1))
     else:
         print(report(chart, options.model, _given(options)), end="")
-        print(f"\nwritten: {', '.join(map(str, files))}")
-    return DONE
+        print(f"\nwritten: {', '.join(map(str, files))}; {took(effort.began)}")
+    if chart.interrupted:
+        say(interrupted(chart))
+    return INTERRUPTED if chart.interrupted else DONE
 
 
 def _long(
@@ -112,9 +117,9 @@ def _long(
 ) -> int:
     from ..analysis.chart import long, long_report
 
-    seconds = _effort(options).seconds
+    effort = _effort(options)
     with progress(compilation.model.name) as show:
-        found = long.measure(compilation, settings, chosen, seconds, settings.step, show or unseen)
+        found = long.measure(compilation, settings, chosen, effort, settings.step, show or unseen)
     with scratch() as folder:
         stem = folder / f"{found.model}_long"
         files = long_report.write(found, stem, look)
@@ -125,8 +130,10 @@ def _long(
         print(json.dumps(told, indent=1))
     else:
         print(long_report.text(found), end="")
-        print(f"\nwritten: {', '.join(map(str, files))}")
-    return DONE
+        print(f"\nwritten: {', '.join(map(str, files))}; {took(effort.began)}")
+    if children.ended():
+        say("interrupted: drifts are of the methods measured until then")
+    return INTERRUPTED if children.ended() else DONE
 
 
 def _peers(options: argparse.Namespace) -> list[Peer]:
@@ -255,6 +262,8 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
             for a in b.answers
         ],
         "refused": chart.refused | {b.peer.name: b.why for b in chart.beside if b.why},
+        "interrupted": chart.interrupted,
+        "unmeasured": chart.unmeasured,
         "points": table.rows(chart.tracks),
         "files": [str(file) for file in files],
     }

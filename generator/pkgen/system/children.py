@@ -67,6 +67,11 @@ def kill() -> None:
             os.killpg(_keeper.pid, signal.SIGKILL)
 
 
+def ended() -> bool:
+    """Whether all was told to end: what is begun now ends at once."""
+    return _ended
+
+
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
     """SIGINT, SIGTERM and SIGHUP end pkgen and what it has started, as KeyboardInterrupt; what is

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Protocol
@@ -18,6 +20,12 @@ def unseen(part: float, text: str = "") -> None:
     """Progress where nobody looks."""
 
 
+def took(began: float) -> str:
+    """Since then by time.monotonic(), in words."""
+    own = time.process_time() + sum(os.times()[2:4])
+    return f"took {time.monotonic() - began:.3g} s, {own:.3g} s of the processor's"
+
+
 def say(text: str) -> None:
     print(f"pkgen: {text}", file=sys.stderr, flush=True)
 
@@ -29,10 +37,15 @@ def progress(title: str) -> Iterator[Show | None]:
         yield None
         return
     from rich.console import Console
-    from rich.progress import Progress, TimeElapsedColumn
+    from rich.progress import Progress, Task, TimeElapsedColumn, TimeRemainingColumn
+    from rich.text import Text
+
+    class Left(TimeRemainingColumn):
+        def render(self, task: Task) -> Text:
+            return super().render(task) + Text(" left,")
 
     # The time goes on where a part takes long: a sign of life.
-    columns = (*Progress.get_default_columns(), TimeElapsedColumn())
+    columns = (*Progress.get_default_columns()[:-1], Left(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=1.0)
 

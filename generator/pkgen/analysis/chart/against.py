@@ -18,6 +18,7 @@ from typing import Any
 
 from ...compiler import Compilation
 from ...record import record
+from ...system import children
 from ...system.progress import Show
 from . import answer, sweep
 from .answer import Answer
@@ -27,7 +28,7 @@ from .measure import Program
 from .peers import Integrate, Motion, Peer, Refused, Slow
 from .points import FOREIGN, ChartedMethod, Point, Track
 from .spectrum import Spectrum
-from .sweep import Bench
+from .sweep import Bench, Effort
 
 SHARE = 0.5  # of the time that a chart takes, as much again for all packages
 LAP = 1e-3  # seconds of the shortest lap
@@ -157,16 +158,19 @@ def measure(
     refused = lend(peers, compilation, bench.starts)
     able = [p for p in peers if p.name not in refused]
     part = SHARE * bench.effort.seconds / max(1, sum(p.open is not None for p in able))
-    bench = replace(bench, effort=replace(bench.effort, seconds=part))
     found: list[Beside] = [Beside(p, why=refused[p.name]) for p in peers if p.name in refused]
     for k, peer in enumerate(able):
         on_progress(k / len(able), peer.name)
+        effort = Effort(bench.effort.points, bench.effort.lap_seconds, part)
+        bench = replace(bench, effort=effort)
         if peer.open is None:
             swept = [t for t in tracks if t.method.family == FOREIGN]
         else:
-            swept = sweep.measure(bench, peer.charted(), spectrum, lambda *_: None)
+            swept = sweep.measure(bench, peer.charted(), spectrum, lambda _: None)
         told, swept = answer.answers(bench, swept)
         found.append(Beside(peer, tuple(a for a in told if a.axis == "seconds")))
+        if children.ended():
+            raise KeyboardInterrupt
         names = {t.method.name for t in swept}
         tracks = [*(t for t in tracks if t.method.name not in names), *swept]
     told = {(a.method.name, a.point.setting): a for b in found for a in b.answers if a.point}

@@ -7,6 +7,7 @@ runs a little finer (search.py, which measures what is missing). "None" is said 
 from __future__ import annotations
 
 from ...record import record
+from ...system import children
 from .points import AXES, ChartedMethod, Point, Track
 from .search import Search
 from .sweep import Bench
@@ -30,19 +31,27 @@ def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track
     it among their points."""
     search = Search(bench, tracks)
     told = [accuracy for accuracy in ACCURACIES if accuracy > 10 * bench.floor]
-    for accuracy in told:
-        search.refine(accuracy)
-    for accuracy in told:
-        search.time_again(accuracy)
-    # Judging may measure new points, which change other answers: repeat until none.
+    try:
+        for accuracy in told:
+            search.refine(accuracy)
+        for accuracy in told:
+            search.time_again(accuracy)
+        best = _best(search, told)
+    except KeyboardInterrupt:  # no more is measured then
+        best = _best(search, told)
+    found = [_answer(search, bench.floor, *asked, point) for asked, point in best.items()]
+    return found, search.tracks(told)
+
+
+def _best(search: Search, told: list[float]) -> dict[tuple[float, str], Point | None]:
+    """Judging may measure new points, which change other answers: repeated until none does."""
     count = -1
     while count != search.measured:
         count = search.measured
         best = {
             (a, x): search.cheapest(a, x) if a in told else None for a in ACCURACIES for x in AXES
         }
-    found = [_answer(search, bench.floor, *asked, point) for asked, point in best.items()]
-    return found, search.tracks(told)
+    return best
 
 
 def _answer(
@@ -58,6 +67,7 @@ def _answer(
             reason = "none arrives"
         elif (best.error or 0.0) > accuracy:
             late = " in the time (--seconds)" if search.left <= 0 else ""
+            late = " before the interrupt" if children.ended() else late
             reason = f"none{late}; the most accurate is {best.method}, with {best.error:.1e}"
         else:
             reason = f"none but by luck, such as {best.method}, with {best.error:.1e}"

@@ -13,6 +13,7 @@ from ...record import record
 from ...run import named
 from ...run.build import build_library, own_methods, runtime_methods
 from ...run.settings import Settings
+from ...system import children
 from ...system.exits import UsageError
 from ...system.progress import Show
 from . import against, answer, reference, spectrum, sweep
@@ -46,6 +47,8 @@ class Chart:
     refused: dict[str, str]  # of those that do not: why
     answers: list[Answer]
     beside: tuple[Beside, ...] = ()  # other packages
+    unmeasured: tuple[str, ...] = ()  # methods and packages, for it was interrupted
+    interrupted: bool = False
 
     @property
     def time(self) -> str:
@@ -122,18 +125,24 @@ def measure(
     follower = "gauss" if structure.smooth_in_pieces else "dop853"
     found = spectrum.find(program, follower, settings.until, not structure.variational)
     floor = 0.0 if kind.name == ENERGY else exact.worst if kind.path else exact.error
-    bench = Bench(motions, floor, settings.until, effort)
-    tracks = sweep.measure(
-        bench, chosen, found, lambda part, text="": on_progress(0.1 + 0.8 * part, text)
-    )
-    on_progress(0.9, "the answers")
+    bench = Bench(motions, floor, settings.until, effort.rest())
+
+    def show(text: str) -> None:
+        on_progress(1 - effort.left() / effort.seconds, text)
+
+    tracks = sweep.measure(bench, chosen, found, show)
+    unmeasured = tuple(m.name for m in chosen if m not in [t.method for t in tracks])
+    show("the answers")
     able = [t for t in tracks if not t.points[0].refused]
     refused = {t.method.name: t.points[0].reason for t in tracks if t.points[0].refused}
     told, able = answer.answers(bench, able)
     beside: tuple[Beside, ...] = ()
-    if peers:
-        show = lambda part, text="": on_progress(0.92 + 0.08 * part, text)  # noqa: E731
-        beside, told, able = against.measure(bench, peers, compilation, found, told, able, show)
+    try:
+        if peers and not children.ended():
+            known = replace(bench, effort=effort), peers, compilation, found, told, able
+            beside, told, able = against.measure(*known, lambda _, text: show(text))
+    except KeyboardInterrupt:
+        unmeasured += tuple(p.name for p in peers)
     on_progress(1.0)
     return Chart(
         model=name,
@@ -148,6 +157,8 @@ def measure(
         refused={**stepwise, **refused},
         answers=told,
         beside=beside,
+        unmeasured=unmeasured,
+        interrupted=children.ended(),
     )
 
 

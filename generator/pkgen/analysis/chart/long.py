@@ -9,17 +9,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 from ...compiler import Compilation
 from ...record import record
 from ...run.build import build_library
 from ...run.settings import Settings
+from ...system import children
 from ...system.exits import NumericsFailed, UsageError
 from ...system.progress import Show
 from . import spectrum
 from .measure import Program
 from .points import ChartedMethod
+from .sweep import Effort
 
 PERIOD = 32  # steps, of the fastest oscillation
 SAFE = 0.5  # of a method's limit of stability
@@ -66,7 +69,7 @@ def measure(
     compilation: Compilation,
     settings: Settings,
     chosen: list[ChartedMethod],
-    seconds: float,
+    effort: Effort,
     step: float | None,
     show: Show,
 ) -> Long:
@@ -89,17 +92,19 @@ def measure(
     def lasting(until: float) -> Program:
         return Program(path, replace(settings, until=until, every=None), own)
 
-    drifting, refused, left = [], {}, seconds
-    for k, method in enumerate(fixed):
-        show(k / len(fixed), method.name)
-        share = max(left, 0.0) / (len(fixed) - k)
-        one = _decades(lasting, method, step, share)
-        left -= sum(d.seconds for d in one.decades)
-        if one.decades:
-            drifting.append(one)
-        else:
-            refused[method.name] = one.reason
+    drifting, refused = [], {}
+    with suppress(KeyboardInterrupt):  # those that there are by then
+        for k, method in enumerate(fixed):
+            show(k / len(fixed), method.name)
+            share = effort.left() / (len(fixed) - k)
+            one = _decades(lasting, method, step, share)
+            if one.decades:
+                drifting.append(one)
+            else:
+                refused[method.name] = one.reason
     if not drifting:
+        if children.ended():
+            raise KeyboardInterrupt
         raise NumericsFailed(f"no method with fixed steps runs: {next(iter(refused.values()), '')}")
     long = Long(name, "" if compilation.model.dimensionless else "s", step, drifting, refused)
     if not long.constants:

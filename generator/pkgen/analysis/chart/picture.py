@@ -47,6 +47,7 @@ def picture(chart: Chart, axis: str, look: Look):
     inches, width = look.inches, look.width
     asked = axis if axis in ("seconds", "work") else "work"
     said = sentence([a for a in chart.answers if a.axis == asked]) + _beside(chart)
+    said += f" {text.interrupted(chart).capitalize()}." if chart.interrupted else ""
     lines = textwrap.wrap(said, int(width / LETTER))
     below = 0.52 + 0.125 * len(lines)
     height = (2.6 if width < COLUMN else 3.4) + below

@@ -34,8 +34,11 @@ class Search:
         self.bench = bench
         self.methods = {track.method.name: track.method for track in tracks}
         self.points = {t.method.name: sorted(t.points, key=_loose_first) for t in tracks}
-        self.left = bench.effort.seconds - sum(p.took for t in tracks for p in t.points)
         self.measured = 0
+
+    @property
+    def left(self) -> float:
+        return self.bench.effort.left()
 
     def good(self) -> list[Point]:
         return [p for points in self.points.values() for p in points if p.good]
@@ -201,7 +204,6 @@ class Search:
         # Laps are for those that may be the fastest.
         lap = self.bench.effort.lap_seconds if again else 0.0
         point = self.bench.point(method, setting, cap=self.bench.effort.seconds / 4, lap=lap)
-        self.left -= point.took
         if old is not None:
             if old.seconds and point.seconds and point.seconds < old.seconds:
                 known[known.index(old)] = replace(old, seconds=point.seconds)

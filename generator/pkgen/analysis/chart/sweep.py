@@ -5,16 +5,20 @@ from __future__ import annotations
 
 import math
 import statistics
-from dataclasses import replace
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import field, replace
 
 from ...record import record
-from ...system.progress import Show
+from ...system import children
 from .errors import Measure
 from .measure import Program
 from .points import ChartedMethod, Point, Track
 from .spectrum import Spectrum
 
 SWEPT = 2 / 3  # of the time to measure; what is left is the answers' (search.py)
+LEAST = 0.25  # of the time is for methods
 LOOSEST, TIGHTEST = 1e-2, 1e-14  # tolerances
 DECADES = 14.0  # of error that the steps of a method are to go through
 FINER = (1.12, 4.0)  # a step over the next one, at least and at most
@@ -27,18 +31,30 @@ EASED = 1e-8  # below it an error that no longer falls has met round-off
 
 @record
 class Effort:
-    """How long to measure."""
+    """How long to measure. The clock is that on the wall: who waits is not told that the machine
+    had other things to do."""
 
     points: int  # of a method, at most
     lap_seconds: float  # of laps of a point
-    seconds: float  # of everything, by the processor's clock
+    seconds: float  # of everything but drawing
+    began: float = field(default_factory=time.monotonic)
+
+    def rest(self) -> Effort:
+        """Of what is left, and LEAST of all in any case: references may take long."""
+        return Effort(self.points, self.lap_seconds, max(self.left(), LEAST * self.seconds))
+
+    def left(self, part: float = 1.0) -> float:
+        """Of a part of the time; none once it is interrupted."""
+        if children.ended():
+            return 0.0
+        return max(0.0, part * self.seconds - (time.monotonic() - self.began))
 
     @staticmethod
     def usual(points: int | None, seconds: float | None, quick: bool) -> Effort:
         return Effort(
             points or (9 if quick else 16),
             0.004 if quick else 0.03,
-            seconds or (8.0 if quick else 60.0),
+            seconds or (10.0 if quick else 55.0),
         )
 
 
@@ -118,36 +134,37 @@ def measure(
     bench: Bench,
     methods: list[ChartedMethod],
     spectrum: Spectrum,
-    on_progress: Show,
+    on_progress: Callable[[str], None],
 ) -> list[Track]:
-    """All points of all methods that the system admits, refused ones with one point each."""
-    left, tracks = SWEPT * bench.effort.seconds, []
-    for k, method in enumerate(methods):
-        share = max(left, 0.0) / (len(methods) - k)
-        on_progress(k / len(methods), method.name)
-        points = _sweep(bench, method, spectrum, share)
-        left -= sum(point.took for point in points)
-        tracks.append(Track(method, tuple(points)))
-    on_progress(1.0)
-    return tracks
+    """All points of all methods that the system admits, refused ones with one point each; those
+    that there are where it is interrupted."""
+    kept: dict[str, list[Point]] = {}
+    with suppress(KeyboardInterrupt):
+        for k, method in enumerate(methods):
+            on_progress(method.name)
+            share = bench.effort.left(SWEPT) / (len(methods) - k)
+            _sweep(bench, method, spectrum, share, kept.setdefault(method.name, []))
+    return [Track(m, tuple(kept[m.name])) for m in methods if kept.get(m.name)]
 
 
-def _sweep(bench: Bench, method: ChartedMethod, spectrum: Spectrum, share: float) -> list[Point]:
+def _sweep(
+    bench: Bench, method: ChartedMethod, spectrum: Spectrum, share: float, points: list[Point]
+) -> None:
+    """Adds to `points`."""
     count = bench.effort.points
     plan = Steps(method, spectrum, count) if method.fixed else Tolerances(count)
-    left, points = share, []
+    end = time.monotonic() + share
     lap = share / (3 * count)  # so that the laps of loose points leave time for tight ones
     while len(points) < count:
+        left = end - time.monotonic()
         # A point is integrated twice at least, and a tighter one takes longer.
         if points and 4 * (points[-1].seconds or points[-1].took) > left:
             break
         setting = plan.after(points) if points else plan.first
         point = bench.point(method, setting, cap=max(left / 2, bench.effort.lap_seconds), lap=lap)
         points.append(point)
-        left -= point.took
         if point.refused or point.slow or _at_round_off(points, bench.floor):
             break
-    return points
 
 
 def _at_round_off(points: list[Point], floor: float) -> bool:

@@ -35,6 +35,8 @@ def preamble(chart: Chart) -> list[str]:
         "time: one integration, one core to itself; evaluations: a Jacobian counts as 2n of them",
     ]
     lines += how_beside(chart)
+    if chart.interrupted:
+        lines.append(interrupted(chart))
     if chart.refused:
         lines.append(f"do not apply: {', '.join(chart.refused)}")
     arrived = [track for track in chart.tracks if track.good]
@@ -47,6 +49,13 @@ def preamble(chart: Chart) -> list[str]:
     elif exact:
         lines.append(f"exact here, up to round-off, at any step: {', '.join(exact)}")
     return lines
+
+
+def interrupted(chart: Chart) -> str:
+    missing = ", ".join(chart.unmeasured)
+    return "interrupted: the answers are of what was measured until then" + (
+        f", without {missing}" if missing else ""
+    )
 
 
 def _exact(track: Track) -> bool:

@@ -1,0 +1,82 @@
+"""What is interrupted keeps and draws what it has, and says so."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+from collections.abc import Callable, Iterator
+
+import pytest
+from pkgen.__main__ import main
+from pkgen.analysis.chart import long
+from pkgen.analysis.chart.sweep import Bench
+from pkgen.system import children
+
+MODEL = "model p\ncoord a\nkinetic a'^2/2\npotential -cos(a)\nstart a = 1\n"
+CHART = ("chart", "p.lag", "--until", "5", "--methods", "rk4,verlet,dop853", "--seconds", "60")
+
+
+@pytest.fixture(autouse=True)
+def begun_anew(tmp_path, monkeypatch) -> Iterator[None]:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "p.lag").write_text(MODEL)
+    yield
+    with children.ended_by_signals():  # runs may go on
+        pass
+
+
+def interrupting(real: Callable, calls: int, name: str, times: int = 1) -> Callable:
+    """The same, but that it is interrupted at so many calls."""
+    made = [0]
+
+    def call(*given: object, **more: object) -> object:
+        made[0] += 1
+        if calls <= made[0] < calls + times:
+            os.kill(os.getpid(), getattr(signal, f"SIG{name}"))
+        return real(*given, **more)
+
+    return call
+
+
+# In the first method, in the last, among the answers.
+@pytest.mark.parametrize("calls, name", [(4, "INT"), (30, "TERM"), (60, "INT")])
+def test_a_chart_that_is_interrupted_is_drawn(calls, name, monkeypatch, capsys, tmp_path) -> None:
+    monkeypatch.setattr(Bench, "point", interrupting(Bench.point, calls, name))
+    assert main([*CHART, "--json"]) == 130
+    out, err = capsys.readouterr()
+    found = json.loads(out)
+    assert found["interrupted"] and "interrupted: the answers are of what was measured" in err
+    with open(tmp_path / "p_chart.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) <= calls - 1 and {row["method"] for row in rows}.isdisjoint(
+        found["unmeasured"]
+    )
+    assert calls > 4 or "dop853" in found["unmeasured"]
+    assert "Interrupted" in (tmp_path / "p_chart.svg").read_text()
+    assert any(a["method"] for a in found["answers"]) or calls == 4
+
+
+def test_a_chart_interrupted_before_anything_is_measured_leaves_nothing(
+    monkeypatch, capsys, tmp_path
+) -> None:
+    monkeypatch.setattr(Bench, "point", interrupting(Bench.point, 1, "INT"))
+    assert main([*CHART]) == 130
+    assert not list(tmp_path.glob("p_chart*"))
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_a_chart_of_drifts_has_the_methods_measured_until_then(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(long, "_decades", interrupting(long._decades, 2, "INT"))
+    assert main([*CHART, "--long", "--step", "0.1"]) == 130
+    assert "interrupted" in capsys.readouterr().err
+    text = (tmp_path / "p_long.csv").read_text()
+    assert "rk4" in text and "verlet" not in text
+
+
+def test_what_a_chart_took_is_said(capsys) -> None:
+    asked = [*CHART[:-1], "2", "--points", "4"]
+    assert main(asked) == 0
+    out = capsys.readouterr().out
+    assert " s of the processor's" in out and "interrupted" not in out
