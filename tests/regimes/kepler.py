@@ -7,23 +7,15 @@ from math import pi
 
 import numpy as np
 
-from .prediction import CLOSED, MEASURED, Prediction, slope
+from .prediction import CLOSED, MEASURED, Prediction
 from .probe import Probe
+from .shown import listed
 
 
 def orbit(method: str, e: float, steps: int, orbits: float = 1, every: int = 1) -> np.ndarray:
     """Rows t, x, y, x', y', energy, `steps` steps an orbit."""
     probe = Probe("kepler", method, 2 * pi / steps, set={"e": e})
     return probe.steps(round(steps * orbits), every)
-
-
-def apsidal_turn(method: str, e: float, steps: int, orbits: int = 20) -> float:
-    """Turn of the Laplace vector an orbit, seen once an orbit, near the apocentre."""
-    rows = orbit(method, e, steps, orbits)[steps // 2 - 1 :: steps]
-    x, y, u, v = rows[:, 1:5].T
-    momentum, r = x * v - y * u, np.hypot(x, y)
-    angle = np.unwrap(np.arctan2(-u * momentum - y / r, v * momentum - x / r))
-    return (angle[-1] - angle[0]) / (len(angle) - 1)
 
 
 def apsidal_predicted(e: float, h: float) -> float:
@@ -54,25 +46,11 @@ def steps_for_a_percent(method: str, e: float, guess: int) -> float:
     return high
 
 
-def growth(method: str, steps: int, orbits: tuple[int, ...], e: float = 0.3) -> float:
-    """Exponent of the position error at whole orbits, over their number."""
-    rows = orbit(method, e, steps, orbits[-1], steps)
-    error = np.hypot(rows[:, 1] - (1 - e), rows[:, 2])
-    return slope(orbits, [error[k - 1] for k in orbits])
-
-
 def variable_drift(orbits: int) -> float:
     """|dE| of Verlet with h = .05 r^1.5, of the r at the start of each step."""
     probe = Probe("kepler", "verlet", 1.0, set={"e": 0.8})
     q, v = probe.q.copy(), probe.v.copy()
     return probe.lib.misused_variable(probe.p, 0.05, 2 * pi * orbits, q, v)
-
-
-def reversible_drift(orbits: int) -> float:
-    """max |dE| of the reversible variable step that follows the same law, from the same first
-    step; some 128 steps make an orbit."""
-    probe = Probe("kepler", "adaptive_verlet", 0.05 * 0.2**1.5, set={"e": 0.8})
-    return np.abs(probe.steps(128 * orbits)[:, -1] + 0.5).max()
 
 
 @cache
@@ -91,37 +69,37 @@ def momentum_error(plain: bool, steps: int) -> float:
     return float(np.sqrt(np.mean(np.square(errors))))
 
 
-ARENSTORF = 17.0652165601579625588917206249
-
-
-def closure(method: str, steps: int = 0, tolerance: float = 1e-13) -> float:
-    """Distance in (x, y, x', y') between the start and one period later."""
-    h = ARENSTORF / steps if steps else 0.0
-    probe = Probe("arenstorf", method, h, tolerance=tolerance)
-    start = probe.now
-    return float(np.linalg.norm((probe.at([ARENSTORF])[0] - start)[1:5]))
+PERIOD = "17.0652165601579625588917206249"
+ARENSTORF = f"pkgen run arenstorf.lag --until {PERIOD} --every {PERIOD} --method {{}}"
+CLOSURE = "sqrt(sum([(a[-1] - a[0])**2 for a in (x, y, x', y')]))"
+# The angle of the Laplace vector, and with it that of the apses.
+TURNED = "unwrap(arctan2(-x'*(x*y' - y*x') - y/hypot(x, y), y'*(x*y' - y*x') - x/hypot(x, y)))"
 
 
 H = 2 * pi / 2000
 
 PREDICTIONS = [
-    Prediction(
-        "K1a", "Kepler, e = .6, verlet, h = 2 pi/2000",
-        "apsidal turn an orbit, -(pi/8) h^2 (4 + e^2)/(1 - e^2)^3",
-        apsidal_predicted(0.6, H), CLOSED, lambda: apsidal_turn("verlet", 0.6, 2000),
-        "gauss1", lambda: apsidal_turn("gauss1", 0.6, 2000),
-    ),
-    Prediction(
-        "K1b", "Kepler, e = .6, gauss1, h = 2 pi/2000", "apsidal turn an orbit, -2 times Verlet's",
-        -2 * apsidal_predicted(0.6, H), CLOSED, lambda: apsidal_turn("gauss1", 0.6, 2000),
-        "verlet", lambda: apsidal_turn("verlet", 0.6, 2000),
+    *(
+        listed(
+            id, f"Kepler, e = .6, {method}, h = 2 pi/2000", says, predicted, CLOSED,
+            "pkgen run kepler.lag --set e=0.6 --method " + method
+            + " --step 2*pi/2000 --until 40*pi --every 2*pi/2000",
+            f"mean(diff({TURNED}[999::2000]))", f"--method {worse}",
+        )
+        for id, method, says, predicted, worse in (
+            ("K1a", "verlet", "apsidal turn an orbit, -(pi/8) h^2 (4 + e^2)/(1 - e^2)^3",
+             apsidal_predicted(0.6, H), "gauss1"),
+            ("K1b", "gauss1", "apsidal turn an orbit, -2 times Verlet's",
+             -2 * apsidal_predicted(0.6, H), "verlet"),
+        )
     ),
     *(
-        Prediction(
+        listed(
             id, f"Kepler, e = {e}, verlet, {steps:,} steps an orbit",
             "max |dE| / h^2, by its modified Hamiltonian", energy_coefficient(e), CLOSED,
-            lambda e=e, n=steps: energy_error("verlet", e, n) / (2 * pi / n) ** 2,
-            "yoshida4", lambda e=e, n=steps: energy_error("yoshida4", e, n) / (2 * pi / n) ** 2,
+            f"pkgen run kepler.lag --set e={e} --method verlet --step 2*pi/{steps} --until 2*pi "
+            f"--every 2*pi/{steps} --record energy", f"max(abs(energy + 0.5))/(2*pi/{steps})**2",
+            "--method yoshida4",
         )
         for id, e, steps in (("K2a", 0.5, 2000), ("K2b", 0.8, 20_000), ("K2c", 0.9, 50_000))
     ),
@@ -148,22 +126,25 @@ PREDICTIONS = [
             ("K4a", 10, 0.0034), ("K4b", 100, 0.0138), ("K4c", 1000, 0.145),
         )
     ),
-    Prediction(
+    listed(
         "K4d", "Kepler, e = .8, adaptive_verlet, h = .05 r^1.5, 1000 orbits", "max |dE| stays",
-        0.0014318, MEASURED, lambda: reversible_drift(1000),
-        "the same of each step's start", lambda: variable_drift(1000),
+        0.0014318, MEASURED,
+        "pkgen run kepler.lag --set e=0.8 --method adaptive_verlet --step 0.05*0.2^1.5 "
+        "--until 2000*pi --every 0.3 --record energy", "max(abs(energy + 0.5))",
+        "--method verlet --step pi/100",
     ),
-    Prediction(
-        "K5a", "Kepler, e = .3, verlet, 2000 steps an orbit, 10 to 1000 orbits",
-        "the position error grows with the power of t", 1.0, CLOSED,
-        lambda: growth("verlet", 2000, (10, 30, 100, 300, 1000)),
-        "rk4", lambda: growth("rk4", 200, (100, 200, 400, 800)),
-    ),
-    Prediction(
-        "K5b", "Kepler, e = .3, rk4, 200 steps an orbit, 100 to 800 orbits",
-        "the position error grows with the power of t", 2.0, CLOSED,
-        lambda: growth("rk4", 200, (100, 200, 400, 800)),
-        "verlet", lambda: growth("verlet", 2000, (10, 30, 100, 300, 1000)),
+    *(
+        listed(
+            id, f"Kepler, e = .3, {method}, {steps} steps an orbit, {text} orbits",
+            "the position error grows with the power of t", power, CLOSED,
+            f"for n in {orbits}; do pkgen run kepler.lag --set e=0.3 --method {method} "
+            f"--step 2*pi/{steps} --until 2*pi*$n --every 2*pi*$n; done",
+            "power of n: hypot(x[-1] - 0.7, y[-1])", f"--method {worse}",
+        )
+        for id, method, steps, text, power, orbits, worse in (
+            ("K5a", "verlet", 2000, "10 to 1000", 1.0, "10 30 100 300 1000", "rk2"),
+            ("K5b", "rk4", 200, "100 to 800", 2.0, "100 200 400 800", "verlet"),
+        )
     ),
     Prediction(
         "K6a", "Kepler, e = .2, Verlet without compensated sums, 1e8 steps of 2 pi/100",
@@ -177,23 +158,22 @@ PREDICTIONS = [
         (2e-15, 1.8e-14), 0, lambda: momentum_error(False, 10**8),
         "without compensated sums", lambda: momentum_error(True, 10**8), long=True,
     ),
-    Prediction(
+    listed(
         "K7a", "Arenstorf's orbit, dop853, tolerance 1e-13", "closes, but for", 2.1e-10, MEASURED,
-        lambda: closure("dop853"),
-        "rk4, 6000 steps", lambda: closure("rk4", 6000),
-        missed="it closes, to 1.6e-9 in (x, y, x', y') and 1e-11 in (x, y), but what is left is "
+        ARENSTORF.format("dop853 --rtol 1e-13 --atol 1e-13"), CLOSURE,
+        f"--method rk4 --step {PERIOD}/6000 --rtol - --atol -",
+        missed="it closes, to 1.3e-9 in (x, y, x', y') and 1e-11 in (x, y), but what is left is "
         "amplified round-off: with the same relative and other absolute tolerances, 1e-14 to "
         "1e-30, 7e-11 to 6e-10; SciPy's DOP853 leaves 1.2e-9, or 4.2e-10 with a relative tolerance "
         "alone. K7c is the same orbit by gauss.",
     ),
-    Prediction(
+    listed(
         "K7b", "Arenstorf's orbit, rk4, 6000 steps", "misses its start by", 2.15, MEASURED,
-        lambda: closure("rk4", 6000),
-        "dop853", lambda: closure("dop853"),
+        ARENSTORF.format(f"rk4 --step {PERIOD}/6000"), CLOSURE, "--method dop853 --step -",
     ),
-    Prediction(
+    listed(
         "K7c", "Arenstorf's orbit, gauss, tolerance 1e-13", "closes but for round-off, amplified",
-        (1e-14, 1e-9), 0, lambda: closure("gauss"),
-        "dopri5, tolerance 1e-12", lambda: closure("dopri5", tolerance=1e-12),
+        (1e-14, 1e-9), 0, ARENSTORF.format("gauss --rtol 1e-13 --atol 1e-13"), CLOSURE,
+        "--method dopri5 --rtol 1e-12",
     ),
 ]  # fmt: skip

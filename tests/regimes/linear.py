@@ -10,7 +10,7 @@ import numpy as np
 
 from .prediction import BOUNDARY, CLOSED, Prediction, boundary
 from .probe import Probe
-from .shown import around, shown
+from .shown import around, listed
 
 
 def trace_limit(kick: list, drift: list) -> float:
@@ -132,41 +132,41 @@ SPLIT = "edge of h: not energy[-1] < 1e6*energy[0]"
 AMPLIFIED = "edge of h: not energy[-1] < energy[0]"
 
 PREDICTIONS = [
-    shown(
+    listed(
         "L1", "oscillator, euler, h = .1", "H grows by 1 + h^2 a step: over 1000 steps by",
         1.01**1000, 1e-9, OSCILLATOR.format("euler", 0.1, 100, 100), "energy[-1]/energy[0]",
-        "--method rk2", own=False,
+        "--method rk2",
     ),
-    shown(
+    listed(
         "L2a", "oscillator, symplectic_euler", "limit y = 2", 2.0, BOUNDARY,
-        limit("symplectic_euler", 2, 4000), SPLIT, "--method yoshida4", own=False,
+        limit("symplectic_euler", 2, 4000), SPLIT, "--method yoshida4",
     ),
-    shown(
+    listed(
         "L2b", "oscillator, symplectic_euler, h = .3, 10,000 steps",
         "p^2 + q^2 - h p q is constant but for round-off: relative change", (1e-17, 1e-13), 0,
         OSCILLATOR.format("symplectic_euler", 0.3, 3000, 0.3),
-        "max(abs(q'**2 + q**2 - 0.3*q'*q - 1))", "--method verlet", own=False,
+        "max(abs(q'**2 + q**2 - 0.3*q'*q - 1))", "--method verlet",
     ),
-    shown(
+    listed(
         "L3a", "oscillator, verlet", "limit y = 2", 2.0, BOUNDARY, limit("verlet", 2, 4000),
-        SPLIT, "--method yoshida4", own=False,
+        SPLIT, "--method yoshida4",
     ),
-    shown(
+    listed(
         "L3b", "oscillator, verlet, h = 1.9, 10,000 steps",
         "p^2 + (1 - h^2/4) q^2 is constant but for round-off: relative change", (1e-17, 1e-13), 0,
         OSCILLATOR.format("verlet", 1.9, 19000, 1.9),
         "max(abs((q'**2 + (1 - 1.9**2/4)*q**2)/(1 - 1.9**2/4) - 1))",
-        "--method symplectic_euler", own=False,
+        "--method symplectic_euler",
     ),
-    shown(
+    listed(
         "L3c", "oscillator, verlet, h = 1.9", "Hmax / Hmin = 1/(1 - h^2/4)", RATIO, 1e-6,
         OSCILLATOR.format("verlet", 1.9, 19000, 1.9), "max(energy)/min(energy)",
-        "--method gauss1", own=False,
+        "--method gauss1",
     ),
     *(
-        shown(
+        listed(
             id, f"oscillator, {method}", "limit: the trace of a step's matrix is -2 or 2",
-            at, BOUNDARY, limit(method, at, 4000), SPLIT, f"--method {worse}", own=False,
+            at, BOUNDARY, limit(method, at, 4000), SPLIT, f"--method {worse}",
         )
         for id, method, at, worse in (
             ("L4", "yoshida4", composed(triple(2)), "verlet"),
@@ -176,41 +176,41 @@ PREDICTIONS = [
         )
     ),
     *(
-        shown(
+        listed(
             id, f"oscillator, {method}", "limit on the imaginary axis, |R(iy)| = 1",
             axis_limit(method, 1j), BOUNDARY, limit(method, axis_limit(method, 1j), 500, more),
-            AMPLIFIED, f"--method {worse}", own=False,
+            AMPLIFIED, f"--method {worse}",
         )
         for id, method, worse, more in (
             ("L9a", "rk4", "rk3", ""), ("L9b", "rk3", "rk4", ""),
             ("L9c", "dopri5", "dop853", " --max-step $h --rtol 1e9"),
         )
     ),
-    shown(
+    listed(
         "L9d", "oscillator, rk2, y = .1",
         "no limit at all: H grows by 1 + y^4/4 a step; over 2000 steps, less 1, by",
         (1 + 0.1**4 / 4) ** 2000 - 1, CLOSED, OSCILLATOR.format("rk2", 0.1, 200, 200),
-        "energy[-1]/energy[0] - 1", "--method rk3", own=False,
+        "energy[-1]/energy[0] - 1", "--method rk3",
     ),
-    shown(
+    listed(
         "L10", "oscillator, rk4, y = .5", "H shrinks by y^6/72 - y^8/576 a step",
         0.5**6 / 72 - 0.5**8 / 576, 1e-6, OSCILLATOR.format("rk4", 0.5, 500, 500),
-        "1 - (energy[-1]/energy[0])**0.001", "--method rk3", own=False,
+        "1 - (energy[-1]/energy[0])**0.001", "--method rk3",
     ),
-    shown(
+    listed(
         "L11", "q'' = -q', rk4", "limit on the real axis, |R(-y)| = 1", axis_limit("rk4", -1),
         BOUNDARY, limit("rk4", axis_limit("rk4", -1), 2000).replace("oscillator", "decay"),
-        "edge of h: not abs(q'[-1]) < 1", "--method rk3", own=False,
+        "edge of h: not abs(q'[-1]) < 1", "--method rk3",
     ),
-    shown(
+    listed(
         "L12a", "oscillator, verlet, y = .1", "relative error of the frequency, 2 asin(y/2)/y - 1",
         2 * asin(0.05) / 0.1 - 1, 1e-6, OSCILLATOR.format("verlet", 0.1, 200, 0.1), FREQUENCY,
-        "--method gauss1", own=False,
+        "--method gauss1",
     ),
-    shown(
+    listed(
         "L12b", "oscillator, gauss1, y = .1", "relative error of the frequency, 2 atan(y/2)/y - 1",
         2 * atan(0.05) / 0.1 - 1, 1e-6, OSCILLATOR.format("gauss1", 0.1, 200, 0.1), FREQUENCY,
-        "--method verlet", own=False,
+        "--method verlet",
     ),
     *(
         Prediction(
@@ -222,11 +222,11 @@ PREDICTIONS = [
         )
         for s in (1, 2, 3)
     ),
-    shown(
+    listed(
         "L14a", "pendulum at rest upright, gauss1",
         "one solution of the step if y < 2; beyond, it says that there are several", 2.0, BOUNDARY,
         "for h in 1.998 2.002; do pkgen run pendulum.lag --start theta=pi --method gauss1 "
-        "--step $h --until $h; done", 'edge of h: "several" in said', "--method radau5", own=False,
+        "--step $h --until $h; done", 'edge of h: "several" in said', "--method radau5",
     ),
     *(
         Prediction(

@@ -7,35 +7,9 @@ from math import atan2, degrees, pi, radians, sin, sqrt
 import mpmath as mp
 import numpy as np
 
-from .prediction import BOUNDARY, CLOSED, Prediction, boundary
+from .prediction import BOUNDARY, CLOSED, Prediction
 from .probe import Probe
-
-
-def period(model: str, start: dict, guess: float, name: str, **more) -> float:
-    """Four times the first passage of `name` through zero, found by Newton's iteration with a run
-    to each time."""
-
-    def at(t: float) -> tuple[float, float]:
-        probe = Probe(model, "gauss", start=start, tolerance=1e-14, **more)
-        where = probe.names.index(name)
-        row = probe.at([t])[0]
-        return row[1 + where], row[1 + where + probe.n]
-
-    t = guess / 4
-    for _ in range(20):
-        q, v = at(t)
-        t -= q / v
-        if abs(q / v) < 1e-13 * t:
-            break
-    return 4 * t
-
-
-def verlet_period(model: str, start: dict, h: float, **more) -> float:
-    """The same by Verlet's steps and straight lines between: a method that is worse."""
-    rows = Probe(model, "verlet", h, start=start, **more).steps(int(40 / h))
-    k = int(np.argmax(rows[:, 1] < 0))
-    t, q = rows[:, 0], rows[:, 1]
-    return 4 * (t[k - 1] + (t[k] - t[k - 1]) * q[k - 1] / (q[k - 1] - q[k]))
+from .shown import around, listed
 
 
 def pendulum_ratio(amplitude: float) -> float:
@@ -44,40 +18,8 @@ def pendulum_ratio(amplitude: float) -> float:
         return float(2 * mp.ellipk(mp.sin(mp.radians(mp.mpf(str(amplitude))) / 2) ** 2) / mp.pi)
 
 
-def pendulum_period(amplitude: float) -> float:
-    start = {"theta": radians(amplitude), "theta'": 0.0}
-    return period("pendulum", start, 2 * pi * pendulum_ratio(amplitude), "theta") / (2 * pi)
-
-
-def action(method: str, m: float, rows: int = 4000, h: float = 0.0) -> float:
-    """The integral of theta' dtheta over a swing, / 2 pi: of theta'^2 over t, by the trapezoidal
-    rule, which is spectrally accurate for a periodic function."""
-    duration = float(4 * mp.ellipk(m))
-    start = {"theta": 2 * float(mp.asin(mp.sqrt(m))), "theta'": 0.0}
-    times = duration * np.arange(1, rows + 1) / rows
-    out = Probe("pendulum", method, h, start=start).at(times)
-    return duration * float(np.mean(out[:, 2] ** 2)) / (2 * pi)
-
-
 def action_closed(m: float) -> float:
     return float(8 / mp.pi * (mp.ellipe(m) - (1 - m) * mp.ellipk(m)))
-
-
-def hoop_growth(method: str, rate: float, h: float = 0.0) -> float:
-    """How far a displacement of 1e-6 goes in time 400."""
-    start = {"theta": 1e-6}
-    probe = Probe("hoop", method, h, set={"Omega": rate}, start=start)
-    return np.abs(probe.at(np.linspace(1, 400, 400))[:, 1]).max() / 1e-6
-
-
-def hoop_boundary(g: float = 9.81) -> float:
-    """Below the critical rate the bottom is a centre, above it a saddle."""
-
-    def grows(rate: float) -> bool:
-        probe = Probe("hoop", "gauss", set={"Omega": rate, "g": g}, start={"theta": 1e-6})
-        return np.abs(probe.at(np.linspace(1, 200, 200))[:, 1]).max() > 1e-4
-
-    return boundary(sqrt(9.81), grows, bits=8)
 
 
 def hoop_period(amplitude: float) -> float:
@@ -90,6 +32,27 @@ def hoop_period(amplitude: float) -> float:
         return a * mp.sin(w) / mp.sqrt(g * fall * (2 - c - mp.cos(x)))
 
     return float(4 * mp.quad(slowness, [0, mp.pi / 2]))
+
+
+PENDULUM = (
+    'pkgen run ../../../models/pendulums/pendulum.lag --set g=1 --set "amplitude={} [deg]" '
+    "--method gauss --until 10"
+)
+
+
+def swing(m: float) -> str:
+    """From rest to rest, seen a thousand times."""
+    start, period = 2 * float(mp.asin(mp.sqrt(m))), float(4 * mp.ellipk(m))
+    return (
+        f"pkgen run pendulum.lag --start theta={start!r} --method gauss --until {period!r} "
+        f"--every {period!r}/1000"
+    )
+
+
+def action(m: float) -> str:
+    """The integral of theta' dtheta over a swing, / 2 pi: of theta'^2 over t, by the trapezoidal
+    rule, which is spectrally accurate for a periodic function."""
+    return f"{float(4 * mp.ellipk(m))!r}*mean(theta'[1:]**2)/(2*pi)"
 
 
 FOUCAULT = 360 / 86164.0905 * 3600 * sin(radians(48.8462))
@@ -111,44 +74,40 @@ def foucault_rate(method: str, h: float = 0.0) -> float:
 
 PREDICTIONS = [
     *(
-        Prediction(
+        listed(
             id, f"pendulum, {angle} degrees, gauss", "period over that of small swings, 2 K/pi",
-            pendulum_ratio(angle), 1e-9, lambda a=angle: pendulum_period(a),
-            "verlet, h = .1",
-            lambda a=angle: verlet_period("pendulum", {"theta": radians(a)}, 0.1) / (2 * pi),
+            pendulum_ratio(angle), 1e-9, PENDULUM.format(angle),
+            '4*times(report, "lowest")[0]/(2*pi)', "--method verlet --step 0.1",
         )
         for id, angle in (("P1a", 90), ("P1b", 170), ("P1c", 179), ("P1d", 179.9))
     ),
-    Prediction(
+    listed(
         "P2a", "pendulum, m = k^2 = .5, gauss", "action (8/pi)(E - (1 - m) K)",
-        action_closed(0.5), 1e-9, lambda: action("gauss", 0.5),
-        "verlet, h = .1", lambda: action("verlet", 0.5, h=0.1, rows=400),
+        action_closed(0.5), 1e-9, swing(0.5), action(0.5), "--method verlet --step 0.1",
     ),
-    Prediction(
-        "P2b", "pendulum, m = .5, gauss", "frequency pi/(2 K)",
-        float(mp.pi / 2 / mp.ellipk(0.5)), 1e-9, lambda: 1 / pendulum_period(90),
-        "verlet, h = .1",
-        lambda: 2 * pi / verlet_period("pendulum", {"theta": pi / 2}, 0.1),
+    listed(
+        "P2b", "pendulum, m = .5, gauss", "frequency pi/(2 K)", float(mp.pi / 2 / mp.ellipk(0.5)),
+        1e-9, PENDULUM.format(90), '2*pi/(4*times(report, "lowest")[0])',
+        "--method verlet --step 0.1",
     ),
-    Prediction(
+    listed(
         "P2c", "pendulum, m = 1 - 1e-4, gauss", "action at the separatrix, 8/pi",
-        8 / pi, CLOSED, lambda: action("gauss", 1 - 1e-4),
-        "euler, h = .02", lambda: action("euler", 1 - 1e-4, h=0.02),
+        8 / pi, CLOSED, swing(1 - 1e-4), action(1 - 1e-4), "--method euler --step 0.02",
     ),
-    Prediction(
+    listed(
         "P3a", "bead on a hoop, R = 1, gauss", "the bottom is unstable from Omega = sqrt(g/R)",
-        sqrt(9.81), BOUNDARY, hoop_boundary,
-        "g = 9.78", lambda: hoop_boundary(9.78),
+        sqrt(9.81), BOUNDARY,
+        f"for w in {around(sqrt(9.81))}; do pkgen run hoop.lag --set Omega=$w --start theta=1e-6 "
+        "--method gauss --until 200; done", "edge of w: max(abs(theta)) > 1e-4", "--set g=9.78",
         no_method="the frequency goes to 0 there: of so slow a motion Euler's method with h = .1 "
         "has the boundary too",
     ),
     *(
-        Prediction(
+        listed(
             id, f"bead on a hoop at the critical rate, amplitude {amplitude}, gauss",
             "period, by quadrature", hoop_period(amplitude), 1e-8,
-            lambda a=amplitude: period("hoop", {"theta": a}, hoop_period(a), "theta"),
-            "verlet, h = .1",
-            lambda a=amplitude: verlet_period("hoop", {"theta": a}, 0.1),
+            f"pkgen run hoop.lag --start theta={amplitude} --method gauss --until 40",
+            '4*times(report, "bottom")[0]', "--method lobatto2 --step 0.1",
         )
         for id, amplitude in (("P3b", 0.1), ("P3c", 0.5))
     ),

@@ -14,7 +14,7 @@ CLOSING = (
     "for n in 10 20 40 80; do pkgen run kepler.lag --method {} --until 2*pi*$n --every 2*pi; done"
 )
 ROD = (
-    "for n in 20 40 80 160; do pkgen run ../../../models/constrained/pendulum_rod.lag "
+    "for n in 20 80; do pkgen run ../../../models/constrained/pendulum_rod.lag "
     "--method {} --step 0.02 --until $n --every 0.5 --record energy; done"
 )
 DRIFT = "power of n: max(abs(energy - energy[0]))"

@@ -2,11 +2,11 @@
 
 An entry has a command, to be run in tests/regimes/models, and what is read of its output: an
 expression in the columns of the rows (x' is the rate of x), `t`, `report` (the JSON) and the
-functions below. `instead` are options of the worse run, in place of the same ones or besides. In
-`for h in 0.1 0.05; do ...; done` a command is run for each value; "power of h: EXPRESSION" is the
-exponent by which what is read goes with it. Of two values of h, "root of h: EXPRESSION" is where
-between them it is zero, "edge of h: EXPRESSION" from where on it is true: false at the first, true
-at the second, h between them tried. Both are infinite where the ends do not differ.
+functions below. `instead` are options of the worse run, in place of the same ones or besides; `-`
+takes one away. In `for h in 0.1 0.05; do ...; done` a command is run for each value; "power of h:
+EXPRESSION" is the exponent by which what is read, h in it, goes with it. Between two values of h
+"root of h: EXPRESSION" is where it is zero, "edge of h: EXPRESSION" from where on it is true: false
+at the first, true at the second. Both are infinite where the ends do not differ.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def with_options(command: str, instead: str) -> str:
         name = given.split("=")[0] + "=" if option in ("--set", "--start") else ""
         for i in range(len(words) - 1):
             if words[i] == option and words[i + 1].startswith(name):
-                words[i + 1] = given
+                words[i : i + 2] = [option, given] if given != "-" else []
                 break
         else:
             words += [option, given]
@@ -82,24 +82,15 @@ def first(found: np.ndarray) -> float:
     return found[0] if len(found) else math.inf
 
 
-FUNCTIONS = {
-    **{name: getattr(np, name) for name in ("abs", "sqrt", "log", "exp", "diff", "argmax")},
-    **{name: getattr(np, name) for name in ("arctan2", "hypot", "unwrap", "median", "sign")},
-    **{"max": np.max, "min": np.min, "pi": math.pi, "cos": np.cos, "sin": np.sin, "len": len},
-    **{
-        "acos": np.arccos,
-        "times": times,
-        "slope": slope,
-        "mean": np.mean,
-        "sum": np.sum,
-        "first": first,
-    },
-}
+NAMES = "abs sqrt log exp diff arctan2 hypot unwrap median sign max min mean sum cos sin polyfit"
+FUNCTIONS = {name: getattr(np, name) for name in NAMES.split()}
+FUNCTIONS |= {"acos": np.arccos, "pi": math.pi, "len": len, "int": int}
+FUNCTIONS |= {"times": times, "first": first}
 
 
-def read(command: str, expression: str) -> float:
+def read(command: str, expression: str, **more: float) -> float:
     text = re.sub(r"(\w+)'", lambda m: identifier(m[0]), expression)
-    return float(eval(text, {"__builtins__": {}}, FUNCTIONS | outcome(command)))
+    return float(eval(text, {"__builtins__": {}}, FUNCTIONS | outcome(command) | more))
 
 
 def root(f: Callable[[float], float], low: float, high: float) -> float:
@@ -140,7 +131,8 @@ def value(command: str, expression: str) -> float:
     if kind != "power":
         way = {"root": root, "edge": edge}[kind]
         return way(lambda x: read(body.replace(f"${name}", f"{x:.12g}"), expression), *at)
-    return slope(at, [read(body.replace(f"${name}", x), expression) for x in values.split()])
+    given = [(x, {name: float(x)}) for x in values.split()]
+    return slope(at, [read(body.replace(f"${name}", x), expression, **v) for x, v in given])
 
 
 def worse_command(command: str, instead: str) -> str:
@@ -173,3 +165,8 @@ def shown(
         lambda: value(command, read), worse, lambda: value(worse_command(command, instead), read),
         own=own, command=command, read=read, instead=instead, **more,
     )  # fmt: skip
+
+
+def listed(*entry, **more) -> Prediction:
+    """One of the list of regimes."""
+    return shown(*entry, own=False, **more)
