@@ -5,7 +5,7 @@
 
 #include "diagnose/diagnose.h"
 #include "ensemble/ensemble.h"
-#include "look/look.h"
+#include "look/condition.h"
 #include "settings/settings.h"
 #include "steps/steps.h"
 
@@ -31,6 +31,8 @@ static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
     if (!run->settings.asked.bare && !run->settings.asked.compared) {
         trust_judge(run);
         watch_warn(run);
+        if (condition_warning(run->looking, reason, sizeof reason))
+            run_say(run, "warning: %s", reason);
     }
     if (run->it.status < 0 || run->beyond) {
         tell_failure(run);

@@ -119,15 +119,17 @@ def _of_method(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
 
 
 def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None) -> frozenset[str]:
-    """What a run calls besides: the drift of what is constant, and where M is singular."""
+    """What a run calls besides: the drift of what is constant, and how singular M is."""
     found = {"canonical", "conserve"}
     columns = asked.columns or scene_model.columns(scene)
     whole = asked.columns is None and scene.record is None
     structure = made[1] if made else None
+    several = asked.several or scene.swarm is not None
     watched = structure is None or structure.conservative
     if whole or watched or "energy" in {*columns, *scene_model.needed(scene)}:
         found |= {"energy"}
-    if structure is None or not getattr(structure, "definite", True):
+    simple = structure and getattr(structure, "definite", True) and (several or structure.mass_diagonal)
+    if not simple:
         found |= {"mass"}
     return frozenset(found)
 

@@ -77,6 +77,9 @@ struct pk_method {
     pk_real (*stage_error)(const struct pk_integrator *it, pk_real size, const pk_real sums[2]);
     /* The longest step in which no crossing of an event is missed; NULL: any step it makes. */
     pk_real (*resolved)(const struct pk_integrator *it);
+    /* The matrix of its last step's equations, of `stages` times n unknowns, as pk_lu_factor()
+     * leaves it; NULL where that step had none. NULL: it has no such equations. */
+    const pk_real *(*equations)(struct pk_integrator *it);
     /* Only for methods of foreign libraries that allocate; else NULL. */
     void (*release)(struct pk_integrator *it);
 };

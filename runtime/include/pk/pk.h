@@ -4,6 +4,7 @@
 
 #include <pk/action.h>
 #include <pk/apart.h>
+#include <pk/condition.h>
 #include <pk/constraint.h>
 #include <pk/diagnostics.h>
 #include <pk/elliptic.h>

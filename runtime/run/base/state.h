@@ -158,6 +158,7 @@ struct pk_run {
     double part;               /* of an ensemble that is done */
     double seconds, processor; /* on the wall's clock and the processor's, of the steps and rows */
     struct diagnostics *diagnostics; /* NULL: none asked for */
+    struct looking *looking;         /* of condition.c */
     struct loop *loop;               /* of members, for their area */
 };
 

@@ -20,7 +20,7 @@ struct observer {
 };
 
 extern const struct observer watch_observer, rows_observer, expect_observer, drift_observer,
-    trust_observer, diagnose_observer, area_observer;
+    trust_observer, condition_observer, diagnose_observer, area_observer;
 
 /* Rows. */
 void rows_header(struct pk_run *run);

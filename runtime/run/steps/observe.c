@@ -5,7 +5,7 @@
 
 static const struct observer *const observers[] = {
     &watch_observer, &rows_observer,     &expect_observer, &drift_observer,
-    &trust_observer, &diagnose_observer, &area_observer,
+    &trust_observer, &condition_observer, &diagnose_observer, &area_observer,
 };
 
 #define EACH(call)                                                    \

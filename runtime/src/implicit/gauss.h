@@ -101,6 +101,8 @@ void pk_gauss_matrix(const struct pk_integrator *it, const struct pk_gauss_work 
                      const pk_real *J, size_t stride, pk_real tau, pk_real *matrix);
 /* Newton's matrix as the mode wants it, factored into w->lu; 0 where it is singular. */
 int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
+/* Of pk_method: w->lu, where it is that of the step made. */
+const pk_real *pk_gauss_equations(struct pk_integrator *it);
 /* Where a matrix costs less than an iteration or two: it then takes the derivatives at each
  * predicted stage, and is made anew at the first sign of slower convergence. */
 int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w);

@@ -97,6 +97,11 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
     return 1;
 }
 
+const pk_real *pk_gauss_equations(struct pk_integrator *it)
+{
+    return it->own->flags & PK_HAVE_LU ? pk_gauss_parts(it).lu : NULL;
+}
+
 pk_real pk_gauss_norm(const pk_real *X, size_t m, pk_real *x, pk_real *y)
 {
     pk_real least = PK_INFINITY;

@@ -1,0 +1,138 @@
+/* Condition numbers along a run (pk/condition.h); an observer. Some 64 states are looked at, and those
+ * where a rate turns twice as fast as at any step before: there M is nearest to singular, and that
+ * for a short time.
+ */
+#include "condition.h"
+
+#define LOST PK_C(1e5) /* rounding, as accelerations magnify it, that is worth a warning */
+enum { LOOKS = 64, STEPS = 64, FEW = 16, MOST_RECORDS = 256 };
+
+struct looking {
+    struct pk_condition found;
+    const struct pk_problem *problem;
+    void *block;
+    size_t n;
+    pk_real next, t, *v; /* the time of the next look; the step before */
+    pk_real *turned;     /* twice the most of |dv/dt| of each rate */
+    unsigned long steps, records;
+};
+
+struct looking *condition_begin(struct memory *memory, const struct pk_problem *problem,
+                                const struct pk_method *method)
+{
+    const size_t size = pk_condition_size(problem, method);
+    struct looking *l = size ? memory_take(memory, 1, sizeof *l) : NULL;
+    if (!l)
+        return NULL;
+    l->problem = problem;
+    l->n = pk_system_count(problem->system, problem->params);
+    l->block = memory_take(memory, size, 1);
+    l->v = memory_take(memory, 2 * l->n, sizeof *l->v);
+    l->turned = l->v + l->n;
+    l->t = PK_INFINITY;
+    return l;
+}
+
+static int record(struct looking *l, const struct moment *at)
+{
+    const pk_real h = at->t - l->t;
+    int found = 0;
+    for (size_t i = 0; i < l->n; i++) {
+        const pk_real turned = PK_F(fabs)(at->v[i] - l->v[i]);
+        l->v[i] = at->v[i];
+        if (turned > l->turned[i] * h && h > 0) {
+            l->turned[i] = 2 * turned / h;
+            found = 1;
+        }
+    }
+    l->t = at->t;
+    return found && l->records++ < MOST_RECORDS;
+}
+
+void condition_step(struct looking *l, struct pk_integrator *it, pk_real until,
+                    const struct moment *at)
+{
+    if (!l)
+        return;
+    l->steps++;
+    if (!record(l, at) && l->found.looks &&
+        (at->t < l->next || l->steps < STEPS * (1 + l->n / FEW)))
+        return;
+    pk_condition_look(&l->found, l->problem, l->found.looks ? it : NULL, at->t, at->q, at->v,
+                      l->block);
+    l->next = at->t + until / LOOKS;
+    l->steps = 0;
+}
+
+static void report_most(struct json *j, const char *key, const struct pk_condition_most *most)
+{
+    if (!(most->x > 0))
+        return;
+    json_open(j, key, '{');
+    json_reals(j, {"cond", most->x}, {"t", most->t});
+    json_close(j, '}');
+}
+
+static void where(const struct looking *l, char *text, size_t size)
+{
+    const struct pk_problem *of = l->problem;
+    pk_system_name(of->system, of->params, of->system->rates, l->found.where, text, size);
+}
+
+static pk_real digits(pk_real magnified)
+{
+    return PK_F(log10)(PK_F(fmax)(1, PK_F(fmin)(magnified, 1 / PK_EPSILON)));
+}
+
+void condition_report(const struct looking *l, struct json *j)
+{
+    char name[128];
+    if (!l || !l->found.looks)
+        return;
+    where(l, name, sizeof name);
+    json_open(j, "condition", '{');
+    report_most(j, "mass", &l->found.mass);
+    report_most(j, "constraints", &l->found.constraints);
+    report_most(j, "step", &l->found.step);
+    json_open(j, "lost", '{');
+    json_reals(j, {"digits", digits(l->found.lost.x)}, {"t", l->found.lost.t});
+    json_text(j, "rate", name);
+    json_close(j, '}');
+    json_whole(j, "looks", l->found.looks);
+    json_close(j, '}');
+}
+
+int condition_warning(const struct looking *l, char *text, size_t size)
+{
+    if (!l || !(l->found.lost.x > LOST))
+        return 0;
+    const struct pk_condition *c = &l->found;
+    const int rows = c->constraints.x > c->mass.x;
+    const pk_real lost = digits(c->lost.x), all = digits(PK_INFINITY);
+    char name[128];
+    where(l, name, sizeof name);
+    snprintf(text, size,
+             "%s' loses %.0f of %.0f digits at t = %.6g, where %s is nearly singular (condition "
+             "number %.2g): at any tolerance, some %.0f digits at most of the motion after that "
+             "are right: %s",
+             name, (double)lost, (double)all, (double)c->lost.t, rows ? "J M^-1 J^T" : "M",
+             (double)(rows ? c->constraints.x : c->mass.x), (double)(all - lost),
+             rows ? "leave out a constraint that all but follows from the others"
+                  : "leave a mass or length that is all but zero out of the model, with its "
+                    "coordinate");
+    return 1;
+}
+
+static void step(struct pk_run *run, const struct moment *at)
+{
+    const struct settings *s = &run->settings;
+    if (s->asked.bare || s->asked.compared || s->asked.members)
+        return;
+    if (!run->looking && !(at->t > 0))
+        run->looking = condition_begin(&run->memory, &run->problem, s->method);
+    condition_step(run->looking, s->n_parts ? NULL : &run->it, s->until, at);
+}
+
+static void report(const struct pk_run *run, struct json *j) { condition_report(run->looking, j); }
+
+const struct observer condition_observer = {.step = step, .report = report};
