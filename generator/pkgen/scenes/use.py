@@ -128,8 +128,9 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     watched = structure is None or structure.conservative
     if whole or watched or "energy" in {*columns, *scene_model.needed(scene)}:
         found |= {"energy"}
-    simple = structure and getattr(structure, "definite", True) and (several or structure.mass_diagonal)
-    if not simple:
+    definite = structure and getattr(structure, "definite", True)
+    solved = made and made[0].constraints  # by the inertia
+    if not definite or not (several or solved or structure.mass_diagonal):
         found |= {"mass"}
     return frozenset(found)
 
