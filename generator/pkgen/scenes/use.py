@@ -129,7 +129,7 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     if whole or watched or "energy" in {*columns, *scene_model.needed(scene)}:
         found |= {"energy"}
     definite = structure and getattr(structure, "definite", True)
-    solved = made and made[0].constraints  # by the inertia
+    solved = made and getattr(made[0], "constraints", ())  # by the inertia
     if not definite or not (several or solved or structure.mass_diagonal):
         found |= {"mass"}
     return frozenset(found)
