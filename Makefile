@@ -10,7 +10,7 @@ ifeq ($(origin CC),default)
 CC := gcc
 endif
 
-.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies published chart stability bench site lint format golden install clean
+.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install clean
 .DEFAULT_GOAL := help
 
 help:
@@ -22,8 +22,9 @@ help:
 	@echo 'make systems    every scene of every model, what it expects and what was found (DOCS=1: into docs)'
 	@echo 'make bodies     residuals and drifts of rotations, constraints, rolling (STEPS=N; DOCS=1: into docs)'
 	@echo 'make published  problems that others publish, beside their references, two minutes (DOCS=1: into docs)'
-	@echo 'make chart      accuracy against cost of all methods, five minutes (DOCS=1: into docs)'
-	@echo 'make stability  where each method fails, three minutes (DOCS=1: into docs)'
+	@echo 'make chart      accuracy against cost of all methods, five minutes'
+	@echo 'make stability  where each method fails, three minutes'
+	@echo 'make pictures   every picture of docs/, ten minutes (ONLY="kepler.png ...": some)'
 	@echo 'make bench      speed beside the peers, 20 minutes (QUICK=1: a few; DOCS=1: into docs)'
 	@echo 'make site       docs and models as pages, each model live: build/site/index.html'
 	@echo 'make setup lint format golden asan clean, make install PREFIX=DIR'
@@ -66,16 +67,12 @@ bodies: $(STAMP)
 published: $(STAMP)
 	$(PYTHON) -m bench published $(if $(DOCS),--docs)
 
-stability: $(STAMP)
-	@for model in models/*.lag; do \
-	    $(PYTHON) -m pkgen stability $$model -o build/stability || exit 1; done
-	@$(if $(DOCS),for f in build/stability/*_stability.svg; do \
-	    cp $$f docs/pictures/stability_$$(basename $$f _stability.svg).svg || exit 1; done)
+stability chart: $(STAMP)
+	@for model in models/*.lag; do $(PYTHON) -m pkgen $@ $$model -o build/$@ || exit 1; done
 
-chart: $(STAMP)
-	@for model in models/*.lag; do $(PYTHON) -m pkgen chart $$model -o build/chart || exit 1; done
-	@$(if $(DOCS),for f in build/chart/*_chart.svg; do \
-	    cp $$f docs/pictures/chart_$$(basename $$f _chart.svg).svg || exit 1; done)
+# Every picture of docs/, which tools/pictures has a table of; ONLY="kepler.png show.png" for some.
+pictures: $(STAMP)
+	@$(PYTHON) tools/pictures $(ONLY)
 
 # The peers have a Python environment of their own, build/bench/venv.
 BENCH_OPTIONS = $(if $(QUICK),--quick) $(if $(DOCS),--docs) $(if $(MODELS),--models $(MODELS))

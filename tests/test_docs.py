@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pkgen
@@ -198,3 +199,16 @@ def test_the_python_page_is_what_happens(monkeypatch: pytest.MonkeyPatch) -> Non
     assert tried > 4 and not failed
     failed, tried = doctest.testmod(pkgen)
     assert tried > 4 and not failed
+
+
+def test_every_picture_is_shown_and_has_what_makes_it() -> None:
+    done = subprocess.run(
+        [sys.executable, ROOT / "tools/pictures", "no.png"], capture_output=True, text=True
+    )
+    assert done.returncode == 2 and "there is no no.png" in done.stdout
+    made = set(done.stdout.partition("there are ")[2].strip().split(", "))
+    there = {path.name for path in (ROOT / "docs/pictures").iterdir()}
+    texts = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    shown = set(re.findall(r"pictures/(\w+\.\w+)\)", "".join(t.read_text() for t in texts)))
+    charts = {f"chart_{m.stem}.svg" for m in (ROOT / "models").glob("*.lag")}  # of the site
+    assert made == there and shown <= there <= shown | charts

@@ -1,11 +1,13 @@
-"""What the pictures of tools/pictures*.py are made with: rows of `pkgen run`, panels, colours."""
+"""What pictures are drawn with: rows of `pkgen run`, panels, the look of pkgen's own pictures."""
 
 from __future__ import annotations
 
+import io
 import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
@@ -13,12 +15,13 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-from pkgen.plot.style import FILES
+from PIL import Image
+from pkgen.plot.style import DPI, LOOK, PAGE
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parent.parent.parent
 OUTPUT = ROOT / "docs" / "pictures"
 MODELS = ROOT / "models"
-plt.rcParams.update(FILES)
+COLOURS = 96  # of a file: a third of the bytes
 
 
 class Rows:
@@ -45,5 +48,19 @@ class Rows:
 
 
 def panels(count: int, width: float = 4.0, height: float = 4.0):
-    figure, axes = plt.subplots(1, count, figsize=(width * count, height), squeeze=False)
+    """Side by side over a page, as high to their width."""
+    high = PAGE / count * height / width
+    figure, axes = plt.subplots(1, count, figsize=(PAGE, high), squeeze=False)
     return figure, list(axes[0])
+
+
+def drawn(make: Callable[[], plt.Figure]) -> bytes:
+    """As a PNG."""
+    with plt.rc_context(LOOK):
+        figure = make()
+        figure.tight_layout()
+        file, few = io.BytesIO(), io.BytesIO()
+        figure.savefig(file, dpi=DPI)
+        plt.close(figure)
+    Image.open(file).convert("RGB").quantize(COLOURS).save(few, "png", optimize=True)
+    return few.getvalue()

@@ -1,4 +1,4 @@
-"""Pictures of bodies that turn and roll; see pictures.py.
+"""Pictures of bodies that turn and roll.
 
 tumbling     a free body turns over, beside its middle axis
 nutation     a heavy top's axis: cusps, loops, waves
@@ -11,8 +11,8 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
-from picture_rows import Rows, panels
 from pkgen.plot.style import BLUE, GREEN, GREY, INK, RED
+from rows import Rows, panels
 
 
 class Sphere:
@@ -63,9 +63,9 @@ def tumbling():
     turning = Rows("bodies/free_body.lag", "--scene", "beside_the_middle", *long)
     for name, colour in zip("xyz", (BLUE, RED, GREEN), strict=True):
         rates.plot(turning["t"], turning[f"w.{name}"], color=colour, lw=1.1, label=f"ω{name}")
-    rates.legend(frameon=False, fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, 1.0))
+    rates.legend(frameon=False, ncols=3, loc="upper center", bbox_to_anchor=(0.5, 1.0))
     rates.set(ylim=(-1.35, 1.75), xlabel="t")
-    rates.set_title("begun with ω = (0.01, 1, 0): I = 1, 2, 3", fontsize=10)
+    rates.set_title("begun with ω = (0.01, 1, 0): I = 1, 2, 3")
     body = Sphere(sphere, 50, 25)
     for start in starts():
         rows = Rows("bodies/free_body.lag", "--scene", "beside_the_middle", "--until", 25,
@@ -74,7 +74,7 @@ def tumbling():
     body.line(_momentum(turning), color=RED, lw=1.4)
     for k, name in enumerate(("axis 1", "axis 2", "axis 3")):
         body.label(np.eye(3)[k], name)
-    sphere.set_title("angular momentum, seen from the body", fontsize=10)
+    sphere.set_title("angular momentum, seen from the body")
     trace = Sphere(space, 60, 15)
     beside = ("--start", "omega(R).x=0.01", "--start", "omega(R).y=1", "--start", "omega(R).z=0")
     turned = Rows("bodies/free_body.lag", "--scene", "one_period", *beside, *long)
@@ -82,7 +82,7 @@ def tumbling():
     middle = np.cross(third, first)[:, [2, 0, 1]]  # y, along which L is, upwards
     trace.line(middle, color=RED, lw=0.9)
     trace.label([0, 0, 1], "L")
-    space.set_title("axis 2, seen from space", fontsize=10)
+    space.set_title("axis 2, seen from space")
     return figure
 
 
@@ -124,7 +124,7 @@ def nutation():
         sphere.line(np.array([[0, 0, 0], [0, 0, 1]]), color=GREY, lw=0.8)
         axis.plot(x, y, color=INK, lw=1.2)
         axis.plot(x[1:], y[1:], "o", color=INK, ms=4)
-        axis.set_title(title, fontsize=10, y=0.93)
+        axis.set_title(title, y=0.93)
     return figure
 
 
@@ -142,8 +142,8 @@ def rattleback():
             axis.plot(rows["t"], rows["spin"], color=colour, lw=0.9, label=f"begun with {begun}")
         axis.axhline(0, color=GREY, lw=0.6)
         axis.set(xlabel="t [s]", ylim=(-5.8, 7.2))
-        axis.set_title(title, fontsize=10)
-        axis.legend(frameon=False, fontsize=8, loc="upper right")
+        axis.set_title(title)
+        axis.legend(frameon=False, loc="upper right")
     axes[0].set_ylabel("spin about the vertical [rad/s]")
     return figure
 
@@ -162,10 +162,10 @@ def disk():
         tilts.plot(rows["t"] / end, rows["theta"], color=colour, lw=1.2, label=title)
         rates.semilogy(rows["t"] / end, rows["phi'"], color=colour, lw=1.2)
     tilts.set(xlabel="t/t_end", ylim=(0, 0.21))
-    tilts.set_title("Euler's disk: tilt θ", fontsize=10)
-    tilts.legend(frameon=False, fontsize=8, loc="lower left")
+    tilts.set_title("Euler's disk: tilt θ")
+    tilts.legend(frameon=False, loc="lower left")
     rates.set(xlabel="t/t_end")
-    rates.set_title("rate of the contact [rad/s]", fontsize=10)
+    rates.set_title("rate of the contact [rad/s]")
     rows = Rows("constrained/rolling_disk.lag", "--scene", "goes_round", "--set", "nod=6",
                 "--until", 15, "--every", 0.005)  # fmt: skip
     x, y = contact(rows)
@@ -173,8 +173,8 @@ def disk():
     track.plot(100 * x, 100 * y, color=BLUE, lw=0.9, label="contact")
     track.set_aspect("equal")
     track.set(xlabel="x [cm]")
-    track.set_title("a rolling disk's way", fontsize=10)
-    track.legend(frameon=False, fontsize=8, loc="center")
+    track.set_title("a rolling disk's way")
+    track.legend(frameon=False, loc="center")
     return figure
 
 

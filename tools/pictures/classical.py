@@ -1,33 +1,25 @@
-"""Pictures of docs/models.md, from rows of `pkgen run`: python tools/pictures.py [NAME ...]
+"""Pictures of docs/models.md.
 
-    kepler       the ellipse of a perturbed sun turns
-    sections     Poincare sections of Henon and Heiles' well at three energies
-    swarm        a loop of pendulums in phase space, which keeps its area
-    fput         energies of normal modes, and their recurrence
-    kinks        a kink and an antikink go through each other
-    foucault     the rosettes of Foucault's pendulum
-    tumbling, nutation, rattleback, disk     bodies that turn and roll: pictures_bodies.py
-
-Into docs/pictures/NAME.png.
+kepler       the ellipse of a perturbed sun turns
+sections     Poincare sections of Henon and Heiles' well at three energies
+swarm        a loop of pendulums in phase space, which keeps its area
+fput         energies of normal modes, and their recurrence
+kinks        a kink and an antikink go through each other
+foucault     the rosettes of Foucault's pendulum
 """
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
-
 import matplotlib.pyplot as plt
 import numpy as np
-import pictures_bodies
-from picture_rows import OUTPUT, Rows, panels
-from PIL import Image
-from pkgen.plot.style import BLUE, GREEN, PURPLE, RED
+from pkgen.plot.style import BLUE, DIVERGING, GREEN, ORANGE, PURPLE, RED
+from rows import Rows, panels
 
 
 def orbit(axis, x, y, title: str, **style) -> None:
     axis.plot(x, y, **{"lw": 0.6, "color": BLUE, **style})
     axis.set_aspect("equal")
-    axis.set_title(title, fontsize=10)
+    axis.set_title(title)
 
 
 def kepler():
@@ -39,7 +31,7 @@ def kepler():
         rows = Rows("particles/kepler_perturbed.lag", *words, "--until", 50, "--every", 0.02)
         x, y = rows["r"] * np.cos(rows["phi"]), rows["r"] * np.sin(rows["phi"])
         orbit(axis, x, y, title)
-        axis.plot([0], [0], "o", color="#e0a000", ms=6)
+        axis.plot([0], [0], "o", color=ORANGE, ms=6)
     return figure
 
 
@@ -55,7 +47,7 @@ def sections():
             axis.plot(
                 rows["y"][own], rows["y'"][own], ".", ms=0.9, color=plt.cm.tab10(int(member) % 10)
             )
-        axis.set_title(f"E = {name}", fontsize=10)
+        axis.set_title(f"E = {name}")
         axis.set_xlabel("y")
     axes[0].set_ylabel("y′ where x = 0, x′ > 0")
     return figure
@@ -70,7 +62,7 @@ def swarm():
         now = rows["t"] == t
         axis.plot(rows["theta"][now], rows["theta'"][now], lw=0.5, color=BLUE)
         axis.set(xlim=(-3, 3), ylim=(-2.2, 2.2), xlabel="θ")
-        axis.set_title(f"t = {t:g}", fontsize=10)
+        axis.set_title(f"t = {t:g}")
     axes[0].set_ylabel("θ′")
     return figure
 
@@ -105,10 +97,10 @@ def kinks():
         )  # fmt: skip
         q = rows.family("q")
         shown = axis.imshow(
-            q, origin="lower", aspect="auto", cmap="RdBu_r", vmin=-2 * np.pi, vmax=2 * np.pi,
+            q, origin="lower", aspect="auto", cmap=DIVERGING, vmin=-2 * np.pi, vmax=2 * np.pi,
             extent=(-20, 20, 0, until),
         )  # fmt: skip
-        axis.set_title(scene, fontsize=10)
+        axis.set_title(scene)
         axis.set_xlabel("x")
     axes[0].set_ylabel("t")
     figure.colorbar(shown, ax=axes[1], label="q")
@@ -129,25 +121,4 @@ def foucault():
     return figure
 
 
-COLOURS = 96
-PICTURES: dict[str, Callable[[], plt.Figure]] = {
-    f.__name__: f
-    for f in (kepler, sections, swarm, fput, kinks, foucault, *pictures_bodies.PICTURES)
-}
-
-
-def main(names: list[str]) -> int:
-    for name in names or PICTURES:
-        figure = PICTURES[name]()
-        figure.tight_layout()
-        path = OUTPUT / f"{name}.png"
-        figure.savefig(path, dpi=110)
-        plt.close(figure)
-        few = Image.open(path).convert("RGB").quantize(COLOURS)  # a third of the bytes
-        few.save(path, optimize=True)
-        print(path)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+PICTURES = (kepler, sections, swarm, fput, kinks, foucault)
