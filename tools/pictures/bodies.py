@@ -65,7 +65,7 @@ def tumbling():
         rates.plot(turning["t"], turning[f"w.{name}"], color=colour, lw=1.1, label=f"ω{name}")
     rates.legend(frameon=False, ncols=3, loc="upper center", bbox_to_anchor=(0.5, 1.0))
     rates.set(ylim=(-1.35, 1.75), xlabel="t")
-    rates.set_title("begun with ω = (0.01, 1, 0): I = 1, 2, 3")
+    rates.set_title("begun with ω = (0.01, 1, 0)")
     body = Sphere(sphere, 50, 25)
     for start in starts():
         rows = Rows("bodies/free_body.lag", "--scene", "beside_the_middle", "--until", 25,
@@ -74,7 +74,7 @@ def tumbling():
     body.line(_momentum(turning), color=RED, lw=1.4)
     for k, name in enumerate(("axis 1", "axis 2", "axis 3")):
         body.label(np.eye(3)[k], name)
-    sphere.set_title("angular momentum, seen from the body")
+    sphere.set_title("L, seen from the body")
     trace = Sphere(space, 60, 15)
     beside = ("--start", "omega(R).x=0.01", "--start", "omega(R).y=1", "--start", "omega(R).z=0")
     turned = Rows("bodies/free_body.lag", "--scene", "one_period", *beside, *long)
@@ -153,7 +153,7 @@ def disk():
     figure, (tilts, rates, track) = panels(3, 4, 3.6)
     cases = {
         "settles": "θ′ = −k/θ",
-        "air": "−k/θ², the air (Moffatt)",
+        "air": "−k/θ², the air",
         "friction": "−k/√θ, rolling",
     }
     for (scene, title), colour in zip(cases.items(), (BLUE, RED, GREEN), strict=True):
