@@ -7,8 +7,9 @@ from math import inf, nan, pi, sin, sqrt
 
 import numpy as np
 
-from .prediction import BOUNDARY, CLOSED, MEASURED, Prediction, boundary
+from .prediction import BOUNDARY, CLOSED, MEASURED, Prediction
 from .probe import Failed, Probe
+from .shown import around, listed
 
 # --- Frenkel and Kontorova's kink ----------------------------------------------------------
 
@@ -53,16 +54,6 @@ def kink_frequency(
     fine = trial[k] + step * np.linspace(-1, 1, 401)
     found = int(np.argmin([misfit(w) for w in fine]))
     return float(fine[found]) if 0 < k < len(trial) - 1 and 0 < found < len(fine) - 1 else nan
-
-
-def chain_limit(method: str, d: float, predicted: float) -> float:
-    """Of a ring of sites at rest, by its fastest wave, of alternating neighbours."""
-
-    def grows(h: float) -> bool:
-        rows = Probe("chain", method, h, size={"N": 40}, set={"d": d}).steps(400, 50, strict=False)
-        return len(rows) < 8 or np.abs(rows[:, 1:41]).max() > 1e-3
-
-    return boundary(predicted, grows)
 
 
 # --- FPUT -------------------------------------------------------------------------------------
@@ -175,10 +166,12 @@ PREDICTIONS = [
             ("S1b", 0.5, 80, 5.524376e-3, 4500.0), ("S1d", 1.0, 40, 0.24583955, 100.0),
         )
     ),
-    Prediction(
+    listed(
         "S3", "ring of 40 sites, d = 1, verlet", "limit 2 / sqrt(1 + 4/d^2)",
-        2 / sqrt(5), BOUNDARY, lambda: chain_limit("verlet", 1.0, 2 / sqrt(5)),
-        "yoshida4", lambda: chain_limit("yoshida4", 1.0, 2 / sqrt(5)),
+        2 / sqrt(5), BOUNDARY,
+        f"for h in {around(2 / sqrt(5))}; do pkgen run chain.lag --method verlet --step $h "
+        "--until 400*$h --every 50*$h; done", "edge of h: not max(abs(q_1_)) < 1e-3",
+        "--method yoshida4",
     ),
     *(
         Prediction(

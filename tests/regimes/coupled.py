@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-from functools import cache
 from math import log, pi, sqrt
 
 import numpy as np
 
-from .prediction import BOUNDARY, MEASURED, Prediction, boundary
-from .probe import Probe, model_path
+from .prediction import BOUNDARY, MEASURED, Prediction
+from .probe import Probe
+from .shown import around, listed
 
 UNIT = {"m1": 1.0, "m2": 1.0, "l1": 1.0, "l2": 1.0, "g": 9.81}
 
@@ -21,29 +18,17 @@ def at_rest(*angles: float) -> dict[str, float]:
     return start | {f"theta{i + 1}'": 0.0 for i in range(len(angles))}
 
 
-def mode(sign: int) -> tuple[float, dict[str, float]]:
-    """Frequency and shape of the double pendulum's modes: omega^2 = (2 -+ sqrt 2) g/l."""
-    return sqrt((2 - sign * sqrt(2)) * 9.81), at_rest(1e-5, sign * sqrt(2) * 1e-5)
+def mode(sign: int) -> float:
+    """Frequency of the double pendulum's modes: omega^2 = (2 -+ sqrt 2) g/l."""
+    return sqrt((2 - sign * sqrt(2)) * 9.81)
 
 
-def frequency(sign: int, method: str = "gauss", h: float = 0.0) -> float:
-    """Of one mode, by recurrence of three samples of the first angle."""
-    rows = Probe("double_pendulum", method, h, start=mode(sign)[1]).at(np.arange(1, 4000) * 0.1)
-    x = rows[:, 1]
-    return float(np.arccos((x[1:-1] @ (x[2:] + x[:-2])) / (2 * x[1:-1] @ x[1:-1])) / 0.1)
-
-
-def double_limit(method: str, predicted: float) -> float:
-    """The fast mode of amplitude 1e-5 grows or shrinks; past the limit it grows until the
-    nonlinear motion takes over, and never overflows."""
-    start = mode(-1)[1]
-
-    def grows(h: float) -> bool:
-        probe = Probe("double_pendulum", method, h, start=start, fixed=True)
-        rows = probe.steps(1500, strict=False)
-        return len(rows) < 1500 or np.abs(rows[-200:, 1]).max() > 1e-5
-
-    return boundary(predicted, grows)
+SMALL = (
+    "pkgen run ../../../models/double_pendulum.lag --start theta1=1e-5 --start theta2={} "
+    '--start "theta1\'=0" --start "theta2\'=0" --method {} --until {} --every {}'
+)
+# Of what swings at one frequency, by recurrence of three samples.
+FREQUENCY = "acos(sum({0}[1:-1]*({0}[2:] + {0}[:-2]))/(2*sum({0}[1:-1]**2)))/{1}"
 
 
 def reversal_error(method: str, angles: tuple[float, float], until: float, h: float) -> float:
@@ -66,40 +51,6 @@ def reversal_lost(method: str, h: float) -> float:
     return float(np.median(times))
 
 
-def coupled(method: str, predicted: float) -> float:
-    """Limit of two masses on springs; the fast mode has frequency sqrt(1 + 2 k_c)."""
-
-    def grows(h: float) -> bool:
-        probe = Probe("two_masses", method, h, start={"x1": 1.0, "x2": -0.5})
-        energy = probe.steps(1500, 1500, strict=False)
-        return not len(energy) or energy[-1, -1] > (1e6 if method == "verlet" else 1.13)
-
-    return boundary(predicted, grows)
-
-
-def beat(method: str = "gauss", h: float = 0.0) -> float:
-    """One mass displaced: it is at rest in the middle again after a whole beat; from the
-    envelope's first return, x1^2 + (x1'/mean frequency)^2 largest."""
-    probe = Probe("two_masses", method, h, start={"x1": 1.0, "x2": 0.0})
-    rows = probe.at(np.arange(1, 40_000) * 0.01)
-    slow, fast = rows[:, 1] + rows[:, 2], rows[:, 1] - rows[:, 2]
-    h = 0.01
-    angles = [
-        np.arccos((x[1:-1] @ (x[2:] + x[:-2])) / (2 * x[1:-1] @ x[1:-1])) / h for x in (slow, fast)
-    ]
-    return float(2 * pi / (angles[1] - angles[0]))
-
-
-@cache
-def lyapunov(angles: tuple[float, float], until: float = 1e5) -> float:
-    """Largest exponent from rest, by the variational equations of `pkgen run`."""
-    start = [f"--start={name}={value}" for name, value in at_rest(*angles).items()]
-    command = [sys.executable, "-m", "pkgen", "run", model_path("double_pendulum"), *start]
-    command += ["--until", until, "--every", until / 10, "--diagnose", "lyapunov", "--json"]
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=True)
-    return abs(json.loads(done.stdout)["report"]["diagnostics"]["lyapunov"]["exponent"])
-
-
 OF_THE_FLOW = (
     "a mean over 1e5 s of the growth that belongs to the start; no worse method has been run for "
     "so long"
@@ -107,31 +58,34 @@ OF_THE_FLOW = (
 
 PREDICTIONS = [
     *(
-        Prediction(
-            id, f"double pendulum, {text} mode, gauss", "frequency", mode(sign)[0], 1e-8,
-            lambda s=sign: frequency(s),
-            "rk4, h = .05", lambda s=sign: frequency(s, "rk4", 0.05),
+        listed(
+            id, f"double pendulum, {text} mode, gauss", "frequency", mode(sign), 1e-8,
+            SMALL.format(f"{sign}*sqrt(2)*1e-5", "gauss", 400, 0.1),
+            FREQUENCY.format("theta1", 0.1), "--method rk4 --step 0.05",
         )
         for id, text, sign in (("D1a", "slow", 1), ("D1b", "fast", -1))
     ),
-    Prediction(
+    listed(
         "D1c", "double pendulum, rk4", "limit 2 sqrt 2 / omega of the fast mode",
-        2 * sqrt(2) / mode(-1)[0], BOUNDARY,
-        lambda: double_limit("rk4", 2 * sqrt(2) / mode(-1)[0]),
-        "dopri5", lambda: double_limit("dopri5", 2 * sqrt(2) / mode(-1)[0]),
+        2 * sqrt(2) / mode(-1), BOUNDARY,
+        f"for h in {around(2 * sqrt(2) / mode(-1))}; do "
+        + SMALL.format("-1*sqrt(2)*1e-5", "rk4 --step $h", "1500*$h", "$h") + "; done",
+        "edge of h: not max(abs(theta1[-200:])) < 1e-5", "--method rk3",
     ),
     *(
-        Prediction(
+        listed(
             id, f"double pendulum from rest at {text}, gauss, 1e5 s",
             "largest Lyapunov exponent, per second", predicted, 0.05,
-            lambda a=angles: lyapunov(a),
-            worse, lambda a=other: lyapunov(a), long=True, no_method=OF_THE_FLOW,
+            SMALL.replace("1e-5", start.split()[0]).format(start.split()[1], "gauss", 1e5, 1e4)
+            + " --diagnose lyapunov", 'abs(report["diagnostics"]["lyapunov"]["exponent"])',
+            "--start theta1={} --start theta2={}".format(*other.split()), long=True,
+            no_method=OF_THE_FLOW,
         )
-        for id, text, angles, predicted, worse, other in (
-            ("D2a", "pi/2, pi/2", (pi / 2, pi / 2), 0.926, "2, 2", (2.0, 2.0)),
-            ("D2b", "2, 2", (2.0, 2.0), 1.343, "3, 3", (3.0, 3.0)),
-            ("D2c", "3, 3", (3.0, 3.0), 1.005, "2, 2", (2.0, 2.0)),
-            ("D2d", ".5, .5", (0.5, 0.5), (1e-9, 1e-3), "pi/2, pi/2", (pi / 2, pi / 2)),
+        for id, text, start, predicted, other in (
+            ("D2a", "pi/2, pi/2", "pi/2 pi/2", 0.926, "2 2"),
+            ("D2b", "2, 2", "2 2", 1.343, "3 3"),
+            ("D2c", "3, 3", "3 3", 1.005, "2 2"),
+            ("D2d", ".5, .5", "0.5 0.5", (1e-9, 1e-3), "pi/2 pi/2"),
         )
     ),
     Prediction(
@@ -147,16 +101,22 @@ PREDICTIONS = [
         lambda: reversal_error("gauss1", (0.3, 0.3), 60, 0.001),
         "rk4, h = .01", lambda: reversal_error("rk4", (0.3, 0.3), 60, 0.01),
     ),
-    Prediction(
-        "O1a", "two coupled masses, verlet", "limit 2 / sqrt(1 + 2 k_c)", sqrt(2), BOUNDARY,
-        lambda: coupled("verlet", sqrt(2)), "rk4", lambda: coupled("rk4", sqrt(2)),
+    *(
+        listed(
+            id, f"two coupled masses, {method}", says, at, BOUNDARY,
+            f"for h in {around(at)}; do pkgen run two_masses.lag --start x1=1 --start x2=-0.5 "
+            f"--method {method} --step $h --until 1500*$h --every 1500*$h; done",
+            f"edge of h: not energy[-1] < {grown}", f"--method {worse}",
+        )
+        for id, method, says, at, grown, worse in (
+            ("O1a", "verlet", "limit 2 / sqrt(1 + 2 k_c)", sqrt(2), 1e6, "rk4"),
+            ("O1b", "rk4", "limit 2 sqrt 2 / sqrt(1 + 2 k_c)", 2.0, 1.13, "verlet"),
+        )
     ),
-    Prediction(
-        "O1b", "two coupled masses, rk4", "limit 2 sqrt 2 / sqrt(1 + 2 k_c)", 2.0, BOUNDARY,
-        lambda: coupled("rk4", 2.0), "verlet", lambda: coupled("verlet", 2.0),
-    ),
-    Prediction(
+    listed(
         "O1c", "two coupled masses, gauss", "beat 2 pi/(sqrt 2 - 1)", 2 * pi / (sqrt(2) - 1), 1e-8,
-        beat, "verlet, h = .1", lambda: beat("verlet", 0.1),
+        "pkgen run two_masses.lag --method gauss --until 400 --every 0.1",
+        f"2*pi/({FREQUENCY.format('(x1 - x2)', 0.1)} - {FREQUENCY.format('(x1 + x2)', 0.1)})",
+        "--method verlet --step 0.1",
     ),
 ]  # fmt: skip

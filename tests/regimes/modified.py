@@ -9,6 +9,7 @@ import numpy as np
 
 from .prediction import CLOSED, Prediction
 from .probe import Probe
+from .shown import shown
 
 # --- the pendulum under Verlet, from rest at 1.2 --------------------------------------------
 
@@ -48,26 +49,12 @@ def turning_times(rows: np.ndarray, value: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
-def period_measured(method: str, h: float) -> float:
-    start = {"theta": AMPLITUDE, "theta'": 0.0}
-    rows = Probe("pendulum", method, h, start=start).steps(round(400 / h))
-    times = turning_times(rows, rows[:, 2])
-    exact = swing(sin(AMPLITUDE / 2))[0]
-    return float(((times[-1] - times[0]) / (len(times) - 1) - exact) / h**2)
-
-
 def energy_swing(amplitude: float) -> float:
     """max |E - E(0)| / h^2 of a swing from rest."""
     theta = np.linspace(0, amplitude, 100_001)
     v2 = 2 * (np.cos(theta) - cos(amplitude))
     g = v2 * np.cos(theta) / 12 - np.sin(theta) ** 2 / 24
     return float(np.abs(g - g[-1]).max())
-
-
-def energy_measured(method: str, h: float) -> float:
-    start = {"theta": AMPLITUDE, "theta'": 0.0}
-    rows = Probe("pendulum", method, h, start=start).steps(round(100 / h))
-    return float(np.abs(rows[:, -1] + cos(AMPLITUDE)).max() / h**2)
 
 
 # --- apsidal turn in another central field -------------------------------------------------------
@@ -109,17 +96,19 @@ def apsidal_measured(method: str, h: float) -> float:
 
 
 PREDICTIONS = [
-    Prediction(
+    shown(
         "A1", "pendulum from rest at 1.2, verlet, h = .01",
         "max |dE| / h^2, by the modified Hamiltonian", energy_swing(AMPLITUDE), 1e-3,
-        lambda: energy_measured("verlet", 0.01),
-        "yoshida4", lambda: energy_measured("yoshida4", 0.01), own=True,
+        f"pkgen run pendulum.lag --start theta={AMPLITUDE} --method verlet --step 0.01 "
+        "--until 100 --every 0.01", "max(abs(energy - energy[0]))/0.01**2", "--method yoshida4",
     ),
-    Prediction(
+    shown(
         "A2", "pendulum from rest at 1.2, verlet, h = .02",
         "(T(h) - T) / h^2, from the action of the modified Hamiltonian",
-        period_coefficient(AMPLITUDE), 1e-3, lambda: period_measured("verlet", 0.02),
-        "gauss1", lambda: period_measured("gauss1", 0.02), own=True,
+        period_coefficient(AMPLITUDE), 1e-3,
+        f"pkgen run pendulum.lag --start theta={AMPLITUDE} --method verlet --step 0.02 --until 400",
+        f'(mean(diff(times(report, "top"))) - {swing(sin(AMPLITUDE / 2))[0]!r})/0.02**2',
+        "--method gauss1",
     ),
     Prediction(
         "A6", "central force -r^3, verlet, h = .02",

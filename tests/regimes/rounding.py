@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+import subprocess
+import tempfile
+from functools import cache
 from math import cos, log, sin
+from pathlib import Path
 
-from .prediction import MEASURED, ORDER
-from .shown import shown
+import numpy as np
+from conftest import run_pkgen
+from pkgen.system import toolchain
+
+from .prediction import MEASURED, ORDER, Prediction
+from .shown import HERE, MODELS, shown
 
 ORBITS = (
     "for n in 10 20 40 80; do pkgen run kepler.lag --method {} --until 2*pi*$n --every 0.1; done"
@@ -33,6 +41,22 @@ NEIGHBOURS = (
     "--step 0.01 --until 20 --every 1"
 )
 DENSE = "pkgen run oscillator.lag --method {} --step 1 --until 20 --every 0.5"
+
+
+@cache
+def clocks() -> tuple[float, float]:
+    """Of clock.c, with far.lag's C and the runtime compiled for float."""
+    tools = toolchain.find_toolchain()
+    include, sources = toolchain.RUNTIME / "include", (toolchain.RUNTIME / "src").rglob("*.c")
+    with tempfile.TemporaryDirectory() as folder:
+        assert run_pkgen(MODELS / "far.lag", "-o", folder).returncode == 0
+        command = [*tools.cc, "-std=c11", "-DPK_FLOAT", "-DPK_RUNTIME", f"-I{include}", "-I."]
+        command += ["far.c", HERE / "clock.c", *sources, "-lm", "-o", "clock"]
+        subprocess.run(command, cwd=folder, check=True)
+        said = subprocess.run([Path(folder) / "clock"], capture_output=True, text=True, check=True)
+    own, runtime = map(float, said.stdout.split())
+    return own, runtime
+
 
 PREDICTIONS = [
     shown(
@@ -108,5 +132,14 @@ PREDICTIONS = [
     shown(
         "R15", "oscillator, gauss8, h = 1, rows between steps", "wrong by no more than its steps",
         (1e-17, 1e-14), 0, DENSE.format("gauss8"), "max(abs(q - cos(t)))", "--method kahan_li8",
+    ),
+    Prediction(
+        "R16", "time in float, 200,000 times .001, a loop of one's own", "t += h comes to",
+        200.4506, 1e-6, lambda: clocks()[0], "verlet", lambda: clocks()[1], own=True, long=True,
+    ),
+    Prediction(
+        "R17", "time in float, verlet, 200,000 steps of .001", "the runtime's clock is right to "
+        "the last bit but one", 200000 * float(np.float32(0.001)), 1e-7, lambda: clocks()[1],
+        "without compensated sums", lambda: clocks()[0], own=True, long=True,
     ),
 ]  # fmt: skip

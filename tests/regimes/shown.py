@@ -25,7 +25,8 @@ from conftest import run_pkgen
 
 from .prediction import Prediction, slope
 
-MODELS = Path(__file__).parent / "models"
+HERE = Path(__file__).parent
+MODELS = HERE / "models"
 LOOP = re.compile(r"for (\w+) in ([^;]+); do (.+); done")
 OVER = re.compile(r"(power|root|edge) of (\w+): (.+)")
 

@@ -75,10 +75,13 @@ PREDICTIONS = [
         "step", 0.5**6 / 72 - 0.5**8 / 576, 1e-6, GYRATION.format("rk4", 50),
         "1 - (energy[-1]/energy[0])**(1/1000)", "--method rk3",
     ),
-    shown(
-        "Q8", "charge in a magnetic field, gauss1, y = .5", "gyrates at 2 atan(y/2)/y of the true "
-        "frequency", -2 * atan(0.25) / 0.5, 1e-9, GYRATION.format("gauss1", 0.5),
-        "unwrap(arctan2(y', x'))[-1]/t[-1]", "--method gauss2",
+    *(
+        shown(
+            f"Q8{'ab'[i]}", f"charge in a magnetic field, {method}, y = .5",
+            "gyrates at 2 atan(y/2)/y of the true frequency", -2 * atan(0.25) / 0.5, 1e-9,
+            GYRATION.format(method, 0.5), "unwrap(arctan2(y', x'))[-1]/t[-1]", f"--method {worse}",
+        )
+        for i, (method, worse) in enumerate((("gauss1", "gauss2"), ("boris", "boris4")))
     ),
     shown(
         "Q9", "Lorenz's equations, dop853", "largest Lyapunov exponent", 0.9056, 0.02,

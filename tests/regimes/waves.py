@@ -19,4 +19,9 @@ PREDICTIONS = [
         "pkgen run ring.lag --method verlet --step 1 --until 40 --every 1", "q_1_[-1]",
         "--method rk4",
     ),
+    shown(
+        "W3", "charge in crossed fields, boris, y = 20", "turns wrongly, yet drifts at -E/b", -0.1,
+        1e-4, "pkgen run crossed.lag --method boris --step 20 --until 20000 --every 20",
+        "polyfit(t, y, 1)[0]", "--method rk4",
+    ),
 ]  # fmt: skip
