@@ -1,6 +1,7 @@
 /* (Relative) equilibria; see pk/gsl_equilibria.h. Powell's hybrid method with scaling and analytic
  * derivatives, GSL's hybridsj, from Halton's points; then roots are told apart. Unknown i is q_i,
- * or v_i where coordinate i is cyclic; equation i is pdot_i = 0, or p_i = what it was.
+ * or v_i where coordinate i is cyclic; equation i is pdot_i = 0, or p_i = what it was. Of a
+ * first-order variable, which v_i is, it is its rate; of one that no rate depends on, what it was.
  *
  * After Newton's method has come to round-off a root counts where the equations hold to 1e-10 of
  * their size and the correction is below 1e-4 of the way from the start. The second test rejects
@@ -18,15 +19,17 @@
 
 #include "equilibria_search.h"
 #include "halton.h"
+#include "rates.h"
 
 enum { ITERATIONS = 200, POLISH = 60, MORE = 8 }; /* starts for each root */
 
 static int open_search(struct search *s, const struct pk_problem *problem)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
-    double *x = (double *)calloc(12 * n + 5 * n * n, sizeof *x);
+    double *x = (double *)calloc(14 * n + 5 * n * n, sizeof *x);
     memset(s, 0, sizeof *s);
-    s->turns = (unsigned char *)calloc(n, 1);
+    s->turns = (unsigned char *)calloc(2 * n, 1);
+    s->unread = s->turns + n;
     s->primes = (size_t *)calloc(n + 1, sizeof *s->primes);
     s->problem = problem;
     s->n = n;
@@ -34,8 +37,9 @@ static int open_search(struct search *s, const struct pk_problem *problem)
     if (!x || !s->turns || !s->primes)
         return 0;
     primes(s->primes, n + 1);
-    double **const vectors[] = {&s->q,    &s->v, &s->kept,  &s->box,   &s->middle, &s->p,
-                                &s->pdot, &s->F, &s->pivot, &s->scale, &s->step,   &s->slope};
+    double **const vectors[] = {&s->q,    &s->v,     &s->kept, &s->box,   &s->middle,
+                                &s->p,    &s->pdot,  &s->F,    &s->pivot, &s->scale,
+                                &s->step, &s->slope, &s->rest, &s->r_t};
     double **const matrices[] = {&s->M, &s->p_q, &s->F_q, &s->F_v, &s->J};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
         *vectors[k] = x, x += n;
@@ -60,15 +64,18 @@ static void set_unknowns(struct search *s, const gsl_vector *z)
 static int derivatives(struct search *s)
 {
     const struct pk_problem *problem = s->problem;
+    const struct pk_system *system = problem->system;
     const size_t n = s->n;
-    problem->system->mass(problem->params, 0, s->q, s->v, NULL, s->M);
-    problem->system->jacobian(problem->params, 0, s->q, s->v, NULL, s->p_q, s->F_q, s->F_v);
+    system->mass(problem->params, 0, s->q, s->v, NULL, s->M);
+    system->jacobian(problem->params, 0, s->q, s->v, NULL, s->p_q, s->F_q, s->F_v);
+    if (system->n_first_order)
+        system->linear(problem->params, 0, s->q, s->v, NULL, s->rest, s->F_q, s->F_v, s->r_t);
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
             const size_t x = i * n + j;
-            const double by_rate = is_cyclic(s, i) ? s->M[x] : s->F_v[x];
-            const double by_place = is_cyclic(s, i) ? s->p_q[x] : s->F_q[x];
-            s->J[x] = is_cyclic(s, j) ? by_rate : by_place;
+            const double by_rate = is_cyclic(s, i) ? s->M[x] : s->unread[i] ? i == j : s->F_v[x];
+            const double by_place = is_cyclic(s, i) ? s->p_q[x] : s->unread[i] ? 0 : s->F_q[x];
+            s->J[x] = is_by_rate(s, j) ? by_rate : by_place;
         }
     return pk_all_finite(s->J, n * n);
 }
@@ -162,7 +169,8 @@ static int is_positive(struct search *s)
 
 static double energy(const struct search *s, const double *q, const double *v)
 {
-    return s->problem->system->energy(s->problem->params, 0, q, v, NULL);
+    const struct pk_system *system = s->problem->system;
+    return system->energy ? system->energy(s->problem->params, 0, q, v, NULL) : 0;
 }
 
 static int is_known(struct search *s, const struct pk_equilibria *found)
@@ -170,7 +178,7 @@ static int is_known(struct search *s, const struct pk_equilibria *found)
     for (size_t k = 0; k < found->count; k++) {
         int same = 1;
         for (size_t i = 0; i < s->n && same; i++) {
-            const int c = is_cyclic(s, i);
+            const int c = is_by_rate(s, i);
             double d = c ? s->v[i] - found->v[k * s->n + i] : s->q[i] - found->q[k * s->n + i];
             if (!c && s->turns[i])
                 d = remainder(d, TWO_PI);
@@ -187,7 +195,7 @@ static void insert(struct search *s, struct pk_equilibria *found)
 {
     const size_t n = s->n;
     for (size_t i = 0; i < n; i++)
-        if (s->turns[i] && !is_cyclic(s, i)) {
+        if (s->turns[i] && !is_by_rate(s, i)) {
             s->q[i] = remainder(s->q[i], TWO_PI);
             if (s->q[i] < -TWO_PI / 2 * (1 - 1e-7))
                 s->q[i] += TWO_PI;
@@ -265,7 +273,7 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
     found->count = found->failed = found->singular = 0;
     found->more = 0;
     if (!(system->facts & PK_AUTONOMOUS) || !system->jacobian || !system->mass ||
-        system->n_first_order)
+        system->n_rotations || system->constraints.n || (system->n_first_order && !system->linear))
         return PK_REFUSED;
     struct search s;
     const size_t n = pk_system_count(system, problem->params);
@@ -274,7 +282,8 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
         gsl_multiroot_fdfsolver_alloc(gsl_multiroot_fdfsolver_hybridsj, n);
     gsl_vector *z = gsl_vector_alloc(n);
     enum pk_status status = PK_NO_MEMORY;
-    if (open_search(&s, problem) && solver && z) {
+    if (open_search(&s, problem) && solver && z &&
+        (!system->n_first_order || pk_gsl_unread(problem, q0, v0, s.unread) == PK_DONE)) {
         gsl_multiroot_function_fdf function = {gsl_f, gsl_df, gsl_fdf, n, &s};
         status = PK_DONE;
         pk_equilibria_box(&s, q0, v0);

@@ -16,7 +16,7 @@ void pk_equilibria_place(struct search *s, size_t k)
 {
     static const double widths[] = {32, 1, 4, 1};
     for (size_t i = 0; i < s->n; i++) {
-        const double wide = s->turns[i] && !is_cyclic(s, i) ? 1 : widths[k % 4];
+        const double wide = s->turns[i] && !is_by_rate(s, i) ? 1 : widths[k % 4];
         const double x = k ? 2 * halton(k, s->primes[i + 1]) - 1 : 0;
         *unknown(s, i) = s->middle[i] + wide * s->box[i] * x;
     }
@@ -83,7 +83,7 @@ static void extent(struct search *s, const double *q0, const double *v0)
         settled += settled || (k > 0 && it.t - t < 2 * before);
         before = it.t - t;
         for (size_t i = 0; i < s->n && runs && settled; i++) {
-            const double far = fabs(is_cyclic(s, i) ? it.v[i] : it.q[i] - q0[i]);
+            const double far = fabs(is_by_rate(s, i) ? it.v[i] : it.q[i] - q0[i]);
             if (settled == 1 || !(begun[i] > 0))
                 begun[i] = far;
             if (far > RUNAWAY * begun[i])
@@ -102,7 +102,7 @@ static void choose_box(struct search *s, const double *q0, const double *v0)
     double others = 0;
     extent(s, q0, v0);
     for (size_t i = 0; i < s->n; i++) {
-        const int c = is_cyclic(s, i);
+        const int c = is_by_rate(s, i);
         s->box[i] = 2 * fmax(s->box[i], fabs(c ? v0[i] : q0[i]));
         if (s->turns[i] && !c)
             s->box[i] = TWO_PI / 2;
@@ -111,7 +111,7 @@ static void choose_box(struct search *s, const double *q0, const double *v0)
     }
     for (size_t i = 0; i < s->n; i++)
         if (!(s->box[i] > 0))
-            s->box[i] = is_cyclic(s, i) || !(others > 0) ? 1 : others;
+            s->box[i] = is_by_rate(s, i) || !(others > 0) ? 1 : others;
 }
 
 /* The size of each equation: the most of it in the box; of one that vanishes there all the same
@@ -141,7 +141,7 @@ void pk_equilibria_box(struct search *s, const double *q0, const double *v0)
         s->turns[i] = (unsigned char)is_turn(s, i);
     memcpy(s->q, q0, n * sizeof *q0);
     for (size_t i = 0; i < n; i++) {
-        const int c = is_cyclic(s, i);
+        const int c = is_by_rate(s, i);
         s->v[i] = c ? v0[i] : 0;
         s->middle[i] = c ? v0[i] : s->turns[i] ? 0 : q0[i];
     }

@@ -12,7 +12,7 @@
 static double apart(struct search *s, const struct pk_equilibria *known, size_t k, size_t i,
                     double *slope)
 {
-    const int c = is_cyclic(s, i);
+    const int c = is_by_rate(s, i);
     const double *root = (c ? known->v : known->q) + k * s->n;
     const double d = *unknown(s, i) - root[i], size = s->box[i];
     if (!c && s->turns[i]) {

@@ -21,10 +21,12 @@ struct search {
     double *step;                /* Newton's, to be taken back */
     double *box, *middle;        /* where to seek each unknown */
     double *p, *pdot, *F;        /* n */
+    double *rest, *r_t;          /* n zeros; n */
     double *M, *p_q, *F_q, *F_v; /* n n */
     double *J, *pivot;
     double *scale;                     /* of each equation in the box */
     unsigned char *turns;              /* q_i + 2 pi is the same place */
+    unsigned char *unread;             /* a first-order variable that no rate depends on */
     size_t *primes;                    /* n + 1, the bases of Halton's points */
     double *slope;                     /* of the factor of deflation, by each unknown */
     const struct pk_equilibria *known; /* roots to keep away from; NULL: none */
@@ -32,14 +34,20 @@ struct search {
 
 static inline int is_cyclic(const struct search *s, size_t i)
 {
-    const unsigned char *cyclic = s->problem->system->cyclic;
-    return cyclic && cyclic[i];
+    const struct pk_system *system = s->problem->system;
+    return system->cyclic && i < s->n - system->n_first_order && system->cyclic[i];
 }
 
-/* Unknown i of the state: q_i, or v_i where coordinate i is cyclic. */
+/* What is sought of i is v_i: where it is cyclic, and of first-order variables. */
+static inline int is_by_rate(const struct search *s, size_t i)
+{
+    return i >= s->n - s->problem->system->n_first_order || is_cyclic(s, i);
+}
+
+/* Unknown i of the state: q_i or v_i. */
 static inline double *unknown(struct search *s, size_t i)
 {
-    return (is_cyclic(s, i) ? s->v : s->q) + i;
+    return (is_by_rate(s, i) ? s->v : s->q) + i;
 }
 
 /* The length that a difference of unknown i is small or large beside. */
@@ -52,9 +60,14 @@ static inline double reach(struct search *s, size_t i)
 static inline int equations(struct search *s)
 {
     const struct pk_problem *problem = s->problem;
-    problem->system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
+    const struct pk_system *system = problem->system;
+    system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
+    if (system->n_first_order) /* pdot at rest, and the rates of the others */
+        system->force(problem->params, 0, s->q, s->v, NULL, s->pdot);
     for (size_t i = 0; i < s->n; i++)
-        s->F[i] = is_cyclic(s, i) ? s->p[i] - s->kept[i] : s->pdot[i];
+        s->F[i] = is_cyclic(s, i) ? s->p[i] - s->kept[i]
+                  : s->unread[i]  ? s->v[i] - s->middle[i]
+                                  : s->pdot[i];
     return pk_all_finite(s->F, s->n);
 }
 

@@ -15,6 +15,7 @@
 
 #include "../src/core/internal.h"
 #include "pencil.h"
+#include "rates.h"
 
 static const double ZERO = 1e-7; /* of the largest eigenvalue */
 
@@ -157,40 +158,30 @@ static int natural_modes(const struct pencil *x, struct pk_mode *modes, double *
     return failed;
 }
 
-static int general_modes(const struct pencil *x, struct pk_mode *modes, double *shapes,
-                         size_t *count, double *scratch)
+/* Those of z' = A z, of which the first m are the shape; `left` of the zeros are none. */
+static int spectrum(const struct pencil *x, gsl_matrix *A, size_t left, struct pk_mode *modes,
+                    double *shapes, size_t *count, double *scratch)
 {
-    const size_t m = x->m;
-    double *pivot = scratch + 2 * m, *column = pivot + m;
-    gsl_eigen_nonsymmv_workspace *w = gsl_eigen_nonsymmv_alloc(2 * m);
-    gsl_matrix *A = gsl_matrix_calloc(2 * m, 2 * m);
-    gsl_vector_complex *lambda = gsl_vector_complex_alloc(2 * m);
-    gsl_matrix_complex *U = gsl_matrix_complex_alloc(2 * m, 2 * m);
-    int failed = !w || !A || !lambda || !U || !pk_lu_factor(x->M, pivot, m);
-    for (size_t j = 0; j < m && !failed; j++) { /* (0 1; -K/M -C/M), a column at a time */
-        gsl_matrix_set(A, j, m + j, 1);
-        for (int part = 0; part < 2; part++) {
-            for (size_t i = 0; i < m; i++)
-                column[i] = -(part ? x->C : x->K)[i * m + j];
-            pk_lu_solve(x->M, pivot, m, column);
-            for (size_t i = 0; i < m; i++)
-                gsl_matrix_set(A, m + i, j + (part ? m : 0), column[i]);
-        }
-    }
-    if (w)
-        gsl_eigen_nonsymmv_params(1, w);
-    failed = failed || gsl_eigen_nonsymmv(A, lambda, U, w);
+    const size_t m = x->m, N = A->size1;
+    gsl_eigen_nonsymmv_workspace *w = gsl_eigen_nonsymmv_alloc(N);
+    gsl_vector_complex *lambda = gsl_vector_complex_alloc(N);
+    gsl_matrix_complex *U = gsl_matrix_complex_alloc(N, N);
+    int failed = !w || !lambda || !U;
     double most = 0;
-    for (size_t k = 0; k < 2 * m && !failed; k++) {
+    if (!failed) {
+        gsl_eigen_nonsymmv_params(1, w);
+        failed = gsl_eigen_nonsymmv(A, lambda, U, w);
+    }
+    for (size_t k = 0; k < N && !failed; k++) {
         const gsl_complex l = gsl_vector_complex_get(lambda, k);
         most = fmax(most, hypot(GSL_REAL(l), GSL_IMAG(l)));
     }
-    for (size_t k = 0; k < 2 * m && !failed; k++) {
+    for (size_t k = 0; k < N && !failed; k++) {
         const gsl_complex l = gsl_vector_complex_get(lambda, k);
         double growth = GSL_REAL(l), frequency = GSL_IMAG(l);
         growth = fabs(growth) <= ZERO * most ? 0 : growth;
         frequency = fabs(frequency) <= ZERO * most ? 0 : frequency;
-        if (frequency < 0)
+        if (frequency < 0 || (left && growth == 0 && frequency == 0 && left--))
             continue;
         for (size_t i = 0; i < m; i++) {
             const gsl_complex u = gsl_matrix_complex_get(U, i, k);
@@ -201,10 +192,58 @@ static int general_modes(const struct pencil *x, struct pk_mode *modes, double *
         ++*count;
     }
     gsl_eigen_nonsymmv_free(w);
-    gsl_matrix_free(A);
     gsl_vector_complex_free(lambda);
     gsl_matrix_complex_free(U);
     return failed;
+}
+
+static int general_modes(const struct pencil *x, struct pk_mode *modes, double *shapes,
+                         size_t *count, double *scratch)
+{
+    const size_t m = x->m;
+    double *pivot = scratch + 2 * m, *column = pivot + m;
+    gsl_matrix *A = gsl_matrix_calloc(2 * m, 2 * m);
+    int failed = !A || !pk_lu_factor(x->M, pivot, m);
+    for (size_t j = 0; j < m && !failed; j++) { /* (0 1; -K/M -C/M), a column at a time */
+        gsl_matrix_set(A, j, m + j, 1);
+        for (int part = 0; part < 2; part++) {
+            for (size_t i = 0; i < m; i++)
+                column[i] = -(part ? x->C : x->K)[i * m + j];
+            pk_lu_solve(x->M, pivot, m, column);
+            for (size_t i = 0; i < m; i++)
+                gsl_matrix_set(A, m + i, j + (part ? m : 0), column[i]);
+        }
+    }
+    failed = failed || spectrum(x, A, 0, modes, shapes, count, scratch);
+    gsl_matrix_free(A);
+    return failed;
+}
+
+/* With first-order variables: of all that something depends on. The momenta of what is cyclic are
+ * constant, which is a zero each. */
+static enum pk_status first_order_modes(struct pencil *x, const struct pk_problem *problem,
+                                        const double *q, const double *v, struct pk_mode *modes,
+                                        double *shapes, size_t *count, double *scratch)
+{
+    const size_t n = x->n, free = pk_system_coordinates(problem->system, problem->params);
+    const size_t N = x->m + free, cyclic = n - x->m;
+    size_t left = 0;
+    gsl_matrix *all = gsl_matrix_alloc(n + free, n + free), *A = gsl_matrix_alloc(N, N);
+    enum pk_status status = PK_NO_MEMORY;
+    if (all && A)
+        status = pk_gsl_linearised(problem, 0, q, v, all);
+    for (size_t k = 0; k < cyclic; k++)
+        left += x->map[x->m + k] < free;
+    for (size_t i = 0; i < N && status == PK_DONE; i++)
+        for (size_t j = 0; j < N; j++)
+            gsl_matrix_set(A, i, j,
+                           gsl_matrix_get(all, i < x->m ? x->map[i] : n + i - x->m,
+                                          j < x->m ? x->map[j] : n + j - x->m));
+    if (status == PK_DONE && spectrum(x, A, left, modes, shapes, count, scratch))
+        status = PK_NO_CONVERGENCE;
+    gsl_matrix_free(all);
+    gsl_matrix_free(A);
+    return status;
 }
 
 /* The fastest first; at one rate the growing before the decaying. */
@@ -234,38 +273,48 @@ enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, c
     const struct pk_system *system = problem->system;
     struct pencil x = {0};
     *count = 0;
-    if (!system->jacobian || !system->mass || system->n_first_order)
+    if (!system->jacobian || !system->mass || system->n_rotations || system->constraints.n)
         return PK_REFUSED;
     x.n = pk_system_count(system, problem->params);
     x.map = (size_t *)calloc(x.n, sizeof *x.map);
+    unsigned char *apart = (unsigned char *)calloc(x.n, 1); /* cyclic, or read by nothing */
     double *block = (double *)calloc(10 * x.n * x.n + 6 * x.n, sizeof *block);
-    enum pk_status status = PK_NO_MEMORY;
-    if (x.map && block) {
+    enum pk_status status = x.map && apart && block ? PK_DONE : PK_NO_MEMORY;
+    if (status == PK_DONE && system->n_first_order)
+        status = pk_gsl_unread(problem, q, v, apart);
+    if (status == PK_DONE) {
+        const size_t coordinates = pk_system_coordinates(system, problem->params);
         size_t c = 0;
+        for (size_t i = 0; i < coordinates; i++)
+            apart[i] = system->cyclic && system->cyclic[i];
         for (size_t i = 0; i < x.n; i++)
-            if (!(system->cyclic && system->cyclic[i]))
+            if (!apart[i])
                 x.map[x.m++] = i;
         for (size_t i = 0; i < x.n; i++)
-            if (system->cyclic && system->cyclic[i])
+            if (apart[i])
                 x.map[x.m + c++] = i;
-        double *const parts = block, *const rest = block + 5 * x.n * x.n;
-        x.M = parts;
+        x.M = block;
         x.C = x.M + x.n * x.n;
         x.K = x.C + x.n * x.n;
         x.R = x.K + x.n * x.n;
         x.S = x.R + x.n * x.n;
-        status = reduce(&x, problem, q, v, rest);
     }
-    if (status == PK_DONE && x.m) {
-        gsl_error_handler_t *handler = gsl_set_error_handler_off();
-        double *scratch = block + 5 * x.n * x.n;
-        const int failed = is_natural(&x) ? natural_modes(&x, modes, shapes, count, scratch)
-                                          : general_modes(&x, modes, shapes, count, scratch);
-        gsl_set_error_handler(handler);
-        status = failed ? PK_NO_CONVERGENCE : PK_DONE;
+    double *const scratch = block + 5 * x.n * x.n;
+    gsl_error_handler_t *handler = gsl_set_error_handler_off();
+    if (status == PK_DONE && system->n_first_order) {
+        status = first_order_modes(&x, problem, q, v, modes, shapes, count, scratch);
+    } else if (status == PK_DONE) {
+        status = reduce(&x, problem, q, v, scratch);
+        if (status == PK_DONE && x.m &&
+            (is_natural(&x) ? natural_modes(&x, modes, shapes, count, scratch)
+                            : general_modes(&x, modes, shapes, count, scratch)))
+            status = PK_NO_CONVERGENCE;
+    }
+    gsl_set_error_handler(handler);
+    if (status == PK_DONE)
         sort(x.n, modes, shapes, *count);
-    }
     free(x.map);
+    free(apart);
     free(block);
     return status;
 }

@@ -65,19 +65,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _refuse_states(compilation: Compilation) -> None:
     model = compilation.model
-    for what, items in (
-        ("rotations", model.rotations),
-        ("constraints", model.constraints),
-        ("states", model.states),
-    ):
-        if not items:
-            continue
-        names = ", ".join(item.name for item in items[:8])
-        raise UsageError(
-            f"{model.source.place(items[0].span)}: the model has {what} ({names}), and"
-            " 'pkgen stability' maps equilibria, modes and energies of free coordinates alone:"
-            " 'pkgen chart' compares methods on any model"
-        )
     jolted = getattr(compilation.equations, "jolted", ())
     if jolted:
         raise UsageError(

@@ -41,9 +41,10 @@ struct pk_equilibria {
 /* From q0, v0 and `tries` more starts (Halton's points: the same each time), from each again with
  * the roots that are known deflated until no other is found. The starts lie in a box about q0: half
  * a turn wide for angles, else some times what the motion covers, or |q0|; no length is absolute.
- * A coordinate of which the equations have the period 2 pi is given in (-pi, pi]. PK_REFUSED where
- * the equations depend on time or on inputs, or have states. That all are found cannot be promised.
- */
+ * A coordinate of which the equations have the period 2 pi is given in (-pi, pi]. First-order
+ * variables, which are in v, rest too, but for those that no rate depends on, which stay as they
+ * are. PK_REFUSED where the equations depend on time or on inputs, or have rotations or
+ * constraints. That all are found cannot be promised. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 
@@ -58,6 +59,17 @@ struct pk_mode {
  * PK_NO_CONVERGENCE. */
 enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, const double *v,
                             struct pk_mode *modes, double *shapes, size_t *count);
+
+/* The eigenvalues of the linearised equations at any state, zeros included, one entry for lambda
+ * and its conjugate: room for 2 n each. What grows or turns fastest there is what a step resolves
+ * or does not. PK_REFUSED without the kernel `linear`; PK_SINGULAR_MASS; PK_NO_CONVERGENCE. */
+enum pk_status pk_gsl_rates(const struct pk_problem *problem, double t, const double *q,
+                            const double *v, double *growth, double *frequency, size_t *count);
+
+/* Of each degree of freedom whether it is a first-order variable that no rate depends on (a
+ * quadrature: work done, an action), tried at the state and at two others. */
+enum pk_status pk_gsl_unread(const struct pk_problem *problem, const double *q, const double *v,
+                             unsigned char *unread);
 
 /* Normal coordinates at an equilibrium q* of a system without forces besides those of L, and
  * without terms linear in the rates there:

@@ -7,10 +7,12 @@
  *     point        what becomes of that motion by `method` at `h` (after `motion`)
  *     near         `count` steps of a method from close to the start, an equilibrium
  *     leave        how fast `mode` leaves the start, by dop853 at rtol 1e-13
+ *     rates        the eigenvalues of the equations linearised along the motion
  *     oscillator   what a step of a method makes of q'' = -stiffness q - damping q', h > 0
  *
  * `near` begins along `mode` or all (-1) at `amplitude`, with mode `other` (-1: none) at `seed`.
- * Modes are counted from 0, as `equilibria` gives them. `equilibria`, `near` and `leave` need GSL.
+ * Modes are counted from 0, as `equilibria` gives them. `equilibria`, `near`, `leave` and
+ * `rates` need GSL.
  */
 #ifndef PK_STABILITY_H
 #define PK_STABILITY_H

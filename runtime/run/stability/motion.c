@@ -38,13 +38,13 @@ static void go_on(struct pk_stability *s, double until, double *far)
             break;
         keep(s, it->t, it->q, it->v);
         for (size_t i = 0; i < s->n; i++)
-            far[i] = fmax(far[i], fabs(it->q[i] - s->settings->q[i]));
+            far[i] = fmax(far[i], fabs(stability_apart(s, it->q, it->v, i)));
     }
 }
 
 static struct reference summary(const struct pk_stability *s, double until)
 {
-    const int constant = (s->problem.system->facts & PK_CONSERVATIVE) != 0;
+    const int constant = !s->by_norm && (s->problem.system->facts & PK_CONSERVATIVE) != 0;
     const struct record *r = s->records;
     struct reference found = {.top = r->energy, .low = r->energy, .high = r->energy};
     double least = r->vp, most = r->vp;
@@ -95,23 +95,45 @@ static int leaves(const struct pk_stability *s, double until, const double scale
     const struct pk_system *system = s->problem.system;
     int away = 0;
     for (size_t i = 0; i < s->n; i++)
-        if (!stability_cyclic(s, i))
+        if (!stability_idle(s, i))
             away |= s->far[s->n + i] > 1.2 * s->far[i] &&
                     s->far[2 * s->n + i] > 1.2 * s->far[s->n + i];
-    const int faster = (system->facts & PK_CONSERVATIVE) != 0 && scales[1] > 1.5 * scales[0] &&
-                       scales[2] > 1.5 * scales[1];
+    const int faster = !s->by_norm && (system->facts & PK_CONSERVATIVE) != 0 &&
+                       scales[1] > 1.5 * scales[0] && scales[2] > 1.5 * scales[1];
     return away && (faster || turns_no_more(s, until));
 }
 
-static void begin(struct pk_stability *s)
+struct pk_integrator *stability_motion_begun(struct pk_stability *s, enum pk_status *status)
 {
     struct pk_options options = s->settings->options;
     options.rtol = 1e-10;
     options.atol = PK_ATOL_OF_MOTION;
     options.h = 0;
+    return stability_begin(s, pk_method_find("dop853"), &options, s->settings->q, s->settings->v,
+                           status);
+}
+
+/* How far each goes in `until`. */
+static void find_reach(struct pk_stability *s)
+{
+    enum pk_status status;
+    struct pk_integrator *it = stability_motion_begun(s, &status);
+    memset(s->reach, 0, s->n * sizeof *s->reach);
+    for (size_t k = 0; it && k < MOST_RECORDS && it->t < s->settings->until; k++) {
+        if (pk_integrator_step(it, s->settings->until) < 0)
+            break;
+        for (size_t i = 0; i < s->n; i++)
+            s->reach[i] = fmax(s->reach[i], fabs(stability_apart(s, it->q, it->v, i)));
+    }
+    stability_end(s, it);
+}
+
+static void begin(struct pk_stability *s)
+{
+    if (s->by_norm)
+        find_reach(s);
     stability_end(s, s->exact);
-    s->exact = stability_begin(s, pk_method_find("dop853"), &options, s->settings->q,
-                               s->settings->v, &s->motion);
+    s->exact = stability_motion_begun(s, &s->motion);
     s->known = s->leaves = 0;
     memset(s->far, 0, 3 * s->n * sizeof *s->far);
     s->n_records = 0;

@@ -16,13 +16,15 @@
 static const double TWO_PI = 6.283185307179586476925;
 static const double FAR = 1e3; /* growth that settles it */
 
-/* The largest displacement from the equilibrium of what is not cyclic. */
-static double displacement(const struct pk_stability *s, const double *q)
+/* The largest displacement from the equilibrium of what counts. */
+static double displacement(const struct pk_stability *s, const double *q, const double *v)
 {
     double most = 0;
-    for (size_t i = 0; i < s->n; i++)
-        if (!stability_cyclic(s, i) && !(fabs(q[i] - s->settings->q[i]) <= most))
-            most = fabs(q[i] - s->settings->q[i]);
+    for (size_t i = 0; i < s->n; i++) {
+        const double apart = fabs(stability_apart(s, q, v, i));
+        if (!stability_idle(s, i) && !(apart <= most))
+            most = apart;
+    }
     return most;
 }
 
@@ -33,8 +35,10 @@ static void add_mode(struct pk_stability *s, size_t k, double amplitude)
     const struct pk_mode mode = s->modes[k];
     const double *re = s->shapes + k * 2 * n, *im = re + n;
     for (size_t i = 0; i < n; i++) {
-        s->work[i] += amplitude * re[i];
-        s->work[n + i] += amplitude * (mode.growth * re[i] - mode.frequency * im[i]);
+        const int first_order = i >= n - s->problem.system->n_first_order;
+        s->work[i] += first_order ? 0 : amplitude * re[i];
+        s->work[n + i] += amplitude *
+                          (first_order ? re[i] : mode.growth * re[i] - mode.frequency * im[i]);
     }
 }
 
@@ -133,7 +137,7 @@ static size_t leading(const struct pk_stability *s, size_t mode)
     const double *re = s->shapes + mode * 2 * s->n;
     size_t lead = 0;
     for (size_t i = 0; i < s->n; i++)
-        if (!stability_cyclic(s, i) && (stability_cyclic(s, lead) || fabs(re[i]) > fabs(re[lead])))
+        if (!stability_idle(s, i) && (stability_idle(s, lead) || fabs(re[i]) > fabs(re[lead])))
             lead = i;
     return lead;
 }
@@ -158,7 +162,7 @@ int stability_near(struct pk_stability *s, const struct pk_stability_question *x
         weigh(s, other, weights, weights + n);
     }
     const double first = seeded ? part_of(s, other, weights, s->work, s->work + n)
-                                : displacement(s, s->work);
+                                : displacement(s, s->work, s->work + s->n);
     struct pk_options options = s->settings->options;
     enum pk_status status;
     options.h = h;
@@ -170,9 +174,9 @@ int stability_near(struct pk_stability *s, const struct pk_stability_question *x
         status = pk_integrator_step(it, (double)(steps + 1) * h);
         if (status < 0)
             break;
-        grown = fmax(grown,
-                     (seeded ? part_of(s, other, weights, it->q, it->v) : displacement(s, it->q)) /
-                         first);
+        grown = fmax(grown, (seeded ? part_of(s, other, weights, it->q, it->v)
+                                    : displacement(s, it->q, it->v)) /
+                                first);
         turn(s, &turning, it);
     }
     json_text(&s->out, "near", method->name);
@@ -205,13 +209,13 @@ int stability_leave(struct pk_stability *s, const struct pk_stability_question *
     options.rtol = 1e-13;
     options.atol = 1e-13 * amplitude;
     start_near(s, from, to, amplitude);
-    const double first = displacement(s, s->work);
+    const double first = displacement(s, s->work, s->work + s->n);
     enum pk_status status;
     struct pk_integrator *it =
         stability_begin(s, pk_method_find("dop853"), &options, s->work, s->work + s->n, &status);
     double rate = 0;
     if (it && (status = pk_integrator_to(it, until)) >= 0)
-        rate = log(displacement(s, it->q) / first) / until;
+        rate = log(displacement(s, it->q, it->v) / first) / until;
     json_whole(&s->out, "leave", from);
     json_text(&s->out, "status", pk_status_name(status));
     json_real(&s->out, "rate", rate);

@@ -8,10 +8,21 @@ void stability_energies(struct pk_stability *s, double t, const double *q, const
 {
     const struct pk_system *system = s->problem.system;
     double *p = s->work + 2 * s->n, *pdot = p + s->n;
-    system->canonical(s->problem.params, t, q, v, s->settings->u, p, pdot);
-    *energy = system->energy(s->problem.params, t, q, v, s->settings->u);
     *vp = 0;
-    for (size_t i = 0; i < s->n; i++)
+    if (s->by_norm) {
+        for (size_t i = 0; i < s->n; i++) {
+            const double x = stability_idle(s, i) || !(s->reach[i] > 0)
+                                 ? 0
+                                 : stability_apart(s, q, v, i) / s->reach[i];
+            *vp += x * x / 2;
+        }
+        *energy = *size = *vp;
+        return;
+    }
+    (system->unconstrained ? system->unconstrained : system->canonical)(s->problem.params, t, q, v,
+                                                                        s->settings->u, p, pdot);
+    *energy = system->energy(s->problem.params, t, q, v, s->settings->u);
+    for (size_t i = 0; i < s->n - 4 * system->n_rotations; i++)
         *vp += v[i] * p[i];
     *size = fabs(*vp) + fabs(*vp - *energy);
 }

@@ -3,6 +3,23 @@
 
 #include "../settings/settings.h"
 
+/* What does not count, and whether first-order variables do that are no part of an attitude. */
+static void find_idle(struct pk_stability *s)
+{
+    const struct pk_system *system = s->problem.system;
+    const size_t coordinates = s->n - system->n_first_order;
+#ifdef PK_WITH_GSL
+    if (system->n_first_order > 7 * system->n_rotations)
+        pk_gsl_unread(&s->problem, s->settings->q, s->settings->v, s->idle);
+#endif
+    for (size_t i = 0; i < s->n; i++) {
+        if (i < coordinates)
+            s->idle[i] = system->cyclic && system->cyclic[i];
+        else if (i >= coordinates + 7 * system->n_rotations && !s->idle[i])
+            s->by_norm = 1;
+    }
+}
+
 /* Memory for all questions. */
 static void prepare(void *context)
 {
@@ -19,6 +36,9 @@ static void prepare(void *context)
     s->modes = memory_take(memory, 2 * n, sizeof *s->modes);
 #endif
     s->shapes = memory_take(memory, 4 * n * n, sizeof *s->shapes);
+    s->idle = memory_take(memory, n, 1);
+    s->reach = memory_take(memory, n, sizeof *s->reach);
+    find_idle(s);
 }
 
 struct pk_stability *pk_stability_new(const struct pk_run_model *model,
@@ -43,7 +63,7 @@ static const struct {
 } answers[] = {{"start", stability_ready},           {"motion", stability_motion},
 #ifdef PK_WITH_GSL
                {"equilibria", stability_equilibria}, {"near", stability_near},
-               {"leave", stability_leave},
+               {"leave", stability_leave},           {"rates", stability_rates},
 #endif
                {"point", stability_point},           {"oscillator", stability_oscillator}};
 

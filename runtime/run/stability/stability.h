@@ -36,6 +36,9 @@ struct pk_stability {
     enum pk_status motion;       /* of that */
     struct record *records;      /* of its steps */
     size_t n_records, room;
+    unsigned char *idle; /* n: cyclic, or a first-order variable that no rate depends on */
+    int by_norm;         /* there are first-order variables that count: the energy does not tell */
+    double *reach;       /* n: how far each goes from the start in the motion; where by_norm */
     double *far; /* 3 n: largest |q - q0| up to a half, three quarters and the end of `until` */
 };
 
@@ -48,12 +51,19 @@ struct reference {
     int judges;       /* it lasts, and does not leave */
 };
 
-static inline int stability_cyclic(const struct pk_stability *s, size_t i)
+/* Nothing depends on it. */
+static inline int stability_idle(const struct pk_stability *s, size_t i) { return s->idle[i]; }
+
+/* How far q_i, or the first-order variable i, is from the start. */
+static inline double stability_apart(const struct pk_stability *s, const double *q, const double *v,
+                                     size_t i)
 {
-    return s->problem.system->cyclic && s->problem.system->cyclic[i];
+    return i < s->n - s->problem.system->n_first_order ? q[i] - s->settings->q[i]
+                                                       : v[i] - s->settings->v[i];
 }
 
-/* Energy, v.p and |v.p| + |L| of a state. */
+/* What a motion is judged by, its range and the size that round-off of it is relative to: energy,
+ * v.p and |v.p| + |L|; by_norm the half square of the distance from the start, in reaches. */
 void stability_energies(struct pk_stability *s, double t, const double *q, const double *v,
                         double *energy, double *vp, double *size);
 /* An integrator with memory of its own, or NULL with the status of what refused. */
@@ -61,6 +71,8 @@ struct pk_integrator *stability_begin(struct pk_stability *s, const struct pk_me
                                       const struct pk_options *options, const double *q,
                                       const double *v, enum pk_status *status);
 void stability_end(struct pk_stability *s, struct pk_integrator *it);
+/* That of the motion itself. */
+struct pk_integrator *stability_motion_begun(struct pk_stability *s, enum pk_status *status);
 
 /* After the motion is known: follows it to `until`, if it has not been yet. */
 struct reference stability_reference(struct pk_stability *s, double until);
@@ -68,7 +80,7 @@ struct reference stability_reference(struct pk_stability *s, double until);
 /* 1, or 0 with a message. */
 typedef int stability_answer(struct pk_stability *s, const struct pk_stability_question *q);
 stability_answer stability_ready, stability_motion, stability_point, stability_oscillator,
-    stability_equilibria, stability_near, stability_leave;
+    stability_equilibria, stability_near, stability_leave, stability_rates;
 /* A message; 0. */
 int stability_wrong(struct pk_stability *s, const char *message);
 /* Of that name, and of a fixed step; NULL with a message. */

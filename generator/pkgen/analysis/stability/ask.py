@@ -159,6 +159,20 @@ class Asker:
         answer = self.ask("point", method=method, h=h)
         return made(Point, answer, method="point", kind="class")
 
+    def rates(self) -> tuple[Mode, ...]:
+        """Of the equations linearised at states along the motion the fastest of each: what decays,
+        if nothing grows half as fast; and of all others, as if it did not decay."""
+        found = []
+        for at in self.ask("rates")["rates"]:
+            modes = [Mode(g, f, (), ()) for g, f in zip(at["growth"], at["frequency"], strict=True)]
+            grows = max((m.growth for m in modes), default=0.0)
+            decays = [m for m in modes if -m.growth > max(2 * grows, 0.0)]
+            others = [replace(m, growth=abs(m.growth)) for m in modes if m not in decays]
+            for some in (decays, others):
+                fastest = max(some, key=lambda m: m.rate, default=None)
+                found += [fastest] if fastest and fastest.rate > 0 else []
+        return tuple(found)
+
     def at(self, place: Equilibrium) -> Asker:
         """Asks from there."""
         q, v = tuple(enumerate(place.q)), tuple(enumerate(place.v))

@@ -81,13 +81,9 @@ def make(
             asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).check()
     cyclic = frozenset(i for i, c in enumerate(structure.cyclic) if c)
     primary = plan.nearest(rest, motion.q, cyclic)
-    if primary is None and asked.axis.kind == "amplitude":
-        raise UsageError(
-            f"no equilibrium of {compilation.model.name} was found, so there is no amplitude to "
-            f'scale; say what to vary, e.g. --vary "{_suggested(compilation, asker, motion)}", and '
-            "by --steps the steps"
-        )
     at = plan.beside(rest, primary, motion.q, cyclic)
+    if at is None and asked.axis.kind == "amplitude":
+        asked = replace(asked, axis=plan.without_equilibrium(asked.axis, motion))
     until = plan.duration(at, asked.until)
     asker = asker.with_settings(replace(asked.settings, until=until))
 
@@ -95,25 +91,28 @@ def make(
         return asker.with_settings(asked.axis.settings(asker.settings, x, at, motion))
 
     show(0.0, "methods")
-    maps = {m.name: StepMap(m, asker) for m in asked.methods}
+    states = bool(compilation.model.states)
+    maps = {m.name: StepMap(m, asker, states) for m in asked.methods}
     moves = asked.axis.kind == "parameter" or any(cyclic)
     tries = 40 if moves else 100
 
-    predicted = {name: predictions(step, rest, primary) for name, step in maps.items()}
-    fastest = max((m.rate for m in at.modes), default=0.0) if at else 0.0
+    rates = asker.rates()
+    predicted = {name: predictions(step, rest, primary, rates) for name, step in maps.items()}
+    fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
     steps = {name: tuple(_steps(asked, predicted[name], fastest, until)) for name in maps}
 
     _refuse_unjudged(started(x).motion() for x in asked.axis.values)
 
     def one(x: float) -> Row:
-        found, moved, points = measure.row(started(x), steps, None if moves else rest, tries)
+        here = started(x)
+        found, moved, points = measure.row(here, steps, None if moves else rest, tries)
         # An amplitude is one about the same equilibrium, however far.
         place = at.q if at and asked.axis.kind == "amplitude" else moved.q
         number = plan.nearest(found, place, cyclic)
         lines = [
             p
             for name, step in maps.items()
-            for p in (predictions(step, found, number) if moves else predicted[name])
+            for p in (predictions(step, found, number, here.rates()) if moves else predicted[name])
         ]
         return Row(x, found, number, moved, tuple(lines), points)
 
@@ -149,19 +148,6 @@ def make(
         checked = flat, tuple(c.result() for c in checks), tuple(leaving.result())
         begun = until, motion, rest, primary
         return StabilityMap(compilation, asked, *begun, found, steps, *checked)
-
-
-def _suggested(compilation: Compilation, asker: Asker, motion: Motion) -> str:
-    """What may be varied: a parameter about its value, within its bounds; else a start."""
-    for text in plan.suggestions(compilation, motion):
-        axis = plan.axis(text, compilation, 2)
-        try:
-            for x in axis.values:
-                asker.with_settings(axis.settings(asker.settings, x, None, motion)).check()
-        except UsageError:
-            continue
-        return text
-    return "NAME=LO..HI"
 
 
 def _refuse_unjudged(motions: Iterable[Motion]) -> None:
@@ -200,6 +186,7 @@ def _steps(
         _refuse_too_many(low, until)
         return [low + (high - low) * k / (count - 1) for k in range(count)]
     limits = [p.h for p in predicted if p.kind == "limit" and p.h]
+    limits = limits or [2 * p.h for p in predicted if p.kind == "local" and p.h]
     branches = [p.h for p in predicted if p.kind == "branch" and p.h]
     if limits:
         high = MARGIN * max(limits)
@@ -207,8 +194,8 @@ def _steps(
         high = max(TURNS_UNLIMITED * 2 * math.pi / fastest, *(MARGIN * b for b in branches), 0.0)
     else:
         raise UsageError(
-            "no mode oscillates or grows by the linear terms, so no step stands out: give --steps "
-            "LO..HI"
+            "no mode oscillates or grows by the linear terms, nor anything along the motion by a "
+            "rate of its own, so no step stands out: give --steps LO..HI"
         )
     _refuse_too_many(high / count, until)
     return [high * (k + 1) / count for k in range(count)]

@@ -25,6 +25,8 @@ FAR = 1e3
 LOOKS = 16  # points of the first look for where something begins
 FINE = 1e-6  # relative: how well it is known then
 RESPONDS = 1.3  # growth at a resonance over that beside it, from which it is seen
+LOST = 0.5  # of the range of v.p, by which energy is off once the motion is lost
+FAILED = ("growing", "not converged", "wrong branch", "not finite", "singular", "failed")
 BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
 
 
@@ -107,6 +109,8 @@ def measured(
 ) -> Measured:
     """What the model does of what is predicted; `size` is the start's displacement, `amplitude`
     that of small motions."""
+    if prediction.equilibrium is None:
+        return _local(asker, prediction)
     asker = asker.at(at.equilibria[prediction.equilibrium])
     if prediction.kind == "limit":
         return _limit(asker, at, prediction, amplitude)
@@ -154,6 +158,32 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     if h is None:
         return Measured(p, None, "no growth up to 1.5 times the prediction")
     return Measured(p, h, "growth" if status == "PK_DONE" else status)
+
+
+def _local(asker: Asker, p: Prediction) -> Measured:
+    """The first step, from an eighth of the scale to eight times it, at which the motion is lost:
+    the method fails, or energy is off by half of what comes and goes."""
+    assert p.h is not None
+    if not asker.motion().judges:
+        return Measured(p, None, "the motion itself ends or leaves")
+    kind = ""
+
+    def lost(h: float) -> bool:
+        nonlocal kind
+        point = asker.point(p.method, h)
+        off = max((x for x in (point.rise, point.away) if x is not None), default=math.inf)
+        bad = point.kind in FAILED or not off < LOST
+        kind = (point.kind if point.kind in FAILED else "the motion is lost") if bad else kind
+        return bad
+
+    hs = [p.h * 2 ** (k / 4) for k in range(-12, 13)]
+    first = next((k for k, h in enumerate(hs) if lost(h)), None)
+    if first is None:
+        return Measured(p, None, "the motion stays up to eight times the scale")
+    if first == 0:
+        return Measured(p, hs[0], f"{kind}, and below")
+    h = first_change(lost, hs[first - 1], hs[first], looks=2, parts=2, close=0.01 * hs[first])
+    return Measured(p, h, kind)
 
 
 def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:

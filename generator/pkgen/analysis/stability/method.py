@@ -54,6 +54,7 @@ class StepMap:
 
     traits: ChartedMethod
     asker: Asker
+    states: bool = False  # of a system with first-order variables, stepped as u' = lambda u is
     _found: dict[tuple[str, float], float | None] = field(default_factory=dict)
     _angles: tuple[list[float], list[float]] | None = None
 
@@ -75,14 +76,21 @@ class StepMap:
 
     def _limit(self, ratio: float) -> float | None:
         known = self.traits.imaginary
+        if self.states and self.traits.real == math.inf:
+            return None
         if ratio == 0 and known is not None:
             return None if math.isinf(known) else known
-        found = first_change(lambda y: self.map(y, 1.0, 2 * ratio).outside, 0.0, FURTHEST)
+        found = first_change(
+            lambda y: self.map(y, 1.0, 2 * ratio).outside, 0.0, FURTHEST, close=1e-12
+        )
         return 0.0 if found is not None and found < FIRST_GROWTH else found
 
     def pole(self) -> float | None:
         """None where no step up to FURTHEST is without a solution."""
-        return self._once("pole", 0.0, self._pole) if self.traits.implicit else None
+        partitioned = self.traits.real != self.traits.imaginary  # another step for these variables
+        if not self.traits.implicit or (self.states and partitioned):
+            return None
+        return self._once("pole", 0.0, self._pole)
 
     def _pole(self, _: float) -> float | None:
         """Where 1/trace vanishes, continued from below: steps this side of it may be refused."""

@@ -5,13 +5,12 @@ from __future__ import annotations
 from ...record import record
 from .ask import UNDECIDED
 from .map import StabilityMap
-from .measure import Growth, Measured, Row
+from .measure import FAILED, Growth, Measured, Row
 from .predict import Prediction
 
 TOLERANCE = 0.01  # relative difference that counts as a miss
 LISTED = 4  # resonances named in one sentence
 NEXT = 0.03  # relative distance from a prediction at which a failing point is said to be next to it
-FAILED = ("growing", "not converged", "wrong branch", "not finite", "singular", "failed")
 
 
 @record
@@ -32,11 +31,14 @@ def difference(predicted: float | None, measured: float | None) -> float | None:
     return measured / predicted - 1
 
 
-def _missed(off: float | None) -> bool:
-    return off is None or abs(off) > TOLERANCE
+def _missed(off: float | None, sharp: bool = True) -> bool:
+    """A scale is met within a factor of 2."""
+    return off is None or (abs(off) > TOLERANCE if sharp else not -0.5 <= off <= 1)
 
 
 def name_mode(p: Prediction) -> str:
+    if p.mode is None:
+        return "the fastest"
     return f"mode {p.mode + 1}" if p.other is None else f"modes {p.other + 1} and {p.mode + 1}"
 
 
@@ -44,15 +46,17 @@ def of_prediction(m: Measured) -> Miss | None:
     """The miss that a measured prediction is, or None."""
     p = m.prediction
     off = difference(p.h, m.h)
-    if not _missed(off):
+    if not _missed(off, p.sharp):
         return None
-    what = {"limit": "the limit", "branch": "the loss of the solution"}.get(
-        p.kind, f"the {p.kind} resonance of {name_mode(p)}"
-    )
+    what = {
+        "limit": "the limit",
+        "branch": "the loss of the solution",
+        "local": "the scale of the fastest that is resolved",
+    }.get(p.kind, f"the {p.kind} resonance of {name_mode(p)}")
     said = "nowhere" if p.h is None else f"at h = {p.h:.6g}"
     found = f"nowhere ({m.how})" if m.h is None else f"at h = {m.h:.6g} ({m.how})"
     by = "" if off is None else f", {100 * off:+.2g} %"
-    at = f"at equilibrium {p.equilibrium + 1}"
+    at = "along the motion" if p.equilibrium is None else f"at equilibrium {p.equilibrium + 1}"
     text = f"{p.method}: {what} {at} is predicted {said}, measured {found}{by}"
     return Miss(p.method, p.kind, text)
 

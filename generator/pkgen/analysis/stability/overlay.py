@@ -21,6 +21,7 @@ LINES = {
     "branch": ((0, (6, 2)), "branch"),
     "1:3": ("--", "1:3"),
     "1:4": ("-.", "1:4"),
+    "local": ((0, (1, 3)), "scale"),
     "2:3": ("--", "2:3"),
     "3:4": ("-.", "3:4"),
     **dict.fromkeys(PAIRS, (":", "")),
@@ -56,7 +57,7 @@ def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, f
     for row in rows:
         for p in row.predictions:
             if p.method == name and p.h:
-                primary = p.equilibrium == row.primary
+                primary = p.equilibrium is not None and p.equilibrium == row.primary
                 key = (p.kind, p.mode, p.other, primary, None if primary else p.equilibrium)
                 found.setdefault(key, []).append((row.x, p.h))
     return found

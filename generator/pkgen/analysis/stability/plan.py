@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from ...compiler import Compilation
@@ -23,6 +23,11 @@ from .ask import Equilibrium, Motion, Rest
 # One or two of a family, those that differ most in how they fail.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")
 PANELS = 6
+FACTORS = {
+    "amplitude": "amplitude",
+    "rates": "rates of the start",
+    "coordinates": "coordinates of the start",
+}
 AMPLITUDES = (0.0, 1.5)  # of the start's displacement
 PERIODS = 50  # of the slowest mode, that a point is run for
 MOST_POINTS = 1_000_000
@@ -30,10 +35,11 @@ MOST_POINTS = 1_000_000
 
 @record
 class Axis:
-    """The vertical axis: `amplitude`, a factor on the start's displacement from rest; or a start
-    or a parameter, by its index."""
+    """The vertical axis: `amplitude`, a factor on the start's displacement from rest, or where it
+    can rest nowhere on its `rates` (and first-order variables) or its `coordinates`; or a start or
+    a parameter, by its index."""
 
-    kind: str  # amplitude, q, v, parameter
+    kind: str  # amplitude, rates, coordinates, q, v, parameter
     name: str
     unit: str
     values: tuple[float, ...]
@@ -41,14 +47,18 @@ class Axis:
 
     @property
     def label(self) -> str:
-        if self.kind == "amplitude":
-            return "amplitude (the start: 1)"
+        if self.kind in FACTORS:
+            return f"{FACTORS[self.kind]} (the start: 1)"
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
     def settings(
         self, base: Settings, x: float, at: Equilibrium | None, motion: Motion
     ) -> Settings:
         """Those of the row at x; `at` is where the start is displaced from."""
+        if self.kind == "rates":
+            return replace(base, start_v=tuple(enumerate(x * v for v in motion.v)))
+        if self.kind == "coordinates":
+            return replace(base, start_q=tuple(enumerate(x * q for q in motion.q)))
         if self.kind == "amplitude":
             assert at is not None
             q = [e + x * (s - e) for e, s in zip(at.q, motion.q, strict=True)]
@@ -95,15 +105,11 @@ def axis(text: str | None, compilation: Compilation, count: int) -> Axis:
     raise UsageError(parsing.unknown("--vary", name, listed, "coordinate, rate or parameter"))
 
 
-def suggestions(compilation: Compilation, motion: Motion) -> Iterator[str]:
-    """Of `--vary`: parameters, then coordinates, from what they are to twice that."""
-    known = [
-        *zip(named.parameters(compilation).columns(64), motion.parameters, strict=False),
-        *zip(named.coordinates(compilation).columns(64), motion.q, strict=False),
-    ]
-    for quantity, x in known:
-        low, high = sorted((x, 2 * x or 1.0))
-        yield f"{quantity.name}={low:.6g}..{high:.6g}"
+def without_equilibrium(axis: Axis, motion: Motion) -> Axis:
+    """What there is to vary instead of the distance from one: the rates of the start as a whole;
+    of a start at rest its coordinates."""
+    rest = not any(motion.v)
+    return replace(axis, kind="coordinates" if rest else "rates", name=axis.name)
 
 
 def span(

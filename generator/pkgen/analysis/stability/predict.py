@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from ...record import record
-from .ask import Equilibrium, Rest
+from .ask import Equilibrium, Mode, Rest
 from .method import PAIRS, StepMap
 
 MOST = 4  # modes, the fastest, and pairs, the nearest to 1:2, of which resonances are told
@@ -20,19 +21,20 @@ RESONANCES = {
 
 @record
 class Prediction:
-    """At step h a `kind` of thing happens near an equilibrium, by its modes.
+    """At step h a `kind` of thing happens near an equilibrium, by its modes, or to the motion.
 
-    `kind` is limit, branch, or one of RESONANCES or PAIRS; `mode` numbers the mode whose
+    `kind` is limit, branch, local, or one of RESONANCES or PAIRS; `mode` numbers the mode whose
     y = h |lambda| it is (of a pair the faster), `other` the slower of a pair. h is None where it
-    never happens."""
+    never happens. A scale, which is not `sharp`, is met within a factor of 2."""
 
     kind: str
     method: str
-    equilibrium: int
-    mode: int
+    equilibrium: int | None  # None: the motion itself
+    mode: int | None
     other: int | None
     h: float | None
     y: float | None
+    sharp: bool = True
 
 
 def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
@@ -85,10 +87,34 @@ def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
     return Prediction("branch", step.traits.name, number, k, None, pole / at.modes[k].growth, pole)
 
 
-def predictions(step: StepMap, rest: Rest, primary: int | None) -> list[Prediction]:
-    """The limits at all stable equilibria, resonances at the one about which the motion is,
-    branches at the unstable ones; of equilibria with the same modes, mirror images, at one."""
-    found: list[Prediction] = []
+def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
+    """Of the fastest that the equations linearised along the motion do, the shortest limit: a step
+    beyond it does not resolve the motion where it is fastest. What grows there counts as what
+    oscillates as fast; E. Hairer, S. P. Norsett, G. Wanner, Solving ODE I, I.10 (the logarithmic
+    norm), II, IV.2. Of implicit methods without a limit it is the pole, but for
+    first-order variables, which pass it where nothing grows for long. None of methods without
+    either, or that grow at any step."""
+    best: tuple[float, float] | None = None
+    for mode in rates:
+        y = step.limit(max(0.0, round(-mode.growth / mode.rate, 2)))
+        if y is None and mode.growth > 0 and not step.states:
+            y = step.pole()
+        if y and (best is None or y / mode.rate < best[0]):
+            best = y / mode.rate, y
+    if best is None:
+        return None
+    return Prediction("local", step.traits.name, None, None, None, *best, sharp=False)
+
+
+def predictions(
+    step: StepMap, rest: Rest, primary: int | None, rates: Iterable[Mode] = ()
+) -> list[Prediction]:
+    """The limits at all stable equilibria, resonances at the one about which the motion is (none of
+    first-order variables, which turn in no plane of their own), branches at the unstable ones; of
+    equilibria with the same modes, mirror images, at one. Then the scale of the motion's `rates`.
+    """
+    along = local(step, rates)
+    found: list[Prediction] = [along] if along else []
     seen: set[tuple[str, str]] = set()
     order = sorted(range(len(rest.equilibria)), key=lambda k: k != primary)
     for number in order:
@@ -100,6 +126,6 @@ def predictions(step: StepMap, rest: Rest, primary: int | None) -> list[Predicti
         if (one.kind, f"{rate:.9g}") not in seen:
             seen.add((one.kind, f"{rate:.9g}"))
             found.append(one)
-        if number == primary and at.stable:
+        if number == primary and at.stable and not step.states:
             found += resonances(step, number, at)
     return found

@@ -9,21 +9,32 @@ from ...run import named
 from .ask import TRIES, Equilibrium, Mode
 from .map import StabilityMap
 from .misses import difference, misses, name_mode, unpredicted
+from .predict import Prediction
 
 Table = tuple[list[str], list[list[str]]]
 
 
+def _unknowns(made: StabilityMap) -> list[tuple[str, bool]]:
+    """What is sought of each degree of freedom at rest, and whether it stands among the rates."""
+    places = [c.name for c in named.coordinates(made.compilation).columns(64)]
+    rates = [c.name for c in named.coordinates(made.compilation, rates=True).columns(64)]
+    cyclic = made.compilation.structure.cyclic
+    return [
+        (name, k >= len(places) or cyclic[k])
+        for k, name in enumerate(
+            rates[k] if k >= len(places) or cyclic[k] else places[k] for k in range(len(rates))
+        )
+    ]
+
+
 def place(made: StabilityMap, at: Equilibrium) -> str:
     """`theta1 = 0, theta2 = 3.14159`; a cyclic coordinate by the rate at which it goes on."""
-    coordinates = [c.name for c in named.coordinates(made.compilation).columns(64)]
     of_q = _sizes([made.motion.q, *(e.q for e in made.rest.equilibria)])
     of_v = _sizes([made.motion.v, *(e.v for e in made.rest.equilibria)])
     said = []
-    for i, name in enumerate(coordinates):
-        if made.compilation.structure.cyclic[i]:
-            said.append(f"{name}' = {_short(at.v[i], of_v[i])}")
-        else:
-            said.append(f"{name} = {_short(at.q[i], of_q[i])}")
+    for i, (name, by_rate) in enumerate(_unknowns(made)):
+        x, size = (at.v[i], of_v[i]) if by_rate else (at.q[i], of_q[i])
+        said.append(f"{name} = {_short(x, size)}")
     return ", ".join(said[:6]) + (", ..." if len(said) > 6 else "")
 
 
@@ -54,7 +65,7 @@ def equilibria(made: StabilityMap) -> Table:
         mark = " (the motion's)" if k == made.primary else ""
         modes = [m for m in at.modes if not (m.growth < 0 and m.frequency == 0 and not at.stable)]
         said = "; ".join(map(rate, modes))
-        energy_of = _short(at.energy, energy)
+        energy_of = "" if made.compilation.model.states else _short(at.energy, energy)
         rows.append([f"{k + 1}{mark}", place(made, at), energy_of, at.verdict, said])
     return ["", "equilibrium", "energy", "", "modes, fastest first"], rows
 
@@ -69,8 +80,11 @@ def predicted(made: StabilityMap) -> Table:
         if m.response is not None:
             answered = f"responds {m.response:.3g} times as much at h = {m.peak:.5g}"
             note = "nothing responds" if m.silent else answered
-        head = [p.method, p.kind, str(p.equilibrium + 1), name_mode(p)]
-        rows.append([*head, _or_none(p.y, 8), _or_none(p.h, 7), _or_none(m.h, 7), _off(off), note])
+        at = "motion" if p.equilibrium is None else str(p.equilibrium + 1)
+        digits = 7 if p.sharp else 3
+        numbers = [_or_none(p.y, digits), _or_none(p.h, digits), _or_none(m.h, digits)]
+        far = _off(off) if p.sharp else _times(p, m.h)
+        rows.append([p.method, p.kind, at, name_mode(p), *numbers, far, note])
     heads = ["method", "what", "at", "of", "h omega", "predicted h", "measured h", "off", "note"]
     return heads, rows
 
@@ -81,6 +95,11 @@ def _or_none(x: float | None, digits: int) -> str:
 
 def _off(off: float | None) -> str:
     return "MISSED" if off is None else f"{100 * off:+.1g} %"
+
+
+def _times(p: Prediction, h: float | None) -> str:
+    """Of a scale."""
+    return "MISSED" if h is None or not p.h else f"x {h / p.h:.2g}"
 
 
 def rates(made: StabilityMap) -> Table:
@@ -106,15 +125,14 @@ def counts(made: StabilityMap) -> Table:
 
 def searched(made: StabilityMap) -> str:
     """How many equilibria were found, and where they were sought."""
-    rest, cyclic = made.rest, made.compilation.structure.cyclic
-    names = [c.name for c in named.coordinates(made.compilation).columns(64)]
+    rest, names = made.rest, _unknowns(made)
     parts = []
-    for i, name in enumerate(names[:6]):
-        if rest.turns and rest.turns[i] and not cyclic[i]:
+    for i, (name, by_rate) in enumerate(names[:6]):
+        if rest.turns and rest.turns[i] and not by_rate:
             parts.append(f"{name} all around")
         else:
             low, high = rest.middle[i] - rest.box[i], rest.middle[i] + rest.box[i]
-            parts.append(f"{name}{chr(39) * cyclic[i]} from {low:.3g} to {high:.3g}")
+            parts.append(f"{name} from {low:.3g} to {high:.3g}")
     more = ", ..." if len(names) > 6 else ""
     return (
         f"equilibria: found {len(rest.equilibria)}, sought from {TRIES + 1} starts or more, "
@@ -196,9 +214,9 @@ def report(made: StabilityMap) -> str:
     out = [
         f"{name}: {len(made.rows)} values of {made.asked.axis.name}, "
         f"{made.asked.across} steps, {made.until:.6g}{unit} of motion each",
-        "",
-        *_columns(equilibria(made)),
     ]
+    if made.rest.equilibria:
+        out += ["", *_columns(equilibria(made))]
     for title, _, table in tables(made):
         out += ["", title, *(f"  {line}" for line in _columns(table))]
     out += ["", "Misses", *(f"  - {line}" for line in sentences(made))]
@@ -210,7 +228,8 @@ def report(made: StabilityMap) -> str:
 def as_csv(made: StabilityMap) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    head = ["method", "h", made.asked.axis.name, "energy", "class", "status", "steps"]
+    judged_by = "norm" if made.compilation.model.states else "energy"
+    head = ["method", "h", made.asked.axis.name, judged_by, "class", "status", "steps"]
     writer.writerow([*head, "rise", "away"])
     for row in made.rows:
         for p in row.points:
