@@ -139,37 +139,67 @@ def test_a_method_that_does_not_apply_is_refused(stability, tmp_path: Path) -> N
     assert "verlet is refused: it needs a system that is separable" in done.err
 
 
-def test_without_an_equilibrium_something_is_to_be_varied(stability, tmp_path: Path) -> None:
+KEPLER = """model kepler
+param e = {e}
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential -1/sqrt(x^2 + y^2)
+start x = 1 - e, y' = sqrt((1 + e)/(1 - e))
+"""
+
+
+def test_without_an_equilibrium_the_rates_are_varied(stability, tmp_path: Path) -> None:
     model = tmp_path / "kepler.lag"
-    model.write_text(
-        "model kepler\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential -1/sqrt(x^2 + y^2)\n"
-        "start x = 1, y' = 1\n"
-    )
+    model.write_text(KEPLER.format(e=0.0))
     asked = ["--methods", "verlet", "-o", tmp_path, "--points", "3x2", "--until", "20"]
     done = stability(model, *asked)
-    assert done.code == 2 and "no equilibrium" in done.err and '--vary "x=1..2"' in done.err
+    assert done.code == 0 and "2 values of rates of the start" in done.out, done.err
     done = stability(model, *asked, "--vary", "y'=0.9..1.6", "--steps", "0.01..0.1")
     assert done.code == 0, done.err
-    assert "nothing is predicted here: no equilibrium was found" in done.out
-    assert "none:" not in done.out
     # At y' = 1.6 it flies away.
     assert "not judged" in done.out and "leaves in 1 of 2 rows" in done.out
-    assert "Nothing is predicted" in (tmp_path / "kepler_stability.svg").read_text()
 
 
-def test_what_may_be_varied_is_the_models_own(stability, tmp_path: Path) -> None:
+@pytest.mark.parametrize("e", [0.5, 0.9])
+def test_an_orbit_has_a_scale(stability, tmp_path: Path, e: float) -> None:
+    """At the pericentre r = 1 - e the attraction grows at sqrt(2/r^3): Verlet's limit over it."""
+    model = tmp_path / "kepler.lag"
+    model.write_text(KEPLER.format(e=e))
+    asked = ["--methods", "verlet,gauss1", "-o", tmp_path, "--points", "2x3", "--until", "13"]
+    done = stability(model, *asked, "--json")
+    assert done.code == 0, done.err
+    found = {p["method"]: p for p in json.loads(done.out)["predictions"]}
+    for p in found.values():
+        assert p["kind"] == "local" and p["sharp"] is False and p["equilibrium"] is None
+        assert p["h"] == pytest.approx(2 * (1 - e) ** 1.5 / math.sqrt(2), rel=0.01)
+        assert 0.5 < p["measured"] / p["h"] < 2
+
+
+def test_what_falls_has_no_step_that_stands_out(stability, tmp_path: Path) -> None:
     model = tmp_path / "fall.lag"
     model.write_text(
-        "model fall\nparam e = 1 in (0, 1]\nparam g = 9.81 in (0, inf)\ncoord x\n"
-        "kinetic x'^2/2\npotential e*g*x\nstart x = 1\n"
+        "model fall\nparam g = 9.81 in (0, inf)\ncoord x\n"
+        "kinetic x'^2/2\npotential g*x\nstart x = 1\n"
     )
-    done = stability(model, "-o", tmp_path)  # e cannot be more
-    assert done.code == 2 and '--vary "g=9.81..19.62"' in done.err
+    done = stability(model, "-o", tmp_path)
+    assert done.code == 2 and "give --steps LO..HI" in done.err
     done = stability(model, "-o", tmp_path, "--vary", "g=1..2", "--steps", "0.1..1")
     assert done.code == 2 and "leaves" in done.err and "--until" in done.err
     model.write_text("model even\ncoord x\nkinetic x'^2/2\npotential 0\nstart x' = 1\n")
     done = stability(model, "-o", tmp_path, "--vary", "x'=1..2", "--steps", "0.1..1")
     assert done.code == 2 and "cyclic" in done.err
+
+
+def test_bound_coordinates_are_refused(stability, tmp_path: Path) -> None:
+    done = stability(ROOT / "models/bodies/free_body.lag", "-o", tmp_path)
+    assert done.code == 2 and "the model has rotations (" in done.err
+    model = tmp_path / "rod.lag"
+    model.write_text(
+        "model rod\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\n"
+        "constraint rod: x^2 + y^2 = 1\nstart x = 0, y = -1, x' = 0.1\n"
+    )
+    done = stability(model, "-o", tmp_path)
+    assert done.code == 2 and "the model has constraints (" in done.err and "rod.lag:5" in done.err
 
 
 def test_progress_shows_from_the_start(stability, tmp_path: Path, monkeypatch) -> None:

@@ -103,7 +103,6 @@ WRONG = [
     ("run --start sarea=1", "did you mean 'area'?"),
     ("run --record p_S", "no such column"),
     ("run --scene still --start S=1", "the scene holds S"),
-    ("stability", "orbit.lag:4:7: the model has states (S, area), and 'pkgen stability' maps"),
 ]
 
 

@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
         )
     look, directory = look_of(options), parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
-    _refuse_states(compilation)
+    _refuse_unmapped(compilation)
     asked = _asked(options, compilation)
     with progress(compilation.model.name) as show:
         made = maps.make(compilation, asked, show)
@@ -63,8 +63,18 @@ def run(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _refuse_states(compilation: Compilation) -> None:
+def _refuse_unmapped(compilation: Compilation) -> None:
+    """Constraints and rotations bind coordinates: equilibria and modes are of free ones."""
     model = compilation.model
+    for what, items in (("rotations", model.rotations), ("constraints", model.constraints)):
+        if not items:
+            continue
+        names = ", ".join(item.name for item in items[:8])
+        raise UsageError(
+            f"{model.source.place(items[0].span)}: the model has {what} ({names}), and"
+            " 'pkgen stability' maps equilibria, modes and energies of free coordinates alone:"
+            " 'pkgen chart' compares methods on any model"
+        )
     jolted = getattr(compilation.equations, "jolted", ())
     if jolted:
         raise UsageError(

@@ -146,6 +146,7 @@ static int print(struct pk_stability *s, double scale)
     struct json *j = &s->out;
     json_text(j, "motion", s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE");
     json_flag(j, "leaves", s->leaves);
+    json_flag(j, "by_norm", s->by_norm);
     json_reals(j, {"t", last->t}, {"energy", first->energy}, {"scale", scale});
     json_numbers(j, "q", s->settings->q, s->n);
     json_numbers(j, "v", s->settings->v, s->n);

@@ -98,6 +98,7 @@ class Motion:
     v: tuple[float, ...]
     parameters: tuple[float, ...]
     leaves: bool = False  # it is still going away at the end
+    by_norm: bool = False  # first-order variables move: judged by its distance from the start
 
     @property
     def judges(self) -> bool:

@@ -91,8 +91,7 @@ def make(
         return asker.with_settings(asked.axis.settings(asker.settings, x, at, motion))
 
     show(0.0, "methods")
-    states = bool(compilation.model.states)
-    maps = {m.name: StepMap(m, asker, states) for m in asked.methods}
+    maps = {m.name: StepMap(m, asker, motion.by_norm) for m in asked.methods}
     moves = asked.axis.kind == "parameter" or any(cyclic)
     tries = 40 if moves else 100
 

@@ -108,8 +108,8 @@ def axis(text: str | None, compilation: Compilation, count: int) -> Axis:
 def without_equilibrium(axis: Axis, motion: Motion) -> Axis:
     """What there is to vary instead of the distance from one: the rates of the start as a whole;
     of a start at rest its coordinates."""
-    rest = not any(motion.v)
-    return replace(axis, kind="coordinates" if rest else "rates", name=axis.name)
+    kind = "rates" if any(motion.v) else "coordinates"
+    return replace(axis, kind=kind, name=FACTORS[kind])
 
 
 def span(

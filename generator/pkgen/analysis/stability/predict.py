@@ -9,6 +9,7 @@ from ...record import record
 from .ask import Equilibrium, Mode, Rest
 from .method import PAIRS, StepMap
 
+SAME = 0.1  # relative: a scale this near to a sharp limit adds nothing to it
 MOST = 4  # modes, the fastest, and pairs, the nearest to 1:2, of which resonances are told
 # Turns of so many steps. The last two are of methods that turn by more than half a turn a step.
 RESONANCES = {
@@ -113,8 +114,7 @@ def predictions(
     first-order variables, which turn in no plane of their own), branches at the unstable ones; of
     equilibria with the same modes, mirror images, at one. Then the scale of the motion's `rates`.
     """
-    along = local(step, rates)
-    found: list[Prediction] = [along] if along else []
+    found: list[Prediction] = []
     seen: set[tuple[str, str]] = set()
     order = sorted(range(len(rest.equilibria)), key=lambda k: k != primary)
     for number in order:
@@ -128,4 +128,12 @@ def predictions(
             found.append(one)
         if number == primary and at.stable and not step.states:
             found += resonances(step, number, at)
+    along = local(step, rates)
+    if along and not any(_says(p, along) for p in found if p.equilibrium == primary):
+        found.insert(0, along)
     return found
+
+
+def _says(p: Prediction, along: Prediction) -> bool:
+    """A small motion's scale is the limit of the equilibrium it is about."""
+    return bool(p.kind == "limit" and p.h and along.h and abs(along.h / p.h - 1) < SAME)

@@ -59,15 +59,15 @@ def rate(mode: Mode) -> str:
 
 
 def equilibria(made: StabilityMap) -> Table:
-    rows = []
+    rows, by_norm = [], made.motion.by_norm
     energy = max((abs(e.energy) for e in (made.motion, *made.rest.equilibria)), default=0.0)
     for k, at in enumerate(made.rest.equilibria):
         mark = " (the motion's)" if k == made.primary else ""
         modes = [m for m in at.modes if not (m.growth < 0 and m.frequency == 0 and not at.stable)]
         said = "; ".join(map(rate, modes))
-        energy_of = "" if made.compilation.model.states else _short(at.energy, energy)
-        rows.append([f"{k + 1}{mark}", place(made, at), energy_of, at.verdict, said])
-    return ["", "equilibrium", "energy", "", "modes, fastest first"], rows
+        energy_of = [] if by_norm else [_short(at.energy, energy)]
+        rows.append([f"{k + 1}{mark}", place(made, at), *energy_of, at.verdict, said])
+    return ["", "equilibrium", *([] if by_norm else ["energy"]), "", "modes, fastest first"], rows
 
 
 def predicted(made: StabilityMap) -> Table:
@@ -228,7 +228,7 @@ def report(made: StabilityMap) -> str:
 def as_csv(made: StabilityMap) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    judged_by = "norm" if made.compilation.model.states else "energy"
+    judged_by = "norm" if made.motion.by_norm else "energy"
     head = ["method", "h", made.asked.axis.name, judged_by, "class", "status", "steps"]
     writer.writerow([*head, "rise", "away"])
     for row in made.rows:
