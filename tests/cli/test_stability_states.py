@@ -94,7 +94,7 @@ def test_an_integral_decides_nothing(capsys, tmp_path: Path) -> None:
     """The action of an oscillator is no place to rest, and the map is that without it."""
     oscillator = "model bob\ncoord x\nkinetic x'^2/2\npotential 1 - cos(x)\nstart x = 0.5\n"
     action = oscillator.replace("coord x\n", "coord x\nstate S\n") + "rate S = L\n"
-    without = mapped(capsys, tmp_path, oscillator, "rk4,gauss1")
-    made = mapped(capsys, tmp_path, action, "rk4,gauss1")
+    without = mapped(capsys, tmp_path, oscillator, "rk4,gauss1", "--steps", "0.2..1.8")
+    made = mapped(capsys, tmp_path, action, "rk4,gauss1", "--steps", "0.2..1.8")
     assert [p["h"] for p in made["predictions"]] == [p["h"] for p in without["predictions"]]
     assert [p["kind"] for p in made["points"]] == [p["kind"] for p in without["points"]]

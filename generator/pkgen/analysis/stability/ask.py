@@ -170,9 +170,9 @@ class Asker:
             decays = [m for m in modes if -m.growth > max(2 * grows, 0.0)]
             others = [replace(m, growth=abs(m.growth)) for m in modes if m not in decays]
             for some in (decays, others):
-                fastest = max(some, key=lambda m: m.rate, default=None)
-                found += [fastest] if fastest and fastest.rate > 0 else []
-        return tuple(found)
+                found += [max(some, key=lambda m: m.rate)] if some else []
+        most = max((m.rate for m in found), default=0.0)
+        return tuple(m for m in found if m.rate > ZERO * most)
 
     def at(self, place: Equilibrium) -> Asker:
         """Asks from there."""

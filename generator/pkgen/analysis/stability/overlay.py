@@ -32,6 +32,7 @@ WORDS = {  # in the legend
     "1:3": "step resonance 1:3, 2:3",
     "1:4": "step resonance 1:4, 3:4",
     "1:2": "step resonance of two modes",
+    "local": "scale of the fastest along the motion",
 }
 PAIR_WORDS = {"1:2": "1:2 {slow}, {fast}", "1+2": "{fast} + 2{slow}", "2+1": "2{fast} + {slow}"}
 SILENT, SILENT_DARK = "#708090", "#8FA3B5"  # a resonance that nothing answers

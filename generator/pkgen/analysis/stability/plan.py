@@ -23,11 +23,7 @@ from .ask import Equilibrium, Motion, Rest
 # One or two of a family, those that differ most in how they fail.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")
 PANELS = 6
-FACTORS = {
-    "amplitude": "amplitude",
-    "rates": "rates of the start",
-    "coordinates": "coordinates of the start",
-}
+FACTORS = ("amplitude", "rates", "coordinates")  # of the start, in units of its own
 AMPLITUDES = (0.0, 1.5)  # of the start's displacement
 PERIODS = 50  # of the slowest mode, that a point is run for
 MOST_POINTS = 1_000_000
@@ -48,7 +44,7 @@ class Axis:
     @property
     def label(self) -> str:
         if self.kind in FACTORS:
-            return f"{FACTORS[self.kind]} (the start: 1)"
+            return f"{self.kind} (the start: 1)"
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
     def settings(
@@ -109,7 +105,7 @@ def without_equilibrium(axis: Axis, motion: Motion) -> Axis:
     """What there is to vary instead of the distance from one: the rates of the start as a whole;
     of a start at rest its coordinates."""
     kind = "rates" if any(motion.v) else "coordinates"
-    return replace(axis, kind=kind, name=FACTORS[kind])
+    return replace(axis, kind=kind, name=kind)
 
 
 def span(

@@ -97,8 +97,9 @@ def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
     either, or that grow at any step."""
     best: tuple[float, float] | None = None
     for mode in rates:
-        y = step.limit(max(0.0, round(-mode.growth / mode.rate, 2)))
-        if y is None and mode.growth > 0 and not step.states:
+        ratio = round(-mode.growth / mode.rate, 2)
+        y = step.limit(max(0.0, ratio))
+        if y is None and ratio < 0 and not step.states:
             y = step.pole()
         if y and (best is None or y / mode.rate < best[0]):
             best = y / mode.rate, y
