@@ -137,7 +137,7 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: in
 
 
 def _ticks(axes: plt.Axes) -> None:
-    """As many steps as have room, of five. The axes have their size."""
+    """As many steps as have room on the page, of five. The axes have their size."""
     for axis in (axes.xaxis, *(other.xaxis for other in axes.child_axes)):
         for count in range(5, 0, -1):
             axis.set_major_locator(MaxNLocator(count))
@@ -147,7 +147,8 @@ def _ticks(axes: plt.Axes) -> None:
                 for number in axis.get_majorticklabels()
                 if number.get_text() and low <= number.get_position()[0] <= high
             ]
-            if all(a.x1 + APART < b.x0 for a, b in pairwise(boxes)):
+            apart = all(a.x1 + APART < b.x0 for a, b in pairwise(boxes))
+            if apart and all(b.x1 < axes.figure.bbox.x1 for b in boxes):
                 break
 
 
