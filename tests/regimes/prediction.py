@@ -34,6 +34,7 @@ class Prediction:
     command: str = ""  # of pkgen, where it is measured by that: shown.py
     read: str = ""  # of what it leaves
     instead: str = ""  # options of the worse run
+    needs: str = ""  # a package, without which it is skipped
 
     def met(self, value: float) -> bool:
         if isinstance(self.predicted, tuple):

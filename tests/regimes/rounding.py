@@ -133,6 +133,20 @@ PREDICTIONS = [
         "R15", "oscillator, gauss8, h = 1, rows between steps", "wrong by no more than its steps",
         (1e-17, 1e-14), 0, DENSE.format("gauss8"), "max(abs(q - cos(t)))", "--method kahan_li8",
     ),
+    shown(
+        "R18", "Kepler, e = .3, gsl_msbdf", "orders to 5: the error goes with the power 5/6 of the "
+        "tolerance", 5 / 6, ORDER, TOLERANCES.format("gsl_msbdf"), TOLERANCE, "--method dopri5",
+        missed="GSL's BDF has an error that falls as if it were of order 2. CVODE's has the power "
+        "(R19).",
+    ),
+    shown(
+        "R19", "Kepler, e = .1, CVODE's BDF", "orders to 5: the error goes with the power 5/6 of "
+        "the tolerance", 5 / 6, ORDER,
+        "pkgen chart kepler.lag --set e=0.1 --until 20*pi --seconds 20 --methods dop853 "
+        "--against cvode --json",
+        'slope(*errors(report, 1e-13, 1e-7, "cvode_BDF", "scipy_DOP853"))', "--against scipy",
+        long=True, needs="sksundae", no_method="a method of another package",
+    ),
     Prediction(
         "R16", "time in float, 200,000 times .001, a loop of one's own", "t += h comes to",
         200.4506, 1e-6, lambda: clocks()[0], "verlet", lambda: clocks()[1], own=True, long=True,

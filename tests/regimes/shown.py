@@ -53,7 +53,7 @@ def outcome(command: str) -> dict[str, object]:
     assert program == "pkgen", command
     with tempfile.TemporaryDirectory() as folder:
         rows = Path(folder) / "rows.csv"
-        done = run_pkgen(*words, *(["-o", rows] if words[0] == "run" else []), cwd=MODELS)
+        done = run_pkgen(*words, "-o", rows if words[0] == "run" else folder, cwd=MODELS)
         found: dict[str, object] = {"exit_code": done.returncode, "said": done.stderr}
         if words[0] != "run":
             found["report"] = json.loads(done.stdout)
@@ -78,6 +78,12 @@ def times(report: dict, name: str) -> np.ndarray:
     return np.array(found["times"])
 
 
+def errors(report: dict, low: float, high: float, *methods: str) -> np.ndarray:
+    """Tolerances between these, and the errors of these methods at them, of a chart."""
+    points = [p for p in report["points"] if p["method"] in methods and p["error"] is not None]
+    return np.array([(p["rtol"], p["error"]) for p in points if low < p["rtol"] < high]).T
+
+
 def first(found: np.ndarray) -> float:
     """Infinite if there is none."""
     return found[0] if len(found) else math.inf
@@ -86,12 +92,12 @@ def first(found: np.ndarray) -> float:
 NAMES = "abs sqrt log exp diff arctan2 hypot unwrap median sign max min mean sum cos sin polyfit"
 FUNCTIONS = {name: getattr(np, name) for name in NAMES.split()}
 FUNCTIONS |= {"acos": np.arccos, "pi": math.pi, "len": len, "int": int}
-FUNCTIONS |= {"times": times, "first": first}
+FUNCTIONS |= {"times": times, "first": first, "errors": errors, "slope": slope}
 
 
 def read(command: str, expression: str, **more: float) -> float:
     text = re.sub(r"(\w+)'", lambda m: identifier(m[0]), expression)
-    return float(eval(text, {"__builtins__": {}}, FUNCTIONS | outcome(command) | more))
+    return float(eval(text, {"__builtins__": {}} | FUNCTIONS | outcome(command) | more))
 
 
 def root(f: Callable[[float], float], low: float, high: float) -> float:

@@ -107,10 +107,11 @@ def table(entries: list[Prediction], known: dict[str, list[str]]) -> str:
 
 COMMANDS = """\
 These are measured by pkgen's commands alone. Each, in `tests/regimes/models`, is followed by
-`-o rows.csv`; what is read is an expression in the columns, in `report` (that of `rows.csv.json`,
-of other commands than `run` what `--json` prints) and in what `tests/regimes/shown.py` has
-(`times` of an event; of a loop's variable `power`, `root` and `edge`). The worse run has the
-options of the last column instead of the same ones, or besides.
+`-o rows.csv`, of a chart by `-o` and a folder; what is read is an expression in the columns, in
+`report` (that of `rows.csv.json`, of a chart what `--json` prints) and in what
+`tests/regimes/shown.py` has (`times` of an event, `errors` of a chart; of a loop's variable
+`power`, `root` and `edge`). The worse run has the options of the last column instead of the same
+ones, or besides; `-` takes one away.
 
 """
 
