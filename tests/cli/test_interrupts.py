@@ -12,6 +12,7 @@ import pytest
 from pkgen.__main__ import main
 from pkgen.analysis.chart import long
 from pkgen.analysis.chart.sweep import Bench
+from pkgen.analysis.stability import measure
 from pkgen.system import children
 
 MODEL = "model p\ncoord a\nkinetic a'^2/2\npotential -cos(a)\nstart a = 1\n"
@@ -65,6 +66,38 @@ def test_a_chart_interrupted_before_anything_is_measured_leaves_nothing(
     assert main([*CHART]) == 130
     assert not list(tmp_path.glob("p_chart*"))
     assert "Traceback" not in capsys.readouterr().err
+
+
+MAP = ("stability", "p.lag", "--until", "9", "--points", "6x8", "--methods", "rk4,gauss1")
+
+
+# Among the rows, the last of them, among what is measured of predictions.
+@pytest.mark.parametrize("what, calls", [("row", 4), ("row", 8), ("measured", 2)])
+def test_a_map_that_is_interrupted_is_drawn(what, calls, monkeypatch, capsys, tmp_path) -> None:
+    real = getattr(measure, what)
+    monkeypatch.setattr(measure, what, interrupting(real, calls, "INT"))
+    assert main([*MAP, "--json"]) == 130
+    out, err = capsys.readouterr()
+    found = json.loads(out)
+    assert found["interrupted"] and "interrupted: " in err
+    values = [row["x"] for row in found["rows"]]
+    assert 2 <= len(values) <= 8 and values == sorted(values) == found["varied"]["values"]
+    assert what == "measured" or len(values) < 8
+    assert values[-1] > 2 * values[0]  # all over the map, coarsely
+    with open(tmp_path / "p_stability.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert (
+        len(rows) == 12 * len(values)
+        and "Interrupted" in (tmp_path / "p_stability.svg").read_text()
+    )
+    # No point is one that was ended by the interrupt.
+    assert not any(row["status"] == "PK_STOPPED_USER" for row in rows)
+
+
+def test_a_map_interrupted_at_once_leaves_nothing(monkeypatch, capsys, tmp_path) -> None:
+    monkeypatch.setattr(measure, "row", interrupting(measure.row, 1, "TERM"))
+    assert main([*MAP]) == 130
+    assert not list(tmp_path.glob("p_stability*"))
 
 
 def test_a_chart_of_drifts_has_the_methods_measured_until_then(monkeypatch, capsys, tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import time
 from dataclasses import asdict
 from pathlib import Path
 
@@ -17,9 +18,9 @@ from ..own.given import given
 from ..plot.style import Look
 from ..scenes import asked as parsing
 from ..scenes.use import whole
-from ..system.exits import DONE, UsageError
+from ..system.exits import DONE, INTERRUPTED, UsageError
 from ..system.files import moved, scratch
-from ..system.progress import progress
+from ..system.progress import progress, say, took
 from ..system.toolchain import BuildError, find_toolchain
 from . import arguments as shared
 from .compilation import compile_within_limits
@@ -48,6 +49,7 @@ def run(options: argparse.Namespace) -> int:
         raise BuildError(
             "pkgen stability finds equilibria and modes by GSL, which is not installed"
         )
+    began = time.monotonic()
     look, directory = look_of(options), parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     _refuse_unmapped(compilation)
@@ -59,8 +61,10 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps(record(made, files), indent=1))
     else:
         print(text.report(made), end="")
-        print(f"\nwritten: {', '.join(map(str, files))}")
-    return DONE
+        print(f"\nwritten: {', '.join(map(str, files))}; {took(began)}")
+    if made.interrupted:
+        say(made.interrupted)
+    return INTERRUPTED if made.interrupted else DONE
 
 
 def _refuse_unmapped(compilation: Compilation) -> None:
@@ -146,6 +150,7 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
         "growths": [asdict(g) for g in made.growths],
         "misses": [asdict(m) for m in misses(made)],
         "unpredicted": unpredicted(made),
+        "interrupted": bool(made.interrupted),
         "remarks": text.remarks(made),
         "points": [{"x": row.x, **asdict(p)} for row in made.rows for p in row.points],
         "files": [str(file) for file in files],

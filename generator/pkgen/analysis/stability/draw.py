@@ -106,6 +106,7 @@ def titles(made: StabilityMap) -> list[str]:
         f"{made.compilation.model.name.replace('_', ' ')}: where each method fails",
         f"Each point: {made.until:.3g}{unit} of motion, told from its energy. "
         f"{', '.join(said[:SAID])}{more}.",
+        *([f"{made.interrupted.capitalize()}."] if made.interrupted else []),
         *([f"Nothing is predicted here: {why}."] if why else []),
     ]
 

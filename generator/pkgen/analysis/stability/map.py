@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from collections.abc import Callable, Iterable
+from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
+from typing import TypeVar
 
 from ...compiler import Compilation
 from ...record import record
 from ...run.build import build_library
 from ...run.settings import Settings
+from ...system import children
 from ...system.exits import UsageError
 from ...system.progress import Show, unseen
 from ..chart.points import ChartedMethod
@@ -25,6 +29,8 @@ from .predict import Prediction, predictions
 MARGIN = 1.25  # of a map beyond the limit predicted
 TURNS_UNLIMITED = 1.25  # of the fastest mode a step, where there is no limit
 MOST_STEPS = 2_000_000  # of a point
+LEAST_ROWS = 2  # of a map that is interrupted
+Made = TypeVar("Made")
 
 
 @record
@@ -56,6 +62,7 @@ class StabilityMap:
     predictions: tuple[Prediction, ...]  # at the model's own start and parameters
     measured: tuple[Measured, ...]
     growths: tuple[Growth, ...]
+    interrupted: str = ""  # what there is of it
 
 
 def make(
@@ -123,30 +130,57 @@ def make(
     done = [0]
     show(0.0, f"0 of {jobs}")
 
-    def counted(result: object) -> object:
+    def counted(make: Callable[[], Made]) -> Made:
+        result = make()
+        if children.ended():  # in the midst of it
+            raise KeyboardInterrupt
         done[0] += 1
         show(done[0] / jobs, f"{done[0]} of {jobs}")
         return result
 
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         # The costly ones first: those that no method leaves early.
-        rows = [pool.submit(lambda x=x: counted(one(x))) for x in asked.axis.values]
+        xs = asked.axis.values
+        rows = [pool.submit(counted, partial(one, xs[k])) for k in _spread(len(xs))]
         of = size, amplitude, effort
         checks = [
-            pool.submit(lambda p=p: counted(measure.measured(asker, rest, p, *of))) for p in flat
+            pool.submit(counted, partial(measure.measured, asker, rest, p, *of)) for p in flat
         ]
-        leaving = pool.submit(lambda: counted(measure.growths(asker, rest, amplitude)))
-        try:
-            wait([*rows, *checks, leaving], return_when=FIRST_EXCEPTION)
-            for failed in (f for f in [*rows, *checks, leaving] if f.done()):
-                failed.result()
-        except BaseException:  # an interrupt too: what is queued is not begun
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-        found = tuple(r.result() for r in rows)
-        checked = flat, tuple(c.result() for c in checks), tuple(leaving.result())
-        begun = until, motion, rest, primary
-        return StabilityMap(compilation, asked, *begun, found, steps, *checked)
+        leaving = pool.submit(counted, partial(measure.growths, asker, rest, amplitude))
+        every = [*rows, *checks, leaving]
+        with suppress(KeyboardInterrupt):
+            wait(every, return_when=FIRST_EXCEPTION)
+        pool.shutdown(cancel_futures=True)  # what is queued is not begun, where one fails
+    found = tuple(sorted(_kept(rows), key=lambda row: row.x))
+    checked, growing = tuple(_kept(checks)), next(iter(_kept([leaving])), [])
+    interrupted = ""
+    if children.ended():
+        if len(found) < LEAST_ROWS:
+            raise KeyboardInterrupt
+        interrupted = (
+            f"interrupted: {len(found)} of {len(rows)} values of {asked.axis.name} are mapped, "
+            f"{len(checked)} of {len(checks)} predictions measured"
+        )
+        asked = replace(asked, axis=replace(asked.axis, values=tuple(row.x for row in found)))
+    begun = until, motion, rest, primary
+    told = flat, checked, tuple(growing), interrupted
+    return StabilityMap(compilation, asked, *begun, found, steps, *told)
+
+
+def _spread(count: int) -> list[int]:
+    """Numbers below, each half way between earlier ones: what is interrupted is a coarser map."""
+    bits = (count - 1).bit_length()
+    return sorted(range(count), key=lambda k: int(f"{k:0{bits}b}"[::-1], 2))
+
+
+def _kept(futures: list[Future[Made]]) -> list[Made]:
+    """Results of those that came to an end. Raises what another failed with."""
+    found = []
+    for future in futures:
+        if future.done() and not future.cancelled():
+            with suppress(KeyboardInterrupt):
+                found.append(future.result())
+    return found
 
 
 def _refuse_unjudged(motions: Iterable[Motion]) -> None:

@@ -142,7 +142,7 @@ def searched(made: StabilityMap) -> str:
 
 def remarks(made: StabilityMap) -> list[str]:
     """What was left out, and why."""
-    found = list(made.asked.left)
+    found = [*([made.interrupted] if made.interrupted else []), *made.asked.left]
     rest = made.rest
     if rest.status == "PK_REFUSED":
         found.append("equilibria are not sought: the equations depend on time or on inputs")
