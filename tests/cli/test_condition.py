@@ -8,6 +8,7 @@ import numpy as np
 import pkgen as api
 import pytest
 from conftest import ROOT
+from stability_asker import asker
 
 EPSILON = 2.0**-52
 DOUBLE = ROOT / "models/double_pendulum.lag"
@@ -149,6 +150,24 @@ def test_of_a_mass_that_is_all_but_zero(m1: float) -> None:
     off = abs(result["theta1'"][-1] / STRETCHED[m1] - 1)
     assert abs(np.log10(off / EPSILON) - lost["digits"]) < 2
     assert lost["t"] == pytest.approx(0.4585, abs=0.01)
+
+
+@pytest.mark.parametrize("apart", [0.5, 1e-3, 1e-8])
+def test_of_a_map(apart: float) -> None:
+    """M along the motion and the equations of a midpoint step, M + h^2 K/4, in closed form."""
+    asked = asker(
+        f"model near\ncoord x, y\nkinetic x'^2/2 + y'^2/2 + (1 - {apart!r})*x'*y'\n"
+        "potential x^2/2 + y^2\nstart x = 0.1, y = 0.2\n",
+        until=10.0,
+    )
+    motion = asked.motion()
+    assert motion.condition is not None
+    assert motion.condition["mass"]["cond"] == pytest.approx(2 / apart - 1, rel=0.1)
+    assert ("M is nearly singular" in (motion.warning or "")) == (apart < 1e-6)
+    M, K, h = np.array([[1, 1 - apart], [1 - apart, 1]]), np.diag([1.0, 2.0]), 0.5
+    made = asked.point("gauss1", h)
+    assert made.cond == pytest.approx(bauer(M + h * h / 4 * K), rel=0.1)
+    assert asked.point("rk4", 0.01).cond == 0
 
 
 def test_that_it_is_seldom_asked(linear: api.Model) -> None:

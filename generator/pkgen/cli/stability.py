@@ -143,6 +143,7 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
                 "x": row.x,
                 "energy": row.motion.energy,
                 "motion": row.motion.status,
+                "condition": row.motion.condition,
                 "predictions": [asdict(p) for p in row.predictions],
             }
             for row in made.rows

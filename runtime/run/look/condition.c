@@ -7,7 +7,7 @@
 #define LOST PK_C(1e5) /* rounding, as accelerations magnify it, that is worth a warning */
 enum { LOOKS = 64, STEPS = 64, FEW = 16, MOST_RECORDS = 256, ALL = 1024, PART = 8 };
 
-struct looking {
+struct looking { /* v and the block follow it */
     struct pk_condition found;
     const struct pk_problem *problem;
     void *block;
@@ -21,14 +21,15 @@ struct looking *condition_begin(struct memory *memory, const struct pk_problem *
                                 const struct pk_method *method)
 {
     const size_t size = pk_condition_size(problem, method);
-    struct looking *l = size ? memory_take(memory, 1, sizeof *l) : NULL;
-    if (!l)
+    const size_t n = pk_system_count(problem->system, problem->params);
+    if (!size)
         return NULL;
+    struct looking *l = memory_take(memory, 1, sizeof *l + 2 * n * sizeof *l->v + size);
     l->problem = problem;
-    l->n = pk_system_count(problem->system, problem->params);
-    l->block = memory_take(memory, size, 1);
-    l->v = memory_take(memory, 2 * l->n, sizeof *l->v);
-    l->turned = l->v + l->n;
+    l->n = n;
+    l->v = (pk_real *)(l + 1);
+    l->turned = l->v + n;
+    l->block = l->turned + n;
     l->t = PK_INFINITY;
     return l;
 }
@@ -82,6 +83,19 @@ static void where(const struct looking *l, char *text, size_t size)
 static pk_real digits(pk_real magnified)
 {
     return PK_F(log10)(PK_F(fmax)(1, PK_F(fmin)(magnified, 1 / PK_EPSILON)));
+}
+
+pk_real condition_of_step(struct memory *memory, const struct pk_problem *problem,
+                          struct pk_integrator *it)
+{
+    struct pk_condition found = {0};
+    const size_t size = it->method->equations ? pk_condition_size(problem, it->method) : 0;
+    if (!size)
+        return 0;
+    void *block = memory_take(memory, size, 1);
+    pk_condition_look(&found, problem, it, it->t, it->q, it->v, block);
+    memory_drop(memory, block);
+    return found.step.x;
 }
 
 void condition_report(const struct looking *l, struct json *j)

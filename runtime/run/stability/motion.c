@@ -37,6 +37,8 @@ static void go_on(struct pk_stability *s, double until, double *far)
         if (s->motion < 0)
             break;
         keep(s, it->t, it->q, it->v);
+        condition_step(s->looking, NULL, s->settings->until,
+                       &(struct moment){it->t, it->q, it->v, NULL});
         for (size_t i = 0; i < s->n; i++)
             far[i] = fmax(far[i], fabs(stability_apart(s, it->q, it->v, i)));
     }
@@ -133,6 +135,8 @@ static void begin(struct pk_stability *s)
     if (s->by_norm)
         find_reach(s);
     stability_end(s, s->exact);
+    memory_drop(&s->run->memory, s->looking);
+    s->looking = condition_begin(&s->run->memory, &s->problem, NULL);
     s->exact = stability_motion_begun(s, &s->motion);
     s->known = s->leaves = 0;
     memset(s->far, 0, 3 * s->n * sizeof *s->far);
@@ -151,6 +155,10 @@ static int print(struct pk_stability *s, double scale)
     json_numbers(j, "q", s->settings->q, s->n);
     json_numbers(j, "v", s->settings->v, s->n);
     json_parameters_known(j, s->problem.system, s->problem.params);
+    condition_report(s->looking, j);
+    char reason[640];
+    if (condition_warning(s->looking, reason, sizeof reason))
+        json_text(j, "warning", reason);
     return 1;
 }
 

@@ -4,7 +4,7 @@
 
 #include <pk/stability.h>
 
-#include "../base/json.h"
+#include "../look/condition.h"
 #include "../base/state.h"
 
 #ifdef PK_WITH_GSL
@@ -34,6 +34,7 @@ struct pk_stability {
     int known, leaves;
     struct pk_integrator *exact; /* follows it */
     enum pk_status motion;       /* of that */
+    struct looking *looking;     /* at how singular its equations are */
     struct record *records;      /* of its steps */
     size_t n_records, room;
     unsigned char *idle; /* n: cyclic, or a first-order variable that no rate depends on */

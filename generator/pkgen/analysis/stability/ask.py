@@ -99,6 +99,8 @@ class Motion:
     parameters: tuple[float, ...]
     leaves: bool = False  # it is still going away at the end
     by_norm: bool = False  # first-order variables move: judged by its distance from the start
+    condition: dict | None = None  # how singular its equations become: `report.condition` of a run
+    warning: str | None = None  # of that
 
     @property
     def judges(self) -> bool:
@@ -117,6 +119,7 @@ class Point:
     steps: int
     rise: float | None
     away: float | None
+    cond: float | None  # of the equations of its last step; 0: there are none
 
 
 @record
@@ -192,7 +195,8 @@ def _floats(xs: list[float]) -> tuple[float, ...]:
 
 def made(cls: type[Made], answer: dict, /, **renamed: str) -> Made:
     """A record of an answer, which has its fields, but for those that are `renamed`."""
-    values = {f.name: answer[renamed.get(f.name, f.name)] for f in fields(cls)}
+    named = ((f.name, renamed.get(f.name, f.name)) for f in fields(cls))
+    values = {name: answer[of] for name, of in named if of in answer}
     return cls(**{name: _floats(x) if isinstance(x, list) else x for name, x in values.items()})
 
 

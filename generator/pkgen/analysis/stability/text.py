@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 
 from ...run import named
 from .ask import TRIES, Equilibrium, Mode
@@ -164,6 +165,7 @@ def remarks(made: StabilityMap) -> list[str]:
             if 2 * flat > len(rest.equilibria)
             else "there are more equilibria than are listed"
         )
+    found += conditions(made)
     ended = [row for row in made.rows if row.motion.status != "PK_DONE"]
     if ended:
         row = ended[0]
@@ -178,6 +180,25 @@ def remarks(made: StabilityMap) -> list[str]:
             f"{made.asked.axis.name} = {leaving[0].x:.4g}: at t = {leaving[0].motion.t:.6g} it is "
             "still going away, so no method is judged there by whether it stays"
         )
+    return found
+
+
+def conditions(made: StabilityMap) -> list[str]:
+    """How singular the equations of the motions are, and those of the methods' steps."""
+    found = [row.motion.warning for row in made.rows if row.motion.warning][:1]
+    looked = [(row, row.motion.condition) for row in made.rows if row.motion.condition]
+    said = []
+    for what, name in (("mass", "M"), ("constraints", "J M^-1 J^T")):
+        if most := max(((c[what]["cond"] or math.inf) for _, c in looked if what in c), default=0):
+            said.append(f"of {name} {most:.3g}")
+    for name in made.steps:
+        points = [p for row in made.rows for p in row.points if p.method == name]
+        worst = max(points, key=lambda p: math.inf if p.cond is None else p.cond, default=None)
+        if worst and worst.cond != 0:
+            most = math.inf if worst.cond is None else worst.cond
+            said.append(f"of the equations of a step of {name} {most:.3g} (h = {worst.h:.3g})")
+    if said:
+        found.append(f"condition numbers along the motions, at most: {', '.join(said)}")
     return found
 
 
