@@ -12,6 +12,7 @@ from . import (
     linear,
     located,
     maps,
+    maps_drawn,
     modified,
     pendulum,
     resonance,
@@ -24,7 +25,7 @@ from . import (
 from .prediction import Missing
 
 LISTED = (linear, resonance, kepler, pendulum, coupled, chains, tops, ends)
-OWN = (modified, maps, scaling, driven, beyond, located, rounding, stiff, waves)
+OWN = (modified, maps, scaling, driven, beyond, located, rounding, stiff, waves, maps_drawn)
 
 PREDICTIONS = [entry for part in (*LISTED, *OWN) for entry in part.PREDICTIONS]
 

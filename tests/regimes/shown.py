@@ -16,7 +16,7 @@ import math
 import re
 import shlex
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -84,7 +84,12 @@ def errors(report: dict, low: float, high: float, *methods: str) -> np.ndarray:
     return np.array([(p["rtol"], p["error"]) for p in points if low < p["rtol"] < high]).T
 
 
-def first(found: np.ndarray) -> float:
+def mapped(report: dict, kind: str, what: str = "measured") -> float:
+    """What a map has of its first prediction of a kind."""
+    return first([p[what] for p in report["predictions"] if p["kind"] == kind and p[what]])
+
+
+def first(found: Sequence[float]) -> float:
     """Infinite if there is none."""
     return found[0] if len(found) else math.inf
 
@@ -92,7 +97,7 @@ def first(found: np.ndarray) -> float:
 NAMES = "abs sqrt log exp diff arctan2 hypot unwrap median sign max min mean sum cos sin polyfit"
 FUNCTIONS = {name: getattr(np, name) for name in NAMES.split()}
 FUNCTIONS |= {"acos": np.arccos, "pi": math.pi, "len": len, "int": int}
-FUNCTIONS |= {"times": times, "first": first, "errors": errors, "slope": slope}
+FUNCTIONS |= {"times": times, "first": first, "errors": errors, "slope": slope, "mapped": mapped}
 
 
 def read(command: str, expression: str, **more: float) -> float:
@@ -166,7 +171,7 @@ def shown(
     own: bool = True,
     **more,
 ) -> Prediction:
-    worse = re.sub(r"^--method (\w+) ?", r"\1, ", instead).removesuffix(", ")
+    worse = re.sub(r"^--methods? (\w+) ?", r"\1, ", instead).removesuffix(", ")
     return Prediction(
         id, system, says, predicted, tolerance,
         lambda: value(command, read), worse, lambda: value(worse_command(command, instead), read),

@@ -107,11 +107,11 @@ def table(entries: list[Prediction], known: dict[str, list[str]]) -> str:
 
 COMMANDS = """\
 These are measured by pkgen's commands alone. Each, in `tests/regimes/models`, is followed by
-`-o rows.csv`, of a chart by `-o` and a folder; what is read is an expression in the columns, in
-`report` (that of `rows.csv.json`, of a chart what `--json` prints) and in what
-`tests/regimes/shown.py` has (`times` of an event, `errors` of a chart; of a loop's variable
-`power`, `root` and `edge`). The worse run has the options of the last column instead of the same
-ones, or besides; `-` takes one away.
+`-o rows.csv`, of a chart or a map by `-o` and a folder; what is read is an expression in the
+columns, in `report` (that of `rows.csv.json`, of charts and maps what `--json` prints) and in what
+`tests/regimes/shown.py` has (`times` of an event, `errors` of a chart, what is `mapped`; of a
+loop's variable `power`, `root` and `edge`). The worse run has the options of the last column
+instead of the same ones, or besides; `-` takes one away.
 
 """
 
