@@ -47,7 +47,7 @@ class Reference:
 def find(compilation: Compilation, settings: Settings) -> Reference:
     """`settings` have every parameter and start written out as doubles."""
     ways = _ways(settings.every or settings.until, compilation.structure.smooth_in_pieces)
-    said = repr((sorted(compilation.files.items()), settings, ways))
+    said = repr((sorted(compilation.files.items()), settings, ways, "between"))
     path = FOLDER / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.npz"
     if not path.exists():
         FOLDER.mkdir(parents=True, exist_ok=True)
@@ -55,10 +55,14 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
         program = build_library(compilation.files, compilation.model.name, tools=tools)
         trials = Trials(program, settings)
         error = _make(trials, ways, settings.until)
-        numpy.savez(path, error=error, **asdict(trials.exact))
+        rows = asdict(trials.exact)
+        numpy.savez(
+            path, error=error, **{k: numpy.nan if x is None else x for k, x in rows.items()}
+        )
     with numpy.load(path) as kept:
         flags = {name: bool(kept[name]) for name in ("by_number", "without")}
-        rows = Rows(kept["t"], kept["x"], kept["low"], **flags)
+        between = kept["between"] if kept["between"].shape else None
+        rows = Rows(kept["t"], kept["x"], kept["low"], **flags, between=between)
         return Reference(rows, float(kept["error"]))
 
 
@@ -80,6 +84,7 @@ def _make(trials: Trials, ways: list[Way], until: float) -> float:
     for method, tight, loose, slowest in ways:
         exact = trials.attempt(method, tight, LAND, until, cap=slowest)
         if exact.arrived:
+            trials.look_between(method, loose, LAND, until)
             trials.keep_as_exact()
             return trials.attempt(method, loose, LAND, until).error
         why = exact.reason or "it takes too long"

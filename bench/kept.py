@@ -23,6 +23,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+import numpy
 from pkgen.__main__ import main as command
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.choose.trials import Trials
@@ -127,8 +128,7 @@ def _judged(case: Case, path: str, options: Sequence[str], charted: bool) -> Jud
     one = reference.scene_of(path, case.scene, *options)
     names = [c.name for c in one.settings.show or columns(one.compilation)[1:]]
     left = {name for s in every for name in s["reference"]["left_out"]}
-    nothing = known.scales < reference.NOTHING * known.scales.max(initial=0.0)
-    counted = [x for x, skip in zip(off[:-1], nothing, strict=True) if not skip]
+    counted = [x for x, skip in zip(off[:-1], known.nothing, strict=True) if not skip]
     found = replace(
         found,
         verdict=KEPT,
@@ -140,7 +140,7 @@ def _judged(case: Case, path: str, options: Sequence[str], charted: bool) -> Jud
     )
     if found.reached > asked:
         return replace(found, verdict=MISSED, why=f"{found.reached:.1e} of {asked:.0e}")
-    needless = [n for n, skip in zip(names, nothing, strict=False) if n in left and not skip]
+    needless = [n for n, skip in zip(names, known.nothing, strict=False) if n in left and not skip]
     if needless:
         return replace(found, verdict=MISSED, why=f"left out without need: {', '.join(needless)}")
     if any(s["unverified_from"] is not None for s in every):
@@ -165,10 +165,9 @@ def _charted(
     one = reference.scene_of(path, name, *options)
     able = methods(None)
     trials = Trials(_program(one, *(m.name for m in able)), one.settings)
-    trials.exact = known.rows
-    for column, scale in enumerate(known.rows.scales):
-        if scale < 1e-6 * known.scales[column] or scale < reference.NOTHING:
-            trials.ignore(column)  # where rows of it are small: judged by its size in the run
+    trials.exact = replace(known.rows, between=known.scales)
+    for column in numpy.flatnonzero(known.nothing):
+        trials.ignore(int(column))
     every = one.settings.every or one.settings.until
     chart = Chart(trials, said["asked"], one.settings.until, every, said["run_seconds"])
     ways = chart.ways(able)

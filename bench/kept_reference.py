@@ -24,6 +24,7 @@ SLOWEST = 30.0  # seconds of one run
 STEPS = 3000  # at least, where the equations have the time in them
 PLACES = 2000  # on the way, at which magnitudes are looked for
 ENOUGH = 0.1  # of the accuracy: an error of the reference that leaves no doubt
+CLOSE = 1e-14  # so that what vanishes is seen to
 NOTHING = 1e-10  # of the largest magnitude: a smaller column may be nothing but errors
 EXPLICIT = ("dop853", "dopri5", "rk4", "mclachlan4", "blanes_moan4", "blanes_moan6", "kahan_li8")
 # Of a scalar: ways that are tight, and again looser where no other method arrives.
@@ -43,6 +44,11 @@ class Known:
     error: float
     method: str
 
+    @property
+    def nothing(self) -> numpy.ndarray:
+        """The columns that may be nothing but errors."""
+        return ~(self.scales >= NOTHING * self.scales.max(initial=0.0))
+
     def off(
         self, table: Sequence[Sequence[float]], until: float | None = None, low: object = 0.0
     ) -> numpy.ndarray:
@@ -51,6 +57,7 @@ class Known:
         lacks of more digits."""
         found = numpy.array(table, ndmin=2)
         count = len(self.rows.t) if until is None else int((self.rows.t <= until).sum())
+        count *= until != 0
         if len(found) < count or (until is None and len(found) != count):
             return numpy.full(len(self.scales) + 1, math.inf)
         found = found[:count]
@@ -77,6 +84,8 @@ def scene_of(path: str, name: str, *options: str) -> Scene:
 def find(path: str, name: str, options: Sequence[str], method: str, accuracy: float) -> Known:
     """Raises RuntimeError where there is none."""
     one = scene_of(path, name, "--no-reduce", *options)
+    usual = build_library(one.compilation.files, one.compilation.model.name)
+    one = replace(one, settings=Trials(usual, one.settings).given())  # starts are taken as exact
     why = ""
     for scalar in TIGHT:
         try:
@@ -124,8 +133,7 @@ def _of(one: Scene, scalar: str, method: str) -> Known:
     other = made[1][1]
     same = len(other.t) == len(rows.t)
     off = known.off(numpy.column_stack([other.t, other.x]), low=other.low if same else 0.0)
-    counted = ~(known.scales < NOTHING * known.scales.max(initial=0.0))
-    return replace(known, error=float(max([*off[:-1][counted], off[-1]])))
+    return replace(known, error=float(max([*off[:-1][~known.nothing], off[-1]])))
 
 
 def _run(trials: Trials, name: str, setting: float, longest: float | None) -> Trial:
@@ -140,9 +148,9 @@ def _scales(trials: Trials, rows: Rows) -> numpy.ndarray:
     trials.settings = replace(settings, at=None)
     try:
         every = settings.until / PLACES
-        trial = trials.attempt("dop853", 1e-9, DENSE, until, cap=SLOWEST, every=every)
+        trial = trials.attempt("dop853", CLOSE, DENSE, until, cap=SLOWEST, every=every)
         if not trial.arrived:
-            trial = trials.attempt("gauss", 1e-9, DENSE, until, cap=SLOWEST, every=every)
+            trial = trials.attempt("gauss", CLOSE, DENSE, until, cap=SLOWEST, every=every)
         return numpy.maximum(rows.scales, trials.last.scales)
     finally:
         trials.settings = settings

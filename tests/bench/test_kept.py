@@ -9,7 +9,13 @@ from bench import kept
 from bench.kept_cases import asking, cases
 
 EVERY = {case.name: case for case in cases(quick=False)}
-QUICK = ("logistic 1e-07", "drag of a fluid 1e-07", "harmonic_ring splitting", "random 40")
+QUICK = (
+    "logistic 1e-07",
+    "drag of a fluid 1e-07",
+    "harmonic_ring splitting",
+    "random 40",
+    "closed orbit 1e-07",
+)
 SCENE = """model m
 coord x
 scene a

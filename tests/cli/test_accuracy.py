@@ -186,12 +186,13 @@ def test_a_long_orbit_is_tried_in_part_and_kept_to_its_end(tmp_path) -> None:
 
 
 @pytest.mark.long
-def test_errors_of_tight_runs_grow_beyond_what_they_agree_to(tmp_path) -> None:
+def test_where_round_off_of_tight_runs_grows_too_far_another_method_keeps_it(tmp_path) -> None:
     said, rows, messages = run(tmp_path, KEPLER, "eras")
-    horizon = said["accuracy"]["horizon"]
-    assert 1000 < horizon < 200_000 and "warning: accuracy 1e-06 holds until" in messages
-    held = [row for row in rows if row[0] <= horizon]
-    assert off_orbit(held) <= 1e-6 < off_orbit(rows)
+    assert said["accuracy"]["horizon"] is None and "warning" not in messages
+    assert said["accuracy"]["reference"]["from"] == "gauss in more digits"
+    assert len(rows) == 201 and 1e-9 < off_orbit(rows) <= 1e-6
+    _, tight, _ = run(tmp_path, KEPLER, "eras", "--method", "gauss", "--rtol", "1e-15")
+    assert off_orbit(tight) > 1e-6
 
 
 @pytest.mark.long

@@ -7,15 +7,19 @@ from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import pytest
-from pkgen.analysis.choose import lines, parts, record, reference
+from pkgen.analysis.choose import lines, parts, record, reference, search
 from pkgen.analysis.choose.candidates import Candidate
 from pkgen.analysis.choose.choice import Choice
 from pkgen.analysis.choose.choose import choose
-from pkgen.analysis.choose.reference import Task
+from pkgen.analysis.choose.reference import Check, Task
+from pkgen.analysis.choose.search import Found
 from pkgen.analysis.choose.trials import Trial
+from pkgen.analysis.choose.whole import Whole
 from pkgen.run.settings import NOTHING, Settings, Shown
 from test_accuracy_search import ADAPTIVE, method, trial
 
+GAUSS = Candidate(method("gauss", 16, "adaptive"), "land", "")
+MADE = (trial(GAUSS, 1e-15, 1e-12, 1.0), 500.0, 0.0, 1e-12, 0.0)  # until half of 1000
 SETTINGS = Settings(
     method="gauss",
     until=1.0,
@@ -46,6 +50,9 @@ class Motion:
     bounds: list[float | None] = field(default_factory=list)  # of steps, of each trial
     spent: float = 0.0
     without: bool = False
+    exact: object = None
+    between: object = None
+    ignored: tuple[int, ...] = ()
 
     @property
     def settings(self) -> SimpleNamespace:
@@ -84,6 +91,9 @@ class Motion:
     def keep_as_exact(self) -> tuple[float, ...]:
         return (1.0,)
 
+    def look_between(self, *_: object) -> None:
+        pass
+
 
 def chosen(motion: Motion, **more: float) -> Choice:
     return choose(Task(motion, (ADAPTIVE,), ("dop853", "gauss"), True, 1e-6), **more)
@@ -96,6 +106,36 @@ def test_where_one_method_of_another_family_does_not_arrive_the_next_is_asked() 
     stiff.errors["radau"] = 1e-10
     found = reference.find(Task(stiff, (), ("gauss", "radau", "dop853"), True, 1e-6), 1.0)
     assert (found.against, found.floor) == ("gauss", 1e-14)
+
+
+def test_what_round_off_hides_is_asked_of_a_run_in_more_digits() -> None:
+    noisy = Motion(1.0, 1e-4, errors={"gauss": 1e-3, "radau": 1e-3})
+    words = (noisy, (ADAPTIVE,), ("gauss", "radau"), True, 1e-6)
+    assert choose(Task(*words)).horizon is not None
+    finer = Motion(1.0, 1e-3, exact="rows of it")
+    found = choose(Task(*words, precise=lambda: finer))
+    assert (found.method, found.horizon, noisy.exact) == ("dop853", None, "rows of it")
+    assert found.check.against == "gauss in more digits" and 0 < found.check.floor < 1e-16
+    # One that is no better says nothing; of several that miss the nearest is run.
+    noisy.exact = None
+    found = choose(Task(*words, precise=lambda: Motion(1.0, 1e-3, errors={"gauss": 1e-2})))
+    assert found.horizon is not None and noisy.exact is None
+    noisy.errors["dop853"] = 1e-4
+    found = choose(Task(*words, precise=lambda: finer))
+    assert (found.method, found.horizon, found.expected) == ("dop853", 10.0, 1e-4)
+    said = lines(found, "s", brief=False)[1]
+    assert "holds until t = 10 s" in said and "off by 1.0e-04 of one in more digits" in said
+
+
+def test_a_run_is_not_judged_by_itself() -> None:
+    """Where no tighter setting is left, the reference's tightest runs are compared."""
+    motion = Motion(1000.0, 1e-4, errors={"dop853": 1e-7, "gauss": 1e-4})
+    check = Check(*MADE, against="dop853")
+    best = Found(ADAPTIVE, trial(ADAPTIVE, search.TIGHTEST, 1e-7, 1.0))
+    kept = Whole(Task(motion, (ADAPTIVE,), ("gauss",), True, 1e-6), check, 5.0).verified(
+        best, [best]
+    )
+    assert kept.candidate.name == "gauss" and kept.horizon is not None
 
 
 def test_an_expectation_that_round_off_blurs_does_not_forbid_what_is_recorded() -> None:

@@ -50,6 +50,8 @@ def choose(asked: Task, whole_seconds: float = SECONDS) -> Choice:
         trial = replace(trial, error=math.inf, seconds=foreseen)
         choice = _choice(asked, check, Kept(candidate, trial), found)
         return replace(choice, given_up=too_long.given_up)
+    if made.horizon is not None:
+        check = replace(check, against=check.method)
     if not made.trial.arrived:
         check = replace(check, ends=made.trial.reason)
     return _choice(asked, check, made, found)
@@ -57,10 +59,23 @@ def choose(asked: Task, whole_seconds: float = SECONDS) -> Choice:
 
 def _reference(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
     """No other run keeps it: the reference itself, and until when two of them agree."""
+    if check.in_more_digits:
+        return _farthest(asked, check, found)
     seconds = math.inf if check.ends else check.exact.seconds * asked.until / check.span
     trial = replace(check.exact, error=check.floor, seconds=seconds)
     horizon = None if check.ends or check.floor <= FLOOR * asked.accuracy else check.holds
     return _choice(asked, check, Kept(alone(check.method), trial, horizon), found)
+
+
+def _farthest(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
+    """Of all runs, the reference's own among them, the one that keeps it longest."""
+    exact, own = check.exact, alone(check.method)
+    how = {"accuracy": asked.accuracy, "every": check.every, "max_step": exact.max_step}
+    again = asked.trials.attempt(exact.method, exact.setting, exact.rows, check.span, **how)
+    tried = [(own, again), *((f.candidate, t) for f in found for t in f.tried if t.arrived)]
+    candidate, trial = max(tried, key=lambda pair: (pair[1].holds, -pair[1].error))
+    keeps = trial.error <= asked.accuracy
+    return _choice(asked, check, Kept(candidate, trial, None if keeps else trial.holds), found)
 
 
 def _choice(asked: Task, check: Check, kept: Kept, found: Sequence[Found]) -> Choice:

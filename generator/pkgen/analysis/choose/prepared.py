@@ -6,10 +6,14 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy
+
 from ...record import record
 from ...run.build import build_library
 from ...run.settings import Settings
+from ...system.exits import BuildError
 from ..chart.chart import methods as all_methods
+from ..chart.reference import precise_tools
 from . import reference
 from .candidates import Candidate, candidates
 from .choice import Choice
@@ -17,10 +21,14 @@ from .choose import choose
 from .reference import Task
 from .trials import LAND, Trials
 
+WIDE = 63  # binary digits of more than a double
+
 
 @record
 class Prepared:
     program: Path
+    files: dict[str, str]
+    name: str
     methods: tuple[str, ...]  # that are fastest in it
     seconds: float  # that it took to compile
     able: tuple[Candidate, ...]
@@ -39,6 +47,8 @@ class Prepared:
         program = build_library(files, name, *methods)
         return Prepared(
             program,
+            files,
+            name,
             methods,
             time.perf_counter() - began,
             tuple(c for c in able if c.rows == LAND or not land),
@@ -52,5 +62,23 @@ class Prepared:
 
     def choose(self, settings: Settings, accuracy: float) -> Choice:
         trials = Trials(self.program, settings)
-        found = choose(Task(trials, self.able, self.exact, self.damped, accuracy, self.timed))
-        return replace(found, compile_seconds=self.seconds)
+        asked = Task(
+            trials,
+            self.able,
+            self.exact,
+            self.damped,
+            accuracy,
+            self.timed,
+            lambda: self._precise(trials),
+        )
+        return replace(choose(asked), compile_seconds=self.seconds)
+
+    def _precise(self, trials: Trials) -> Trials | None:
+        """From the same doubles."""
+        wide = numpy.finfo(numpy.longdouble).nmant >= WIDE
+        tools = precise_tools("long double" if wide else "__float128")[0]
+        try:
+            program = build_library(self.files, self.name, tools=tools)
+        except BuildError:
+            return None
+        return Trials(program, trials.given())

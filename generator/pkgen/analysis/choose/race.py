@@ -7,7 +7,7 @@ import math
 
 from . import search
 from .candidates import Candidate
-from .reference import Check, Task
+from .reference import Check, Task, growth
 from .search import Found
 from .trials import Trial
 
@@ -17,15 +17,10 @@ LEAST_CAP = 0.004  # seconds; a trial that takes less is not given up
 SLOWER = 1.3  # than the cheapest: not followed any further
 NEAR = (3.0, 1.3, 1.3)  # times the cheapest: timed again, in so many rounds
 TIE = 1.05
+# Times the reference's steps: of fixed ones the first, where rows are farther apart. Those of gauss
+# are nearly as long as any method's can be.
+FIRST, FIRST_OF_MANY = 4, 30
 LAPS = 0.002  # seconds
-
-
-def growth(asked: Task, check: Check, steady: bool) -> float:
-    """Of errors, from the span of the trials to the end: linearly where the method keeps the
-    energy (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, X.3), or where the
-    motion is damped; else with the square."""
-    ratio = asked.until / check.span
-    return ratio if steady or asked.damped else ratio**2
 
 
 class Race:
@@ -37,17 +32,25 @@ class Race:
         """All candidates, in their order."""
         asked, check = self.asked, self.check
         aim, every = MARGIN * asked.accuracy - 2 * check.floor, check.every or asked.every
-        found = []
+        found, first = [], FIRST if check.method == "gauss" else FIRST_OF_MANY
+        stride = first * check.span / max(check.exact.steps, 1)
         # First what the reference found to be able, so that others are given up soon.
-        for candidate in sorted(asked.able, key=lambda c: c.name != check.method):
+        for candidate in sorted(self._able(), key=lambda c: c.name != check.method):
             accuracy = aim / growth(asked, check, "symplectic" in candidate.method.flags)
-            start = every if candidate.method.fixed else accuracy
+            start = min(every, stride) if candidate.method.fixed else accuracy
             limit = SLOWER * self.best
             one = search.loosest(candidate, accuracy, start, every, limit, self._attempt)
             if one.kept is not None:
                 self.best = min(self.best, one.kept.seconds)
             found.append(one)
         return sorted(found, key=lambda f: asked.able.index(f.candidate))
+
+    def _able(self) -> list[Candidate]:
+        """Where it is round-off that forbids the accuracy to tight runs, errors of the energy are
+        what grows behind the part that is tried: those stay that keep it."""
+        steady = self.check.in_more_digits and self.check.span < self.asked.until
+        able = [c for c in self.asked.able if not steady or "symplectic" in c.method.flags]
+        return able or list(self.asked.able)
 
     def _attempt(self, candidate: Candidate, setting: float) -> Trial:
         cap = max(LEAST_CAP, 2 * SLOWER * min(self.best, 4 * self.check.exact.seconds))

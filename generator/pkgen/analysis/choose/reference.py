@@ -9,15 +9,23 @@ Linear equations have an exact flow: there the two runs are of one step a row, a
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 from ...record import record
-from .candidates import Candidate
-from .trials import LAND, Trial, Trials
+from .candidates import Candidate, alone
+from .trials import DENSE, LAND, Trial, Trials
 
 EXACT = "exponential"
 TOLERANCES = {"radau": (1e-13, 1e-12)}  # of order 5: no tighter
 USUAL = (1e-15, 1e-14)
 NOISE = 0.1  # a column is nothing but errors where two references differ by that much of it,
 TINY = 1e-10  # and it is that small beside others
+FINER = 1e-3  # a tolerance, of that in double; where there are more digits
+DIGITS = " in more digits"
+SLOWEST = 5.0  # seconds of such a run
+NEARLY = 0.2  # as far in the same time: the first, which goes to tighter tolerances
+LOOSE = 1e-13  # a tolerance that tells magnitudes, and of a column that vanishes that it does
 FLOOR = 0.3  # of the accuracy: a reference of a larger error forbids it, and two runs that differ
 # by less both keep it; their difference gives only the order of magnitude of each error
 ROUNDED = 2.0**-49  # of an exact flow: its coefficients are rounded once, which no run of it shows
@@ -37,6 +45,7 @@ class Task:
     damped: bool
     accuracy: float
     timed: bool = False  # the equations have the time in them
+    precise: Callable[[], Trials | None] = lambda: None  # the same in more digits, if there are
 
     @property
     def until(self) -> float:
@@ -73,6 +82,11 @@ class Check:
     @property
     def method(self) -> str:
         return self.exact.method
+
+    @property
+    def in_more_digits(self) -> bool:
+        """What trials are compared with; `exact` is not."""
+        return self.against.endswith(DIGITS)
 
 
 def tight(method: str, every: float) -> float:
@@ -126,7 +140,8 @@ class _Finder:
             if made[-1].arrived:
                 return made[-1]
         slow = [t for t in made if t.slow]
-        first = max(slow or made, key=lambda t: t.t)
+        far = max(t.t for t in slow or made)
+        first = next(t for t in slow or made if t.t >= NEARLY * far)
         if slow:
             self.span, self.interval = part(first.t, self.asked.every)
         return self.tight(first.method) if slow and self.span > 0 else first
@@ -139,6 +154,30 @@ class _Finder:
                 break
         return trial
 
+    def in_more_digits(self, check: Check) -> Check:
+        """Two tight runs in double differ by their own round-off, which that of another method may
+        be far below: beside two runs of more digits it is known whether one keeps the accuracy.
+        Where there are none, or they agree no better, the check stays."""
+        precise, asked = self.asked.precise(), self.asked
+        if precise is None:
+            return check
+        name = "gauss" if check.method == EXACT else check.method
+        precise.between, precise.ignored = self.trials.between, self.trials.ignored
+
+        def attempt(tolerance: float, max_step: float | None) -> Trial:
+            how = {"cap": SLOWEST, "every": self.interval, "max_step": max_step}
+            return precise.attempt(name, FINER * tolerance, LAND, self.span, **how)
+
+        exact = attempt(tight(name, 0.0), asked.max_step)
+        if not exact.arrived:
+            return check
+        precise.keep_as_exact()
+        again = attempt(loose(name, 0.0), other_steps(asked))
+        if not again.error < check.floor:
+            return check
+        self.trials.exact = precise.exact
+        return replace(check, floor=again.error, against=f"{name}{DIGITS}")
+
 
 def find(asked: Task, cap: float) -> Check:
     """Over the whole duration, or as far as `cap` seconds reach; exact rows stay in the trials."""
@@ -146,6 +185,9 @@ def find(asked: Task, cap: float) -> Check:
     exact = finder.farthest(cap)
     if not exact.arrived:
         return Check(exact, exact.t, 0.0, float("inf"), 0.0, "", ends=exact.reason)
+    dense = DENSE if "dense" in alone(exact.method).method.flags else LAND
+    between = finder.interval or asked.every if exact.method == EXACT else LOOSE
+    asked.trials.look_between(exact.method, between, dense, finder.span)
     scales = asked.trials.keep_as_exact()
     again = finder.loose(exact.method)
     beside = finder.beside(exact.method, max(5 * exact.seconds, cap))
@@ -160,7 +202,7 @@ def find(asked: Task, cap: float) -> Check:
     if ignored or unsure:  # what it holds is without them
         judge = finder.attempt(judge.method, judge.setting, max_step=judge.max_step)
     floor, rounded = _error(judge, (*ignored, *unsure)), ROUNDED if exact.method == EXACT else 0.0
-    return Check(
+    check = Check(
         exact=exact,
         span=finder.span,
         every=finder.interval,
@@ -170,6 +212,17 @@ def find(asked: Task, cap: float) -> Check:
         ignored=ignored,
         unsure=unsure,
     )
+    if floor * growth(asked, check, steady=False) <= FLOOR * asked.accuracy:
+        return check
+    return finder.in_more_digits(check)
+
+
+def growth(asked: Task, check: Check, steady: bool) -> float:
+    """Of errors, from the span of the trials to the end: linearly where the method keeps the
+    energy (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, X.3), or where the
+    motion is damped; else with the square."""
+    ratio = asked.until / check.span
+    return ratio if steady or asked.damped else ratio**2
 
 
 def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: float) -> Trial:

@@ -75,6 +75,11 @@ def _apart(choice: Choice) -> str:
     too long."""
     if choice.check.method == EXACT:
         return f"for round-off the tightest run is known to {choice.expected:.1e}"
+    if choice.check.in_more_digits:
+        return (
+            f"the best of all runs is off by {choice.expected:.1e} of one in more digits, for "
+            "round-off that the motion magnifies"
+        )
     much = f" by {choice.expected:.1e}" if math.isfinite(choice.expected) else ""
     return (
         f"two of the tightest runs differ{much}, by round-off that the motion magnifies or by "

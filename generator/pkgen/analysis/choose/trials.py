@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field
+from dataclasses import field, replace
 from pathlib import Path
 
 import numpy
@@ -14,6 +14,7 @@ from ...run.settings import Settings
 from ..chart.measure import Program
 
 LAND, DENSE = "land", "dense"
+MANY = 256  # rows, between which a column grows no larger than in them
 
 
 @record
@@ -52,11 +53,13 @@ class Rows:
     low: numpy.ndarray
     by_number: bool  # they are at crossings, whose times differ: the third is the third
     without: bool = False  # there were none: the start and the end are in their place
+    between: numpy.ndarray | None = None  # the largest magnitudes on the way from row to row
 
     @property
     def scales(self) -> numpy.ndarray:
-        """The largest magnitude of each column."""
-        return abs(self.x).max(axis=0, initial=0.0)
+        """The largest magnitude of each column, in the whole run."""
+        largest = abs(self.x).max(axis=0, initial=0.0)
+        return largest if self.between is None else numpy.maximum(largest, self.between)
 
     def found_in(self, tried: Rows) -> numpy.ndarray:
         """For each row the one of `tried` that is it; -1 where that is missing. Rows by time are at
@@ -113,6 +116,7 @@ class Trials(Program):
         self.exact: Rows | None = None
         self.ignored: set[int] = set()  # columns of rows
         self.last: Rows | None = None
+        self.between: numpy.ndarray | None = None  # as of Rows, of all that are kept
 
     @property
     def without(self) -> bool:
@@ -185,8 +189,20 @@ class Trials(Program):
 
     def keep_as_exact(self) -> tuple[float, ...]:
         """The rows of the last run; the largest magnitude of each column."""
-        self.exact = self.last
+        self.exact = replace(self.last, between=self.between)
         return tuple(map(float, self.exact.scales))
+
+    def look_between(self, method: str, setting: float, rows: str, span: float) -> None:
+        """Columns that are small in all rows, such as of an orbit that closes, or of the surface
+        that rows are at, have the size that they have on the way."""
+        if self.settings.at is None and len(self.last.t) > MANY:
+            return
+        but = {"until": span, "rows": rows, "diagnose": (), "at": None, "every": span / MANY}
+        done = self.run(method, setting, but=but, compared=1)
+        self.spent += done.report.get("processor", 0.0)
+        found = abs(self._rows(done).x)
+        if done.report.get("begun") and len(found) and numpy.isfinite(found).all():
+            self.between = found.max(axis=0)
 
     def ignore(self, column: int) -> None:
         self.ignored.add(column)

@@ -7,13 +7,14 @@ from ...record import record
 from . import reference, search
 from .candidates import Candidate, alone
 from .choice import GivenUp
-from .race import MARGIN, growth
-from .reference import FLOOR, Check, Task
+from .race import MARGIN
+from .reference import FLOOR, Check, Task, growth
 from .search import Found
 from .trials import Trial
 
 SECONDS = 5.0  # that a trial of the whole scene may take; else what is chosen is not verified
 TIGHTER = 0.03  # of the accuracy: the error of what a choice is compared with
+SAME = 0.9  # of a setting
 MENDED = 4  # times that the setting is mended
 
 
@@ -46,6 +47,8 @@ class Whole:
         floor = self.check.floor * growth(self.asked, self.check, steady=False)
         if best is None or floor > FLOOR * self.asked.accuracy:
             return self._tightest()
+        if self.check.in_more_digits:
+            return self._mended(best, [best], FLOOR * self.asked.accuracy)
         return self._mended(best, found, MARGIN * self.asked.accuracy - 2 * floor)
 
     def _mended(self, best: Found, found: list[Found], aim: float) -> Kept:
@@ -57,6 +60,8 @@ class Whole:
         scale = search.scale(candidate, self.asked.every)
         setting, judged = scale.allowed(best.kept.setting), self._tighter(judge, 1.0)
         for _ in range(MENDED):
+            if judge.candidate == candidate and judged > SAME * setting:
+                break  # there is nothing tighter
             if not self._run(judge.candidate, judged, self.asked.max_step).arrived:
                 break
             self.asked.trials.keep_as_exact()
