@@ -52,33 +52,33 @@ PREDICTIONS: list[Prediction] = [
     shown(
         "Y1", "x' = x (1 - x), rk4, its map", "x = 1 is lost from |R(-h)| = 1 on",
         axis_limit("rk4", -1), BOUNDARY, MAP.format("logistic.lag", "rk4"),
-        'mapped(report, "limit")', "--methods euler",
+        'mapped(report, "limit")', "--methods euler", long=True,
     ),
     shown(
         "Y2", "elastic pendulum 1:2, gauss1, its map", "A-stable, yet two modes turn by "
         "theta_1 + 2 theta_2 = 2 pi a step", turning(STRETCH, STRETCH / 2), 1e-6, ELASTIC,
-        'mapped(report, "1+2")', "--methods gauss2",
+        'mapped(report, "1+2")', "--methods gauss2", long=True,
     ),
     shown(
         "Y3", "elastic pendulum 1:2, gauss1, its map", "and there the smallest motion grows, by",
-        (1e2, 1e5), 0, ELASTIC, 'mapped(report, "1+2", "response")', "--methods gauss2",
+        (1e2, 1e5), 0, ELASTIC, 'mapped(report, "1+2", "response")', "--methods gauss2", long=True,
     ),
     shown(
-        "Y4", "Kepler, e = .9, verlet, its map", "within a factor of 2 of its limit over the fastest "
-        "rate, 2 r_p^1.5/sqrt 2", (sqrt(2) * 0.1**1.5 / 2, 2 * sqrt(2) * 0.1**1.5), 0,
+        "Y4", "Kepler, e = .9, verlet, its map", "within a factor of 2 of its limit over the "
+        "fastest rate, 2 r_p^1.5/sqrt 2", (sqrt(2) * 0.1**1.5 / 2, 2 * sqrt(2) * 0.1**1.5), 0,
         MAP.format("kepler.lag --set e=0.9", "verlet"), 'mapped(report, "local")',
-        "--methods suzuki4",
+        "--methods suzuki4", long=True,
     ),
     shown(
         "Y5", "Lorenz's equations, r = 15, rk4, their map", "rest is lost where |R(h lambda)| = 1",
         rk4_limit(lorenz_modes(15)), BOUNDARY, MAP.format("lorenz.lag --set r=15", "rk4"),
-        'mapped(report, "limit")', "--methods rk3",
+        'mapped(report, "limit")', "--methods rk3", long=True,
     ),
     shown(
         "Y6", "Lorenz's equations, r = 15, euler", "rest is lost at h = 2 |Re lambda|/|lambda|^2",
         EULER, BOUNDARY,
         f"for h in {around(EULER)}; do pkgen run lorenz.lag --set r=15 --start x=6.1102 "
-        "--start y=6.1101 --start z=14 --method euler --step $h --until 8000 --every 1; done",
+        "--start y=6.1101 --start z=14 --method euler --step $h --until 4000 --every 1; done",
         "edge of h: max(abs(x[-200:] - sqrt(8/3*14))) > max(abs(x[:200] - sqrt(8/3*14)))",
         "--method rk4",
     ),
