@@ -24,7 +24,7 @@ def mode(sign: int) -> float:
 
 
 SMALL = (
-    "pkgen run ../../../models/double_pendulum.lag --start theta1=1e-5 --start theta2={} "
+    'pkgen run ../../../models/double_pendulum.lag --start theta1=1e-5 --start "theta2={}" '
     '--start "theta1\'=0" --start "theta2\'=0" --method {} --until {} --every {}'
 )
 # Of what swings at one frequency, by recurrence of three samples.
@@ -95,11 +95,12 @@ PREDICTIONS = [
         lambda: reversal_lost("gauss1", 0.001),
         "rk4, h = .01", lambda: reversal_lost("rk4", 0.01), long=True,
     ),
-    Prediction(
+    listed(
         "D3b", "double pendulum from rest at .3, .3, gauss1, h = .001, to 60 s",
         "a regular orbit returns to its start but for", (1e-18, 1e-14), 0,
-        lambda: reversal_error("gauss1", (0.3, 0.3), 60, 0.001),
-        "rk4, h = .01", lambda: reversal_error("rk4", (0.3, 0.3), 60, 0.01),
+        SMALL.replace("1e-5", "0.3").format("0.3", "gauss1 --step 0.001", 60, 60)
+        + " --diagnose reversal", 'report["diagnostics"]["reversal"]["times"][-1][1]',
+        "--method rk4 --step 0.01",
     ),
     *(
         listed(

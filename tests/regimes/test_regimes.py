@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import os
 import re
+import shlex
+import subprocess
 from dataclasses import replace
 
 import pytest
@@ -13,6 +15,7 @@ from pkgen.run.build import runtime_methods
 from .catalogue import MISSING, PREDICTIONS
 from .chains import kink_frequency
 from .prediction import Prediction
+from .shown import LOOP, MODELS
 from .stability_page import (
     HEAD,
     PAGE,
@@ -73,8 +76,18 @@ def test_a_wrong_prediction_is_missed() -> None:
 def test_the_catalogue_is_large_enough() -> None:
     ids = [p.id for p in PREDICTIONS] + [m.id for m in MISSING]
     assert len(set(ids)) == len(ids)
-    own = [p for p in PREDICTIONS if p.own and not p.command]
-    assert len(own) >= 10 and sum("limit" in p.says for p in own) <= 3
+    own = [p for p in PREDICTIONS if p.own]
+    assert len(ids) >= 200 and len(own) >= 10 and sum("limit" in p.says for p in own) <= 3
+    assert sum(bool(p.command) for p in PREDICTIONS) > 0.7 * len(ids)
+
+
+def test_a_shell_reads_a_command_as_it_is_run() -> None:
+    commands = [command_of(e.id) for e in PREDICTIONS if e.command]
+    bodies = [m[3].replace(f"${m[1]}", "1") if (m := LOOP.fullmatch(c)) else c for c in commands]
+    script = "pkgen() { printf '%s\\t' \"$@\"; echo; }\n" + "\n".join(bodies)
+    said = subprocess.run(["sh", "-c", script], cwd=MODELS, capture_output=True, text=True)
+    read = [line.split("\t")[:-1] for line in said.stdout.splitlines()]
+    assert read == [shlex.split(body)[1:] for body in bodies] and not said.stderr
 
 
 # Methods that are none of the runtime's.

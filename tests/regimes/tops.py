@@ -112,21 +112,6 @@ def tumbling_closed(w1: float, w3: float) -> float:
     return float(4 * mp.ellipk(m) / rate)
 
 
-def body_start(w: tuple[float, float, float]) -> dict[str, float]:
-    return {f"omega(R).{axis}": rate for axis, rate in zip("xyz", w, strict=True)}
-
-
-def turn_a_period(w: tuple[float, float, float], method: str, h: float = 0.0) -> float:
-    """By how much the body is turned about its angular momentum when its rates are back."""
-    start = body_start(w)
-    probe = Probe("turning_body", method, h, start=start, tolerance=1e-14)
-    period = float(tumbling_closed(w[0], w[2]))
-    row = probe.at([period])[0]
-    momentum = np.array(w) * (1, 2, 3)
-    scalar, *vector = row[-5:-1]  # the last is the energy
-    return float(2 * np.arctan2(vector @ momentum / np.linalg.norm(momentum), scalar) % (2 * pi))
-
-
 def turn_closed(w: tuple[float, float, float]) -> float:
     """The precession of the third axis about the momentum, |L| (I1 w1^2 + I2 w2^2)/(L^2 - L3^2),
     over a period of the rates, Jacobi's functions: Landau and Lifshitz, Mechanics, section 37."""
@@ -148,16 +133,6 @@ def turn_closed(w: tuple[float, float, float]) -> float:
     quarter = mp.ellipk(m)
     ends = [quarter * k / 8 for k in range(9)]
     return float(4 * mp.sqrt(momentum2) * mp.quad(turn, ends) / rate % (2 * mp.pi))
-
-
-def fallen(method: str, spin: float, h: float = 0.0) -> float:
-    """The largest tilt in degrees of a top that sleeps upright but for 1e-6, through the pole where
-    Euler's angles end."""
-    set = {"I1": 1.0, "I2": 1.0, "I3": 0.5, "mgl": 1.0}
-    start = body_start((0.0, 0.0, 2 * spin)) | {"R.x": 5e-7}
-    rows = Probe("turning_body", method, h, set=set, start=start).at(np.linspace(0.05, 80, 1600))
-    w, x, y, z = rows[:, -5:-1].T
-    return float(degrees(acos((w**2 - x**2 - y**2 + z**2).min())))
 
 
 PREDICTIONS = [
@@ -228,18 +203,23 @@ PREDICTIONS = [
         for id, w in (("T4b", (0.01, 1, 0)), ("T4c", (0, 1, 0.01)))
     ),
     *(
-        Prediction(
+        listed(
             id, f"free top by its attitude from omega = ({w[0]}, {w[1]}, {w[2]}), gauss",
             "turned about its momentum in a period", turn_closed(w), 1e-9,
-            lambda w=w: turn_a_period(w, "gauss"),
-            "rkmk4, h = .1", lambda w=w: turn_a_period(w, "rkmk4", 0.1),
+            "pkgen run turning_body.lag "
+            + " ".join(f'--start "omega(R).{a}={x}"' for a, x in zip("xyz", w, strict=True))
+            + f" --method gauss --rtol 1e-14 --until {tumbling_closed(w[0], w[2])!r}",
+            f"2*arctan2((R_x[-1]*{w[0]} + R_y[-1]*2*{w[1]} + R_z[-1]*3*{w[2]})/"
+            f"sqrt({w[0]}**2 + 4*{w[1]}**2 + 9*{w[2]}**2), R_w[-1]) % (2*pi)",
+            "--method rkmk4 --step 0.1 --rtol -",
         )
         for id, w in (("T4d", (0.01, 1, 0)), ("T4e", (0, 1, 0.01)))
     ),
-    Prediction(
+    listed(
         "T3d", "sleeping top by its attitude, p_psi = 1.8, gauss",
-        "cos of the largest tilt is p_psi^2/2 - 1",
-        degrees(acos(1.8**2 / 2 - 1)), 1e-4, lambda: fallen("gauss", 1.8),
-        "lie_midpoint, h = .05", lambda: fallen("lie_midpoint", 1.8, 0.05),
+        "cos of the largest tilt is p_psi^2/2 - 1", degrees(acos(1.8**2 / 2 - 1)), 1e-4,
+        "pkgen run turning_body.lag --set I1=1 --set I2=1 --set I3=0.5 --set mgl=1 "
+        '--start "omega(R).z=3.6" --start R.x=5e-7 --method gauss --until 80 --every 0.05',
+        "acos(min(R_w**2 - R_x**2 - R_y**2 + R_z**2))*180/pi", "--method lie_midpoint --step 0.05",
     ),
 ]  # fmt: skip
