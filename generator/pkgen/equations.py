@@ -217,6 +217,7 @@ class Equations:
     )
     terms: tuple[Row, Row] | None = None  # in C: sizes of the terms of phi and of J v + j0
     particles: Particles | None = None  # None: not asked for
+    fast: Row | None = None  # the acceleration by the part of V that is named so; None: none is
 
     @property
     def moving(self) -> tuple[str, ...]:
@@ -304,6 +305,7 @@ class Facts:
     switched: bool = False  # smooth but for switches, which a run locates
     linear_drag: bool = False  # separable but for forces C v with constant C
     affine_rates: bool = False  # ... with any C(q, t)
+    fast: bool = False  # of forces of q and t alone, a part is named
     claims: tuple[Claim, ...] = ()
     symmetries: Symmetries | None = None  # None: not asked for
 

@@ -136,6 +136,8 @@ def called(of: str | Method) -> frozenset[str]:
         kernels |= {"advance"}  # of families kept as loops
     if traits & {"linear", "exact"}:
         kernels |= {"mass", "linear"}
+    if "fast" in method.requires:
+        kernels |= {"fast"}
     if "jacobians" in traits:
         kernels |= {"canonical", "mass", "jacobian"}
     if "holonomic" in traits:  # of systems with rotations or constraints: unconstrained and inertia

@@ -310,4 +310,5 @@ class Model:
     constraints: tuple[Constraint, ...] = ()
     drawings: tuple[Drawing, ...] = ()
     views: tuple[Drawing, ...] = ()
+    fast: tuple[Expr, ...] = ()  # what of the potential is
     methods: tuple[Own, ...] = ()  # that it brings beside the runtime's

@@ -37,6 +37,7 @@ static const struct {
      "constant coefficients"},
     {PK_AFFINE_RATES, "of constant M, its forces affine in the rates"},
     {PK_MASS_CONSTANT, "of constant M"},
+    {PK_FAST, "of which a part is named (statement `fast`)"},
     {PK_QUADRATIC, "of second degree in the rates"},
     {PK_SMOOTH, "smooth, without abs, min, max or step (use dop853, or stop and restart at kinks)"},
     {PK_VARIATIONAL, "variational: no forces besides those of L"},

@@ -147,6 +147,7 @@ _SPECS = (
         exists=lambda e: e.linear is not None,
         given=("a",),
     ),
+    optional("fast", "the part of a that is named fast", "a", lambda e: e.fast or ()),
     _scalar("energy", "h = v.p - L"),
     _scalar("lagrangian", "L"),
     _scalar("kinetic", "T"),

@@ -43,7 +43,7 @@ _OPERATORS = {
     "..": "DOTS",
 }  # fmt: skip
 _VALUE_ENDS = frozenset(["NAME", "NUMBER", "PRIME", "COMPONENT", "RPAREN", "RBRACKET", "UNIT"])
-_DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.soft)
+_DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.syntax == "draw")
 _CLOSERS = {"(": ")", "[": "]"}
 _AXES = {f".{name}": axis for axis, name in enumerate(COMPONENTS)}
 _TOKENS = 4 * limits.NODES  # enough for so many nodes; more would only cost memory

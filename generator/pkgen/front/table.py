@@ -52,6 +52,7 @@ kinetic     single   dynamics.energy     kinetic     -     energy m/2*x'^2
 potential   single   dynamics.energy     potential   -     energy m*g*x
 lagrangian  single   dynamics.energy     lagrangian  -     energy m/2*x'^2 - m*g*x
 dissipation single   dynamics.energy     dissipation -     power  b/2*x'^2
+fast        single   dynamics.energy     fast        -     energy k/2*x^2
 force       define   dynamics.force      forces      -     -      COORDINATE = EXPRESSION
 constraint  equation constraints.equation constraints -    energy NAME: A = B
 rolling     equation constraints.equation constraints -    power  NAME: A = B
@@ -91,7 +92,7 @@ class Statement:
     @property
     def soft(self) -> bool:
         """Its word is one at the start of a statement alone, and else a name."""
-        return self.syntax == "draw"
+        return self.syntax == "draw" or self.fills == "fast"
 
     @property
     def stands_in(self) -> str:

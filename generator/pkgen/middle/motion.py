@@ -58,6 +58,7 @@ class Energies:
     kinetic: Node | None
     potential: Node | None
     dissipation: Node
+    fast: Node = ZERO
 
 
 @record

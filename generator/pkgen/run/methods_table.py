@@ -28,6 +28,7 @@ h lambda  the same of a decay q'' = -lambda q'
 
 WORDS = {
     "linear drag": "separable but for linear drag",
+    "fast": "of which a part is named fast",
     "affine rates": "of constant M, its forces affine in the rates",
 }
 

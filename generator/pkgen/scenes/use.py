@@ -261,6 +261,8 @@ def _use(name: str, asked: Overrides, swarm: bool = True) -> Use:
         if columns is None or frozenset(REDUCTIONS) <= asked.off:
             return None
         method = known(used.methods).get(asked.method or scene.method)
+        if method is not None and "fast" in method.requires:
+            return None
         return Needs(
             frozenset(columns) | scene_model.needed(scene),
             scene_model.events(scene) | {asked.event_of(scene)},

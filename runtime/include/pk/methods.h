@@ -59,6 +59,15 @@
     X(A, boris6, 6, 9, 0, PK_SYMMETRIC | PK_LINEAR, kahan_li6,                                     \
       "nine steps of boris; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
 
+/* Likewise. Evaluations a step are as many as inner steps are. */
+#define PK_NEEDS_RESPA (PK_MASS_CONSTANT | PK_SEPARABLE | PK_FAST)
+#define PK_METHODS_RESPA(X, A)                                                                     \
+    X(A, respa, 2, 0, 0, PK_TRAITS_SYMPLECTIC, verlet,                                             \
+      "slow kicks around ten fast Verlet steps; M. Tuckerman et al., J. Chem. Phys. 97 (1992) "    \
+      "1990")                                                                                      \
+    X(A, respa4, 4, 0, 0, PK_TRAITS_SYMPLECTIC, suzuki4,                                           \
+      "five steps of respa; M. Suzuki, Phys. Lett. A 146 (1990) 319")
+
 #define PK_NEEDS_ADAPTIVE_VERLET (PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS)
 #define PK_METHODS_ADAPTIVE_VERLET(X, A)                                                           \
     X(A, adaptive_verlet, 2, 1, 2, PK_SYMMETRIC | PK_ADAPTIVE | PK_DENSE | PK_LINEAR, none,        \
@@ -166,7 +175,7 @@
 /* All but GSL's, in the order in which they are listed. */
 #define PK_METHODS_CORE(X, A)                                                                      \
     PK_METHODS_ERK(X, A) PK_METHODS_SPLITTING(X, A) PK_METHODS_BORIS(X, A)                         \
-    PK_METHODS_ADAPTIVE_VERLET(X, A)                                                               \
+    PK_METHODS_RESPA(X, A) PK_METHODS_ADAPTIVE_VERLET(X, A)                                        \
     PK_METHODS_COLLOCATION(X, A) PK_METHODS_EMBEDDED(X, A) PK_METHODS_GAUSS(X, A)                  \
     PK_METHODS_RADAU(X, A) PK_METHODS_EXPONENTIAL(X, A) PK_METHODS_LIE_MIDPOINT(X, A)              \
     PK_METHODS_RATTLE(X, A) PK_METHODS_RKMK(X, A)

@@ -26,16 +26,16 @@ PK_BEGIN
  * loaded at run time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 49u
+#define PK_ABI 53u
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 50u
+#define PK_ABI 54u
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 51u
+#define PK_ABI 55u
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 48u
+#define PK_ABI 52u
 #endif
 extern const char PK_SCALAR[];
 
@@ -53,7 +53,8 @@ enum pk_fact {
     PK_SWITCHED = 1u << 9,     /* smooth with the sides of all switches given */
     /* Not separable, but nearly: M constant, no first-order variables, no constraints, and */
     PK_LINEAR_DRAG = 1u << 10, /* f = g(q, t, u) + C v with constant C */
-    PK_AFFINE_RATES = 1u << 11 /* f = g(q, t, u) + C(q, t, u) v */
+    PK_AFFINE_RATES = 1u << 11, /* f = g(q, t, u) + C(q, t, u) v */
+    PK_FAST = 1u << 12          /* separable, and a part of the forces is named: see fast() */
 };
 
 /* What may jump across a switch: L or a constraint of positions; a rolling's row. */
@@ -307,6 +308,7 @@ struct pk_system {
      * model has solved M a = f itself), and canonical() then does not give the momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
+    pk_kernel *fast; /* the acceleration by what the model names fast; NULL: nothing is */
 
     /* The acceleration of PK_LANES states at once: t[l], q[i * PK_LANES + l], and so on. Bit l of
      * the result: lane l failed as acceleration() does, and a is not to be used there. With the

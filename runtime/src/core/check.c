@@ -74,6 +74,7 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
         {"acceleration", ~0u, system->acceleration != NULL},
         {"canonical", PK_JACOBIANS | plain, system->canonical != NULL},
         {"jacobian", PK_JACOBIANS, system->jacobian != NULL},
+        {"fast", method->needs & PK_FAST ? ~0u : 0, system->fast != NULL},
         {"linear", PK_LINEAR, system->linear != NULL},
         {"mass", PK_JACOBIANS | PK_LINEAR | plain, system->mass != NULL},
     };

@@ -48,10 +48,16 @@ static void linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *
     jacobian(params, t, q, v, u, r_t, r_q, r_v); /* r = pdot, M = 1, and nothing depends on t */
 }
 
+static void fast(ARGS, pk_real *a)
+{
+    UNUSED;
+    a[0] = 0;
+}
+
 enum {
     DAMPED = PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_AUTONOMOUS | PK_SMOOTH |
         PK_AFFINE | PK_LINEAR_DRAG,
-    FREE = DAMPED | PK_SEPARABLE | PK_CONSERVATIVE | PK_VARIATIONAL
+    FREE = DAMPED | PK_SEPARABLE | PK_CONSERVATIVE | PK_VARIATIONAL | PK_FAST
 };
 
 static const struct pk_system linear_system = {.abi = PK_ABI,
@@ -62,7 +68,8 @@ static const struct pk_system linear_system = {.abi = PK_ABI,
                                                .mass = mass,
                                                .canonical = canonical,
                                                .jacobian = jacobian,
-                                               .linear = linear};
+                                               .linear = linear,
+.fast = fast};
 
 /* One step of h from (q, v), by the integrator; q and v become its end. */
 static enum pk_status run(const struct pk_method *method, struct spring params, pk_real h,

@@ -37,13 +37,13 @@ if TYPE_CHECKING:
 # The fields of Structure that prove what enum pk_fact has, in the order of that.
 FACTS = """
     mass_constant mass_diagonal quadratic separable autonomous conservative variational smooth
-    affine switched linear_drag affine_rates
+    affine switched linear_drag affine_rates fast
 """
 
 # Kernels that struct pk_system has, and where: in its core, or in a part.
 _IN_CORE = """
     acceleration mass force canonical gradient jacobian energy kinetic potential observe conserve
-    linear unconstrained inertia
+    linear unconstrained inertia fast
 """
 SYSTEM_KERNELS = {
     **{name: name for name in _IN_CORE.split()},

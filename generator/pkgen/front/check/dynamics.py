@@ -46,6 +46,9 @@ class Dynamics(Checks):
             message = f"{keyword} cannot use the rate of the state '{min(facts.state_rates)}'"
             help = "rates follow from the energies: write what stands after 'rate' in its place"
             self.report.error(message, self._rate_of_a_state(statement.value), help)
+        if keyword == "fast" and facts.rates:
+            message = "fast names a part of the potential, and has a rate in it"
+            self.report.error(message, statement.value.span, "leave the terms with rates out of it")
         if not power:
             self.shared.energies.append(facts)
         self.shared.use_inputs(facts)

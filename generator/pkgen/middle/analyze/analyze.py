@@ -63,6 +63,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         separable=separable,
         linear_drag=of_v == CONSTANT,
         affine_rates=of_v in (CONSTANT, VARYING),
+        fast=separable and equations.fast is not None,
         autonomous=autonomous,
         conservative=n > 0
         and unforced

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 from ... import limits
 from ...equations import Equations, Named, ParameterSlot, Quantity, Row
+from ...graph.differentiate import gradient
 from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node, Symbol
 from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
@@ -19,7 +20,7 @@ from ..expand.expand import Expander
 from ..expand.names import entered
 from ..motion import PARTICLES, Energies, Motion, Wanted
 from ..naming import naming
-from ..quantities import error, families, indexed, input_quantities, quantities
+from ..quantities import error, families, indexed, input_quantities, quantities, symbols
 from .constrain import CannotConstrain
 from .constraint_start import wrong_starts
 from .constraints import cannot_constrain, define_multipliers, rows_of
@@ -105,6 +106,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         state_start=state_start,
         particles=bodies,
         attitudes=x.attitudes,
+        fast=_fast(x, energies.fast, found),
         **found.fields(),
     )
     return located(equations)
@@ -120,7 +122,7 @@ def _energies(x: Expander) -> Energies:
             for index, loop in x.unrolled(item.index, item.range):
                 x.define(item.name, index, x.value(item.value, loop))
     totals: dict[str, Node] = {}
-    for kind in ("kinetic", "potential", "lagrangian", "dissipation"):
+    for kind in ("kinetic", "potential", "lagrangian", "dissipation", "fast"):
         totals[kind] = ZERO
         for expr in getattr(model, kind):
             with x.statement(expr.span):
@@ -134,7 +136,18 @@ def _energies(x: Expander) -> Energies:
         kinetic=None if stated else kinetic,
         potential=None if stated else potential,
         dissipation=totals["dissipation"],
+        fast=totals["fast"],
     )
+
+
+def _fast(x: Expander, fast: Node, found: Derived) -> Row | None:
+    """The acceleration by a part of V alone."""
+    if not x.model.fast or found.constraints is not None:
+        return None
+    by = gradient(x.graph, fast, BIT[Kind.COORDINATE])
+    q = symbols(x.graph, Kind.COORDINATE, len(found.motion.force))
+    pull = tuple(x.graph.negate(by.get(symbol, ZERO)) for symbol in q)
+    return (solve(x.graph, found.motion.mass, pull) or (None,))[0]
 
 
 def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:

@@ -103,6 +103,7 @@ def as_rates(
     unseen = (Quantity(f"integral of {q.name}", "", "of no use: v has the state") for q in e.states)
     whole = replace(
         e,
+        fast=None,
         unconstrained=own,
         constraints=constraints,
         terms=_terms(g, constraints),

@@ -39,6 +39,8 @@ def _derive(x: LoopExpander) -> LoopEquations:
         raise Unrolled("no family of coordinates has a length that depends on a size")
     if model.events:
         raise Unrolled(f"'{model.events[0].name}' is an event")
+    if model.fast:
+        raise Unrolled("a part of the potential is named fast")
     found: dict[str, list[tuple[Term, int]]] = {}
     for kind, sign in (("kinetic", 1), ("potential", -1), ("lagrangian", 1)):
         found[kind] = []

@@ -53,6 +53,7 @@ def reduce(
     equations: Equations, structure: Structure, needs: Needs, kernels: frozenset[str] | None
 ) -> Reduced:
     """No more equations than are needed, with the kernels asked for (None: all)."""
+    equations = replace(equations, fast=None)  # whose method takes equations that are not reduced
     state = State(equations, structure, Report())
     for name, reduction in REDUCTIONS.items():
         if name not in needs.off:

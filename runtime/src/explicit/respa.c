@@ -1,0 +1,89 @@
+/* Impulse multiple time stepping, r-RESPA, for separable systems of which a part of the forces is
+ * named fast, a = a_fast(q, t) + a_slow(q, t): half a kick by a_slow, short Verlet steps by a_fast
+ * alone, half a kick by a_slow,
+ *
+ *     v += h/2 a_slow,    `inner` steps of Verlet of h/inner,    v += h/2 a_slow.
+ *
+ * The forces of a step are all evaluated once, the fast ones once an inner step more. Any part of V
+ * makes it symplectic and symmetric; what it is good for is a stiff and cheap one. A kick each h in
+ * tune with a fast oscillation feeds it: near h omega = pi, 2 pi, ... steps grow, however short the
+ * inner ones are. Inner steps are options.h_max at most; of 0, TEN of them. The table's drifts are
+ * the fractions of the step that such steps are.
+ *
+ * References: M. Tuckerman, B. J. Berne, G. J. Martyna, J. Chem. Phys. 97 (1992) 1990; H. Grubmueller
+ * et al., Mol. Simul. 6 (1991) 121; GNI VIII.4; of the resonance J. J. Biesiadecki, R. D. Skeel, J.
+ * Comput. Phys. 109 (1993) 318.
+ */
+#include <pk/step/tables.h>
+
+#include "../core/generic.h"
+#include "../core/tableau.h"
+
+enum { TEN = 10 };
+
+struct work {
+    pk_real *fast, *slow;
+};
+
+static size_t lay_out(struct work *w, size_t n, pk_real *base)
+{
+    const struct pk_slot slots[] = {{&w->fast, n}, {&w->slow, n}};
+    return PK_LAY_OUT(base, slots);
+}
+
+static size_t respa_size(const struct pk_method *method, size_t n)
+{
+    struct work w;
+    (void)method;
+    return lay_out(&w, n, NULL);
+}
+
+static void evaluate_fast(struct pk_integrator *it, const struct work *w, pk_real t,
+                          const pk_real *z)
+{
+    const pk_real *u = pk_eval_input(it, t);
+    it->problem.system->fast(it->problem.params, t, z, z + it->n, u, w->fast);
+}
+
+/* `fast` and `slow` of z at t. */
+static enum pk_status evaluate(struct pk_integrator *it, const struct work *w, pk_real t,
+                               const pk_real *z)
+{
+    PK_TRY(pk_eval_acceleration(it, t, z, z + it->n, w->slow));
+    evaluate_fast(it, w, t, z);
+    for (size_t i = 0; i < it->n; i++)
+        w->slow[i] -= w->fast[i];
+    return PK_DONE;
+}
+
+static enum pk_status respa_step(struct pk_integrator *it, pk_real limit)
+{
+    const struct pk_splitting *table = (const struct pk_splitting *)it->method->table;
+    const size_t n = it->n;
+    const pk_real *from = it->own->state;
+    pk_real *to = it->own->next, t = it->t;
+    struct work w;
+    (void)limit;
+    lay_out(&w, n, it->own->work);
+    PK_TRY(evaluate(it, &w, t, from));
+    for (int i = 0; i < table->stages; i++) {
+        const pk_real h = table->drift[i] * it->own->h, most = it->options.h_max;
+        const pk_real many = most > 0 ? PK_F(ceil)(pk_abs(h) / most * (1 - 8 * PK_EPS)) : TEN;
+        const pk_real part = h / pk_max(many, 1), t0 = t;
+        pk_kick_drift(n, h / 2, w.slow, 0, from, to);
+        for (pk_real k = 1; k <= pk_max(many, 1); k++) {
+            pk_kick_drift(n, part / 2, w.fast, part, to, to);
+            t = t0 + k * part;
+            evaluate_fast(it, &w, t, to);
+            pk_kick(n, part / 2, w.fast, to);
+        }
+        PK_TRY(evaluate(it, &w, t, to));
+        pk_kick(n, h / 2, w.slow, to);
+        from = to;
+    }
+    return PK_DONE;
+}
+
+#define RESPA(of) \
+    .needs = PK_NEEDS_RESPA, .table = &pk_##of##_table, .size = respa_size, .step = respa_step
+PK_METHODS_RESPA(PK_DEFINE_METHOD, RESPA)
