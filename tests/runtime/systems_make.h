@@ -24,6 +24,18 @@ static void bounds(const void *params, pk_real *lo, pk_real *hi)
     hi[0] = hi[1] = (pk_real)INFINITY;
 }
 
+/* A part of the acceleration, which may be any. */
+static inline void fast_1(ARGS, pk_real *a)
+{
+    UNUSED;
+    a[0] = -q[0] / 3;
+}
+static inline void fast_2(ARGS, pk_real *a)
+{
+    fast_1(params, t, q, v, u, a);
+    fast_1(params, t, q + 1, v, u, a + 1);
+}
+
 static const struct pk_parameter parameters[] = {
     {{"g", "", ""}, offsetof(struct test_params, g), 0, 1, 0},
     {{"limit", "", ""}, offsetof(struct test_params, limit), 0, 0, 0}};
@@ -119,6 +131,7 @@ static const unsigned char none_cyclic[] = {0, 0};
                                             .gradient = NAME##_gradient,                \
                                             .jacobian = NAME##_jacobian,                \
                                             .energy = NAME##_energy,                    \
+                                            .fast = fast_##N,                           \
                                             .members = NAME##_members,                  \
                                             .steppers = PK_INLINE_STEPPERS,             \
                                             .block_steppers = PK_INLINE_BLOCK_STEPPERS, \
@@ -127,7 +140,7 @@ static const unsigned char none_cyclic[] = {0, 0};
 #define LIST(...) {__VA_ARGS__}
 #define NATURAL                                                                          \
     (PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_QUADRATIC | PK_SEPARABLE | PK_AUTONOMOUS | \
-     PK_CONSERVATIVE | PK_VARIATIONAL | PK_SMOOTH)
+     PK_CONSERVATIVE | PK_VARIATIONAL | PK_SMOOTH | PK_FAST)
 #define GENERAL (NATURAL & ~(unsigned)(PK_MASS_CONSTANT | PK_MASS_DIAGONAL | PK_SEPARABLE))
 #define DRIVEN (NATURAL & ~(unsigned)(PK_AUTONOMOUS | PK_CONSERVATIVE))
 

@@ -100,7 +100,7 @@ static void step_against_table(enum pk_axis axis)
         const struct pk_method *m = pk_method_at(i);
         double interval[2], map[4] = {0};
         if (!pk_method_growth(m, axis, 0, interval) || interval[0] > 1e30 ||
-            (m->traits & PK_IMPLICIT))
+            (m->traits & PK_IMPLICIT) || m->needs & PK_FAST) /* something is fast here */
             continue;
         found++;
         const double limit = interval[0];

@@ -25,7 +25,7 @@ static void refused(void)
         CU_ASSERT(fixture_run(&f, &oscillator_system, name, 0.01, 1) == PK_DONE);
         found++;
     }
-    CU_ASSERT(found == 12);
+    CU_ASSERT(found == 14);
     /* What the kernel `linear` and inputs decide. */
     CU_ASSERT(fixture_run(&f, &forced_system, "gsl_msbdf", 1e-6, 1) == PK_REFUSED);
     CU_ASSERT(strstr(reason(&f), "derivatives of the acceleration") != NULL);

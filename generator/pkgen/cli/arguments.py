@@ -109,7 +109,7 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
     )
     own_methods(parser)
     add("--step", metavar="H", help="of a method with fixed steps; else the first step")
-    add("--max-step", metavar="H", help="of an adaptive method")
+    add("--max-step", metavar="H", help="of an adaptive method, and of respa's inner steps")
     add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
     add("--atol", metavar="A", help="default: R times the scale that the motion shows")
     add("--every", metavar="DT", help="time between rows (default: a thousandth of the duration)")

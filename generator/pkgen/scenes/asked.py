@@ -194,7 +194,8 @@ def _method(options: argparse.Namespace, of_scene: str, own: tuple[Own, ...]) ->
         raise UsageError(unknown("--method", options.method, methods, "method"))
     name = options.method or of_scene
     if name and "adaptive" not in methods[name].traits:
-        for option in ("rtol", "atol", "max_step"):
+        inner = "fast" in methods[name].requires  # of whose steps one is the longest
+        for option in ("rtol", "atol", *(() if inner else ("max_step",))):
             if getattr(options, option) is not None:
                 shown = "--" + option.replace("_", "-")
                 raise UsageError(f"{shown} is for adaptive methods, which {name} is not")

@@ -55,8 +55,9 @@ struct pk_options {
                      and gauss takes 2 PK_EPSILON at least. */
     pk_real atol; /* PK_ATOL_OF_MOTION: rtol times the largest value that the coordinate or rate has
                      had, at least 1e-6 of the largest of one of the same unit */
-    pk_real h_min;           /* adaptive: a shorter one is PK_STEP_UNDERFLOW, as is ten ulp of t */
-    pk_real h_max;           /* adaptive, and the inner step of respa; 0: none. A last step may be 1% longer. */
+    pk_real h_min; /* adaptive: a shorter one is PK_STEP_UNDERFLOW, as is ten ulp of t */
+    pk_real
+        h_max; /* adaptive, and the inner step of respa; 0: none. A last step may be 1% longer. */
     unsigned long max_steps; /* 0: no bound. PK_NO_PROGRESS ends a run early if, at the mean
                                 length of the last half of the steps, more than max_steps (of 0:
                                 1e9) would be needed to arrive or to double the time passed so

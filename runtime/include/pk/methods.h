@@ -59,13 +59,13 @@
     X(A, boris6, 6, 9, 0, PK_SYMMETRIC | PK_LINEAR, kahan_li6,                                     \
       "nine steps of boris; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
 
-/* Likewise. Evaluations a step are as many as inner steps are. */
+/* Likewise; stages with ten inner steps. */
 #define PK_NEEDS_RESPA (PK_MASS_CONSTANT | PK_SEPARABLE | PK_FAST)
 #define PK_METHODS_RESPA(X, A)                                                                     \
-    X(A, respa, 2, 0, 0, PK_TRAITS_SYMPLECTIC, verlet,                                             \
+    X(A, respa, 2, 12, 0, PK_TRAITS_SYMPLECTIC, verlet,                                             \
       "slow kicks around ten fast Verlet steps; M. Tuckerman et al., J. Chem. Phys. 97 (1992) "    \
       "1990")                                                                                      \
-    X(A, respa4, 4, 0, 0, PK_TRAITS_SYMPLECTIC, suzuki4,                                           \
+    X(A, respa4, 4, 56, 0, PK_TRAITS_SYMPLECTIC, suzuki4,                                           \
       "five steps of respa; M. Suzuki, Phys. Lett. A 146 (1990) 319")
 
 #define PK_NEEDS_ADAPTIVE_VERLET (PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS)

@@ -52,7 +52,7 @@ enum pk_fact {
     PK_AFFINE = 1u << 8,       /* a = A q + B v + c with constant A, B, c; no t and no inputs */
     PK_SWITCHED = 1u << 9,     /* smooth with the sides of all switches given */
     /* Not separable, but nearly: M constant, no first-order variables, no constraints, and */
-    PK_LINEAR_DRAG = 1u << 10, /* f = g(q, t, u) + C v with constant C */
+    PK_LINEAR_DRAG = 1u << 10,  /* f = g(q, t, u) + C v with constant C */
     PK_AFFINE_RATES = 1u << 11, /* f = g(q, t, u) + C(q, t, u) v */
     PK_FAST = 1u << 12          /* separable, and a part of the forces is named: see fast() */
 };

@@ -79,8 +79,9 @@ static void described(struct json *j, const struct pk_method *m)
                                          "dense",      "jacobians", "linear",    "no_inputs",
                                          "quadrature", "exact",     "holonomic", "group"};
     static const char *const facts[] = {
-        "mass_constant", "mass_diagonal", "quadratic", "separable", "autonomous",  "conservative",
-        "variational",   "smooth",        "affine",    "switched",  "linear_drag", "affine_rates", "fast"};
+        "mass_constant", "mass_diagonal", "quadratic", "separable", "autonomous",
+        "conservative",  "variational",   "smooth",    "affine",    "switched",
+        "linear_drag",   "affine_rates",  "fast"};
     json_open(j, NULL, '{');
     json_text(j, "name", m->name);
     json_reals(j, {"order", m->order}, {"stages", m->stages}, {"dense_order", m->dense_order});

@@ -69,7 +69,7 @@ static const struct pk_system linear_system = {.abi = PK_ABI,
                                                .canonical = canonical,
                                                .jacobian = jacobian,
                                                .linear = linear,
-.fast = fast};
+                                               .fast = fast};
 
 /* One step of h from (q, v), by the integrator; q and v become its end. */
 static enum pk_status run(const struct pk_method *method, struct spring params, pk_real h,

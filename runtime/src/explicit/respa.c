@@ -4,7 +4,7 @@
  *
  *     v += h/2 a_slow,    `inner` steps of Verlet of h/inner,    v += h/2 a_slow.
  *
- * The forces of a step are all evaluated once, the fast ones once an inner step more. Any part of V
+ * All forces are evaluated once a step, the fast ones once an inner step more, and are counted so. Any part of V
  * makes it symplectic and symmetric; what it is good for is a stiff and cheap one. A kick each h in
  * tune with a fast oscillation feeds it: near h omega = pi, 2 pi, ... steps grow, however short the
  * inner ones are. Inner steps are options.h_max at most; of 0, TEN of them. The table's drifts are
@@ -43,16 +43,18 @@ static void evaluate_fast(struct pk_integrator *it, const struct work *w, pk_rea
 {
     const pk_real *u = pk_eval_input(it, t);
     it->problem.system->fast(it->problem.params, t, z, z + it->n, u, w->fast);
+    it->count.evaluations++;
 }
 
-/* `fast` and `slow` of z at t. */
-static enum pk_status evaluate(struct pk_integrator *it, const struct work *w, pk_real t,
-                               const pk_real *z)
+/* `slow` of z at t, where `fast` is known; `a` is, or is written. */
+static enum pk_status evaluate_slow(struct pk_integrator *it, const struct work *w, pk_real t,
+                                    const pk_real *z, const pk_real *a)
 {
-    PK_TRY(pk_eval_acceleration(it, t, z, z + it->n, w->slow));
-    evaluate_fast(it, w, t, z);
+    pk_real *own = it->own->next + PK_A * it->n;
+    if (!a)
+        PK_TRY(pk_eval_acceleration(it, t, z, z + it->n, own));
     for (size_t i = 0; i < it->n; i++)
-        w->slow[i] -= w->fast[i];
+        w->slow[i] = (a ? a : own)[i] - w->fast[i];
     return PK_DONE;
 }
 
@@ -65,7 +67,8 @@ static enum pk_status respa_step(struct pk_integrator *it, pk_real limit)
     struct work w;
     (void)limit;
     lay_out(&w, n, it->own->work);
-    PK_TRY(evaluate(it, &w, t, from));
+    evaluate_fast(it, &w, t, from);
+    PK_TRY(evaluate_slow(it, &w, t, from, it->own->flags & PK_HAVE_A ? from + PK_A * n : NULL));
     for (int i = 0; i < table->stages; i++) {
         const pk_real h = table->drift[i] * it->own->h, most = it->options.h_max;
         const pk_real many = most > 0 ? PK_F(ceil)(pk_abs(h) / most * (1 - 8 * PK_EPS)) : TEN;
@@ -77,10 +80,12 @@ static enum pk_status respa_step(struct pk_integrator *it, pk_real limit)
             evaluate_fast(it, &w, t, to);
             pk_kick(n, part / 2, w.fast, to);
         }
-        PK_TRY(evaluate(it, &w, t, to));
+        PK_TRY(evaluate_slow(it, &w, t, to, NULL));
         pk_kick(n, h / 2, w.slow, to);
         from = to;
     }
+    if (pk_all_finite(to, 2 * n))
+        it->own->flags |= PK_HAVE_A;
     return PK_DONE;
 }
 

@@ -115,6 +115,8 @@ def predictions(
     first-order variables, which turn in no plane of their own), branches at the unstable ones; of
     equilibria with the same modes, mirror images, at one. Then the scale of the motion's `rates`.
     """
+    if "fast" in step.traits.requires:
+        return []  # which modes its inner steps take is in no spring
     found: list[Prediction] = []
     seen: set[tuple[str, str]] = set()
     order = sorted(range(len(rest.equilibria)), key=lambda k: k != primary)

@@ -1,0 +1,127 @@
+"""Impulse multiple time stepping: orders, the form, inner steps and resonances, refusals."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pkgen as api
+import pytest
+from conftest import run_pkgen
+from scipy.integrate import solve_ivp
+
+UNTIL = 1.0
+
+
+class Drawn:
+    """M a = -(K + f) q - sin(P q) P + A cos t, whose springs K are stiff and named fast."""
+
+    def __init__(self, seed: int):
+        draw = np.random.default_rng(seed)
+        n = self.n = int(draw.integers(2, 4))
+        root = np.eye(n) + 0.2 * draw.normal(size=(n, n))
+        self.M = np.round(root @ root.T, 3)
+        self.P, self.A = (np.round(draw.uniform(0.5, 1.5, n), 3) for _ in range(2))
+        self.k = np.round(draw.uniform(100, 400, n), 1)
+        self.start = np.round(draw.normal(size=2 * n) * np.repeat([0.1, 1], n), 3)
+
+    def slope(self, t: float, y: np.ndarray) -> np.ndarray:
+        q, v = np.split(y, 2)
+        f = -self.k * q - q**3 * self.k - np.sin(self.P @ q) * self.P + self.A * np.cos(t)
+        return np.concatenate([v, np.linalg.solve(self.M, f)])
+
+    def model(self, folder: Path) -> api.Model:
+        names = range(self.n)
+        pairs = (f"{self.M[i, j]:.17g}*x{i}'*x{j}'/2" for i in names for j in names)
+        springs = " + ".join(f"{self.k[i]}*(x{i}^2/2 + x{i}^4/4)" for i in names)
+        lines = ["model drawn", "coord " + ", ".join(f"x{i}" for i in names)]
+        lines += [f"let springs = {springs}", "fast springs", "kinetic " + " + ".join(pairs)]
+        swing = " + ".join(f"{self.P[i]}*x{i}" for i in names)
+        lines += [f"potential springs - cos({swing})"]
+        q, v = np.split(self.start, 2)
+        for i in names:
+            lines += [f"force x{i} = {self.A[i]}*cos(t)", f"start x{i} = {q[i]}, x{i}' = {v[i]}"]
+        (folder / "drawn.lag").write_text("\n".join([*lines, ""]))
+        return api.load(folder / "drawn.lag")
+
+
+def end(model: api.Model, method: str, step: float, n: int, **more: object) -> np.ndarray:
+    rows = model.run(UNTIL, method=method, step=step, every=UNTIL, **more)
+    return np.array([rows[name][-1] for name in rows.columns[1 : 2 * n + 1]])
+
+
+@pytest.mark.parametrize("seed", [1, 2, pytest.param(3, marks=pytest.mark.long)])
+def test_orders_and_the_form(tmp_path: Path, seed: int) -> None:
+    drawn = Drawn(seed)
+    model, n = drawn.model(tmp_path), drawn.n
+    by = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14}
+    true = solve_ivp(drawn.slope, (0, UNTIL), drawn.start, **by).y[:, -1]
+    for method, order in (("respa", 2), ("respa4", 4)):
+        coarse, fine = (abs(end(model, method, h, n) - true).max() for h in (0.02, 0.01))
+        assert fine > 1e-11 and 0.6 < coarse / fine / 2**order < 1.6, (method, coarse, fine)
+    # An inner step as long as the step is Verlet's.
+    same = end(model, "respa", 0.02, n, max_step=0.02)
+    assert same == pytest.approx(end(model, "verlet", 0.02, n), rel=1e-11)
+    # In few steps that Verlet does not survive, with all that is fast well resolved.
+    assert abs(end(model, "respa", 0.1, n, max_step=0.002) - true).max() < 0.1
+    with suppress(api.RunError):
+        assert abs(end(model, "verlet", 0.1, n) - true).max() > 0.1
+
+    def after(y: np.ndarray) -> np.ndarray:
+        start = {f"x{i}{p}": y[n * (p == "'") + i] for i in range(n) for p in ("", "'")}
+        rows = model.run(0.05, method="respa", step=0.05, every=0.05, start=start)
+        return np.array([rows[name][-1] for name in rows.columns[1 : 2 * n + 1]])
+
+    d = 1e-5 * np.eye(2 * n)
+    flow = np.array([(after(drawn.start + x) - after(drawn.start - x)) / 2e-5 for x in d]).T
+    form = np.block([[np.zeros((n, n)), drawn.M], [-drawn.M, np.zeros((n, n))]])
+    assert abs(flow.T @ form @ flow - form).max() < 1e-7 and abs(flow - np.eye(2 * n)).max() > 0.05
+
+
+SPRING = """\
+model tuned
+param w = 20
+coord x
+kinetic x'^2/2
+potential w^2*x^2/2 + x^2/2
+fast w^2*x^2/2
+start x = 1
+scene a
+  until 40
+  method respa step 0.1
+  record x every 0.1
+end
+"""
+
+
+def test_a_kick_in_tune_grows(tmp_path: Path) -> None:
+    """Near h w = pi the map of kick, exact turn, kick has |trace| > 2: by hand."""
+    path = tmp_path / "tuned.lag"
+    path.write_text(SPRING)
+    model = api.load(path)
+    for y in (2.6, 3.10, 3.2, 6.2, 6.5):
+        h = y / 20
+        kick = np.array([[1, 0], [-h / 2, 1]])
+        turn = np.array([[np.cos(y), np.sin(y) / 20], [-20 * np.sin(y), np.cos(y)]])
+        grows = abs(np.trace(kick @ turn @ kick)) > 2 + 1e-9
+        rows = model.run(3000 * h, method="respa", step=h, max_step=h / 200, every=h)
+        assert (abs(rows["x"]).max() > 3) == grows, y
+    done = run_pkgen("run", path, "--scene", "a")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("fast w^2*x^2/2\n", ""), "of which a part is named"),
+        (("kinetic x'^2/2", "kinetic x'^2/2*(1 + x^2)"), "separable"),
+        (("fast w^2*x^2/2", "fast x'^2"), "has a rate in it"),
+        (("param w", "coord fast\npotential fast^2\nkinetic fast'^2\nparam w"), ""),
+    ],
+)
+def test_refusals(tmp_path: Path, change: tuple[str, str], said: str) -> None:
+    path = tmp_path / "tuned.lag"
+    path.write_text(SPRING.replace(*change).split("scene")[0])
+    done = run_pkgen("run", path, "--until", 1, "--method", "respa", "--step", 0.1)
+    assert (done.returncode == 0) is (not said) and said in done.stderr
