@@ -8,11 +8,15 @@
  *     near         `count` steps of a method from close to the start, an equilibrium
  *     leave        how fast `mode` leaves the start, by dop853 at rtol 1e-13
  *     rates        the eigenvalues of the equations linearised along the motion
+ *     orbits       orbits of a method's step map that close after `first` to `count` steps of h,
+ *                  and their multipliers, sought from the start and `tries` more; with `free` h is
+ *                  sought too. Without a method: of the motion, in one go over h
+ *     returns      after `until`, times at which the motion comes back to where it is then
  *     oscillator   what a step of a method makes of q'' = -stiffness q - damping q', h > 0
  *
  * `near` begins along `mode` or all (-1) at `amplitude`, with mode `other` (-1: none) at `seed`.
  * Modes are counted from 0, as `equilibria` gives them. `equilibria`, `near`, `leave` and
- * `rates` need GSL.
+ * `rates` and `orbits` need GSL.
  */
 #ifndef PK_STABILITY_H
 #define PK_STABILITY_H
@@ -26,8 +30,8 @@ struct pk_stability;
 struct pk_stability_question {
     const char *method;
     double h, amplitude, seed, stiffness, damping;
-    long mode, other;
-    size_t count;
+    long mode, other, free;
+    size_t first, count, tries;
 };
 
 /* Never NULL but without memory; what is wrong with the settings is said to each question. */

@@ -64,8 +64,10 @@ static const struct {
 #ifdef PK_WITH_GSL
                {"equilibria", stability_equilibria}, {"near", stability_near},
                {"leave", stability_leave},           {"rates", stability_rates},
+               {"orbits", stability_orbits},
 #endif
-               {"point", stability_point},           {"oscillator", stability_oscillator}};
+               {"returns", stability_returns},       {"point", stability_point},
+               {"oscillator", stability_oscillator}};
 
 static void answer(void *context)
 {
