@@ -12,54 +12,98 @@
 #include "orbit_newton.h"
 
 static const double TWO_PI = 6.283185307179586476925;
-static const double SAME = 1e-5; /* of a box */
-static const double REST = 1e-6; /* what the equations move in a step where they rest, in boxes */
-static const double AWAY = 1e3;  /* boxes: out of sight */
+static const double SAME = 1e-5;   /* of a box */
+static const double REST = 1e-6;   /* what the equations move in a step where they rest, in boxes */
+static const double ALIKE = 1e-11; /* relative: rates that are the same */
+static const double AWAY = 16;     /* boxes: out of sight */
 enum { PROBES = 3, MOST_KNOWN = 128 };
 
-static int rates(struct closing *x, const double *y, double *a)
+/* What the unknowns are told from. */
+struct probe {
+    const struct pk_problem *of;
+    const double *middle, *box;
+    size_t n;
+    double *y, *a, *b, *u; /* 2 n, n, n, inputs */
+};
+
+static int rates(const struct probe *x, double t, double *a)
 {
-    const struct pk_problem *of = x->problem;
-    pk_input(of, 0, x->u);
-    return of->system->acceleration(of->params, 0, y, y + x->n, x->u, a);
+    pk_input(x->of, t, x->u);
+    return x->of->system->acceleration(x->of->params, t, x->y, x->y + x->n, x->u, a);
 }
 
-/* Whether the rates at some states stay what they are if number i is `by` more. */
-static int same_rates(struct closing *x, size_t i, double by)
+/* Whether the rates at some states stay what they are if number i is `by` more, or (i = 2 n) t. */
+static int same_rates(struct probe *x, size_t i, double by)
 {
     size_t base[PROBES * 8];
-    const size_t bases = sizeof base / sizeof *base;
+    const size_t bases = sizeof base / sizeof *base, n = x->n;
     int same = 1;
     primes(base, bases);
     for (size_t probe = 1; probe <= PROBES && same; probe++) {
-        for (size_t k = 0; k < 2 * x->n; k++)
-            x->y[k] = x->asked->middle[k] +
-                      x->asked->box[k] * (2 * halton(probe, base[k % bases]) - 1);
-        double most = 0, *a = x->end, *b = x->end + x->n;
-        int good = !rates(x, x->y, a);
-        x->y[i] += by;
-        good = good && !rates(x, x->y, b);
-        for (size_t k = 0; k < x->n && good; k++)
-            most = fmax(most, fabs(a[k]));
-        for (size_t k = 0; k < x->n && good; k++)
-            same = same && fabs(a[k] - b[k]) <= 1e-11 * most;
+        for (size_t k = 0; k < 2 * n; k++)
+            x->y[k] = x->middle[k] + x->box[k] * (2 * halton(probe, base[k % bases]) - 1);
+        const double t = i == 2 * n ? by * halton(probe, 5) : 0;
+        double most = 0;
+        int good = !rates(x, t, x->a);
+        if (i < 2 * n)
+            x->y[i] += by;
+        good = good && !rates(x, i == 2 * n ? t + by : t, x->b);
+        for (size_t k = 0; k < n && good; k++)
+            most = fmax(most, fabs(x->a[k]));
+        for (size_t k = 0; k < n && good; k++)
+            same = same && fabs(x->a[k] - x->b[k]) <= ALIKE * most;
     }
     return same;
 }
 
-/* Which of the 2 n numbers are unknowns. */
-static void choose(struct closing *x)
+static size_t choose(struct probe *x, size_t *of, unsigned char *turns)
 {
-    const size_t seen = x->n - x->problem->system->n_first_order;
+    const size_t seen = x->n - x->of->system->n_first_order;
+    size_t d = 0;
     for (size_t i = 0; i < 2 * x->n; i++) {
         const int place = i < seen || i >= x->n + seen; /* else a rate */
         if (i >= seen && i < x->n)
             continue; /* nobody's: what a state's rate belongs to */
-        if (place && same_rates(x, i, 0.7390851 * x->asked->box[i]))
+        if (place && same_rates(x, i, 0.7390851 * x->box[i]))
             continue;
-        x->turns[x->d] = place && same_rates(x, i, TWO_PI);
-        x->of[x->d++] = i;
+        turns[d] = place && same_rates(x, i, TWO_PI);
+        of[d++] = i;
     }
+    return d;
+}
+
+static int open_probe(struct probe *x)
+{
+    x->n = pk_system_count(x->of->system, x->of->params);
+    x->y = (double *)calloc(4 * x->n + x->of->system->n_inputs, sizeof *x->y);
+    if (x->y) {
+        x->a = x->y + 2 * x->n;
+        x->b = x->a + x->n;
+        x->u = x->b + x->n;
+    }
+    return x->y != NULL;
+}
+
+size_t pk_closed_unknowns(const struct pk_problem *problem, const double *middle, const double *box,
+                          size_t *of, unsigned char *turns)
+{
+    struct probe x = {.of = problem, .middle = middle, .box = box};
+    const size_t d = open_probe(&x) ? choose(&x, of, turns) : 0;
+    free(x.y);
+    return d;
+}
+
+/* Where something depends on time, all steps together are to be its period. */
+static int in_step(const struct pk_problem *problem, const struct pk_closed_orbits *o)
+{
+    struct probe x = {.of = problem, .middle = o->middle, .box = o->box};
+    if (problem->system->facts & PK_AUTONOMOUS)
+        return 1;
+    int good = open_probe(&x) && !o->free;
+    for (size_t k = o->first; k <= o->last && good; k++)
+        good = same_rates(&x, 2 * x.n, (double)k * o->h);
+    free(x.y);
+    return good;
 }
 
 static void know(struct closing *x, const double *y)
@@ -91,8 +135,11 @@ static int in_sight(const struct closing *x)
 /* Whether the equations have a place of rest there. */
 static int rests(struct closing *x)
 {
+    const struct pk_problem *of = x->problem;
     double *a = x->end;
-    if (rates(x, x->y, a))
+    pk_input(of, 0, x->u);
+    if (!(of->system->facts & PK_AUTONOMOUS) ||
+        of->system->acceleration(of->params, 0, x->y, x->y + x->n, x->u, a))
         return 0;
     for (size_t k = 0; k < x->d; k++) {
         const size_t i = x->of[k];
@@ -188,7 +235,7 @@ static int open_closing(struct closing *x, size_t n, int free_h)
     x->ahead = x->other + 2 * n;
     x->known = x->ahead + 2 * n;
     x->u = x->known + MOST_KNOWN * 2 * n;
-    choose(x);
+    x->d = pk_closed_unknowns(x->problem, x->asked->middle, x->asked->box, x->of, x->turns);
     const size_t d = x->d;
     if (!d)
         return 1;
@@ -247,6 +294,8 @@ enum pk_status pk_gsl_orbits(const struct pk_problem *problem, const double *y0,
             pk_integrator_init(&x.it, problem, o->method, o->options, 0, y0, y0 + n, block, size);
     if (status >= 0)
         status = open_closing(&x, n, o->free != 0) ? PK_DONE : PK_NO_MEMORY;
+    if (status >= 0 && !in_step(problem, o))
+        status = PK_REFUSED;
     if (status >= 0)
         search(&x, y0, o, base);
     o->multipliers = x.d;

@@ -242,7 +242,11 @@ class Stability:
         """Raises UsageError."""
         q = _Question(mode=-1, other=-1)
         for name, value in question.items():
-            setattr(q, name, value.encode() if isinstance(value, str) else value)
+            if isinstance(value, str):
+                value = value.encode()
+            elif isinstance(value, tuple):
+                value = (c_double * len(value))(*value)
+            setattr(q, name, value)
         with self._one:  # an answer stands until the next question
             found = self._c.pk_stability_ask(self._of, what.encode(), q)
             said = self._c.pk_stability_wrong(self._of).decode() if found is None else ""

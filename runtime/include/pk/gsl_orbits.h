@@ -43,8 +43,13 @@ struct pk_closed_orbits {
 
 /* Numbers that one orbit of n coordinates needs at `y`; pk_gsl_orbits() shares them out. */
 static inline size_t pk_orbit_size(size_t n) { return (PK_CLOSED_STATES + 2) * 2 * n; }
+/* Which of the 2 n numbers are unknowns, and of which of these 2 pi more is the same place: their
+ * count. `of` and `turns` have room for 2 n. 0: none, or no memory. */
+size_t pk_closed_unknowns(const struct pk_problem *problem, const double *middle, const double *box,
+                          size_t *of, unsigned char *turns);
 /* Sought from y0 = (q0, v0). `room`: most times pk_orbit_size(n). PK_NO_MEMORY, or what refused
- * the method. That all are found cannot be promised. */
+ * the method; PK_REFUSED where it depends on time and the steps are not its period, or h is sought
+ * then. That all are found cannot be promised. */
 enum pk_status pk_gsl_orbits(const struct pk_problem *problem, const double *y0,
                              struct pk_closed_orbits *orbits, double *room);
 

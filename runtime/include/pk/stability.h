@@ -11,7 +11,10 @@
  *     orbits       orbits of a method's step map that close after `first` to `count` steps of h,
  *                  and their multipliers, sought from the start and `tries` more; with `free` h is
  *                  sought too. Without a method: of the motion, in one go over h
- *     returns      after `until`, times at which the motion comes back to where it is then
+ *     returns      after `until` (a multiple of h, if that is given), times at which the motion
+ *                  comes back to where it is then
+ *     beside       how far apart `count` steps of a method bring the start and a state that is
+ *                  beside it by `amplitude`, in units of what the motion covers
  *     oscillator   what a step of a method makes of q'' = -stiffness q - damping q', h > 0
  *
  * `near` begins along `mode` or all (-1) at `amplitude`, with mode `other` (-1: none) at `seed`.
@@ -32,6 +35,7 @@ struct pk_stability_question {
     double h, amplitude, seed, stiffness, damping;
     long mode, other, free;
     size_t first, count, tries;
+    const double *state; /* of `orbits` and `beside`, q and then v: from there; NULL: the start */
 };
 
 /* Never NULL but without memory; what is wrong with the settings is said to each question. */

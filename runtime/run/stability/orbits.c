@@ -2,7 +2,11 @@
 #include "../settings/settings.h"
 #include "stability.h"
 
+#ifdef PK_WITH_GSL
+
 enum { SAMPLES = 8192, MOST_RETURNS = 8 };
+static const double TWO_PI = 6.283185307179586476925;
+static const double FAR = 1e3;  /* growth that settles it */
 static const double NEAR = 0.1; /* of what is covered: so close it comes back */
 
 static struct pk_integrator *motion(struct pk_stability *s, double rtol)
@@ -54,24 +58,51 @@ static void cover(struct pk_stability *s)
             high[i] = most > 0 ? most : 1;
 }
 
-/* Farthest of the coordinates and rates, in boxes. */
-static double apart(const struct pk_stability *s, const double *a, const double *b)
+enum { MOST = 32 };
+
+/* Of the unknowns, an angle by the shorter way. */
+struct unknowns {
+    size_t count, *of;
+    unsigned char *turns;
+};
+
+/* Farthest of the unknowns, in boxes. */
+static double apart(const struct pk_stability *s, const struct unknowns *x, const double *a,
+                    const double *b)
 {
     double most = 0;
-    for (size_t i = 0; i < 2 * s->n; i++)
-        most = fmax(most, fabs(a[i] - b[i]) / s->box[i]);
+    for (size_t k = 0; k < x->count; k++) {
+        const size_t i = x->of[k];
+        const double d = b[i] - a[i];
+        const double way = x->turns[k] ? d - TWO_PI * round(d / TWO_PI) : d;
+        most = fmax(most, fabs(way) / s->box[i]);
+    }
     return most;
+}
+
+/* What turns is not measured in more than half a turn. */
+static struct unknowns unknowns(struct pk_stability *s)
+{
+    struct unknowns x = {.of = memory_take(&s->run->memory, 2 * s->n, sizeof *x.of),
+                         .turns = memory_take(&s->run->memory, 2 * s->n, 1)};
+    cover(s);
+    x.count = pk_closed_unknowns(&s->problem, s->middle, s->box, x.of, x.turns);
+    for (size_t k = 0; k < x.count; k++)
+        if (x.turns[k])
+            s->box[x.of[k]] = fmin(s->box[x.of[k]], TWO_PI / 2);
+    return x;
 }
 
 int stability_returns(struct pk_stability *s, const struct pk_stability_question *x)
 {
-    (void)x;
     const size_t n = s->n;
     double *from = memory_take(&s->run->memory, 4 * n, sizeof *from), *now = from + 2 * n;
     double times[MOST_RETURNS] = {0}, before = 0, last = 0, most = 0;
     size_t found = 0;
-    cover(s);
-    const double until = s->settings->until;
+    const struct unknowns of = unknowns(s);
+    double until = s->settings->until;
+    if (x->h > 0)
+        until = ceil(until / x->h) * x->h;
     struct pk_integrator *it = motion(s, 1e-10);
     for (int k = SAMPLES; k <= 2 * SAMPLES && it && found < MOST_RETURNS; k++) {
         if (pk_integrator_to(it, until * k / SAMPLES) < 0)
@@ -79,7 +110,7 @@ int stability_returns(struct pk_stability *s, const struct pk_stability_question
         double *to = k == SAMPLES ? from : now;
         memcpy(to, it->q, n * sizeof *to);
         memcpy(to + n, it->v, n * sizeof *to);
-        const double d = k == SAMPLES ? 0 : apart(s, from, now);
+        const double d = k == SAMPLES ? 0 : apart(s, &of, from, now);
         if (before > last && d >= last && last < NEAR && last < most / 3)
             times[found++] = until * (k - 1 - SAMPLES) / SAMPLES;
         most = fmax(most, d);
@@ -93,9 +124,55 @@ int stability_returns(struct pk_stability *s, const struct pk_stability_question
     return 1;
 }
 
-#ifdef PK_WITH_GSL
+static void take_state(const struct pk_stability *s, const struct pk_stability_question *x,
+                       double *y)
+{
+    memcpy(y, x->state ? x->state : s->settings->q, s->n * sizeof *y);
+    memcpy(y + s->n, x->state ? x->state + s->n : s->settings->v, s->n * sizeof *y);
+}
 
-enum { MOST = 32 };
+/* From the start and from `amplitude` boxes beside it in each unknown: how far they part. */
+int stability_beside(struct pk_stability *s, const struct pk_stability_question *x)
+{
+    const struct pk_method *method = stability_method(s, x->method);
+    if (!method)
+        return 0;
+    if (!(x->h > 0) || !(x->amplitude > 0))
+        return stability_wrong(s, "a step is positive, and so is an amplitude");
+    const size_t n = s->n;
+    const struct unknowns of = unknowns(s);
+    double *y = memory_take(&s->run->memory, 4 * n, sizeof *y), *other = y + 2 * n, most = 0;
+    struct pk_options options = s->settings->options;
+    enum pk_status status, second;
+    options.h = x->h;
+    take_state(s, x, y);
+    memcpy(other, y, 2 * n * sizeof *y);
+    for (size_t k = 0; k < of.count; k++)
+        other[of.of[k]] += (k % 2 ? -1 : 1) * x->amplitude * s->box[of.of[k]];
+    struct pk_integrator *a = stability_begin(s, method, &options, y, y + n, &status);
+    struct pk_integrator *b = stability_begin(s, method, &options, other, other + n, &second);
+    for (size_t k = 0; k < x->count && a && b && most < FAR * x->amplitude; k++) {
+        const double limit = (double)(x->count + 1) * x->h;
+        status = pk_integrator_step(a, limit);
+        second = pk_integrator_step(b, limit);
+        if (status < 0 || second < 0)
+            break;
+        for (size_t i = 0; i < n; i++) {
+            y[i] = a->q[i];
+            y[n + i] = a->v[i];
+            other[i] = b->q[i];
+            other[n + i] = b->v[i];
+        }
+        most = fmax(most, apart(s, &of, y, other));
+    }
+    json_text(&s->out, "status", pk_status_name(status < 0 ? status : second));
+    json_real(&s->out, "growth", most / x->amplitude);
+    json_numbers(&s->out, "state", other, 2 * n);
+    stability_end(s, a);
+    stability_end(s, b);
+    memory_drop(&s->run->memory, y);
+    return 1;
+}
 
 static void print(struct pk_stability *s, const struct pk_closed_orbits *found)
 {
@@ -130,14 +207,13 @@ int stability_orbits(struct pk_stability *s, const struct pk_stability_question 
         return 0;
     if (!(x->h > 0) || !x->count)
         return stability_wrong(s, "a step is positive, and there is one at least");
-    cover(s);
+    unknowns(s);
     options.h = x->method ? x->h : 0;
     options.rtol = 1e-12;
     options.atol = PK_ATOL_OF_MOTION;
     double *room = memory_take(&s->run->memory, (MOST + 1) * pk_orbit_size(n), sizeof *room);
     double *y0 = room + MOST * pk_orbit_size(n);
-    memcpy(y0, s->settings->q, n * sizeof *y0);
-    memcpy(y0 + n, s->settings->v, n * sizeof *y0);
+    take_state(s, x, y0);
     struct pk_closed_orbit *list = memory_take(&s->run->memory, MOST, sizeof *list);
     struct pk_closed_orbits found = {.method = method,
                                      .options = &options,
@@ -158,4 +234,6 @@ int stability_orbits(struct pk_stability *s, const struct pk_stability_question 
     return 1;
 }
 
+#else
+extern int stability_orbits_need_gsl; /* a file is not to be empty */
 #endif

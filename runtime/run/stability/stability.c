@@ -64,10 +64,10 @@ static const struct {
 #ifdef PK_WITH_GSL
                {"equilibria", stability_equilibria}, {"near", stability_near},
                {"leave", stability_leave},           {"rates", stability_rates},
-               {"orbits", stability_orbits},
+               {"orbits", stability_orbits},         {"beside", stability_beside},
+               {"returns", stability_returns},
 #endif
-               {"returns", stability_returns},       {"point", stability_point},
-               {"oscillator", stability_oscillator}};
+               {"point", stability_point},           {"oscillator", stability_oscillator}};
 
 static void answer(void *context)
 {

@@ -38,9 +38,9 @@ struct pk_stability {
     struct looking *looking;     /* at how singular its equations are */
     struct record *records;      /* of its steps */
     size_t n_records, room;
-    unsigned char *idle; /* n: cyclic, or a first-order variable that no rate depends on */
-    int by_norm;         /* there are first-order variables that count: the energy does not tell */
-    double *reach;       /* n: how far each goes from the start in the motion; where by_norm */
+    unsigned char *idle;  /* n: cyclic, or a first-order variable that no rate depends on */
+    int by_norm;          /* there are first-order variables that count: the energy does not tell */
+    double *reach;        /* n: how far each goes from the start in the motion; where by_norm */
     double *middle, *box; /* 2 n each, of q and v: what the motion covers; NULL: not known yet */
     double *far; /* 3 n: largest |q - q0| up to a half, three quarters and the end of `until` */
 };
@@ -84,7 +84,7 @@ struct reference stability_reference(struct pk_stability *s, double until);
 typedef int stability_answer(struct pk_stability *s, const struct pk_stability_question *q);
 stability_answer stability_ready, stability_motion, stability_point, stability_oscillator,
     stability_equilibria, stability_near, stability_leave, stability_rates, stability_orbits,
-    stability_returns;
+    stability_returns, stability_beside;
 /* A message; 0. */
 int stability_wrong(struct pk_stability *s, const char *message);
 /* Of that name, and of a fixed step; NULL with a message. */

@@ -1,0 +1,182 @@
+"""Cycles: a motion that returns, or that is in step with what drives it, and the step at which a
+method loses it.
+
+The motion's own orbit closes after a period T; its Floquet multipliers say what becomes of small
+displacements in a period. Of a method, m steps that go k times round close an orbit of their own,
+at h = k T/m; where T is nobody's but the cycle's, h is sought with the state. The first h at which
+a multiplier leaves the unit circle, other than those that are 1 for the motion (along the orbit;
+along a family of orbits), is the prediction. It is measured by running on: two runs, one on the
+orbit and one beside it by 1e-6 of what the motion covers, part a thousandfold.
+
+Reference: Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 1.5, 5.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from ...record import record
+from .ask import Asker
+from .orbits import STILL, Orbit, closed
+
+FINEST, COARSER = 512, 0.8  # steps a period: at first, and from one look to the next
+FINE = 1000  # steps of an orbit to which a limit is refined: h is known to a part of that
+GROWS = 1e-3  # log of a multiplier from which it has left the unit circle
+CLOSE = 0.1  # log of a multiplier: so close to the unit circle it is followed to it
+DISPLACED = 1e-6  # of what the motion covers
+LONG, SHORT = 30_000, 10_000  # steps of a measurement; the latter where displacements drift
+
+
+@record
+class Cycle:
+    """Of the motion itself."""
+
+    period: float
+    driven: bool
+    orbit: Orbit
+    trivial: int  # multipliers that are 1
+
+    @property
+    def stays(self) -> bool:
+        """There is something that may be lost, and it is not lost by itself."""
+        rest = abs(self.orbit.beyond(self.trivial))
+        return 0 < rest < 1 + STILL
+
+    @property
+    def damped(self) -> bool:
+        return abs(math.prod(self.orbit.multipliers)) < 0.99
+
+
+@record
+class Lost:
+    """A method loses the cycle at step h, by a multiplier; None: nowhere that was looked.
+
+    Sharp where the multiplier was followed to the unit circle; where it jumps, or no closed orbit
+    was found beyond, h is a scale: the orbit went on to there."""
+
+    method: str
+    h: float | None
+    multiplier: complex | None  # there; None where no closed orbit was found beyond
+    measured: float | None
+    sharp: bool
+
+    @property
+    def how(self) -> str:
+        if self.h is None:
+            return "kept"
+        if self.multiplier is None:
+            return "no orbit was found to close beyond"
+        if abs(self.multiplier.imag) > 1e-3 * abs(self.multiplier):
+            return "turns and grows (a torus)"
+        return "period doubling" if self.multiplier.real < 0 else "grows (a fold)"
+
+
+def find(asker: Asker, period: float | None) -> Cycle | None:
+    """The motion's own, from where it is in the end; `period` is the driver's, None: none."""
+    back = asker.ask("returns", h=period or 0.0)
+    start = tuple(map(float, (*back["q"], *back["v"])))
+    for time in [period] if period is not None else back["times"]:
+        for orbit in closed(asker, state=start, h=time, count=1, free=int(period is None)):
+            if orbit.rests or not 0.5 * time < orbit.h < 2 * time:
+                continue
+            near = [z for z in orbit.multipliers if abs(z - 1) < 0.01]
+            same = [z for z in orbit.multipliers if abs(z - 1) < 1e-6]
+            trivial = len(same) if period is not None else max(len(near), 1)
+            return Cycle(orbit.h, period is not None, orbit, trivial)
+    return None
+
+
+class _Search:
+    """Orbits of one method that close after m steps, k times round."""
+
+    def __init__(self, asker: Asker, method: str, cycle: Cycle):
+        self.asker, self.method, self.cycle = asker, method, cycle
+        self.period = cycle.period  # the method's own, at the step looked at last
+
+    def orbit(self, k: int, m: int, beside: Orbit) -> Orbit | None:
+        """Sought from another one, at a step near by."""
+        h = k * self.period / m
+        free = int(not self.cycle.driven)
+        question = {"method": self.method, "h": h, "count": m, "free": free}
+        found = closed(self.asker, state=beside.states[0], **question)
+        good = [o for o in found if not o.rests and abs(o.h / h - 1) < 0.3]
+        if not good:
+            return None
+        self.period = good[0].h * m / k
+        return good[0]
+
+    def leaving(self, orbit: Orbit) -> float:
+        """Logarithm of the modulus of the multiplier that leaves first."""
+        rest = abs(orbit.beyond(self.cycle.trivial))
+        return math.log(rest) if rest else -math.inf
+
+    def outside(self, orbit: Orbit | None) -> bool:
+        return orbit is None or self.leaving(orbit) > GROWS
+
+    def parts(self, orbit: Orbit) -> bool:
+        """Two runs that begin close to each other do not stay so."""
+        count = LONG if self.cycle.damped else SHORT
+        question = {"method": self.method, "h": orbit.h, "count": count}
+        two = self.asker.ask("beside", state=orbit.states[0], amplitude=DISPLACED, **question)
+        return two["status"] != "PK_DONE" or not (two["growth"] or math.inf) < 1e3
+
+
+def lost(asker: Asker, method: str, cycle: Cycle) -> Lost | None:
+    """None where a method has no such orbit even at short steps."""
+    search = _Search(asker, method, cycle)
+    m, last = FINEST, search.orbit(1, FINEST, cycle.orbit)
+    if last is None or search.outside(last):
+        return None
+    while m > 2:
+        fewer = max(min(int(m * COARSER), m - 1), 2)
+        found = search.orbit(1, fewer, last)
+        if found is None:
+            return Lost(method, last.h, None, None, False)
+        if search.outside(found):
+            return _refined(search, last, m, fewer)
+        m, last = fewer, found
+    return Lost(method, None, None, None, True)
+
+
+@record
+class _Side:
+    k: int
+    m: int
+    orbit: Orbit | None
+
+    def h(self, period: float) -> float:
+        return self.orbit.h if self.orbit else period * self.k / self.m
+
+
+def _refined(search: _Search, inside: Orbit, most: int, fewest: int) -> Lost:
+    """The limit lies between orbits of `most` and of `fewest` steps a period. Neighbours of ever
+    more steps, three times as often round, lie next to each other, so that Newton's method keeps to
+    one orbit; an odd number of rounds, since a doubled orbit closes after an even one."""
+    period = inside.h * most
+
+    def narrowed(test: Callable[[Orbit | None], bool]) -> tuple[_Side, _Side]:
+        k, search.period = 1, period
+        stays, goes = _Side(1, most, inside), _Side(1, fewest, None)
+        while True:
+            low, high = stays.m * (k // stays.k), goes.m * (k // goes.k)
+            while low - high > 1:
+                m = (low + high) // 2
+                side = _Side(k, m, search.orbit(k, m, stays.orbit or inside))
+                if test(side.orbit):
+                    goes, high = side, m
+                else:
+                    stays, low = side, m
+            if low >= FINE:
+                return stays, goes
+            k *= 3
+
+    def middle(stays: _Side, goes: _Side) -> float:
+        return (stays.h(period) + goes.h(period)) / 2
+
+    stays, goes = narrowed(search.outside)
+    beyond = goes.orbit.beyond(search.cycle.trivial) if goes.orbit else None
+    near = stays.orbit is not None and search.leaving(stays.orbit) / stays.k > -CLOSE
+    sharp = beyond is not None and near
+    measured = middle(*narrowed(lambda o: o is None or search.parts(o))) if sharp else None
+    return Lost(search.method, middle(stays, goes), beyond, measured, sharp)

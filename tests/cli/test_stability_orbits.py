@@ -1,0 +1,229 @@
+"""Orbits of step maps that close: ghosts, cycles, motions in step with a driver."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import numpy
+import pytest
+from pkgen.analysis.stability import cycles, ghosts, orbits
+from pkgen.analysis.stability.orbits import closed
+from pkgen.compiler import compile_model
+from pkgen.front.read import from_text
+from stability_asker import PENDULUM, asker, start
+
+LOGISTIC = """model logistic
+param d = {size}
+param tau = {time}
+state x
+rate x = x*(1 - x/d)/tau
+start x = 0.1*d
+"""
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_ghosts_of_the_logistic_map(seed: int) -> None:
+    """Whatever the units, Euler's 2-cycle is where its square has it, and rk2 rests at 2/h."""
+    draw = random.Random(seed)
+    d, tau = (10 ** draw.uniform(-6, 6) if seed else 1.0 for _ in range(2))
+    y = draw.uniform(2.05, 2.4) if seed else 2.3
+    model = asker(LOGISTIC.format(size=d, time=tau), until=20 * tau)
+    asked = {"h": y * tau, "first": 1, "count": 2, "tries": 24}
+
+    found = closed(model, method="euler", **asked)
+    (two,) = (o for o in found if not o.rests)
+    root = math.sqrt(y * y - 4)
+    closed_form = [(y + 2 - root) / (2 * y), (y + 2 + root) / (2 * y)]
+    assert sorted(x for _, x in two.states) == pytest.approx([x * d for x in closed_form], rel=1e-9)
+    slope = math.prod(1 + y * (1 - 2 * x) for x in closed_form)
+    assert two.multipliers == (pytest.approx(slope, abs=1e-7),)
+    if not seed:
+        assert closed_form == pytest.approx([0.687874, 1.181692], abs=5e-7)
+    rest = sorted(o.states[0][1] for o in found if o.rests)
+    assert rest == pytest.approx([0, d], rel=1e-9, abs=1e-9 * d)
+
+    places = sorted(o.states[0][1] for o in closed(model, method="rk2", **asked) if o.steps == 1)
+    assert places == pytest.approx([0, 2 / y * d, d, (1 + 2 / y) * d], rel=1e-8, abs=1e-9 * d)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_two_cycles_of_random_polynomials(seed: int) -> None:
+    """All that Euler's method makes of a cubic in sight of the motion, against their roots."""
+    draw = random.Random(seed)
+    a, b, h = draw.uniform(0.5, 2), draw.uniform(-0.5, 0.5), draw.uniform(0.9, 1.6)
+    model = asker(f"model c\nstate x\nrate x = {a}*x + {b}*x^2 - x^3\nstart x = 0.3\n", until=30)
+    step = numpy.polynomial.Polynomial([0, 1 + h * a, h * b, -h])
+    roots = [
+        z.real
+        for z in (step(step) - numpy.polynomial.Polynomial([0, 1])).roots()
+        if abs(z.imag) < 1e-9
+    ]
+    fixed = [z for z in roots if abs(step(z) - z) < 1e-6]
+    found = closed(model, method="euler", h=h, first=1, count=2, tries=60)
+    seen = sorted(state[1] for o in found for state in o.states[: o.steps])
+    assert seen == pytest.approx(sorted(roots), abs=1e-6)
+    assert sum(o.steps == 1 for o in found) == len(fixed) == sum(o.rests for o in found)
+
+
+def test_ghosts_are_found_over_steps_and_stay() -> None:
+    model = asker(LOGISTIC.format(size=1, time=1), until=20)
+    hs = [3.0 * (k + 1) / 24 for k in range(24)]
+    (one,) = (g for g in ghosts.ghosts(model, "euler", hs, 1) if g.holds)
+    assert one.steps == 2 and one.stays
+    # It attracts from h = 2 to sqrt(6), where it doubles again.
+    assert all(2 < o.h < math.sqrt(6) for o in one.orbits)
+    assert [o.h for o in one.orbits] == [h for h in hs if 2 < h < math.sqrt(6)]
+    assert ghosts.ghosts(model, "gauss1", hs, 1) == []  # the midpoint rule is regular
+
+
+def test_a_step_resonance_of_the_pendulum_is_a_ghost() -> None:
+    """Verlet's pendulum is the standard map: q = pi/2 +- a, there and back, with
+    h^2 cos a = 2 (a - pi/2) and so on; Newton must find what its own equation says."""
+    h = 2.2
+    found = closed(start(asker(PENDULUM), 0.5), method="verlet", h=h, first=2, count=2, tries=16)
+    assert any(not o.rests for o in found)
+    for o in found:
+        (q, v), (r, w) = o.states[:2]
+        half = v - h / 2 * math.sin(q)
+        assert q + h * half - r == pytest.approx(
+            2 * math.pi * round((q + h * half - r) / 6.28), abs=1e-7
+        )
+        assert half - h / 2 * math.sin(r) == pytest.approx(w, abs=1e-7)
+
+
+MATHIEU = """model mathieu
+coord x
+kinetic x'^2/2
+potential ({w}^2 + {e}*cos({rate}*t))*x^2/2
+start x = {start}
+"""
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_multipliers_of_mathieu_at_rest(seed: int) -> None:
+    """Verlet's, in closed form: a product of kicks and drifts. The trace is what they are told
+    from, whatever the size of the motion that is the unit."""
+    draw = random.Random(seed)
+    w, e, rate = draw.uniform(0.5, 2), draw.uniform(0.1, 1), draw.uniform(0.5, 3)
+    begin = 10 ** draw.uniform(-9, 9)
+    model = asker(MATHIEU.format(w=w, e=e, rate=rate, start=begin), until=50)
+    m = draw.randint(5, 40)
+    h = 2 * math.pi / rate / m
+
+    def kick(k: int) -> numpy.ndarray:
+        return numpy.array([[1, 0], [-h / 2 * (w * w + e * math.cos(rate * k * h)), 1]])
+
+    product = numpy.eye(2)
+    for k in range(m):
+        product = kick(k + 1) @ numpy.array([[1, h], [0, 1]]) @ kick(k) @ product
+    (found,) = closed(model, method="verlet", h=h, count=m)
+    assert abs(found.states[0][0]) < 1e-6 * begin and not found.rests
+    assert sum(found.multipliers).real == pytest.approx(numpy.trace(product), abs=1e-7)
+    wrong = model.ask("orbits", method="verlet", h=1.01 * h, count=m)
+    assert wrong["status"] == "PK_REFUSED" and not wrong["orbits"]
+
+
+def test_a_driven_method_loses_its_orbit_where_predicted() -> None:
+    slow = asker(MATHIEU.format(w=1.3, e=0.4, rate=0.2, start=0.1), until=100)
+    cycle = cycles.find(slow, 10 * math.pi)
+    assert cycle is not None and cycle.stays and not cycle.damped
+    lost = cycles.lost(slow, "verlet", cycle)
+    # Locally 2/omega is between 2/sqrt(w^2 + e) and 2/w.
+    assert 1.35 < lost.h < 2 / 1.3 and lost.sharp
+    assert lost.measured == pytest.approx(lost.h, rel=0.01)
+    assert cycles.lost(slow, "gauss1", cycle).h is None
+
+
+DUFFING = """model duffing
+coord x
+kinetic x'^2/2
+potential x^2/2 + x^4/4 - {f}*x*cos({rate}*t)
+dissipation {c}*x'^2
+start x = 0.5
+"""
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_damped_driven_oscillator_is_kept_as_long_as_damping_outweighs(seed: int) -> None:
+    """Euler's method drives an oscillation by h omega^2/2, damping takes c: small motions are
+    lost at h = 2 c/omega^2; of larger ones the two predictions must agree."""
+    draw = random.Random(seed)
+    rate, c, f = draw.uniform(0.6, 1.4), draw.uniform(0.05, 0.2), draw.uniform(0.001, 0.3)
+    model = asker(DUFFING.format(f=f, rate=rate, c=c), until=300)
+    cycle = cycles.find(model, 2 * math.pi / rate)
+    lost = cycles.lost(model, "euler", cycle)
+    assert lost.sharp and "torus" in lost.how
+    assert lost.measured == pytest.approx(lost.h, rel=0.01)
+    if f < 0.01:
+        assert lost.h == pytest.approx(4 * c, rel=0.05)
+
+
+VAN_DER_POL = """model v
+state x, y
+rate x = y
+rate y = (1 - x^2)*y - x
+start x = 0.5, y = 0
+"""
+OSCILLATOR = (
+    "model v\ncoord x\nkinetic x'^2/2\npotential x^2/2\nforce x = (1 - x^2)*x'\nstart x = 0.5\n"
+)
+
+
+@pytest.mark.parametrize("text", [VAN_DER_POL, OSCILLATOR], ids=["states", "coordinate"])
+def test_the_cycle_of_van_der_pol(text: str) -> None:
+    cycle = cycles.find(asker(text, until=60), None)
+    assert cycle.period == pytest.approx(6.6632868593231, rel=1e-9)
+    assert cycle.trivial == 1 and not cycle.driven and cycle.stays
+    x, y = cycle.orbit.states[0][-2:] if "state" in text else cycle.orbit.states[0]
+    steps, h, area = 20000, cycle.period / 20000, 0.0
+    # Liouville: the product of the multipliers is exp of the trace's integral.
+    for _ in range(steps):
+        area += h * (1 - x * x)
+        k = y + h / 2 * ((1 - x * x) * y - x)
+        x, y = x + h * k, y + h * ((1 - (x + h / 2 * y) ** 2) * k - (x + h / 2 * y))
+    assert math.log(abs(cycle.orbit.beyond(1))) == pytest.approx(area, abs=1e-2)
+
+
+def test_what_goes_round_returns() -> None:
+    """Angles by whole turns, cyclic ones anyhow: a pendulum that rotates, an orbit's radius."""
+    turning = start(asker(PENDULUM, until=20), 0.0, 3.0)
+    cycle = cycles.find(turning, None)
+    energy = 3.0**2 / 2 - 1
+    count = 4000
+    period = sum(
+        2 * math.pi / count / math.sqrt(2 * (energy + math.cos(2 * math.pi * k / count)))
+        for k in range(count)
+    )
+    assert cycle.period == pytest.approx(period, rel=1e-6)
+    kepler = asker(
+        "model k\ncoord r, phi\nkinetic (r'^2 + r^2*phi'^2)/2\npotential -1/r\n"
+        "start r = 1, phi' = 1.2\n",
+        until=60,
+    )
+    half_axis = 1 / (2 - 1.2**2)
+    assert cycles.find(kepler, None).period == pytest.approx(2 * math.pi * half_axis**1.5, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("force", "period"),
+    [
+        ("cos(3*t)", 2 * math.pi / 3),
+        ("sin(2*t) + cos(3*t + 1)", 2 * math.pi),
+        ("a*sin(w*t)^2", math.pi / 1.5),
+        ("cos(t)*sin(sqrt(2)*t)", None),
+        ("t", None),
+        ("x", None),
+    ],
+)
+def test_the_period_of_a_driver(force: str, period: float | None) -> None:
+    text = (
+        "model d\nparam a = 2\nparam w = 1.5\ncoord x\nkinetic x'^2/2\n"
+        f"potential x^2/2\nforce x = {force}\nstart x = 1\n"
+    )
+    made = compile_model(from_text("model.lag", text), unroll=None)
+    found = orbits.driven_period(made.equations, (2.0, 1.5))
+    if period is None:
+        assert found is None
+    else:  # a square may have half of it
+        assert found in (pytest.approx(period), pytest.approx(2 * period))
