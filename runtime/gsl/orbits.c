@@ -16,7 +16,8 @@ static const double SAME = 1e-5;   /* of a box */
 static const double REST = 1e-6;   /* what the equations move in a step where they rest, in boxes */
 static const double ALIKE = 1e-11; /* relative: rates that are the same */
 static const double AWAY = 16;     /* boxes: out of sight */
-enum { PROBES = 3, MOST_KNOWN = 128 };
+/* Halton's first points are middles and quarters, where a start may lie and a sine vanish. */
+enum { PROBES = 3, ODD = 16, MOST_KNOWN = 128 };
 
 /* What the unknowns are told from. */
 struct probe {
@@ -41,8 +42,8 @@ static int same_rates(struct probe *x, size_t i, double by)
     primes(base, bases);
     for (size_t probe = 1; probe <= PROBES && same; probe++) {
         for (size_t k = 0; k < 2 * n; k++)
-            x->y[k] = x->middle[k] + x->box[k] * (2 * halton(probe, base[k % bases]) - 1);
-        const double t = i == 2 * n ? by * halton(probe, 5) : 0;
+            x->y[k] = x->middle[k] + x->box[k] * (2 * halton(probe + ODD, base[k % bases]) - 1);
+        const double t = i == 2 * n ? by * halton(probe + ODD, 5) : 0;
         double most = 0;
         int good = !rates(x, t, x->a);
         if (i < 2 * n)

@@ -11,8 +11,10 @@ from pathlib import Path
 from ..analysis.chart.chart import methods as all_methods
 from ..analysis.stability import map as maps
 from ..analysis.stability import plan, text
+from ..analysis.stability.cycles import Cycle
 from ..analysis.stability.map import MapOptions, StabilityMap
 from ..analysis.stability.misses import misses, unpredicted
+from ..analysis.stability.orbits import Orbit
 from ..compiler import Compilation
 from ..own.given import given
 from ..plot.style import Look
@@ -36,6 +38,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--vary", metavar="NAME=LO..HI", help="a start or a parameter (default: the amplitude)")
     add("--methods", metavar="LIST", help="only these, e.g. verlet,rk4 (default: one a family)")
     add("--steps", metavar="LO..HI", help="default: to somewhat beyond the predicted limits")
+    add("--period", metavar="T", help="of what drives the model, where it is not sines of time")
     add("--points", metavar="NxM", help="steps x values (default 48x32)")
     add("--quick", action="store_true", help="24x12 points, and resonances measured with less")
     shared.of_a_look(parser)
@@ -110,6 +113,7 @@ def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:
         tuple(left),
         steps,
         values.positive("--until", options.until, values.time),
+        values.positive("--period", options.period, values.time),
         options.quick,
     )
 
@@ -124,6 +128,16 @@ def _write(directory: Path, made: StabilityMap, look: Look) -> list[Path]:
             files.append(stem.with_suffix(suffix))
             files[-1].write_text(content, encoding="utf-8")
         return moved(files, directory)
+
+
+def orbit(one: Orbit) -> dict[str, object]:
+    """Multipliers as [real, imaginary]; states as q and then v."""
+    multipliers = [[z.real, z.imag] for z in one.multipliers]
+    return {"h": one.h, "states": one.states, "multipliers": multipliers}
+
+
+def cycle(one: Cycle | None) -> dict[str, object] | None:
+    return one and {"period": one.period, "driven": one.driven, **orbit(one.orbit)}
 
 
 def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
@@ -149,6 +163,12 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
             for row in made.rows
         ],
         "growths": [asdict(g) for g in made.growths],
+        "cycle": cycle(made.cycle),
+        "ghosts": [
+            {"method": g.method, "kind": g.kind, "holds": g.holds, "stays": g.stays}
+            | {"orbits": list(map(orbit, g.orbits))}
+            for g in made.ghosts
+        ],
         "misses": [asdict(m) for m in misses(made)],
         "unpredicted": unpredicted(made),
         "interrupted": bool(made.interrupted),

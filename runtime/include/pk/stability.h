@@ -18,8 +18,8 @@
  *     oscillator   what a step of a method makes of q'' = -stiffness q - damping q', h > 0
  *
  * `near` begins along `mode` or all (-1) at `amplitude`, with mode `other` (-1: none) at `seed`.
- * Modes are counted from 0, as `equilibria` gives them. `equilibria`, `near`, `leave` and
- * `rates` and `orbits` need GSL.
+ * Modes are counted from 0, as `equilibria` gives them. `equilibria`, `near`, `leave`, `rates`,
+ * `orbits`, `returns` and `beside` need GSL.
  */
 #ifndef PK_STABILITY_H
 #define PK_STABILITY_H

@@ -19,13 +19,14 @@ from collections.abc import Callable
 from ...record import record
 from .ask import Asker
 from .orbits import STILL, Orbit, closed
+from .predict import Prediction
 
 FINEST, COARSER = 512, 0.8  # steps a period: at first, and from one look to the next
 FINE = 1000  # steps of an orbit to which a limit is refined: h is known to a part of that
 GROWS = 1e-3  # log of a multiplier from which it has left the unit circle
 CLOSE = 0.1  # log of a multiplier: so close to the unit circle it is followed to it
 DISPLACED = 1e-6  # of what the motion covers
-LONG, SHORT = 30_000, 10_000  # steps of a measurement; the latter where displacements drift
+LONG, SHORT = 300_000, 10_000  # steps of a measurement; the latter where displacements drift
 
 
 @record
@@ -85,6 +86,15 @@ def find(asker: Asker, period: float | None) -> Cycle | None:
             trivial = len(same) if period is not None else max(len(near), 1)
             return Cycle(orbit.h, period is not None, orbit, trivial)
     return None
+
+
+def predictions(cycle: Cycle | None, lost: Lost | None) -> list[Prediction]:
+    """Where the method loses it by a multiplier that was followed to the unit circle, or keeps it
+    at all steps that were looked at; y is the step in units of the period over 2 pi."""
+    if cycle is None or lost is None or not lost.sharp:
+        return []
+    y = None if lost.h is None else 2 * math.pi * lost.h / cycle.period
+    return [Prediction("cycle", lost.method, None, None, None, lost.h, y)]
 
 
 class _Search:

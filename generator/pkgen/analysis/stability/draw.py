@@ -121,6 +121,8 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: in
     drawn, labels = overlay.lines(axes, made, name, look)
     if overlay.measured(axes, made, name, look):
         drawn.add("measured")
+    if overlay.ghosts(axes, made, name, look):
+        drawn.add("ghost")
     axes.set_title(name, fontweight="bold", loc="left", pad=3)
     axes.spines[["top", "right"]].set_visible(True)
     unit = "" if made.compilation.model.dimensionless else " (s)"

@@ -14,8 +14,8 @@ from .ask import Asker
 from .orbits import Orbit, closed
 
 TRIES = {1: 24, 2: 16}  # starts, by the number of unknowns
-MORE_TRIES = 8
-LOOKS = 24  # steps h at which they are sought
+MOST_UNKNOWNS = 4  # beyond, a search from few starts finds next to nothing
+LOOKS, FEWER_LOOKS = 24, 8  # steps h at which they are sought
 RUN, BESIDE = 4000, 1e-3  # steps that are run on from beside one, of what the motion covers
 AWAY = 30  # times as far it has left
 
@@ -39,11 +39,14 @@ class Ghost:
         return "fixed point" if self.steps == 1 else f"{self.steps}-cycle"
 
 
-def ghosts(asker: Asker, method: str, hs: Sequence[float], unknowns: int) -> list[Ghost]:
-    """Of an autonomous model."""
+def ghosts(asker: Asker, method: str, hs: Sequence[float], quick: bool = False) -> list[Ghost]:
+    """Of an autonomous model; none of one with more than MOST_UNKNOWNS."""
     found: dict[tuple[int, bool], list[Orbit]] = {}
-    tries = TRIES.get(unknowns, MORE_TRIES)
-    for h in hs[:: max(1, len(hs) // LOOKS)]:
+    unknowns = asker.ask("orbits", method=method, h=hs[0], count=1)["unknowns"]
+    if unknowns > MOST_UNKNOWNS:
+        return []
+    tries = TRIES.get(unknowns, 8)
+    for h in hs[:: max(1, len(hs) // (FEWER_LOOKS if quick else LOOKS))]:
         for orbit in closed(asker, method=method, h=h, first=1, count=2, tries=tries):
             if not orbit.rests:
                 found.setdefault((orbit.steps, orbit.holds), []).append(orbit)

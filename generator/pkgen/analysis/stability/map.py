@@ -19,8 +19,10 @@ from ...system import children
 from ...system.exits import UsageError
 from ...system.progress import Show, unseen
 from ..chart.points import ChartedMethod
-from . import measure, plan
+from . import cycles, measure, orbits, plan
 from .ask import Asker, Equilibrium, Motion, Rest
+from .cycles import Cycle
+from .ghosts import Ghost, ghosts
 from .measure import Growth, Measured, Row
 from .method import StepMap
 from .plan import Axis
@@ -44,6 +46,7 @@ class MapOptions:
     left: tuple[str, ...]  # why others are not mapped
     steps: tuple[float, float] | None
     until: float | None
+    period: float | None  # of what drives the model
     quick: bool
 
 
@@ -63,6 +66,14 @@ class StabilityMap:
     measured: tuple[Measured, ...]
     growths: tuple[Growth, ...]
     interrupted: str = ""  # what there is of it
+    cycle: Cycle | None = None  # that the motion is on in the end
+    lost: tuple[cycles.Lost, ...] = ()
+    ghosts: tuple[Ghost, ...] = ()
+
+    def place(self, state: tuple[float, ...]) -> float:
+        """Where a state, q and then v, lies on the axis of what is varied."""
+        at = None if self.primary is None else self.rest.equilibria[self.primary]
+        return self.asked.axis.place(state, at, self.motion)
 
 
 def make(
@@ -103,7 +114,13 @@ def make(
     tries = 40 if moves else 100
 
     rates = asker.rates()
-    predicted = {name: predictions(step, rest, primary, rates) for name, step in maps.items()}
+    cycle = _cycle(compilation, asked, asker, rest, motion)
+    lost = {name: cycles.lost(asker, name, cycle) for name in maps} if cycle else {}
+    predicted = {}
+    for name, step in maps.items():
+        whole = cycles.predictions(cycle, lost.get(name))
+        # What a whole period says is more than what its fastest moment does.
+        predicted[name] = [*predictions(step, rest, primary, () if whole else rates), *whole]
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
     steps = {name: tuple(_steps(asked, predicted[name], fastest, until)) for name in maps}
 
@@ -126,7 +143,7 @@ def make(
     size = _size(at, motion.q, cyclic) if at else 0.0
     amplitude = measure.small(rest, cyclic, size)
     effort = measure.QUICK if asked.quick else measure.FULL
-    jobs = len(asked.axis.values) + len(flat) + 1
+    jobs = len(asked.axis.values) + len(flat) + len(maps) + 1
     done = [0]
     show(0.0, f"0 of {jobs}")
 
@@ -144,10 +161,15 @@ def make(
         rows = [pool.submit(counted, partial(one, xs[k])) for k in _spread(len(xs))]
         of = size, amplitude, effort
         checks = [
-            pool.submit(counted, partial(measure.measured, asker, rest, p, *of)) for p in flat
+            pool.submit(counted, partial(_measured, asker, rest, p, lost.get(p.method), of))
+            for p in flat
+        ]
+        haunted = [
+            pool.submit(counted, partial(ghosts, asker, name, steps[name], asked.quick))
+            for name in (maps if rest.status != "PK_REFUSED" else ())
         ]
         leaving = pool.submit(counted, partial(measure.growths, asker, rest, amplitude))
-        every = [*rows, *checks, leaving]
+        every = [*rows, *checks, *haunted, leaving]
         with suppress(KeyboardInterrupt):
             wait(every, return_when=FIRST_EXCEPTION)
         pool.shutdown(cancel_futures=True)  # what is queued is not begun, where one fails
@@ -164,7 +186,9 @@ def make(
         asked = replace(asked, axis=replace(asked.axis, values=tuple(row.x for row in found)))
     begun = until, motion, rest, primary
     told = flat, checked, tuple(growing), interrupted
-    return StabilityMap(compilation, asked, *begun, found, steps, *told)
+    losses = tuple(one for one in lost.values() if one)
+    seen = tuple(ghost for one in _kept(haunted) for ghost in one)
+    return StabilityMap(compilation, asked, *begun, found, steps, *told, cycle, losses, seen)
 
 
 def _spread(count: int) -> list[int]:
@@ -181,6 +205,27 @@ def _kept(futures: list[Future[Made]]) -> list[Made]:
             with suppress(KeyboardInterrupt):
                 found.append(future.result())
     return found
+
+
+def _cycle(
+    compilation: Compilation, asked: MapOptions, asker: Asker, rest: Rest, motion: Motion
+) -> Cycle | None:
+    """Where energy is constant orbits come in families, and nothing of one can be lost."""
+    if compilation.structure.conservative and not motion.by_norm:
+        return None
+    period = asked.period or orbits.driven_period(compilation.equations, motion.parameters)
+    if period is None and rest.status == "PK_REFUSED":
+        return None
+    cycle = cycles.find(asker, period)
+    return cycle if cycle and cycle.stays else None
+
+
+def _measured(
+    asker: Asker, rest: Rest, p: Prediction, lost: cycles.Lost | None, of: tuple
+) -> Measured:
+    if p.kind == "cycle" and lost:
+        return Measured(p, lost.measured, lost.how)
+    return measure.measured(asker, rest, p, *of)
 
 
 def _refuse_unjudged(motions: Iterable[Motion]) -> None:
@@ -219,6 +264,7 @@ def _steps(
         _refuse_too_many(low, until)
         return [low + (high - low) * k / (count - 1) for k in range(count)]
     limits = [p.h for p in predicted if p.kind == "limit" and p.h]
+    limits += [p.h for p in predicted if p.kind == "cycle" and p.h]
     limits = limits or [2 * p.h for p in predicted if p.kind == "local" and p.h]
     branches = [p.h for p in predicted if p.kind == "branch" and p.h]
     if limits:

@@ -38,7 +38,7 @@ def _missed(off: float | None, sharp: bool = True) -> bool:
 
 def name_mode(p: Prediction) -> str:
     if p.mode is None:
-        return "the fastest"
+        return "the cycle" if p.kind == "cycle" else "the fastest"
     return f"mode {p.mode + 1}" if p.other is None else f"modes {p.other + 1} and {p.mode + 1}"
 
 
@@ -51,6 +51,7 @@ def of_prediction(m: Measured) -> Miss | None:
     what = {
         "limit": "the limit",
         "branch": "the loss of the solution",
+        "cycle": "the loss of the cycle",
         "local": "the scale of the fastest that is resolved",
     }.get(p.kind, f"the {p.kind} resonance of {name_mode(p)}")
     said = "nowhere" if p.h is None else f"at h = {p.h:.6g}"

@@ -22,6 +22,7 @@ LINES = {
     "1:3": ("--", "1:3"),
     "1:4": ("-.", "1:4"),
     "local": ((0, (1, 3)), "scale"),
+    "cycle": ((0, (8, 2, 2, 2)), "cycle lost"),
     "2:3": ("--", "2:3"),
     "3:4": ("-.", "3:4"),
     **dict.fromkeys(PAIRS, (":", "")),
@@ -32,6 +33,7 @@ WORDS = {  # in the legend
     "1:3": "step resonance 1:3, 2:3",
     "1:4": "step resonance 1:4, 3:4",
     "1:2": "step resonance of two modes",
+    "cycle": "predicted loss of the cycle",
     "local": "scale of the fastest along the motion",
 }
 PAIR_WORDS = {"1:2": "1:2 {slow}, {fast}", "1+2": "{fast} + 2{slow}", "2+1": "2{fast} + {slow}"}
@@ -164,7 +166,7 @@ def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
     """Triangles on the lower edge, where small motions were measured to fail; if there are any."""
     low, high = axes.get_xlim()
     own = [m for m in made.measured if m.prediction.method == name and m.h]
-    failing = [m.h for m in own if m.prediction.kind in ("limit", "branch")]
+    failing = [m.h for m in own if m.prediction.kind in ("limit", "branch", "cycle")]
     places = [h for h in failing if low < h < high]
     if not places:
         return False  # an empty line that is not clipped has no size that a layout could use
@@ -172,6 +174,26 @@ def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
     at = {"clip_on": False, "transform": axes.get_xaxis_transform(), "zorder": 5}
     axes.plot(places, [0.0] * len(places), **how, **at)
     return True
+
+
+def ghosts(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
+    """Rings at the steps where the map has orbits that the equations have not, full ones where a
+    run stays; as high as what is varied is in their states; if there are any in sight."""
+    (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    seen = False
+    for ghost in (g for g in made.ghosts if g.method == name):
+        places = [
+            (orbit.h, x)
+            for orbit in ghost.orbits
+            for x in {round(made.place(state), 9) for state in orbit.states}
+            if low < orbit.h < high and bottom < x < top
+        ]
+        if places:
+            fill = look.ink if ghost.stays else look.ground
+            how = {"ls": "", "marker": "o", "ms": 3.0, "mec": look.ink, "mew": 0.7, "zorder": 4}
+            axes.plot(*zip(*places, strict=True), color=fill, **how)
+            seen = True
+    return seen
 
 
 def handles(drawn: set[str], look: Look) -> list[tuple[Line2D, str]]:
@@ -186,6 +208,9 @@ def handles(drawn: set[str], look: Look) -> list[tuple[Line2D, str]]:
     if "silent" in shown:
         line = Line2D([], [], color=_silent(look), lw=1.0)
         found.append((line, "resonance that nothing answers"))
+    if "ghost" in shown:
+        mark = Line2D([], [], color=look.ink, marker="o", ls="", ms=3)
+        found.append((mark, "ghost: of the step map alone"))
     if "measured" in shown:
         mark = Line2D([], [], color=look.ink, marker="^", ls="", ms=4)
         found.append((mark, "measured, small motion"))

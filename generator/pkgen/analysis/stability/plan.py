@@ -64,6 +64,21 @@ class Axis:
         kept = tuple(item for item in getattr(base, field) if item[0] != self.index)
         return replace(base, **{field: (*kept, (self.index, x))})
 
+    def place(self, state: Sequence[float], at: Equilibrium | None, motion: Motion) -> float:
+        """The inverse of settings(): of a factor by the farthest of what it moves."""
+        half = len(motion.q)
+        if self.kind == "parameter":
+            return motion.parameters[self.index]
+        if self.kind in ("q", "v"):
+            return state[self.index + (half if self.kind == "v" else 0)]
+        start = (*motion.q, *motion.v)
+        rest = (*at.q, *at.v) if at and self.kind == "amplitude" else (0.0,) * len(start)
+        counted = {"rates": range(half, 2 * half), "coordinates": range(half)}
+        counted |= {"amplitude": range(half) if not motion.by_norm else range(half, 2 * half)}
+        moved = [i for i in counted[self.kind] if start[i] != rest[i]]
+        whole = max((abs(start[i] - rest[i]) for i in moved), default=math.inf)
+        return max((abs(state[i] - rest[i]) for i in moved), default=0.0) / whole
+
 
 def numbers(text: str | None, quick: bool) -> tuple[int, int]:
     """`--points 48x32`: steps, and values of what is varied."""

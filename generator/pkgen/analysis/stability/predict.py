@@ -97,6 +97,8 @@ def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
     either, or that grow at any step."""
     best: tuple[float, float] | None = None
     for mode in rates:
+        if mode.frequency > 0 and step.limit() == 0:
+            continue
         ratio = round(-mode.growth / mode.rate, 2)
         y = step.limit(max(0.0, ratio))
         if y is None and ratio < 0 and not step.states:

@@ -112,6 +112,35 @@ def rates(made: StabilityMap) -> Table:
     return ["at", "of", "predicted rate", "measured", "off"], rows
 
 
+def ghosts(made: StabilityMap) -> Table:
+    """What the method's map has and the equations have not, at the middle one of its steps."""
+    rows = []
+    for g in made.ghosts:
+        one = g.middle
+        of = made.motion
+        state = of.v if of.by_norm else of.q
+        half = len(of.q) if of.by_norm else 0
+        where = "; ".join(
+            ", ".join(f"{x:.6g}" for x in y[half : half + len(state)][:3]) for y in one.states
+        )
+        stays = {None: "repels", True: "a run stays there", False: "a run leaves in time"}[g.stays]
+        steps = f"{g.orbits[0].h:.4g} .. {g.orbits[-1].h:.4g}"
+        rows.append([g.method, g.kind, steps, f"{one.h:.5g}", where, f"{one.growth:.4g}", stays])
+    return ["method", "what", "from h to", "at h", "where", "multiplier", ""], rows
+
+
+def cycle(made: StabilityMap) -> str:
+    """In a sentence."""
+    assert made.cycle
+    unit = "" if made.compilation.model.dimensionless else " s"
+    kind = "in step with what drives it, of period" if made.cycle.driven else "on a cycle of period"
+    rest = abs(made.cycle.orbit.beyond(made.cycle.trivial))
+    return (
+        f"the motion is in the end {kind} {made.cycle.period:.8g}{unit}; what is beside it is "
+        f"{rest:.4g} times as far after one"
+    )
+
+
 def counts(made: StabilityMap) -> Table:
     """How many points of each class a method has."""
     from .classes import CLASSES
@@ -158,6 +187,13 @@ def remarks(made: StabilityMap) -> list[str]:
         )
     if rest.equilibria:
         found.append(searched(made))
+    if made.cycle:
+        found.append(cycle(made))
+    found += [
+        f"{one.method} was followed along the cycle to h = {one.h:.4g}: {one.how}"
+        for one in made.lost
+        if not one.sharp
+    ]
     if rest.more:
         flat = sum(any(mode.rate == 0 for mode in e.modes) for e in rest.equilibria)
         found.append(
@@ -224,6 +260,7 @@ def tables(made: StabilityMap) -> list[tuple[str, str, Table]]:
     found = [
         ("Predicted and measured", "", predicted(made)),
         ("Growth rates", " at unstable equilibria", rates(made)),
+        ("Ghosts", " of the step map, which the equations do not have", ghosts(made)),
         ("Points", " of each class", counts(made)),
     ]
     return [row for row in found if row[2][1]]
