@@ -13,9 +13,9 @@ from ...record import record
 from .ask import Asker
 from .orbits import Orbit, closed
 
-TRIES = {1: 24, 2: 16}  # starts, by the number of unknowns
-MOST_UNKNOWNS = 4  # beyond, a search from few starts finds next to nothing
-LOOKS, FEWER_LOOKS = 24, 8  # steps h at which they are sought
+# By the number of unknowns: starts, steps h at which they are sought, and in a quick map. Beyond
+# four a search from so few starts finds next to nothing.
+EFFORT = {1: (24, 24, 8), 2: (16, 24, 8), 3: (4, 12, 4), 4: (4, 12, 4)}
 RUN, BESIDE = 4000, 1e-3  # steps that are run on from beside one, of what the motion covers
 AWAY = 30  # times as far it has left
 
@@ -40,13 +40,13 @@ class Ghost:
 
 
 def ghosts(asker: Asker, method: str, hs: Sequence[float], quick: bool = False) -> list[Ghost]:
-    """Of an autonomous model; none of one with more than MOST_UNKNOWNS."""
+    """Of an autonomous model; none of one with more unknowns than four."""
     found: dict[tuple[int, bool], list[Orbit]] = {}
     unknowns = asker.ask("orbits", method=method, h=hs[0], count=1)["unknowns"]
-    if unknowns > MOST_UNKNOWNS:
+    if unknowns not in EFFORT:
         return []
-    tries = TRIES.get(unknowns, 8)
-    for h in hs[:: max(1, len(hs) // (FEWER_LOOKS if quick else LOOKS))]:
+    tries, looks, fewer = EFFORT[unknowns]
+    for h in hs[:: max(1, len(hs) // (fewer if quick else looks))]:
         for orbit in closed(asker, method=method, h=h, first=1, count=2, tries=tries):
             if not orbit.rests:
                 found.setdefault((orbit.steps, orbit.holds), []).append(orbit)
