@@ -123,7 +123,7 @@ def root(f: Callable[[float], float], low: float, high: float) -> float:
     return high
 
 
-def edge(true: Callable[[float], float], low: float, high: float, bits: int = 6) -> float:
+def edge(true: Callable[[float], float], low: float, high: float, bits: int = 3) -> float:
     if true(low) or not true(high):
         return math.inf
     for _ in range(bits):
