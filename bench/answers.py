@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart import chart as charts
-from pkgen.analysis.chart.answer import ACCURACIES, Answer
+from pkgen.analysis.chart.answer import Answer
 from pkgen.analysis.chart.chart import Chart
 from pkgen.analysis.chart.errors import Measure
 from pkgen.analysis.chart.measure import Program
@@ -33,11 +33,14 @@ from pkgen.scenes import asked as parsing
 from pkgen.scenes.use import whole
 from pkgen.system.progress import unseen
 
+from . import machine
 from .chosen import chosen
 from .models import ROOT
 from .tables import table
 
 WITHIN = 1.10
+PAGE = ROOT / "docs" / "charts.md"
+MARK = "<!-- python -m bench answers --docs -->\n"
 NEXT = {True: 1 / 1.03, False: 1 / 1.2}  # of a step, of a tolerance, to the next one
 FINER = {True: 0.87, False: 0.3}
 LOOSEST = {True: 0.1, False: 1e-2}  # of the time to go
@@ -53,6 +56,7 @@ class Case:
     words: tuple[str, ...] = ()
 
 
+OURS = "bench/lag/answers"
 CASES = [
     *(
         Case(name, f"models/{name}.lag")
@@ -61,7 +65,15 @@ CASES = [
             "heavy_top",
         )
     ),
-    Case("Kepler, e = .9", "tests/regimes/models/kepler.lag", ("--set", "e=0.9", "--until", "62")),
+    # Of no model of the collection: what charts answer was not made with them.
+    Case("Kepler, e = .9", f"{OURS}/kepler.lag", ("--until", "62")),
+    Case("stiff spring pendulum", f"{OURS}/stiff_spring.lag", ("--until", "10")),
+    Case("van der Pol, mu = 5", f"{OURS}/van_der_pol.lag", ("--until", "30")),
+    Case("Duffing, driven", f"{OURS}/duffing.lag", ("--until", "40")),
+    Case("Arenstorf", "bench/lag/published/arenstorf.lag", ("--until", "17.06521656015796")),
+    Case("elastic, k = 9", "models/elastic_pendulum.lag", ("--set", "k=9", "--until", "20")),
+    Case("ion in a Penning trap", f"{OURS}/penning.lag", ("--until", "30")),
+    Case("double pendulum on a cart", f"{OURS}/cart.lag", ("--until", "10")),
 ]  # fmt: skip
 
 
@@ -205,20 +217,36 @@ def cells(case: Case, one: Judged) -> tuple[str, ...]:
     )
 
 
+def summary(found: list[Judged]) -> str:
+    """How many are right, by evaluations and by time."""
+    told = []
+    for axis, name in (("work", "evaluations"), ("seconds", "time")):
+        mine = [one for one in found if one.answer.axis == axis]
+        well = sum(one.well for one in mine)
+        told.append(f"by {name} {well} of {len(mine)} within 10%")
+    return "; ".join(told)
+
+
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench answers", description=__doc__)
     parser.add_argument("--only", default="", help="motions whose name has this")
     parser.add_argument("--seconds", type=float, default=60.0, help="of a chart's measuring")
+    parser.add_argument("--docs", action="store_true", help="write the table into docs/charts.md")
     arguments = parser.parse_args(words)
-    rows, failed, began = [], [], time.monotonic()
+    rows, found, failed, began = [], [], [], time.monotonic()
     for case in chosen(CASES, arguments.only, lambda case: case.name):
         for one in judged(case, arguments.seconds):
+            found.append(one)
             rows.append(cells(case, one))
             print(" | ".join(rows[-1]), file=sys.stderr, flush=True)
             if not one.well:
                 failed.append(" | ".join(rows[-1]))
-    print(table(HEAD, rows))
-    print(f"\n{len(ACCURACIES)} accuracies; {time.monotonic() - began:.0f} s")
+    text = f"{summary(found)}; {time.monotonic() - began:.0f} s.\n\n{table(HEAD, rows)}\n"
+    print(text)
+    if arguments.docs:
+        before = PAGE.read_text().partition(MARK)[0]
+        here = "; ".join(machine.describe().lines())
+        PAGE.write_text(f"{before}{MARK}\n{here}\n\n{text}")
     for why in failed:
         print(f"bench: failed: {why}", file=sys.stderr)
     return 1 if failed else 0

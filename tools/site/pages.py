@@ -52,6 +52,7 @@ SECTIONS = {
         "accuracy",
         "enclose",
         "stability",
+        "charts",
         "maps",
         "diagnostics",
         "describe",
