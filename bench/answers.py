@@ -164,10 +164,9 @@ def judged(case: Case, seconds: float) -> list[Judged]:
         axis: max((a.point.cost(axis) for a in answers if a.point and a.axis == axis), default=1e6)
         for axis in ("seconds", "work")
     }
-    with program:
-        scan = Scan(program, chart)
-        points = {m.name: (m, scan.all_of(m, most)) for m in methods}
-        return [_judge(scan, a, points) for a in answers]
+    scan = Scan(program, chart)
+    points = {m.name: (m, scan.all_of(m, most)) for m in methods}
+    return [_judge(scan, a, points) for a in answers]
 
 
 def _judge(

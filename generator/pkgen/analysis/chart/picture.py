@@ -80,7 +80,7 @@ def _beside(chart: Chart) -> str:
         if any(ratios):
             times = ", ".join(f"{r:.3g}×" if r else "none" for r in ratios)
             told.append(f"{b.peer.version} {times}")
-    return f" As long as that takes: {'; '.join(told)}." if told else ""
+    return f" Other packages take, in that order: {'; '.join(told)}." if told else ""
 
 
 def _spread(axes, points, axis: str, colour: str) -> None:
