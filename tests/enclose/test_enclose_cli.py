@@ -29,7 +29,6 @@ def said(path: Path, *options: object, code: int = 2) -> str:
         (FREE + "potential max(x, 0)^3\n", ":5:", "max()"),
         (FREE + "input u\nforce x = u\n", ":5:", "'u' is an input"),
         (FREE + "event e: x - 2 stop\n", ":5:", "stops the run"),
-        (FREE + "coord y\nkinetic y'^2/2\nconstraint rod: x + y = 1\n", ":7:", "constraints"),
     ],
 )
 def test_what_has_no_bounds_is_refused(text: str, place: str, word: str, tmp_path: Path) -> None:

@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 
 from ..scenes import use
-from ..system.exits import DONE, NUMERICS_FAILED
+from ..system.children import stopping
+from ..system.exits import DONE, INTERRUPTED, NUMERICS_FAILED
 from ..system.files import replace
 from ..system.progress import progress
 from .compilation import compile_within_limits
@@ -29,10 +30,11 @@ def run(options: argparse.Namespace) -> int:
     digits = ask.digits(options.digits)
     ask.refuse_options(options)
     flint()
-    compilation = compile_within_limits(options, unroll=None, use=use.enclosed(options))
-    given = ask.given(options, compilation)
-    with progress(compilation.model.name) as show:
-        found = enclose(given, digits, show or (lambda _: None))
+    both = ask.ends(options)
+    compilation = compile_within_limits(both[0], unroll=None, use=use.enclosed(both[0]))
+    given = ask.given(both, compilation)
+    with progress(compilation.model.name) as show, stopping() as stopped:
+        found = enclose(given, digits, show or (lambda _: None), stopped)
     content = "\n".join(text.lines(found)) + "\n"
     if options.output not in (None, "-"):
         replace({Path(options.output): content})
@@ -43,4 +45,6 @@ def run(options: argparse.Namespace) -> int:
             print(content, end="", flush=True)
         for line in text.report(found, "" if compilation.model.dimensionless else "s"):
             print(line, file=sys.stderr)
+    if found.interrupted:
+        return INTERRUPTED
     return DONE if found.whole else NUMERICS_FAILED

@@ -12,6 +12,8 @@ from ..functions import FUNCTIONS
 from .differentiate import reachable
 from .graph import Graph, Kind, Node, Op, Symbol
 
+MOST_PRODUCTS = 8
+
 
 class Floats:
     """A domain of functions as rows of functions/row.py call them, `enclosed`; of constants also
@@ -90,11 +92,14 @@ def text_of(
 
 
 def _power(base: str, exponent: Fraction) -> str:
-    """By products and one division, by a root where it is half a whole number."""
+    """By products and one division, by a root where it is half a whole number. Of a ball around 0
+    Arb's own power has no value."""
     whole, twice = exponent.denominator == 1, exponent.denominator == 2
     if not (whole or twice):
         return f"e.exp(e.log({base}) * {exponent.numerator} / {exponent.denominator})"
     text = base if whole else f"e.sqrt({base})"
     power = abs(exponent.numerator)
-    text = text if power == 1 else f"({text}) ** {power}"
+    if power > 1:
+        few = whole and power <= MOST_PRODUCTS
+        text = " * ".join([base] * power) if few else f"({text}) ** {power}"
     return text if exponent > 0 else f"1 / ({text})"

@@ -7,17 +7,18 @@ from fractions import Fraction
 from typing import NoReturn
 
 from ...compiler import Compilation
+from ...front.check.scene_numbers import within_bounds
 from ...functions import FUNCTIONS
 from ...graph.differentiate import reachable
 from ...graph.graph import Graph, Kind, Node, Op, Symbol
-from ...indices import hidden
+from ...indices import hidden, indexed
 from ...run import named
 from ...run.values import Values, assignment
 from ...scenes import asked as parsing
 from ...scenes import scene as scenes
 from ...source import Span
 from ...system.exits import UsageError
-from .flow import Given
+from .flow import Ends, Given
 
 DIGITS = 15
 MOST_DIGITS = 500
@@ -60,33 +61,86 @@ def refuse_options(options: argparse.Namespace) -> None:
         raise UsageError(f"-o {options.output}: bounds are written as text: FILE.csv")
 
 
-def given(options: argparse.Namespace, compilation: Compilation) -> Given:
-    """Raises UsageError where the model has no bounds here."""
-    e = compilation.equations
+def ends(options: argparse.Namespace) -> tuple[argparse.Namespace, argparse.Namespace]:
+    """The options with the lower and with the upper ends of what is given as NAME=LO..HI."""
+    both = argparse.Namespace(**vars(options)), argparse.Namespace(**vars(options))
+    for side, each in enumerate(both):
+        for option in ("set", "start"):
+            texts = [_end(f"--{option}", text, side) for text in getattr(options, option)]
+            setattr(each, option, texts)
+    return both
+
+
+def _end(option: str, text: str, side: int) -> str:
+    name, value = assignment(option, text) if ".." in text else ("", text)
+    parts = value.split("..")
+    if not name:
+        return text
+    if len(parts) != 2 or not all(map(str.strip, parts)):
+        raise UsageError(f"{option} {text}: bounds are NAME=LO..HI, e.g. {option} {name}=0.9..1.1")
+    return f"{name}={parts[side].strip()}"
+
+
+def given(both: tuple[argparse.Namespace, argparse.Namespace], compilation: Compilation) -> Given:
+    """Of the `ends` of the options. Raises UsageError where the model has no bounds here."""
+    options, e = both[0], compilation.equations
     chosen = scenes.chosen(compilation.declared, options.scene) if options.scene else None
     settings = parsing.settings(options, compilation, None, chosen)
     columns = _columns(compilation, settings)
     refuse(compilation, [node for _, node in columns])
     exact = Exact(compilation)
-    parameters = {k: decimal(x) for k, x in settings.parameters}
-    known, inputs = named.parameters(compilation), named.inputs(compilation)
-    sets, _ = exact.read([assignment("--set", text) for text in options.set if _number(text)])
-    parameters |= dict(exact.assigned("--set", sets, known, inputs))
-    starts, of_parameters = exact.starts(options.start)
+    low = _values(exact, options, settings)
+    upper = parsing.settings(both[1], compilation, None, chosen)
+    parameters, coordinates, rates = map(
+        _between, low, _values(exact, both[1], upper), ("--set", "--start", "--start")
+    )
     until = exact.positive("--until", options.until, exact.time) or decimal(settings.until)
     every = exact.positive("--every", options.every, exact.time) or decimal(settings.every)
     if options.every is None and (chosen is None or chosen.record is None):
         every = until / round(until / every)
     return Given(
         equations=e,
-        parameters=parameters | of_parameters,
-        coordinates={s.index: s.value for s in starts if not s.order},
-        rates={s.index: s.value for s in starts if s.order},
+        parameters=parameters,
+        coordinates=coordinates,
+        rates=rates,
         names=tuple(name for name, _ in columns),
         columns=tuple(node for _, node in columns),
         until=until,
         every=every,
     )
+
+
+def _values(exact: Exact, options: argparse.Namespace, settings) -> tuple[dict, dict, dict]:
+    """Parameters, coordinates and rates by index, as the decimals that are written."""
+    parameters = {k: decimal(x) for k, x in settings.parameters}
+    known, inputs = named.parameters(exact.compilation), named.inputs(exact.compilation)
+    sets, _ = exact.read([assignment("--set", text) for text in options.set if _number(text)])
+    parameters |= dict(exact.assigned("--set", sets, known, inputs))
+    starts, of_parameters = exact.starts(options.start)
+    _refuse_beyond(exact, {k: float(x) for k, x in parameters.items()})
+    return (
+        parameters | of_parameters,
+        {s.index: s.value for s in starts if not s.order},
+        {s.index: s.value for s in starts if s.order},
+    )
+
+
+def _refuse_beyond(exact: Exact, values: dict[int, float]) -> None:
+    declared = {p.name: p for p in exact.model.parameters}
+    keys = exact.by_key(named.parameters(exact.compilation), values)
+    for (name, index), x in keys.items():
+        item = declared.get(name)
+        if item and not within_bounds(exact.model, item, index, x, keys):
+            raise UsageError(f"--set {indexed(name, index)}={x:g}: outside its bounds: {name}")
+
+
+def _between(low: dict, high: dict, option: str) -> dict[int, Ends]:
+    for k, x in low.items():
+        if x > high[k]:
+            raise UsageError(
+                f"{option}: bounds are NAME=LO..HI, and {float(x):g} is above {float(high[k]):g}"
+            )
+    return {k: (x, high[k]) for k, x in low.items()}
 
 
 def _number(text: str) -> bool:
@@ -129,9 +183,6 @@ def refuse(compilation: Compilation, columns: list[Node]) -> None:
         item = model.inputs[0]
         advice = f"knows no inputs: declare it by param, or --set {item.name}=EXPRESSION of t"
         wrong(item.span, f"'{item.name}' is an input", advice)
-    if model.constraints:
-        advice = "takes free coordinates: choose coordinates that meet it by themselves"
-        wrong(model.constraints[0].span, "the model has constraints", advice)
     for event in model.events:
         if event.stop:
             advice = "locates no events: leave the event's 'stop' out"

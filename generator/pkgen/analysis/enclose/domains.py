@@ -30,7 +30,10 @@ def flint() -> Any:
     return library
 
 
-def ball(value: Fraction | int) -> Any:
+def ball(value: Fraction | int, upper: Fraction | None = None) -> Any:
+    """A number, or all of them between two."""
+    if upper is not None and upper != value:
+        return ball(value).union(ball(upper))
     value = Fraction(value)
     library = flint()
     return library.arb(library.fmpq(value.numerator, value.denominator))

@@ -15,8 +15,9 @@ from math import ceil, floor, log, log10
 from typing import Any
 
 from ...record import record
+from ...system.exits import UsageError
 from .domains import ball, flint
-from .flow import Flow, Given
+from .flow import REAL, Flow, Given
 from .step import Step, begun, step
 
 SPARE = 9  # digits, beyond those wanted
@@ -49,51 +50,73 @@ class Enclosure:
     bits: int
     seconds: float  # of the processor, all attempts
     attempts: int
+    several: bool  # bounds are of all motions between ends that were given
+    interrupted: bool = False
 
     @property
     def whole(self) -> bool:
         return self.reached == self.until
 
 
-def enclose(given: Given, digits: int, told: Callable[[float], None] = lambda _: None) -> Enclosure:
-    """Rows from 0 to the end, or to where bounds end."""
+def enclose(
+    given: Given,
+    digits: int,
+    told: Callable[[float], None] = lambda _: None,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Enclosure:
+    """Rows from 0 to the end, or to where bounds end, or to where it is stopped. Raises UsageError
+    where the start is off the constraints."""
     begin = time.process_time()
     spare, best = SPARE, None
     attempt = 0
     while attempt < ATTEMPTS:
         attempt += 1
-        found = _attempt(given, digits, spare, told)
+        found = _attempt(given, digits, spare, told, stopped)
         if best is None or (found.reached, found.digits) > (best.reached, best.digits):
             best = found
-        if found.whole and found.digits >= digits:
+        if (found.whole and found.digits >= digits) or given.several or stopped():
             break
         if best is not found:  # more digits do not help
             break
         spare += max(digits - found.digits, 0) + SPARE if found.whole else 2 * digits
-    return replace(best, seconds=time.process_time() - begin, attempts=attempt)
+    seconds = time.process_time() - begin
+    return replace(best, seconds=seconds, attempts=attempt, interrupted=stopped())
 
 
-def _attempt(given: Given, digits: int, spare: int, told: Callable[[float], None]) -> Enclosure:
+def _attempt(
+    given: Given,
+    digits: int,
+    spare: int,
+    told: Callable[[float], None],
+    stopped: Callable[[], bool],
+) -> Enclosure:
     sought = digits + spare
     # K^2/10^(-D/K), the work of a unit of time, is least there.
     order = max(ceil(sought * log(10) / 2), 8)
     bits = ceil(sought * BITS_A_DIGIT) + GUARD
     with flint().ctx.workprec(bits):
-        rows, steps, reached = _rows(given, order, sought, told)
+        rows, steps, reached = _rows(given, order, sought, told, stopped)
         return _judged(given, rows, digits, steps, order, bits, reached)
 
 
 def _rows(
-    given: Given, order: int, sought: int, told: Callable[[float], None]
+    given: Given,
+    order: int,
+    sought: int,
+    told: Callable[[float], None],
+    stopped: Callable[[], bool],
 ) -> tuple[list[Row], int, Fraction]:
     library = flint()
     library.ctx.cap = order + 2
     flow = Flow(given)
     ratio = library.arb(10 ** (-sought / (order + 1))).mid()
     now = begun(ball(0), flow.start)
+    _refuse_off(given, flow)
     rows = [Row(Fraction(0), flow.shown(now.t, now.hull()))]
     tried, steps, shortest = ball(given.until), 0, float(given.until) * SHORTEST
     while rows[-1].t < given.until and all(x.is_finite() for x in rows[-1].values):
+        if stopped():
+            break
         made = step(flow, now, order, ratio, tried)
         if made is None or made.length < shortest or not _narrow(made):
             break
@@ -109,6 +132,23 @@ def _rows(
         tried = (made.around.radius * GROWTH).mid()
         told(float(rows[-1].t / given.until))
     return rows, steps, rows[-1].t
+
+
+def _refuse_off(given: Given, flow: Flow) -> None:
+    """A motion whose start meets the constraints meets them for ever, by the equations alone."""
+    residuals = flow.residuals(REAL, flow.values(ball(0), flow.start))
+    for k, x in enumerate(residuals):
+        if x.contains(0):
+            continue
+        rows = given.equations.constraints
+        of = k if k < rows.holonomic else k - rows.holonomic
+        what = "itself" if k < rows.holonomic else "in its rate"
+        raise UsageError(
+            f"--enclose: the start is off the constraint "
+            f"'{rows.names[of].name.removeprefix('lambda_')}' {what}, by {float(x.mid()):.3g}, and "
+            "bounds are of the numbers as they are written: give a start that meets it exactly, "
+            "by a formula in the model's 'start'"
+        )
 
 
 def _narrow(made: Step) -> bool:
@@ -174,4 +214,5 @@ def _judged(
         bits=bits,
         seconds=0.0,
         attempts=1,
+        several=given.several,
     )

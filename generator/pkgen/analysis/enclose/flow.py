@@ -9,11 +9,15 @@ from typing import Any
 from ...equations import Equations
 from ...graph.differentiate import Forward
 from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Symbol
+from ...graph.substitute import substituted
 from ...middle.slopes import slopes, variables
 from ...record import record
 from .domains import Complexes, Reals, Series, ball, flint, written
 
 TIME = Symbol(Kind.TIME)
+
+
+Ends = tuple[Fraction, Fraction]  # all numbers between them, or the one that both are
 
 
 @record
@@ -22,25 +26,41 @@ class Given:
     the rates the states), and the nodes of the columns."""
 
     equations: Equations
-    parameters: Mapping[int, Fraction]
-    coordinates: Mapping[int, Fraction]
-    rates: Mapping[int, Fraction]
+    parameters: Mapping[int, Ends]
+    coordinates: Mapping[int, Ends]
+    rates: Mapping[int, Ends]
     names: tuple[str, ...]
     columns: tuple[Node, ...]
     until: Fraction
     every: Fraction
 
+    @property
+    def wide(self) -> list[int]:
+        """Parameters that are any number between two."""
+        return [k for k, (low, high) in self.parameters.items() if low != high]
+
+    @property
+    def several(self) -> bool:
+        """Whether it is of more than one motion."""
+        ends = (*self.coordinates.values(), *self.rates.values())
+        return bool(self.wide) or any(low != high for low, high in ends)
+
 
 class Flow:
-    """F, its Jacobian and the columns; made anew for another precision."""
+    """F, its Jacobian and the columns; made anew for another precision. A wide parameter is a
+    variable that rests, so that what depends on it keeps together."""
 
     def __init__(self, given: Given):
         e = given.equations
         g = e.graph.copy()
         self.parameters = _parameters(e, given)
-        self.variables = variables(e)
+        wide = given.wide
+        resting = [Symbol(Kind.STATE, len(e.states) + i) for i in range(len(wide))]
+        self.variables = [*variables(e), *resting]
         self.size = len(self.variables)
-        rates = slopes(g, e)
+        swap = _swapped(g, e, dict(zip(wide, resting, strict=True)), given)
+        columns = substituted(g, given.columns, swap)
+        rates = [*substituted(g, slopes(g, e), swap), *(ZERO for _ in wide)]
         self.slopes = written(g, rates, self.parameters)
         jacobian = [[_partial(g, row, s) for s in self.variables] for row in rates]
         self.entries = [
@@ -48,8 +68,11 @@ class Flow:
         ]
         nodes = [jacobian[i][j] for i, j in self.entries]
         self.jacobian = written(g, nodes, self.parameters)
-        self.columns = written(g, given.columns, self.parameters)
+        self.columns = written(g, columns, self.parameters)
         self.start = _start(e, given, self.parameters)
+        self.start += [self.parameters[Symbol(Kind.PARAMETER, k)] for k in wide]
+        rows = (*e.constraints.positions, *e.constraints.residual) if e.constraints else ()
+        self.residuals = written(g, substituted(g, rows, swap), self.parameters)
 
     def values(self, t: Any, y: list[Any]) -> dict[Symbol, Any]:
         return {TIME: t, **dict(zip(self.variables, y, strict=True))}
@@ -112,12 +135,26 @@ def _partial(g: Graph, node: Node, symbol: Symbol) -> Node:
     return Forward(g, BIT[symbol.kind], lambda leaf: ONE if g.data[leaf] == symbol else ZERO)(node)
 
 
+def _swapped(
+    g: Graph, e: Equations, resting: Mapping[int, Symbol], given: Given
+) -> dict[Node, Node]:
+    """What stands in the place of wide parameters, and of those whose values follow from them."""
+    swap: dict[Node, Node] = {}
+    for k, slot in enumerate(e.parameters if resting else ()):
+        symbol = g.symbol(Symbol(Kind.PARAMETER, k))
+        if k in resting:
+            swap[symbol] = g.symbol(resting[k])
+        elif k not in given.parameters:
+            (swap[symbol],) = substituted(g, [slot.default], swap)
+    return swap
+
+
 def _parameters(e: Equations, given: Given) -> dict[Symbol, Any]:
     """Each from earlier ones, unless it is set."""
     found: dict[Symbol, Any] = {}
     for k, slot in enumerate(e.parameters):
         if k in given.parameters:
-            value = ball(given.parameters[k])
+            value = ball(*given.parameters[k])
         else:
             (value,) = written(e.graph, [slot.default], found)(REAL, {})
         found[Symbol(Kind.PARAMETER, k)] = value
@@ -129,10 +166,10 @@ def _start(e: Equations, given: Given, parameters: Mapping[Symbol, Any]) -> list
     nodes = [*e.start_q, *e.start_v, *e.state_start]
     values = written(e.graph, nodes, parameters)(REAL, {})
     known = dict(zip(_all(e), values, strict=True))
-    known |= {Symbol(Kind.COORDINATE, i): ball(x) for i, x in given.coordinates.items()}
+    known |= {Symbol(Kind.COORDINATE, i): ball(*x) for i, x in given.coordinates.items()}
     for i, x in given.rates.items():
         symbol = Symbol(Kind.RATE, i) if i < n else Symbol(Kind.STATE, i - n)
-        known[symbol] = ball(x)
+        known[symbol] = ball(*x)
     return [known[s] for s in variables(e)]
 
 

@@ -90,8 +90,11 @@ def step(flow: Flow, now: Set, order: int, ratio: Any, tried: Any) -> Step | Non
     if around is None:
         return None
     length = (around.radius * ratio).mid()
-    series = flow.series(now.t, now.middle, order)
-    matrices = flow.variations(now.t, hull, max(order // 3, 4))
+    try:
+        series = flow.series(now.t, now.middle, order)
+        matrices = flow.variations(now.t, hull, max(order // 3, 4))
+    except ValueError:  # a divisor may be 0
+        return None
     return Step(now, length, series, matrices, around)
 
 

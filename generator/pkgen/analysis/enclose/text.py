@@ -72,17 +72,22 @@ def lines(found: Enclosure) -> Iterator[str]:
 def report(found: Enclosure, time: str) -> list[str]:
     unit = f" {time}" if time else ""
     attempts = "" if found.attempts == 1 else f", at the {_nth(found.attempts)} attempt"
+    of_all = " of all motions between the ends given" if found.several else ""
     said = [
         f"enclosed: t = 0 to {of_time(found.reached)}{unit} within {found.steps} steps of order "
         f"{found.order}, {found.bits} bits, {found.seconds:.3g} s of CPU{attempts}",
-        f"certified: {found.digits} digits of every number (worst: {found.worst}); "
+        f"certified{of_all}: {found.digits} digits of every number (worst: {found.worst}); "
         f"widest: {found.widest}, {found.width:.2g} from bound to bound",
     ]
-    if not found.whole:
+    if found.interrupted:
+        said.append(f"pkgen: interrupted: the bounds go to t = {of_time(found.reached)}{unit}")
+    elif not found.whole:
+        help = "ends that are closer" if found.several else "more --digits"
         said.append(
             f"pkgen: the bounds end at t = {of_time(found.reached)}{unit}, before "
             f"{of_time(found.until)}: no further step has bounds, since they have become too wide "
-            "or the equations end near there; a shorter --until, or more --digits, may help"
+            "or the equations end near there; a shorter --until, or "
+            f"{help}, may help"
         )
     return said
 
@@ -93,8 +98,10 @@ def _nth(count: int) -> str:
 
 def record(found: Enclosure) -> dict[str, object]:
     """As JSON; numbers are text, since no double holds them."""
+    status = "done" if found.whole else "bounds-lost"
+    status = "interrupted" if found.interrupted else status
     return {
-        "status": "done" if found.whole else "bounds-lost",
+        "status": status,
         "t": of_time(found.reached),
         "until": of_time(found.until),
         "digits": {"wanted": found.wanted, "certified": found.digits, "worst": found.worst},

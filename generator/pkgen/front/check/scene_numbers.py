@@ -41,9 +41,15 @@ def too_much(rows: float, numbers: int, members: int | None) -> str:
     return f"{each}{count} rows of {numbers:,} numbers are some {size} GB"
 
 
-def within_bounds(model: Model, item: Parameter, index: int | None, value: float) -> bool:
-    """Whether a parameter may have the value, the others having their defaults."""
-    values, bounds = Values(model, {(item.name, index): value}), item.bounds
+def within_bounds(
+    model: Model,
+    item: Parameter,
+    index: int | None,
+    value: float,
+    others: Mapping[Key, float] | None = None,
+) -> bool:
+    """Whether a parameter may have the value, where `others` are given and the rest defaults."""
+    values, bounds = Values(model, {**(others or {}), (item.name, index): value}), item.bounds
     loop = {**values.sizes, **({} if index is None else {item.range.variable: index})}
     ends = [e and values.number(item.name, e, loop) for e in (bounds.lo, bounds.hi)]
     return within(value, bounds, ends)
