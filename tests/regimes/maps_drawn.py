@@ -82,4 +82,22 @@ PREDICTIONS: list[Prediction] = [
         "edge of h: max(abs(x[-200:] - sqrt(8/3*14))) > max(abs(x[:200] - sqrt(8/3*14)))",
         "--method rk4",
     ),
+    shown(
+        "Y7a", "x' = x (1 - x), euler, its map", "finds a 2-cycle, whose points sum to (2 + h)/h: "
+        "over that", 1.0, 1e-6, MAP.format("logistic.lag", "euler"),
+        'first([sum(x)*h/(2 + h) for h, x in ghosts(report, "2-cycle")])', "--methods rk4",
+        long=True,
+    ),
+    shown(
+        "Y7b", "x' = x (1 - x), rk2, its map", "finds a point of rest that is none, 2/h: times h",
+        2.0, 1e-6, MAP.format("logistic.lag", "rk2"),
+        'first([x[0]*h for h, x in ghosts(report, "fixed point")])', "--methods euler", long=True,
+    ),
+    shown(
+        "Y8", "van der Pol's oscillator, mu = 1, its map", "its cycle's other multiplier, by "
+        "Taylor's series of order 30 in 30 digits", 0.000859695063603805, 1e-5,
+        MAP.format("van_der_pol.lag", "rk4"),
+        'min([re for re, im in report["cycle"]["multipliers"]])', "--set mu=1.001", long=True,
+        no_method="the cycle is the motion's own, whatever the method",
+    ),
 ]  # fmt: skip

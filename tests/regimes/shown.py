@@ -89,6 +89,12 @@ def mapped(report: dict, kind: str, what: str = "measured") -> float:
     return first([p[what] for p in report["predictions"] if p["kind"] == kind and p[what]])
 
 
+def ghosts(report: dict, kind: str) -> list[tuple[float, np.ndarray]]:
+    """Of a map: the step of each, and what its points have of the first state or coordinate."""
+    found = [o for g in report["ghosts"] if g["kind"] == kind for o in g["orbits"]]
+    return [(o["h"], np.array(o["states"])[:, -1]) for o in found]
+
+
 def first(found: Sequence[float]) -> float:
     """Infinite if there is none."""
     return found[0] if len(found) else math.inf
@@ -97,7 +103,14 @@ def first(found: Sequence[float]) -> float:
 NAMES = "abs sqrt log exp diff arctan2 hypot unwrap median sign max min mean sum cos sin polyfit"
 FUNCTIONS = {name: getattr(np, name) for name in NAMES.split()}
 FUNCTIONS |= {"acos": np.arccos, "pi": math.pi, "len": len, "int": int}
-FUNCTIONS |= {"times": times, "first": first, "errors": errors, "slope": slope, "mapped": mapped}
+FUNCTIONS |= {
+    "times": times,
+    "first": first,
+    "errors": errors,
+    "slope": slope,
+    "mapped": mapped,
+    "ghosts": ghosts,
+}
 
 
 def read(command: str, expression: str, **more: float) -> float:
