@@ -34,7 +34,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     shared.directory(parser)
     shared.own_methods(parser)
-    shared.of_a_motion(parser, "50 periods of the slowest mode")
+    shared.of_a_motion(parser, "50 periods of the slowest mode or of the cycle")
     add("--vary", metavar="NAME=LO..HI", help="a start or a parameter (default: the amplitude)")
     add("--methods", metavar="LIST", help="only these, e.g. verlet,rk4 (default: one a family)")
     add("--steps", metavar="LO..HI", help="default: to somewhat beyond the predicted limits")

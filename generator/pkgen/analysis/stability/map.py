@@ -115,6 +115,8 @@ def make(
 
     rates = asker.rates()
     cycle = _cycle(compilation, asked, asker, rest, motion)
+    until = plan.duration(at, asked.until, cycle)
+    asker = asker.with_settings(replace(asked.settings, until=until))
     lost = {name: cycles.lost(asker, name, cycle) for name in maps} if cycle else {}
     predicted = {}
     for name, step in maps.items():

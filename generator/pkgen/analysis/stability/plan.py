@@ -19,6 +19,7 @@ from ...scenes import scene
 from ...system.exits import UsageError
 from ..chart.points import ChartedMethod
 from .ask import Equilibrium, Motion, Rest
+from .cycles import Cycle
 
 # One or two of a family, those that differ most in how they fail.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")
@@ -209,9 +210,10 @@ def beside(
     return replace(at, q=q)
 
 
-def duration(at: Equilibrium | None, given: float | None) -> float:
-    """PERIODS of the slowest mode, where there is one."""
+def duration(at: Equilibrium | None, given: float | None, cycle: Cycle | None = None) -> float:
+    """PERIODS of the cycle, or else of the slowest mode, where there is one."""
     if given is not None:
         return given
     slow = [at.modes[k].frequency for k in at.oscillating] if at else []
-    return PERIODS * 2 * math.pi / min(slow) if slow else parsing.UNTIL
+    period = cycle.period if cycle else 2 * math.pi / min(slow) if slow else None
+    return PERIODS * period if period else parsing.UNTIL
