@@ -41,6 +41,7 @@ class Ghost:
 
 def ghosts(asker: Asker, method: str, hs: Sequence[float], quick: bool = False) -> list[Ghost]:
     """Of an autonomous model; none of one with more unknowns than four."""
+    asker = asker.with_settings(asker.settings)  # orbits forget the motion that points ask for
     found: dict[tuple[int, bool], list[Orbit]] = {}
     unknowns = asker.ask("orbits", method=method, h=hs[0], count=1)["unknowns"]
     if unknowns not in EFFORT:
