@@ -4,18 +4,8 @@ from __future__ import annotations
 
 from math import log, pi, sqrt
 
-import numpy as np
-
-from .prediction import BOUNDARY, MEASURED, Prediction
-from .probe import Probe
+from .prediction import BOUNDARY, MEASURED
 from .shown import around, listed
-
-UNIT = {"m1": 1.0, "m2": 1.0, "l1": 1.0, "l2": 1.0, "g": 9.81}
-
-
-def at_rest(*angles: float) -> dict[str, float]:
-    start = {f"theta{i + 1}": a for i, a in enumerate(angles)}
-    return start | {f"theta{i + 1}'": 0.0 for i in range(len(angles))}
 
 
 def mode(sign: int) -> float:
@@ -29,26 +19,6 @@ SMALL = (
 )
 # Of what swings at one frequency, by recurrence of three samples.
 FREQUENCY = "acos(sum({0}[1:-1]*({0}[2:] + {0}[:-2]))/(2*sum({0}[1:-1]**2)))/{1}"
-
-
-def reversal_error(method: str, angles: tuple[float, float], until: float, h: float) -> float:
-    """Distance from the start of what ran to `until`, and back with its rates reversed."""
-    there = Probe("double_pendulum", method, h, start=at_rest(*angles))
-    row = there.steps(round(until / h), round(until / h))[-1]
-    turned = {"theta1": row[1], "theta2": row[2], "theta1'": -row[3], "theta2'": -row[4]}
-    back = Probe("double_pendulum", method, h, start=turned)
-    end = back.steps(round(until / h), round(until / h))[-1]
-    return float(np.linalg.norm(end[1:5] - np.array([*angles, 0, 0])))
-
-
-def reversal_lost(method: str, h: float) -> float:
-    """Median over seven neighbouring starts of the time, in steps of 2 s, from which the way back
-    ends further than .1 off: growth differs from one stretch of a chaotic orbit to the next."""
-    times = [
-        next(t for t in range(6, 90, 2) if reversal_error(method, (angle, pi / 2), t, h) > 0.1)
-        for angle in pi / 2 + 1e-3 * np.arange(7)
-    ]
-    return float(np.median(times))
 
 
 OF_THE_FLOW = (
@@ -88,12 +58,13 @@ PREDICTIONS = [
             ("D2d", ".5, .5", "0.5 0.5", (1e-9, 1e-3), "pi/2 pi/2"),
         )
     ),
-    Prediction(
-        "D3a", "double pendulum from rest at pi/2 (+ .001 k), pi/2, gauss1, h = .001",
-        "reversal is lost near ln(1/eps)/lambda, lambda = .926: median of seven starts",
-        log(2**52) / 0.926, MEASURED,
-        lambda: reversal_lost("gauss1", 0.001),
-        "rk4, h = .01", lambda: reversal_lost("rk4", 0.01), long=True,
+    listed(
+        "D3a", "double pendulum from rest at pi/2, pi/2, gauss1, h = .001",
+        "reversal is lost near ln(1/eps)/lambda, lambda = .926", log(2**52) / 0.926, MEASURED,
+        SMALL.replace("1e-5", "pi/2").format("pi/2", "gauss1 --step 0.001", 90, 90)
+        + " --diagnose reversal",
+        'mean([report["diagnostics"]["reversal"][end] for end in ("horizon_lo", "horizon_hi")])',
+        "--method rk4 --step 0.01",
     ),
     listed(
         "D3b", "double pendulum from rest at .3, .3, gauss1, h = .001, to 60 s",

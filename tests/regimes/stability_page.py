@@ -137,8 +137,14 @@ def sections() -> tuple[list[Prediction], ...]:
 
 def text(known: dict[str, list[str]]) -> str:
     listed, own = sections()
+    shown = sum(bool(e.command) for e in PREDICTIONS)
     missed = [e for e in PREDICTIONS if e.missed]
-    said = [HEAD, "## Regimes\n\n", table(listed, known)]
+    met = sum(known[e.id][-1] == "met" for e in PREDICTIONS if e.id in known)
+    said = [
+        HEAD,
+        f"Of {len(PREDICTIONS)} predictions {met} are met. Of {shown} the commands by which ",
+    ]
+    said += ["they are measured stand below.\n\n## Regimes\n\n", table(listed, known)]
     said += ["\n## More of them\n\n", "Predictions that are not in that list.\n\n"]
     said += [table(own, known), "\n## Commands\n\n", COMMANDS, commands()]
     said += ["\n## Misses\n\n"]

@@ -55,48 +55,16 @@ def nutation() -> tuple[float, float, float]:
 # --- free top ------------------------------------------------------------------------------------
 
 
-def body_rates(rows: np.ndarray) -> np.ndarray:
-    _, beta, psi, alpha1, beta1, psi1 = rows[:, 1:7].T
-    a = alpha1 * np.cos(beta)
-    return np.stack(
-        [
-            a * np.cos(psi) + beta1 * np.sin(psi),
-            -a * np.sin(psi) + beta1 * np.cos(psi),
-            psi1 + alpha1 * np.sin(beta),
-        ]
-    )
-
-
 # Tilted so that the motion keeps clear of beta = 90 degrees, where these angles end.
 TILT = {"alpha": 0.3, "beta": 0.4, "psi": 0.5}
 
 
-def free_start(w1: float, w2: float, w3: float) -> dict[str, float]:
+def free_start(w1: float, w2: float, w3: float) -> str:
     beta, psi = TILT["beta"], TILT["psi"]
     alpha1 = (w1 * cos(psi) - w2 * sin(psi)) / cos(beta)
     rates = {"alpha'": alpha1, "beta'": w1 * sin(psi) + w2 * cos(psi)}
-    return TILT | rates | {"psi'": w3 - alpha1 * sin(beta)}
-
-
-def middle_growth(method: str, h: float = 0.0) -> float:
-    """Growth rate of w1 = 1e-6 beside w2 = 1."""
-    probe = Probe("free_top", method, h, start=free_start(1e-6, 1.0, 0.0))
-    rows = probe.at(np.linspace(4, 12, 60))
-    w1 = np.abs(body_rates(rows)[0])
-    return float(np.polyfit(rows[:, 0], np.log(w1), 1)[0])
-
-
-def tumbling_period(w: tuple[float, float, float], method: str, h: float = 0.0) -> float:
-    """Twice the time between zeros of the middle rate, by parabolas through samples."""
-    probe = Probe("free_top", method, h, start=free_start(*w), tolerance=1e-14)
-    rows = probe.at(np.arange(1, 6001) * 0.01)
-    w2, t = body_rates(rows)[1], rows[:, 0]
-    zeros = []
-    for k in np.flatnonzero(w2[1:] * w2[:-1] < 0):
-        part = slice(k - 2, k + 4)
-        middle = t[part].mean()
-        zeros.append(middle + np.polyfit(w2[part], t[part] - middle, 5)[-1])
-    return float(2 * np.mean(np.diff(zeros))) if len(zeros) > 1 else 0.0
+    rates["psi'"] = w3 - alpha1 * sin(beta)
+    return " ".join(f'--start "{name}={value!r}"' for name, value in (TILT | rates).items())
 
 
 def tumbling_closed(w1: float, w3: float) -> float:
@@ -188,17 +156,19 @@ PREDICTIONS = [
         "pkgen run sleeping_top.lag --start alpha=1e-6 --method gauss --until 80 --every 0.01",
         "acos(min(cos(alpha)*cos(beta)))*180/pi", "--method euler --step 0.01",
     ),
-    Prediction(
+    listed(
         "T4a", "free top, I = (1, 2, 3), gauss",
-        "grows at the rate Omega/sqrt 3 about the middle axis",
-        1 / sqrt(3), CLOSED, lambda: middle_growth("gauss"),
-        "euler, h = .1", lambda: middle_growth("euler", 0.1),
+        "grows at the rate Omega/sqrt 3 about the middle axis", 1 / sqrt(3), CLOSED,
+        f"pkgen run free_top.lag {free_start(1e-6, 1.0, 0.0)} --method gauss --until 12 "
+        "--every 0.1 --record w1", "polyfit(t[40:], log(abs(w1[40:])), 1)[0]",
+        "--method euler --step 0.1",
     ),
     *(
-        Prediction(
+        listed(
             id, f"free top from omega = ({w[0]}, {w[1]}, {w[2]}), gauss", "period 4 K / rate",
-            tumbling_closed(w[0], w[2]), 1e-8, lambda w=w: tumbling_period(w, "gauss"),
-            "rk4, h = .1", lambda w=w: tumbling_period(w, "rk4", 0.1),
+            tumbling_closed(w[0], w[2]), 1e-8,
+            f"pkgen run free_top.lag {free_start(*w)} --method gauss --rtol 1e-12 --until 60",
+            '2*mean(diff(times(report, "between")))', "--method rk4 --step 0.1 --rtol -",
         )
         for id, w in (("T4b", (0.01, 1, 0)), ("T4c", (0, 1, 0.01)))
     ),
