@@ -9,6 +9,7 @@ import random
 from fractions import Fraction
 from pathlib import Path
 
+import pkgen as api
 import pytest
 from conftest import ROOT, run_pkgen
 from pkgen.front.read import from_text
@@ -167,3 +168,39 @@ def test_a_file_may_be_called_anything(tmp_path: Path) -> None:
     words = ("--tableau", path, "--step", "0.01", "--until", "0.02", "-o", tmp_path / "rows.csv")
     done = run_pkgen("run", ROOT / "models" / "double_pendulum.lag", *words)
     assert done.returncode == 0, done.stderr
+
+
+def test_described(folder: Path) -> None:
+    """With what the model brings and the options do, and why not where they do not apply."""
+    model = folder / "swing.lag"
+    model.write_text("model swing\nmethod mine tableau rk4.tab\n" + ORACLE.split("\n", 1)[1])
+    options = ("--composition", "1/2,1/2", "--tableau", folder / "pair.tab", "--json")
+    done = run_pkgen("describe", model, *options)
+    found = json.loads(done.stdout)["methods"]
+    own = {m["name"]: m for m in found if m["own"]}
+    assert [*own] == ["mine", "pair", "composition"] and all(m["applies"] for m in own.values())
+    assert own["pair"]["adaptive"] and own["mine"]["order"] == 4 and own["mine"]["stages"] == 4
+    assert own["composition"]["symplectic"] and len(found) > 40
+    done = run_pkgen("describe", ROOT / "models/double_pendulum.lag", *options)
+    own = [m for m in json.loads(done.stdout)["methods"] if m["own"]]
+    assert [m["applies"] for m in own] == [True, False] and "separable" in own[1]["why"]
+
+
+def test_from_python(folder: Path) -> None:
+    model = api.load(PENDULUM)
+
+    def theta(**how: object) -> float:
+        return model.run(5, every=5, **({"step": 0.01} | how))["theta"][-1]
+
+    assert theta(tableau=folder / "rk4.tab") == theta(method="rk4")
+    assert theta(tableau=[str(folder / "rk4.tab")], method="verlet") == theta(method="verlet")
+    half = theta(composition=[0.5, 0.5])
+    assert half == pytest.approx(theta(method="verlet", step=0.005), rel=1e-9)
+    assert half == theta(composition="1/2,1/2") and half != theta(composition=[1])
+    (folder / "rk4.tab").write_text(RK4.replace("1/6 1/3 1/3 1/6", "1/4 1/4 1/4 1/4"))
+    assert theta(tableau=folder / "rk4.tab") != theta(method="rk4")  # the file, as it is now
+    starts = {"theta": [0.5, 1.0]}
+    many = model.ensemble(starts, until=1, every=1, step=0.01, composition=[0.5, 0.5])
+    assert many.by_member("theta").shape == (2, 2)
+    with pytest.raises(api.ModelError):
+        theta(composition=[0.5, 0.6])

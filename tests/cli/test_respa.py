@@ -107,8 +107,13 @@ def test_a_kick_in_tune_grows(tmp_path: Path) -> None:
         grows = abs(np.trace(kick @ turn @ kick)) > 2 + 1e-9
         rows = model.run(3000 * h, method="respa", step=h, max_step=h / 200, every=h)
         assert (abs(rows["x"]).max() > 3) == grows, y
-    done = run_pkgen("run", path, "--scene", "a")
-    assert done.returncode == 0, done.stderr
+    for command in (
+        ("run", path, "--scene", "a"),
+        ("explain", path),
+        ("explain", path, "--html", "e.html"),
+    ):
+        done = run_pkgen(*command, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from pathlib import Path
 from pkgen.__main__ import parser_of
 from pkgen.cli.compilation import compile_within_limits
 from pkgen.describe.made import Described, describe
-from pkgen.methods import METHODS
+from pkgen.methods import known
 from pkgen.run.library import load
 from pkgen.run.settings import Shown
 
@@ -24,13 +24,14 @@ def rows(of: Described, method: dict, **more: object) -> tuple[str, list[list[fl
     coordinates = of.description["coordinates"]
     states = of.description["states"]
     turning = [name for r in of.description["rotations"] for name in r["rates"]]
+    name = method["name"]
     n = len(coordinates) + len(turning) + len(states)
     show = [Shown("q", k, "") for k in range(len(coordinates))]
     show += [Shown("v", k, "") for k in range(n)]
     settings = replace(
         of.settings,
-        method=method["name"],
-        rows="dense" if "dense" in METHODS[method["name"]].traits else "",
+        method=name,
+        rows="dense" if "dense" in known(of.compilation.model.methods)[name].traits else "",
         show=tuple(show),
         max_steps=10_000_000,
         **more,

@@ -86,6 +86,18 @@ def test_every_method_goes_as_in_a_run(name: str, folder: Path) -> None:
     assert compare(ROOT / "models" / f"{name}.lag", folder) >= 150
 
 
+def test_own_methods_and_a_fast_part_go_as_in_a_run(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "own3.tab").write_text("A\n0\n1/3\n0 2/3\nb 1/4 0 3/4\n")
+    (tmp_path / "pair.tab").write_text("A\n0\n1\nb 1/2 1/2\nbhat 1 0\n")
+    text = "model own\ncoord x\nmethod own3 tableau own3.tab\nmethod pair tableau pair.tab\n"
+    text += "kinetic x'^2/2\npotential 50*x^2 - cos(x)\nfast 50*x^2\nstart x = 1\n"
+    (tmp_path / "own.lag").write_text(text)
+    described = native.made(tmp_path / "own.lag").description["methods"]
+    offered = {m["name"] for m in described if m["applies"]}
+    assert {"own3", "pair", "respa", "respa4"} <= offered
+    assert compare(tmp_path / "own.lag", folder) >= 150
+
+
 def test_a_page_moves_a_model_of_its_own_scale(folder: Path) -> None:
     """What is compared above would be seen: another method differs by more."""
     model = ROOT / "models" / "double_pendulum.lag"

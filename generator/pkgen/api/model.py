@@ -9,10 +9,12 @@ import warnings
 from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from ..compiler import Compilation, compile_model
 from ..front.read import read
+from ..own.given import given as own_methods
 from ..run import named
 from ..run.ensemble import Column, Ensemble, settable
 from ..run.library import INTERRUPTED, USAGE, Run
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 Value = str | float  # "2 [kg]", or a number in SI
+Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 # Options of `pkgen run` that a call has none for.
 DEFAULTS = {
     **dict.fromkeys(("until", "method", "step", "max_step", "rtol", "atol", "every", "record")),
@@ -122,9 +125,10 @@ class Model:
 
     def _compiled(self, options: argparse.Namespace, **how: Any) -> Compilation:
         source = read(self.path)
-        key = (source.text, repr(sorted(vars(options).items())), how.get("kernels"))
+        own = own_methods(options)
+        key = (source.text, repr(sorted(vars(options).items())), how.get("kernels"), own)
         if key not in self._made:
-            made = self._made[key] = compile_model(source, sizes=self._sizes, **how)
+            made = self._made[key] = compile_model(source, sizes=self._sizes, own=own, **how)
             for warning in made.warnings:
                 warnings.warn(warning.text(source), stacklevel=4)
         return self._made[key]
@@ -168,9 +172,13 @@ class Model:
         diagnose: Sequence[str] = (),
         iteration: str = "newton",
         max_steps: int = 1_000_000_000,
+        tableau: Files = (),
+        composition: str | Sequence[str] | Sequence[float] = (),
     ) -> Result:
         """Integrate, by what the scene says where nothing is said here: each argument is the option
         of `pkgen run` of that name. Numbers are in SI, or carry a unit: `until="2 [min]"`.
+        `tableau` (a file or several) and `composition` (its weights) bring methods; the first of
+        them is taken unless `method` names one.
 
         Raises UsageError for what cannot be asked, RunError where the numerics fail (its `result`
         has the rows up to the last valid time), and KeyboardInterrupt.
@@ -207,6 +215,11 @@ class Model:
         options.start = [f"{name}={_text(value)}" for name, value in start.items()]
         options.record = None if record is None else ",".join(record)
         options.diagnose = ",".join(diagnose) or None
+        options.tableau = [os.fspath(path) for path in _several(options.tableau)]
+        weights = _several(options.composition)
+        if any(isinstance(w, Real) for w in weights):
+            weights = [",".join(map(_text, weights))]
+        options.composition = weights
         return options
 
     def _run(self, options: argparse.Namespace, table: Any = None) -> Result:
@@ -314,6 +327,10 @@ class Model:
 
 def _text(value: Value) -> str:
     return value if isinstance(value, str) else repr(float(value))
+
+
+def _several(given: Any) -> Sequence[Any]:
+    return [given] if isinstance(given, str | os.PathLike) else list(given)
 
 
 def _members(compilation: Compilation, table: Any) -> Ensemble:

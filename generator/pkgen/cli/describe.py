@@ -7,7 +7,7 @@ import json
 
 from ..describe.made import describe
 from ..system.exits import DONE
-from .arguments import as_of_a_run, of_a_motion
+from .arguments import as_of_a_run, of_a_motion, own_methods
 from .compilation import compile_within_limits
 
 MOST = 12  # names that people are shown of one kind
@@ -16,6 +16,7 @@ MOST = 12  # names that people are shown of one kind
 def arguments(parser: argparse.ArgumentParser) -> None:
     as_of_a_run(parser)
     of_a_motion(parser, "10")
+    own_methods(parser)
 
 
 def run(options: argparse.Namespace) -> int:

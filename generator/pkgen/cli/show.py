@@ -20,6 +20,7 @@ from .explain import explained
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)
     shared.of_a_motion(parser, "10")
+    shared.own_methods(parser)
     parser.add_argument("-o", dest="page", metavar="FILE.html", help="default: NAME.html, here")
 
 
@@ -31,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     if path.suffix not in (".html", ".htm"):
         raise UsageError(f"-o {path}: the file's name must end in .html")
     compilation = found.compilation
-    code = wasm(compilation.files, compilation.model.name)
+    code = wasm(compilation.files, compilation.model.name, compilation.model.methods)
     text = packed(found.description, code, explained(options), style())
     replace({path: text})
     if options.json:

@@ -10,10 +10,10 @@ from contextlib import suppress
 from ..compiler import Compilation
 from ..front.check.scene_numbers import Values, WrongValue
 from ..indices import hidden, parted
-from ..methods import METHODS, Method, provides
+from ..methods import Method, known, provides
 from ..model import Model, Parameter, Scene
 from ..run import named
-from ..run.build import runtime_methods
+from ..run.build import own_methods, runtime_methods
 from ..run.default_method import default_method
 from ..run.methods_table import in_words
 from ..run.settings import Settings
@@ -236,13 +236,16 @@ def _events(compilation: Compilation) -> Iterator[dict[str, object]]:
 
 
 def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str, object]]:
-    """Those of the runtime, GSL's too, and why one does not apply."""
+    """Those of the author's own, then those of the runtime, GSL's too, and why one does not
+    apply."""
+    own = compilation.model.methods
+    all_methods = known(own)
     default = default_method(
         compilation.equations, compilation.structure, settings.rtol, exact=False
     )
-    for item in runtime_methods():
+    for item in [*own_methods(own), *runtime_methods()]:
         name = str(item["name"])
-        why = _why_not(compilation, METHODS.get(name), item)
+        why = _why_not(compilation, all_methods.get(name), item)
         yield {
             "name": name,
             "order": item["order"] or None,
@@ -250,6 +253,7 @@ def _methods(compilation: Compilation, settings: Settings) -> Iterator[dict[str,
             "adaptive": "adaptive" in item["flags"],
             "exact": "exact" in item["flags"],
             "symplectic": "symplectic" in item["flags"],
+            "own": name in {method.name for method in own},
             "gsl": name.startswith("gsl_"),
             "applies": not why,
             "why": why,

@@ -32,7 +32,13 @@ from . import mathml
 from .mathml import fraction, operator, row
 from .typeset import function
 
-_ENERGIES = {"kinetic": "T", "potential": "V", "lagrangian": "L", "dissipation": "D"}
+_ENERGIES = {
+    "kinetic": "T",
+    "potential": "V",
+    "lagrangian": "L",
+    "dissipation": "D",
+    "fast": "V_fast",
+}
 _NAMING = ("let", "const", "observe", "conserve")
 _TURNS = frozenset(("rot", "inverse", "euler", "tait_bryan"))
 _VECTORS = frozenset(("omega", "cross"))

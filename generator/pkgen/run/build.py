@@ -20,6 +20,7 @@ from pathlib import Path
 
 from ..back.c.render import is_portable
 from ..methods import Own, inline_flags
+from ..own import in_c
 from ..system.cache import cached
 from ..system.files import scratch
 from ..system.progress import say
@@ -114,30 +115,7 @@ const struct pk_run_model {of} = {{&{name}_system, {blocks}, {count}, {methods}}
 EXPORTS_FILE = "exports"
 EXPORTS = "{{ global: pk_model; pk_run_*; pk_stability_*; {name}_*; local: *; }};\n"
 
-OWN_FILE = "own_methods.h"  # the tables of the methods that a model brings
-
 Parts = Sequence[tuple[str, Sequence[int]]]  # of a model: the name of each, its coordinates
-
-
-def _tables(own: Sequence[Own]) -> str:
-    return "".join(["#include <pk/step/tableau.h>\n", *(method.table for method in own)])
-
-
-def _with_tables(own: Sequence[Own]) -> list[str]:
-    """The flags by which pk/step/tables.h has them."""
-    return ["-I.", f'-DPK_OWN_TABLES="{OWN_FILE}"'] if own else []
-
-
-def _rows(own: Sequence[Own]) -> str:
-    """Their rows, as pk/methods.h has those of the runtime."""
-    if not own:
-        return ""
-    lines = ["#include <pk/families.h>", "#include <pk/step/tables.h>"]
-    for method in own:
-        lines += [f"extern const struct pk_method pk_method_{method.name};", method.row]
-    named = ", ".join(f"&pk_method_{method.name}" for method in own)
-    lines.append(f"static const struct pk_method *own_methods[] = {{{named}}};")
-    return "\n".join(lines) + "\n"
 
 
 def _choice(of: str, name: str, parts: Parts, own: Sequence[Own] = ()) -> str:
@@ -151,7 +129,7 @@ def _choice(of: str, name: str, parts: Parts, own: Sequence[Own] = ()) -> str:
     blocks = "parts" if parts else "NULL"
     methods = f"own_methods, {len(own)}" if own else "NULL, 0"
     made = {"parts": text, "blocks": blocks, "count": len(parts), "methods": methods}
-    return CHOICE.format(of=of, name=name, own=_rows(own), **made)
+    return CHOICE.format(of=of, name=name, own=in_c.rows(own), **made)
 
 
 def _portable(tools: Toolchain, files: dict[str, str]) -> Toolchain:
@@ -171,8 +149,8 @@ def _linked(
 ) -> None:
     """Compiles the files of a model and links it by these arguments. Of a model in parts the steps
     are theirs: it has no more than outputs, and is compiled without."""
-    form = [*form, *_with_tables(own)]
-    files = {**files, OWN_FILE: _tables(own)} if own else files
+    form = [*form, *in_c.flags(own)]
+    files = {**files, in_c.FILE: in_c.tables(own)} if own else files
     for file_name, text in files.items():
         (folder / file_name).write_text(text, encoding="utf-8")
     sources = [CHOICE_FILE, *([f"{part}.c" for part, _ in parts] or [f"{name}.c"])]
@@ -201,7 +179,7 @@ def build_library(
     inlined = inline_flags(methods, own)
     inlined += ["-DPK_INLINE_ENSEMBLE"] if inlined and ensemble else []
     choice = _choice("pk_model", name, parts, own)
-    made_of = (_runtime_name(tools), inlined, choice, _tables(own), sorted(files.items()))
+    made_of = (_runtime_name(tools), inlined, choice, in_c.tables(own), sorted(files.items()))
     digest = hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]
 
     def make(new: Path) -> None:

@@ -7,10 +7,12 @@ import gzip
 import hashlib
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from ...methods import Own
+from ...own import in_c
 from ...system.cache import cached
 from ...system.exits import BuildError
 from ...system.progress import say
@@ -62,8 +64,13 @@ LINK = (
 CORE = "core.o"
 SYSTEM = """#include <pk/system.h>
 extern const struct pk_system {name}_system;
-extern const struct pk_system *const live_system;
+#include <pk/method.h>
+{own}extern const struct pk_system *const live_system;
 const struct pk_system *const live_system = &{name}_system;
+extern const struct pk_method *const *const live_own;
+const struct pk_method *const *const live_own = {methods};
+extern const size_t live_own_count;
+const size_t live_own_count = {count};
 """
 
 
@@ -123,18 +130,21 @@ def _runtime(compiles: list[str], linker: str) -> Path:
     return cached("runtime-wasm", digest.hexdigest()[:24], make) / CORE
 
 
-def wasm(files: Mapping[str, str], name: str) -> bytes:
-    """The module of the model NAME from its generated files, packed by gzip; the same files give
-    the same bytes. Raises BuildError with what is missing, or what the compiler said."""
+def wasm(files: Mapping[str, str], name: str, own: Sequence[Own] = ()) -> bytes:
+    """The module of the model NAME from its generated files and its `own` methods, packed by gzip;
+    the same files give the same bytes. Raises BuildError with what is missing, or what the compiler
+    said."""
     compiles, links = _tools()
     core = _runtime(compiles, links[-1].partition("=")[2])
-    digest = hashlib.sha256(repr((core.parent.name, LINK, sorted(files.items()))).encode())
+    choice = {"name": name, "own": in_c.rows(own), "count": len(own)}
+    system = SYSTEM.format(methods="own_methods" if own else "0", **choice)
+    every = {**files, "which-model.c": system, in_c.FILE: in_c.tables(own)}
+    digest = hashlib.sha256(repr((core.parent.name, LINK, sorted(every.items()))).encode())
 
     def make(new: Path) -> None:
-        system = {"which-model.c": SYSTEM.format(name=name)}
-        for file_name, text in {**files, **system}.items():
+        for file_name, text in every.items():
             (new / file_name).write_text(text, encoding="utf-8")
-        run([*compiles, "-c", f"{name}.c", *system], new)
+        run([*compiles, *in_c.flags(own), "-c", f"{name}.c", "which-model.c"], new)
         objects = [f"{name}.o", "which-model.o", str(core)]
         run([*links, *LINK, *objects, "-o", "model.wasm"], new)
         packed = gzip.compress((new / "model.wasm").read_bytes(), 9, mtime=0)

@@ -73,6 +73,14 @@ static void keep(struct live *m, double t, const double *q, const double *v)
     memcpy(m->v, v, m->n * sizeof *v);
 }
 
+const struct pk_method *live_method(const char *name)
+{
+    for (size_t i = 0; i < live_own_count; i++)
+        if (!strcmp(live_own[i]->name, name))
+            return live_own[i];
+    return pk_method_find(name);
+}
+
 /* NULL with why where the method, its settings or the start are refused. params stay the caller's
  * as long as the motion is used. */
 struct live *EXPORT(live_new)(const void *params, const char *method, double h, double rtol,
@@ -81,7 +89,7 @@ struct live *EXPORT(live_new)(const void *params, const char *method, double h, 
     struct live *m = (struct live *)calloc(1, sizeof *m);
     struct pk_options options = pk_options_default();
     const struct pk_problem problem = {live_system, params, give_inputs, m};
-    const struct pk_method *const found = pk_method_find(method);
+    const struct pk_method *const found = live_method(method);
     if (!m || !found) {
         free(m);
         refuse(found ? "there is no memory" : "there is no such method");

@@ -42,7 +42,7 @@ struct swarm *EXPORT(live_swarm_new)(const void *params, const char *method, dou
                                      const double *u, size_t count)
 {
     struct swarm *s = (struct swarm *)calloc(1, sizeof *s);
-    const struct pk_method *const found = pk_method_find(method);
+    const struct pk_method *const found = live_method(method);
     const size_t n_inputs = live_system->n_inputs;
     if (!s || !found) {
         free(s);
