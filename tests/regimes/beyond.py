@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan, exp, log, pi, sqrt
+from math import acosh, atan, cos, exp, log, pi, sin, sqrt
 
 from .prediction import BOUNDARY, CLOSED, MEASURED, ORDER
 from .shown import shown
@@ -32,6 +32,10 @@ def impulse_limit(omega: float, k: float) -> float:
     return h
 
 
+def trace(h: float) -> float:
+    return 2 * cos(10 * h) - h / 10 * sin(10 * h)
+
+
 def radau5(y: float) -> float:
     """|R(iy)|^2, HW IV.3: the (2, 3) Pade approximant of exp."""
     z = 1j * y
@@ -41,8 +45,9 @@ def radau5(y: float) -> float:
 LOGISTIC = "pkgen run logistic.lag --method euler --step 2.3 --until 460 --every 2.3"
 TWO_STEP = "pkgen run two_step.lag --method verlet --step 0.2 --until 10 --every 0.2"
 INDEX_ONE = "pkgen run index_one.lag --method rk4 --step 0.02 --until 40 --every 10"
-IMPULSES = (
-    "for h in {}; do pkgen run impulses.lag --set h=$h --method gauss --until 3*$h --every $h; done"
+RESPA = (
+    "pkgen run two_springs.lag --method respa --step {0} --max-step {0}/1000 --until {1} "
+    "--every {0}"
 )
 EJECTED = (
     'pkgen run kepler.lag --set e=0.99 --start x=1.99 --start "y\'=sqrt(0.01/1.99)" '
@@ -132,10 +137,10 @@ PREDICTIONS = [
     ),
     *(
         shown(
-            f"G11{'ab'[i]}", "impulse multiple time stepping, fast omega = 10, slow k = 1",
+            f"G11{'ab'[i]}", "fast spring, omega = 10, and slow one, k = 1, respa",
             f"resonance at half the fast period: unstable {says}", at, BOUNDARY,
-            IMPULSES.format(between), "root of h: (q[2] + q[0])/q[1] + 2",
-            "--method verlet --step 0.05",
+            f"for h in {between}; do {RESPA.format('$h', '3*$h')}; done",
+            "root of h: (q[2] + q[0])/q[1] + 2", "--method respa4",
         )
         for i, (says, at, between) in enumerate(
             (
@@ -143,6 +148,12 @@ PREDICTIONS = [
                 ("to h = pi/omega", pi / 10, "0.313 0.318"),
             )
         )
+    ),
+    shown(
+        "G11c", "fast spring, omega = 10, and slow one, k = 1, respa, h = .3126",
+        "energy grows at the rate 2 acosh(|trace|/2)/h", 2 * acosh(-trace(0.3126) / 2) / 0.3126,
+        CLOSED, RESPA.format(0.3126, 300), "polyfit(t[500:], log(energy[500:]), 1)[0]",
+        "--method respa4",
     ),
     shown(
         "G12", "x' = x (1 - x), euler, h = 3", "chaotic: |4 - 6 x| grows a step, in the mean, by "
