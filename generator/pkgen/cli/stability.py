@@ -158,6 +158,7 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
                 "energy": row.motion.energy,
                 "motion": row.motion.status,
                 "condition": row.motion.condition,
+                "horizon": row.motion.horizon,
                 "predictions": [asdict(p) for p in row.predictions],
             }
             for row in made.rows

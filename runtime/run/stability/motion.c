@@ -12,12 +12,8 @@
 #include "stability.h"
 
 enum { MOST_RECORDS = 4000000 };
+static const double LOOSER = 1e3;  /* for the horizon */
 static const double SLIGHT = 1e-3; /* of the largest v.p: a range below counts as that */
-
-/* What is kept of a state of the motion. */
-struct record {
-    double t, energy, vp, size;
-};
 
 static void keep(struct pk_stability *s, double t, const double *q, const double *v)
 {
@@ -26,6 +22,8 @@ static void keep(struct pk_stability *s, double t, const double *q, const double
     struct record *r = &s->records[s->n_records++];
     r->t = t;
     stability_energies(s, t, q, v, &r->energy, &r->vp, &r->size);
+    stability_watch(s, &s->watched, t, q, v);
+    stability_keep(s, q, v);
 }
 
 /* Goes on to `until`, or to where it ends; far is the largest |q - q0| of each coordinate. */
@@ -105,10 +103,11 @@ static int leaves(const struct pk_stability *s, double until, const double scale
     return away && (faster || turns_no_more(s, until));
 }
 
-struct pk_integrator *stability_motion_begun(struct pk_stability *s, enum pk_status *status)
+struct pk_integrator *stability_motion_begun(struct pk_stability *s, double looser,
+                                             enum pk_status *status)
 {
     struct pk_options options = s->settings->options;
-    options.rtol = 1e-10;
+    options.rtol = looser * 1e-10;
     options.atol = PK_ATOL_OF_MOTION;
     options.h = 0;
     return stability_begin(s, pk_method_find("dop853"), &options, s->settings->q, s->settings->v,
@@ -119,7 +118,7 @@ struct pk_integrator *stability_motion_begun(struct pk_stability *s, enum pk_sta
 static void find_reach(struct pk_stability *s)
 {
     enum pk_status status;
-    struct pk_integrator *it = stability_motion_begun(s, &status);
+    struct pk_integrator *it = stability_motion_begun(s, 1, &status);
     memset(s->reach, 0, s->n * sizeof *s->reach);
     for (size_t k = 0; it && k < MOST_RECORDS && it->t < s->settings->until; k++) {
         if (pk_integrator_step(it, s->settings->until) < 0)
@@ -137,11 +136,29 @@ static void begin(struct pk_stability *s)
     stability_end(s, s->exact);
     memory_drop(&s->run->memory, s->looking);
     s->looking = condition_begin(&s->run->memory, &s->problem, NULL);
-    s->exact = stability_motion_begun(s, &s->motion);
+    s->exact = stability_motion_begun(s, 1, &s->motion);
     s->known = s->leaves = 0;
     memset(s->far, 0, 3 * s->n * sizeof *s->far);
-    s->n_records = 0;
+    s->n_records = s->n_states = 0;
+    stability_watch_end(s, &s->watched);
+    stability_watch_begin(s, &s->watched);
     keep(s, 0, s->settings->q, s->settings->v);
+}
+
+/* Up to when a looser tolerance is beside it: then it is known, chaotic or not. */
+static double horizon(struct pk_stability *s)
+{
+    struct watched other = {.lost = HUGE_VAL};
+    enum pk_status status;
+    struct pk_integrator *it = stability_motion_begun(s, LOOSER, &status);
+    while (it && it->t < s->settings->until && other.lost == HUGE_VAL) {
+        if (pk_integrator_step(it, s->settings->until) < 0)
+            other.lost = it->t;
+        else
+            stability_compare(s, &other, it->t, it->q, it->v);
+    }
+    stability_end(s, it);
+    return other.lost;
 }
 
 static int print(struct pk_stability *s, double scale)
@@ -151,6 +168,8 @@ static int print(struct pk_stability *s, double scale)
     json_text(j, "motion", s->motion < 0 ? pk_status_name(s->motion) : "PK_DONE");
     json_flag(j, "leaves", s->leaves);
     json_flag(j, "by_norm", s->by_norm);
+    json_real(j, "horizon",
+              s->known && s->horizon < s->settings->until ? s->horizon : s->settings->until);
     json_reals(j, {"t", last->t}, {"energy", first->energy}, {"scale", scale});
     json_numbers(j, "q", s->settings->q, s->n);
     json_numbers(j, "v", s->settings->v, s->n);
@@ -184,6 +203,7 @@ int stability_motion(struct pk_stability *s, const struct pk_stability_question 
         scales[k] = summary(s, part).scale;
     }
     s->known = 1;
+    s->horizon = horizon(s);
     s->leaves = s->motion >= 0 && leaves(s, until, scales);
     return print(s, scales[2]);
 }

@@ -8,7 +8,9 @@
  *     growing   rise > S, and it goes on (rise > 2 early), or E does not come back (away > S/2 or
  *               away > (b - a)/4), or it is beyond any beat (rise > 1e4 S)
  *     drifting  not growing, away > (b - a)/4 and away > 1e-11 R
- *     bounded   neither: E comes back to where it was
+ *     exchange  not growing, and a coordinate swings TIMES as far as in the motion itself
+ *     constant lost   not drifting, and another constant is away by MOVED (watch.c has both)
+ *     bounded   none of these: E comes back to where it was
  *
  * A drift that is smaller than 2.2 times the oscillation is not seen. Near a resonance of the step
  * the energy's own oscillation may take longer than the run, or the motion be locked to it beside
@@ -23,6 +25,8 @@
 #include "stability.h"
 
 enum { LEAST_STEPS = 200, MOST_STEPS = 4000000 };
+static const double TIMES = 3;    /* as far as in the motion: energy has gone there */
+static const double MOVED = 1e-2; /* relative: a constant is lost */
 
 static const char *failure(enum pk_status status)
 {
@@ -52,6 +56,7 @@ struct energies {
     double rise, early;      /* of the largest above the motion's */
     double away;             /* of the last quarter's from the motion's */
     unsigned long steps;
+    struct watched watched;
 };
 
 /* Steps on until there are `steps` in all, and compares with as much of the motion. */
@@ -68,6 +73,8 @@ static enum pk_status follow(struct pk_stability *s, struct pk_integrator *it, u
         stability_energies(s, it->t, it->q, it->v, &energy, &vp, &size);
         if (!(fabs(energy) < HUGE_VAL))
             return PK_NOT_FINITE;
+        stability_watch(s, &e->watched, it->t, it->q, it->v);
+        stability_compare(s, &e->watched, it->t, it->q, it->v);
         e->most = fmax(e->most, energy);
         if (++e->steps <= early)
             e->early_most = e->most;
@@ -109,6 +116,12 @@ static enum pk_status classify(struct pk_stability *s, struct pk_integrator *it,
         if (!again || (has_left(e) && e->away > 1.2 * before))
             *class = "drifting";
     }
+    stability_judge(s, &e->watched);
+    const int stays = strcmp(*class, "bounded") == 0;
+    if (e->watched.exchange > TIMES && (stays || strcmp(*class, "drifting") == 0))
+        *class = "exchange";
+    else if (e->watched.moved > MOVED && stays)
+        *class = "constant lost";
     return status;
 }
 
@@ -127,6 +140,7 @@ int stability_point(struct pk_stability *s, const struct pk_stability_question *
         (unsigned long)fmin(fmax(wanted, (double)LEAST_STEPS), (double)MOST_STEPS);
     struct energies e = {.most = -HUGE_VAL, .early_most = -HUGE_VAL};
     struct reference motion = {.scale = 1};
+    stability_watch_begin(s, &e.watched);
     const char *class = "";
     enum pk_status status;
     struct pk_integrator *it =
@@ -141,6 +155,10 @@ int stability_point(struct pk_stability *s, const struct pk_stability_question *
     json_reals(&s->out, {"rise", e.rise / motion.scale}, {"away", e.away / motion.scale});
     json_real(&s->out, "cond",
               status < 0 ? 0 : condition_of_step(&s->run->memory, &s->problem, it));
+    json_reals(&s->out, {"exchange", e.watched.exchange}, {"moved", e.watched.moved},
+               {"follows", e.watched.follows});
+    json_text(&s->out, "constant", e.watched.constant ? e.watched.constant : "");
+    stability_watch_end(s, &e.watched);
     stability_end(s, it);
     return 1;
 }

@@ -36,7 +36,7 @@ int stability_rates(struct pk_stability *s, const struct pk_stability_question *
     double *states = memory_take(&s->run->memory, MOST * wide + 4 * n, sizeof *states);
     size_t count = 0, stride = 1;
     enum pk_status status;
-    struct pk_integrator *it = stability_motion_begun(s, &status);
+    struct pk_integrator *it = stability_motion_begun(s, 1, &status);
     (void)x;
     for (size_t step = 0; it && status >= 0 && step < MOST_STEPS; step++) {
         if (step % stride == 0) {

@@ -2,6 +2,7 @@
 #ifndef RUN_STABILITY_H
 #define RUN_STABILITY_H
 
+#include <pk/diagnostics.h>
 #include <pk/stability.h>
 
 #include "../look/condition.h"
@@ -13,7 +14,25 @@
 #endif
 
 struct pk_mode;
-struct record;
+
+/* What is kept of a state of the motion. */
+struct record {
+    double t, energy, vp, size;
+};
+
+/* What is watched of a motion besides its energy. */
+struct watched {
+    double *share;             /* n: of each coordinate the largest |v_i p_i|, its part of v.p */
+    double most;               /* the largest of these */
+    double *swift;             /* n: the largest |v_i| */
+    struct pk_monitor monitor; /* of its constants; in block */
+    void *block;
+    size_t at;   /* record of the motion before it */
+    double lost; /* when it was first apart from the motion; infinite: never */
+    /* Of a method's, once judged (watch.c). */
+    double exchange, moved, follows;
+    const char *constant; /* which moved; or NULL */
+};
 
 struct pk_stability {
     struct pk_run *run; /* not integrated: its settings, problem, memory and messages */
@@ -42,6 +61,10 @@ struct pk_stability {
     int by_norm;          /* there are first-order variables that count: the energy does not tell */
     double *reach;        /* n: how far each goes from the start in the motion; where by_norm */
     double *middle, *box; /* 2 n each, of q and v: what the motion covers; NULL: not known yet */
+    /* The states at the first records, n_states of q, v; how far a looser tolerance agrees. */
+    double *states, horizon;
+    size_t n_states, states_room;
+    struct watched watched; /* of the motion itself */
     double *far; /* 3 n: largest |q - q0| up to a half, three quarters and the end of `until` */
 };
 
@@ -74,8 +97,22 @@ struct pk_integrator *stability_begin(struct pk_stability *s, const struct pk_me
                                       const struct pk_options *options, const double *q,
                                       const double *v, enum pk_status *status);
 void stability_end(struct pk_stability *s, struct pk_integrator *it);
-/* That of the motion itself. */
-struct pk_integrator *stability_motion_begun(struct pk_stability *s, enum pk_status *status);
+/* That of the motion itself; by a tolerance that is so many times looser. */
+struct pk_integrator *stability_motion_begun(struct pk_stability *s, double looser,
+                                             enum pk_status *status);
+
+/* Of a method's motion, or of the motion itself. A state's energies are asked for before. */
+void stability_watch_begin(struct pk_stability *s, struct watched *w);
+void stability_watch_end(struct pk_stability *s, struct watched *w);
+void stability_watch(struct pk_stability *s, struct watched *w, double t, const double *q,
+                     const double *v);
+/* Beside the motion, which is known. */
+void stability_compare(const struct pk_stability *s, struct watched *w, double t, const double *q,
+                       const double *v);
+/* The state of the last record. */
+void stability_keep(struct pk_stability *s, const double *q, const double *v);
+/* What a method's came to, beside the motion over as long. */
+void stability_judge(struct pk_stability *s, struct watched *w);
 
 /* After the motion is known: follows it to `until`, if it has not been yet. */
 struct reference stability_reference(struct pk_stability *s, double until);

@@ -98,6 +98,7 @@ class Motion:
     v: tuple[float, ...]
     parameters: tuple[float, ...]
     leaves: bool = False  # it is still going away at the end
+    horizon: float = math.inf  # up to when a looser tolerance agrees
     by_norm: bool = False  # first-order variables move: judged by its distance from the start
     condition: dict | None = None  # how singular its equations become: `report.condition` of a run
     warning: str | None = None  # of that
@@ -120,6 +121,20 @@ class Point:
     rise: float | None
     away: float | None
     cond: float | None  # of the equations of its last step; 0: there are none
+    # docs/maps.md; None of a method that fails
+    exchange: float | None = None  # how many times as far a coordinate swings as in the motion
+    moved: float | None = None  # of a constant, which is named
+    follows: float | None = None  # part of the time over which it stays beside the motion
+    constant: str = ""
+
+    @property
+    def shown(self) -> str:
+        """Its class on a map."""
+        if self.kind == "bounded" and self.follows is not None and self.follows < 1:
+            return "out of phase"
+        if self.kind == "drifting" and self.away is not None and self.away < 0.01:
+            return "drifting by less than 1 %"
+        return self.kind
 
 
 @record

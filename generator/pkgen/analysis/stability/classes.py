@@ -23,6 +23,9 @@ class Class:
 # In the order of the legend.
 CLASSES = {
     "bounded": Class("#DCEBF5", "#22333F"),
+    "out of phase": Class("#B5D3E8", "#33566E"),
+    "exchange": Class("#E8A58C", style.RED, "v"),
+    "constant lost": Class("#B98A5E", "#8A5F38", "+"),
     "drifting by less than 1 %": Class("#FAF6C8", "#4A4726"),
     "drifting": Class(style.YELLOW, "#A79A1F", "_"),
     "growing": Class(style.ORANGE, style.ORANGE, "^"),
@@ -33,7 +36,12 @@ CLASSES = {
     "failed": Class("#999999", "#777777", "s"),
     "not judged": Class("#FFFFFF", style.DARK_GROUND, "."),
 }
-SAID_OF = {"not judged": "not judged: it leaves by itself"}  # in the legend
+SAID_OF = {  # in the legend
+    "not judged": "not judged: it leaves by itself",
+    "out of phase": "bounded, the phase is lost",
+    "exchange": "exchange between coordinates",
+    "constant lost": "another constant is lost",
+}
 SIZE = 2.6  # points, of a glyph
 APART, CLEAR = 30.0, 9.0  # points: between glyphs of a class, and of any two
 DEEP = 2  # cells around one that say how far inside its region it is

@@ -114,7 +114,7 @@ def titles(made: StabilityMap) -> list[str]:
 def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: int, last: bool):
     """One method's map; what is on it, and what to draw once it has its place."""
     hs, xs = np.array(made.steps[name]), np.array(made.asked.axis.values)
-    kinds = [[p.kind for p in row.points if p.method == name] for row in made.rows]
+    kinds = [[p.shown for p in row.points if p.method == name] for row in made.rows]
     used = classes.fill(axes, hs, xs, kinds, look)
     axes.set_xlim(*classes.edges(hs)[[0, -1]])
     axes.set_ylim(*classes.edges(xs)[[0, -1]])

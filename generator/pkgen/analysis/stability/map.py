@@ -124,7 +124,9 @@ def make(
         # What a whole period says is more than what its fastest moment does.
         predicted[name] = [*predictions(step, rest, primary, () if whole else rates), *whole]
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
-    steps = {name: tuple(_steps(asked, predicted[name], fastest, until)) for name in maps}
+    # Where modes are known, a method without limits is mapped over their turns.
+    scales = [] if at and fastest else ["local"]
+    steps = {name: tuple(_steps(asked, predicted[name], scales, fastest, until)) for name in maps}
 
     _refuse_unjudged(started(x).motion() for x in asked.axis.values)
 
@@ -257,7 +259,11 @@ def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> 
 
 
 def _steps(
-    asked: MapOptions, predicted: list[Prediction], fastest: float, until: float
+    asked: MapOptions,
+    predicted: list[Prediction],
+    scales: list[str],
+    fastest: float,
+    until: float,
 ) -> list[float]:
     """Evenly from the shortest to somewhat beyond what is predicted."""
     count = asked.across
@@ -267,7 +273,7 @@ def _steps(
         return [low + (high - low) * k / (count - 1) for k in range(count)]
     limits = [p.h for p in predicted if p.kind == "limit" and p.h]
     limits += [p.h for p in predicted if p.kind == "cycle" and p.h]
-    limits = limits or [2 * p.h for p in predicted if p.kind == "local" and p.h]
+    limits = limits or [2 * p.h for p in predicted if p.kind in scales and p.h]
     branches = [p.h for p in predicted if p.kind == "branch" and p.h]
     if limits:
         high = MARGIN * max(limits)

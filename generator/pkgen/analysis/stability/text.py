@@ -12,6 +12,7 @@ from .map import StabilityMap
 from .misses import difference, misses, name_mode, unpredicted
 from .predict import Prediction
 
+FAR = ("rise", "away", "exchange", "moved", "follows")  # columns
 Table = tuple[list[str], list[list[str]]]
 
 
@@ -145,11 +146,11 @@ def counts(made: StabilityMap) -> Table:
     """How many points of each class a method has."""
     from .classes import CLASSES
 
-    kinds = [k for k in CLASSES if any(p.kind == k for row in made.rows for p in row.points)]
+    kinds = [k for k in CLASSES if any(p.shown == k for row in made.rows for p in row.points)]
     rows = []
     for name in made.steps:
         points = [p for row in made.rows for p in row.points if p.method == name]
-        rows.append([name, *(str(sum(p.kind == k for p in points)) for k in kinds)])
+        rows.append([name, *(str(sum(p.shown == k for p in points)) for k in kinds)])
     return ["points", *kinds], rows
 
 
@@ -288,10 +289,10 @@ def as_csv(made: StabilityMap) -> str:
     writer = csv.writer(out, lineterminator="\n")
     judged_by = "norm" if made.motion.by_norm else "energy"
     head = ["method", "h", made.asked.axis.name, judged_by, "class", "status", "steps"]
-    writer.writerow([*head, "rise", "away"])
+    writer.writerow([*head, *FAR, "constant"])
     for row in made.rows:
         for p in row.points:
             place = p.method, repr(p.h), repr(row.x), repr(row.motion.energy)
-            far = ("" if x is None else repr(x) for x in (p.rise, p.away))
-            writer.writerow([*place, p.kind, p.status, p.steps, *far])
+            far = ("" if x is None else repr(x) for x in (getattr(p, name) for name in FAR))
+            writer.writerow([*place, p.kind, p.status, p.steps, *far, p.constant])
     return out.getvalue()
