@@ -17,8 +17,9 @@ than 10<sup>4</sup> S; <b>drifting</b>: it has left where it began by more than 
 lost</b>: one that is proved has moved by 1 %; <b>bounded</b>: none of these, and <b>the phase is
 lost</b> where it is elsewhere than the motion before its horizon. <b>not converged</b>,
 <b>wrong branch</b>, <b>not finite</b>, <b>singular</b> are what the runtime reports;
-<b>not judged</b>: the motion itself leaves and does not come back, or ends. A triangle is a limit measured: 4000 steps from
-10<sup>−6</sup> beside the equilibrium go no further than 10<sup>−3</sup> below it.</p>"""
+<b>not judged</b>: the motion itself leaves and does not come back, or ends. A triangle is a
+limit measured: 4000 steps from 10<sup>−6</sup> beside the equilibrium go no further than
+10<sup>−3</sup> below it.</p>"""
 
 
 def html(made: StabilityMap, svg: Path) -> str:
