@@ -107,6 +107,8 @@ def test_a_kick_in_tune_grows(tmp_path: Path) -> None:
         grows = abs(np.trace(kick @ turn @ kick)) > 2 + 1e-9
         rows = model.run(3000 * h, method="respa", step=h, max_step=h / 200, every=h)
         assert (abs(rows["x"]).max() > 3) == grows, y
+    done = run_pkgen("run", path, "--scene", "a", "--diagnose", "lyapunov")
+    assert done.returncode != 0 and "have no derivatives here" in done.stderr
     for command in (
         ("run", path, "--scene", "a"),
         ("explain", path),
@@ -116,12 +118,16 @@ def test_a_kick_in_tune_grows(tmp_path: Path) -> None:
         assert done.returncode == 0, done.stderr
 
 
+BOUND = "constraint c: x = y\nkinetic y'^2/2\nstart y = 1\n"
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [
         (("fast w^2*x^2/2\n", ""), "of which a part is named"),
         (("kinetic x'^2/2", "kinetic x'^2/2*(1 + x^2)"), "separable"),
         (("fast w^2*x^2/2", "fast x'^2"), "has a rate in it"),
+        (("coord x\n", f"coord x, y\n{BOUND}"), "there are constraints"),
         (("param w", "coord fast\npotential fast^2\nkinetic fast'^2\nparam w"), ""),
     ],
 )

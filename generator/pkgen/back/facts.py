@@ -53,7 +53,8 @@ def _separable(structure: Facts) -> str:
         return "but for forces C v with constant C: verlet and its like apply"
     if structure.affine_rates:
         return "no: forces are affine in the rates, for which there is boris"
-    return _yes(structure.separable, "verlet and its like apply", "verlet does not apply")
+    applies = "verlet and its like apply" + ", and respa" * structure.fast
+    return _yes(structure.separable, applies, "verlet does not apply")
 
 
 def loop_facts(e: LoopEquations) -> list[tuple[str, str]]:

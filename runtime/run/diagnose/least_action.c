@@ -87,7 +87,7 @@ void diagnose_least_action(struct pk_run *run, struct diagnostics *d)
     if (!why && !(system->facts & PK_VARIATIONAL))
         why = "forces act besides those of L (dissipation or force): the motion is no extremum of "
               "an action";
-    why = why ? why : diagnose_no_variation(system);
+    why = why ? why : diagnose_no_variation(run);
     if (!why && modes < 2)
         why = "too many coordinates for its neighbours: 200 at most";
     double *lambda = NULL;

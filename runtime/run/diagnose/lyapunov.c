@@ -81,7 +81,7 @@ void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
             break;
     }
     const char *why = bound                  ? diagnose_not_free(run->problem.system)
-                      : status == PK_REFUSED ? diagnose_no_variation(run->problem.system)
+                      : status == PK_REFUSED ? diagnose_no_variation(run)
                                              : NULL;
     if (diagnose_told(d, status, why, &l.it)) {
         pk_real error;

@@ -101,8 +101,15 @@ const char *diagnose_not_free(const struct pk_system *system)
                : NULL;
 }
 
-const char *diagnose_no_variation(const struct pk_system *system)
+static const char FAST[] =
+    "the fast forces by which this method goes have no derivatives here: take "
+    "another";
+
+const char *diagnose_no_variation(const struct pk_run *run)
 {
+    const struct pk_system *system = run->problem.system;
+    if (run->settings.method->needs & PK_FAST)
+        return FAST;
     return !system->linear ? NO_LINEAR : system->facts & PK_SMOOTH ? NULL : KINKS;
 }
 

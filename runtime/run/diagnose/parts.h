@@ -41,7 +41,7 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
 /* Why (q, p) are not coordinates and their momenta, free of each other; or NULL. */
 const char *diagnose_not_free(const struct pk_system *system);
 /* Why there are no variational equations, or NULL. */
-const char *diagnose_no_variation(const struct pk_system *system);
+const char *diagnose_no_variation(const struct pk_run *run);
 /* Whether the equations have a kink on the straight way from one place to another, at rest: a
  * switch that is 0 or changes its side. Of kinks without switches nobody knows where they are: 1.
  */

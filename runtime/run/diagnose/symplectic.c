@@ -38,9 +38,8 @@ void diagnose_symplectic(struct pk_run *run, struct diagnostics *d)
         reason = diagnose_not_free(system) ? diagnose_not_free(system)
                  : system->n_first_order
                      ? "states have no momenta, so there is no symplectic form to be kept"
-                 : diagnose_no_variation(system) ? diagnose_no_variation(system)
-                 : s->method->needs & PK_FAST
-                     ? "it is about the derivatives of a step, which fast forces have none of"
+                 : diagnose_no_variation(run)
+                     ? diagnose_no_variation(run)
                      : "steps of this method have no length of their own: take one of fixed steps";
     if (diagnose_told(d, made ? PK_DONE : last, reason, NULL)) {
         struct json *j = &d->json;

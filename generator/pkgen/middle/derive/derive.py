@@ -142,8 +142,12 @@ def _energies(x: Expander) -> Energies:
 
 def _fast(x: Expander, fast: Node, found: Derived) -> Row | None:
     """The acceleration by a part of V alone."""
-    if not x.model.fast or found.constraints is not None:
+    if not x.model.fast:
         return None
+    if found.constraints is not None:
+        message = "a part of the potential is named fast, and there are constraints"
+        help = "respa is for models without them: leave the 'fast' out, or choose coordinates"
+        raise error(x.model, message, x.model.fast[0].span, help)
     by = gradient(x.graph, fast, BIT[Kind.COORDINATE])
     q = symbols(x.graph, Kind.COORDINATE, len(found.motion.force))
     pull = tuple(x.graph.negate(by.get(symbol, ZERO)) for symbol in q)
