@@ -102,9 +102,10 @@ def titles(made: StabilityMap) -> list[str]:
     ]
     more = ", ..." if len(said) > SAID else ""
     why = unpredicted(made)
+    judged = "distance from the start" if made.motion.by_norm else "energy"
     return [
         f"{made.compilation.model.name.replace('_', ' ')}: where each method fails",
-        f"Each point: {made.until:.3g}{unit} of motion, told from its energy. "
+        f"Each point: {made.until:.3g}{unit} of motion, told from its {judged}. "
         f"{', '.join(said[:SAID])}{more}.",
         *([f"{made.interrupted.capitalize()}."] if made.interrupted else []),
         *([f"Nothing is predicted here: {why}."] if why else []),
@@ -161,7 +162,8 @@ def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
         top = axes.secondary_xaxis("top", functions=(lambda h: h * rate, lambda y: y / rate))
         top.tick_params(labelsize=SMALL, pad=1, length=2)
         axes.set_title(f"h {overlay.omega(0)}", fontsize=SMALL, loc="right", pad=3)
-    if not last or made.asked.axis.kind != "amplitude" or made.primary is None:
+    by_energy = made.asked.axis.kind == "amplitude" and not made.motion.by_norm
+    if not last or not by_energy or made.primary is None:
         return
     rest = made.rest.equilibria[made.primary].energy
     energies = np.array([row.motion.energy - rest for row in made.rows])

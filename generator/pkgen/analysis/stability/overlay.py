@@ -177,7 +177,7 @@ def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
 
 
 def ghosts(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
-    """Rings at the steps where the map has orbits that the equations have not, full ones where a
+    """Stars at the steps where the map has orbits that the equations have not, full ones where a
     run stays; as high as what is varied is in their states; if there are any in sight."""
     (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     seen = False
@@ -190,7 +190,7 @@ def ghosts(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
         ]
         if places:
             fill = look.ink if ghost.stays else look.ground
-            how = {"ls": "", "marker": "o", "ms": 3.0, "mec": look.ink, "mew": 0.7, "zorder": 4}
+            how = {"ls": "", "marker": "*", "ms": 6.0, "mec": look.ink, "mew": 0.5, "zorder": 4}
             axes.plot(*zip(*places, strict=True), color=fill, **how)
             seen = True
     return seen
@@ -209,7 +209,7 @@ def handles(drawn: set[str], look: Look) -> list[tuple[Line2D, str]]:
         line = Line2D([], [], color=_silent(look), lw=1.0)
         found.append((line, "resonance that nothing answers"))
     if "ghost" in shown:
-        mark = Line2D([], [], color=look.ink, marker="o", ls="", ms=3)
+        mark = Line2D([], [], color=look.ink, marker="*", ls="", ms=6)
         found.append((mark, "ghost: of the step map alone"))
     if "measured" in shown:
         mark = Line2D([], [], color=look.ink, marker="^", ls="", ms=4)
