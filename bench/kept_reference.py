@@ -20,7 +20,7 @@ from pkgen.scenes import asked as parsing
 from pkgen.scenes import lengths, scene
 from pkgen.scenes import use as scene_use
 
-SLOWEST = 30.0  # seconds of one run
+SLOWEST = 12.0  # seconds of one run
 STEPS = 3000  # at least, where the equations have the time in them
 PLACES = 2000  # on the way, at which magnitudes are looked for
 ENOUGH = 0.1  # of the accuracy: an error of the reference that leaves no doubt

@@ -94,6 +94,15 @@ def test_a_first_step_whose_equations_take_long_is_not_the_last() -> None:
     assert search.loosest(FIXED, 1e-6, 0.5, 0.5, 0.05, made).verdict == "slower"
 
 
+def test_a_run_without_any_error_says_nothing_of_how_errors_fall() -> None:
+    errors = iter([1e-2, 1e-3, 0.0, *[1e-7] * search.TRIALS])
+
+    def made(candidate: Candidate, setting: float) -> Trial:
+        return trial(candidate, setting, next(errors), 1e-3)
+
+    assert search.loosest(FIXED, 1e-6, 0.5, 0.5, math.inf, made).kept is not None
+
+
 def test_what_is_refused_or_never_arrives_says_why() -> None:
     def refused(candidate: Candidate, setting: float) -> Trial:
         return trial(

@@ -41,7 +41,8 @@ def choose(asked: Task, whole_seconds: float = SECONDS) -> Choice:
             return _reference(asked, check, found)
         return _choice(asked, check, Kept(best.candidate, best.kept), found)
     try:
-        made = Whole(asked, check, whole_seconds).verified(best, found)
+        whole = Whole(asked, check, whole_seconds)
+        made = whole.verified(best, found)
     except TooLong as too_long:
         candidate, trial = (
             (best.candidate, best.kept) if best else (alone(check.method), check.exact)
@@ -51,7 +52,7 @@ def choose(asked: Task, whole_seconds: float = SECONDS) -> Choice:
         choice = _choice(asked, check, Kept(candidate, trial), found)
         return replace(choice, given_up=too_long.given_up)
     if made.horizon is not None:
-        check = replace(check, against=check.method)
+        check = whole.check
     if not made.trial.arrived:
         check = replace(check, ends=made.trial.reason)
     return _choice(asked, check, made, found)

@@ -48,7 +48,7 @@ class Race:
     def _able(self) -> list[Candidate]:
         """Where it is round-off that forbids the accuracy to tight runs, errors of the energy are
         what grows behind the part that is tried: those stay that keep it."""
-        steady = self.check.in_more_digits and self.check.span < self.asked.until
+        steady = self.check.steady(self.asked) and self.check.span < self.asked.until
         able = [c for c in self.asked.able if not steady or "symplectic" in c.method.flags]
         return able or list(self.asked.able)
 

@@ -25,7 +25,6 @@ FINER = 1e-3  # a tolerance, of that in double; where there are more digits
 DIGITS = " in more digits"
 SLOWEST = 5.0  # seconds of such a run
 NEARLY = 0.2  # as far in the same time: the first, which goes to tighter tolerances
-LOOSE = 1e-13  # a tolerance that tells magnitudes, and of a column that vanishes that it does
 FLOOR = 0.3  # of the accuracy: a reference of a larger error forbids it, and two runs that differ
 # by less both keep it; their difference gives only the order of magnitude of each error
 ROUNDED = 2.0**-49  # of an exact flow: its coefficients are rounded once, which no run of it shows
@@ -87,6 +86,10 @@ class Check:
     def in_more_digits(self) -> bool:
         """What trials are compared with; `exact` is not."""
         return self.against.endswith(DIGITS)
+
+    def steady(self, asked: Task) -> bool:
+        """Round-off forbids the accuracy to the tightest runs, of a motion with an energy."""
+        return self.in_more_digits and not asked.damped
 
 
 def tight(method: str, every: float) -> float:
@@ -186,8 +189,7 @@ def find(asked: Task, cap: float) -> Check:
     if not exact.arrived:
         return Check(exact, exact.t, 0.0, float("inf"), 0.0, "", ends=exact.reason)
     dense = DENSE if "dense" in alone(exact.method).method.flags else LAND
-    between = finder.interval or asked.every if exact.method == EXACT else LOOSE
-    asked.trials.look_between(exact.method, between, dense, finder.span)
+    asked.trials.look_between(exact.method, exact.setting, dense, finder.span)
     scales = asked.trials.keep_as_exact()
     again = finder.loose(exact.method)
     beside = finder.beside(exact.method, max(5 * exact.seconds, cap))

@@ -100,6 +100,8 @@ def next_setting(found: Found, accuracy: float) -> float:
     power = float(max(found.candidate.method.order, 1)) if fixed else 1.0
     if not trial.arrived or trial.error > LOST:
         return trial.setting / (BLIND if fixed else BLIND**4)
+    if not trial.error > 0:
+        return trial.setting * FURTHEST
     known = sorted(
         (t for t in found.tried if t.arrived and 0 < t.error <= LOST), key=lambda t: t.setting
     )
@@ -109,8 +111,6 @@ def next_setting(found: Found, accuracy: float) -> float:
         if other.setting != trial.setting:
             measured = math.log(other.error / trial.error) / math.log(other.setting / trial.setting)
             power = min(max(measured, power / 3), 1.5 * power)
-    if not trial.error > 0:
-        return trial.setting * FURTHEST
     factor = (AIM * accuracy / trial.error) ** (1 / power)
     return trial.setting * min(max(factor, 1 / FURTHEST), FURTHEST)
 

@@ -3,6 +3,8 @@ until it is kept. Where even the tightest runs differ by too much, until when th
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ...record import record
 from . import reference, search
 from .candidates import Candidate, alone
@@ -10,7 +12,7 @@ from .choice import GivenUp
 from .race import MARGIN
 from .reference import FLOOR, Check, Task, growth
 from .search import Found
-from .trials import Trial
+from .trials import LAND, Trial
 
 SECONDS = 5.0  # that a trial of the whole scene may take; else what is chosen is not verified
 TIGHTER = 0.03  # of the accuracy: the error of what a choice is compared with
@@ -47,7 +49,7 @@ class Whole:
         floor = self.check.floor * growth(self.asked, self.check, steady=False)
         if best is None or floor > FLOOR * self.asked.accuracy:
             return self._tightest()
-        if self.check.in_more_digits:
+        if self.check.steady(self.asked):
             return self._mended(best, [best], FLOOR * self.asked.accuracy)
         return self._mended(best, found, MARGIN * self.asked.accuracy - 2 * floor)
 
@@ -77,15 +79,35 @@ class Whole:
         """The reference's method, near round-off twice."""
         candidate, every = alone(self.check.method), self.asked.every
         setting = reference.tight(candidate.name, every)
+        if self._in_more_digits(candidate):
+            trial = self._run(candidate, setting, self.asked.max_step)
+            keeps = trial.error <= self.asked.accuracy
+            return Kept(candidate, trial, None if keeps or not trial.arrived else trial.holds)
         exact = self._run(candidate, setting, self.asked.max_step)
         if not exact.arrived:
             return Kept(candidate, exact)
         self.asked.trials.keep_as_exact()
+        self.check = replace(self.check, against=candidate.name)
         setting = reference.loose(candidate.name, every)
         agree = FLOOR * self.asked.accuracy
         trial = self._run(candidate, setting, reference.other_steps(self.asked), agree)
         keeps = trial.arrived and trial.error <= agree
         return Kept(candidate, trial, None if keeps else trial.holds)
+
+    def _in_more_digits(self, candidate: Candidate) -> bool:
+        """Whether trials are now compared with such a run."""
+        precise = self.asked.precise() if candidate.name != reference.EXACT else None
+        if precise is None:
+            return False
+        setting = reference.FINER * reference.tight(candidate.name, 0.0)
+        how = {"cap": self.seconds, "max_step": reference.other_steps(self.asked)}
+        if not precise.attempt(candidate.name, setting, LAND, self.asked.until, **how).arrived:
+            return False
+        precise.between = self.asked.trials.between
+        precise.keep_as_exact()
+        self.asked.trials.exact = precise.exact
+        self.check = replace(self.check, against=f"{candidate.name}{reference.DIGITS}")
+        return True
 
     def _run(
         self,
