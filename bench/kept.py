@@ -126,7 +126,7 @@ def _judged(case: Case, path: str, options: Sequence[str], charted: bool) -> Jud
     made = [[float(x or "nan") for x in line.split(",")] for line in rows.read_text().split()[1:]]
     horizon = min((s["horizon"] for s in every if s["horizon"] is not None), default=None)
     asked = every[0]["asked"]
-    known = reference.find(path, case.scene, options, every[0]["method"], asked)
+    known = reference.find(path, case.scene, options, every[0]["method"], asked, horizon)
     off = known.off(made, horizon)
     one = reference.scene_of(path, case.scene, *options)
     names = [c.name for c in one.settings.show or columns(one.compilation)[1:]]
@@ -148,6 +148,8 @@ def _judged(case: Case, path: str, options: Sequence[str], charted: bool) -> Jud
         return replace(found, verdict=MISSED, why=f"left out without need: {', '.join(needless)}")
     if any(s["unverified_from"] is not None for s in every):
         return replace(found, why="only a part of it was tried, as is said")
+    if horizon is not None and known.to_the_end > reference.ENOUGH * asked:
+        return replace(found, verdict=LIMIT, why="nor is it known in more digits")
     if (charted or horizon is not None) and len(every) == 1:
         own, best = _charted(path, case.scene, options, known, said)
         if best is not None:

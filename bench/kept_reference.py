@@ -37,12 +37,20 @@ LOOSER = 30.0
 
 @dataclass(frozen=True)
 class Known:
-    """Rows, the largest magnitude of each column in the whole run, and the rows' own error."""
+    """Rows, the largest magnitude of each column in the whole run, and the rows' own error: up to
+    the time that is judged, and to the end."""
 
     rows: Rows
     scales: numpy.ndarray
     error: float
+    to_the_end: float
     method: str
+
+    def count(self, until: float | None) -> int:
+        """Of rows up to a time."""
+        if until is None:
+            return len(self.rows.t)
+        return int((self.rows.t <= until).sum()) * (until != 0)
 
     @property
     def nothing(self) -> numpy.ndarray:
@@ -56,8 +64,7 @@ class Known:
         column's magnitude (the duration); infinite where rows are missing. `low`: what the table
         lacks of more digits."""
         found = numpy.array(table, ndmin=2)
-        count = len(self.rows.t) if until is None else int((self.rows.t <= until).sum())
-        count *= until != 0
+        count = self.count(until)
         if len(found) < count or (until is None and len(found) != count):
             return numpy.full(len(self.scales) + 1, math.inf)
         found = found[:count]
@@ -81,15 +88,22 @@ def scene_of(path: str, name: str, *options: str) -> Scene:
     return Scene(compilation, parsing.settings(given, compilation, chosen=chosen))
 
 
-def find(path: str, name: str, options: Sequence[str], method: str, accuracy: float) -> Known:
-    """Raises RuntimeError where there is none."""
+def find(
+    path: str,
+    name: str,
+    options: Sequence[str],
+    method: str,
+    accuracy: float,
+    until: float | None,
+) -> Known:
+    """What is judged goes up to a time (None: the end). Raises RuntimeError where there is none."""
     one = scene_of(path, name, "--no-reduce", *options)
     usual = build_library(one.compilation.files, one.compilation.model.name)
     one = replace(one, settings=Trials(usual, one.settings).given())  # starts are taken as exact
     why = ""
     for scalar in TIGHT:
         try:
-            found = _of(one, scalar, method)
+            found = _of(one, scalar, method, until)
         except RuntimeError as error:
             why = str(error)
             continue
@@ -99,7 +113,7 @@ def find(path: str, name: str, options: Sequence[str], method: str, accuracy: fl
     raise RuntimeError(f"no reference: {why}")
 
 
-def _of(one: Scene, scalar: str, method: str) -> Known:
+def _of(one: Scene, scalar: str, method: str, until: float | None) -> Known:
     compilation, structure = one.compilation, one.compilation.structure
     tools = precise_tools(scalar)[0]
     trials = Trials(
@@ -129,11 +143,16 @@ def _of(one: Scene, scalar: str, method: str) -> Known:
     if len(made) < 2:
         trial = _run(trials, name, LOOSER * TIGHT[scalar][name], longest)
         made.append((name, trials.last))
-    known = Known(rows, _scales(trials, rows), 0.0, f"{name} {scalar}")
+    known = Known(rows, _scales(trials, rows), 0.0, 0.0, f"{name} {scalar}")
     other = made[1][1]
-    same = len(other.t) == len(rows.t)
-    off = known.off(numpy.column_stack([other.t, other.x]), low=other.low if same else 0.0)
-    return replace(known, error=float(max([*off[:-1][~known.nothing], off[-1]])))
+
+    def error(until: float | None) -> float:
+        same = len(other.t) == len(rows.t)
+        low = other.low[: known.count(until)] if same else 0.0
+        off = known.off(numpy.column_stack([other.t, other.x]), until, low)
+        return float(max([*off[:-1][~known.nothing], off[-1]]))
+
+    return replace(known, error=error(until), to_the_end=error(None))
 
 
 def _run(trials: Trials, name: str, setting: float, longest: float | None) -> Trial:
