@@ -17,7 +17,10 @@
 #define ROUNDING (8 * PK_EPS)
 #define ASIDE PK_F(sqrt)(PK_EPS)
 #define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
-enum { OFTEN = 64 };               /* steps between two looks at rounding */
+#define LONGER PK_C(4.0)
+enum {
+    OFTEN = 64
+}; /* steps between two looks at rounding, or fewer once they are so much longer */
 
 /* 2 n each: tolerances, these without rounding, largest values, whose unit is shared, a state; n
  * each: what rounding does to accelerations, an acceleration, what rounding of momenta does to
@@ -246,13 +249,27 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
     return raised;
 }
 
+/* What a place that is nearly singular made of rounding counts by the length of steps: where these
+ * grow again it would be held for an error of many digits. */
+static int outdated(const struct pk_integrator *it)
+{
+    const pk_real h = pk_abs(it->own->h), *own = part(it, OWN), *noise = part(it, NOISE);
+    int counts = 0;
+    for (size_t i = 0; i < it->n; i++)
+        counts |= h * noise[i] > own[it->n + i];
+    return counts && h > LONGER * it->own->looked;
+}
+
 void pk_scale_step(struct pk_integrator *it)
 {
     if (!it->own->atol || it->options.atol >= 0)
         return;
     note(it);
-    if (it->count.rejections - it->own->rounded > 1 || it->count.steps % OFTEN == 0)
+    if (it->count.rejections - it->own->rounded > 1 || it->count.steps % OFTEN == 0 ||
+        outdated(it)) {
         look_at_rounding(it);
+        it->own->looked = pk_abs(it->own->h);
+    }
     it->own->rounded = it->count.rejections;
     follow(it);
 }

@@ -72,13 +72,13 @@ def ends(options: argparse.Namespace) -> tuple[argparse.Namespace, argparse.Name
 
 
 def _end(option: str, text: str, side: int) -> str:
-    name, value = assignment(option, text) if ".." in text else ("", text)
+    left, _, value = text.partition("=")
     parts = value.split("..")
-    if not name:
+    if len(parts) == 1:
         return text
-    if len(parts) != 2 or not all(map(str.strip, parts)):
-        raise UsageError(f"{option} {text}: bounds are NAME=LO..HI, e.g. {option} {name}=0.9..1.1")
-    return f"{name}={parts[side].strip()}"
+    if len(parts) > 2 or not all(map(str.strip, parts)):
+        raise UsageError(f"{option} {text}: bounds are NAME=LO..HI, e.g. {option} {left}=0.9..1.1")
+    return f"{left}={parts[side]}"
 
 
 def given(both: tuple[argparse.Namespace, argparse.Namespace], compilation: Compilation) -> Given:

@@ -34,6 +34,7 @@ struct pk_integrator_private {
     pk_real *u, *work;     /* u: inputs at one time, and behind them those of each lane */
     pk_real *atol;         /* absolute tolerances of q and v; NULL: fixed steps; src/core/scale.c */
     unsigned long rounded; /* rejections when rounding was last looked at */
+    pk_real looked;        /* the length of the steps then */
     pk_real *singularities; /* NULL: the system has none; see src/core/singularity.c */
     size_t n_singularities; /* their values: of families one a member */
     int slopes;             /* of the singularities: what is known of them at this state */
