@@ -113,6 +113,13 @@ def test_no_text_lies_over_another(small, look: Look, seed: int, monkeypatch) ->
     assert not overlapping(boxes)
 
 
+def test_numbers_have_three_digits() -> None:
+    assert [draw.three(x) for x in (1047.3, 116.2, 2.5, 0.0026541, 1234567.0)] == [
+        "1050", "116", "2.5", "0.00265", "1.23e+06",
+    ]  # fmt: skip
+    assert [draw.three(x, True) for x in (2.5, 1047.3, 0.0)] == ["2.50", "1050", "0.00"]
+
+
 def test_formats_and_widths(tmp_path: Path, capsys) -> None:
     model = tmp_path / "p.lag"
     model.write_text(PENDULUM)

@@ -96,7 +96,7 @@ def titles(made: StabilityMap) -> list[str]:
     ]
     count = len(made.motion.parameters)
     said = [
-        f"{quantity.name}{'' if k < count else '(0)'} = {x:.3g} {quantity.unit}".rstrip()
+        f"{quantity.name}{'' if k < count else '(0)'} = {three(x)} {quantity.unit}".rstrip()
         for k, (quantity, x) in enumerate(values)
         if (k < count or x != 0) and quantity.name != made.asked.axis.name
     ]
@@ -105,7 +105,7 @@ def titles(made: StabilityMap) -> list[str]:
     judged = "distance from the start" if made.motion.by_norm else "energy"
     return [
         f"{made.compilation.model.name.replace('_', ' ')}: where each method fails",
-        f"Each point: {made.until:.3g}{unit} of motion, told from its {judged}. "
+        f"Each point: {three(made.until)}{unit} of motion, told from its {judged}. "
         f"{', '.join(said[:SAID])}{more}.",
         *([f"{made.interrupted.capitalize()}."] if made.interrupted else []),
         *([f"Nothing is predicted here: {why}."] if why else []),
@@ -172,15 +172,18 @@ def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
     right = axes.twinx()
     right.set_ylim(axes.get_ylim())
     ticks = np.linspace(0, len(energies) - 1, 4).astype(int)
-    right.set_yticks(np.array(made.asked.axis.values)[ticks], list(map(_three, energies[ticks])))
+    right.set_yticks(
+        np.array(made.asked.axis.values)[ticks], [three(x, True) for x in energies[ticks]]
+    )
     right.tick_params(labelsize=SMALL, pad=2, length=2)
     unit = "" if made.compilation.model.dimensionless else " (J)"
     right.set_ylabel(f"energy above rest{unit}", fontsize=SMALL)
 
 
-def _three(x: float) -> str:
-    """With three digits."""
-    return f"{x:#.3g}".rstrip(".")
+def three(x: float, zeros: bool = False) -> str:
+    """With three digits, as people write them: 1050; on an axis 2.50."""
+    rounded = float(f"{x:.3g}")
+    return f"{rounded:#.3g}".rstrip(".") if zeros and abs(rounded) < 1000 else f"{rounded:g}"
 
 
 def fastest(made: StabilityMap) -> float | None:
