@@ -98,3 +98,15 @@ def test_an_integral_decides_nothing(capsys, tmp_path: Path) -> None:
     made = mapped(capsys, tmp_path, action, "rk4,gauss1", "--steps", "0.2..1.8")
     assert [p["h"] for p in made["predictions"]] == [p["h"] for p in without["predictions"]]
     assert [p["kind"] for p in made["points"]] == [p["kind"] for p in without["points"]]
+
+
+def test_a_limit_beyond_which_growth_is_slow(capsys, tmp_path: Path) -> None:
+    """Euler's method on a weakly damped oscillation: |1 + h lambda|^2 = 1 - 2 c h + w^2 h^2."""
+    c, w = 0.03, 1.0
+    text = (
+        f"model slow\nstate x, y\nrate x = y\nrate y = -{w**2!r}*x - {2 * c!r}*y\n"
+        "start x = 0.1, y = 0\n"
+    )
+    found = limits(mapped(capsys, tmp_path, text, "euler", "--until", "40"))["euler"]
+    assert found["h"] == pytest.approx(2 * c / w**2, rel=1e-6)
+    assert found["measured"] == pytest.approx(found["h"], rel=0.01)

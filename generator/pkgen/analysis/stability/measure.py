@@ -21,6 +21,7 @@ from .predict import RESONANCES, Prediction
 SMALL = 1e-6  # of the size of the motion
 LEAST = 1e-8  # of the largest coordinate: clear of round-off
 STEPS = 4000
+LONGER = 100  # times as many, where growth just beyond a limit is slow
 FAR = 1e3
 LOOKS = 16  # points of the first look for where something begins
 FINE = 1e-6  # relative: how well it is known then
@@ -155,6 +156,9 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
         h = _search(grows, 0.999 * p.h, 1.001 * p.h)  # intervals of growth may be narrow
     else:
         h = _search(grows, 0.5 * p.h, 1.5 * p.h)
+        if h is None or h > 1.005 * p.h:
+            steps *= LONGER
+            h = _search(grows, 0.995 * p.h, h or 1.5 * p.h)
     if h is None:
         return Measured(p, None, "no growth up to 1.5 times the prediction")
     return Measured(p, h, "growth" if status == "PK_DONE" else status)
