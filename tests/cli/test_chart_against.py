@@ -154,7 +154,7 @@ def redirected(file: int):
 def found(tmp_path_factory: pytest.TempPathFactory):
     """One chart beside all packages that there are."""
     names = ",".join(p.name for p in (*peers.PEERS, ROW) if not p.missing)
-    words = ["--methods", "rk4,dop853", "--points", 7, "--seconds", 30, "--against", names]
+    words = ["--methods", "rk4,dop853", "--points", 7, "--seconds", 90, "--against", names]
     return charted(tmp_path_factory.mktemp("against"), *words)
 
 
