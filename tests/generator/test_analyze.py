@@ -52,7 +52,7 @@ def test_one_thing_changed(change, gone):
     if "smooth" not in gone:
         gone = gone | {"switched"}  # said of what bends only
     lacking = {name for name in FACTS.split() if not getattr(found, name)}
-    assert lacking - {"linear_drag", "affine_rates"} == gone | {"affine"}
+    assert lacking - {"linear_drag", "affine_rates"} == gone | {"affine", "fast"}
 
 
 # What stands in the forces beside the rates: nothing else, coefficients that vary, or more.
