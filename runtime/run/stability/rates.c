@@ -30,7 +30,7 @@ static void print(struct pk_stability *s, const double *states, size_t count, do
 }
 
 /* Every stride-th state: where there is no more room, half of them go. */
-int stability_rates(struct pk_stability *s, const struct pk_stability_question *x)
+int stability_fastest(struct pk_stability *s, const struct pk_stability_question *x)
 {
     const size_t n = s->n, wide = 2 * n + 1;
     double *states = memory_take(&s->run->memory, MOST * wide + 4 * n, sizeof *states);

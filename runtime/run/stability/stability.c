@@ -63,7 +63,7 @@ static const struct {
 } answers[] = {{"start", stability_ready},           {"motion", stability_motion},
 #ifdef PK_WITH_GSL
                {"equilibria", stability_equilibria}, {"near", stability_near},
-               {"leave", stability_leave},           {"rates", stability_rates},
+               {"leave", stability_leave},           {"rates", stability_fastest},
                {"orbits", stability_orbits},         {"beside", stability_beside},
                {"returns", stability_returns},
 #endif

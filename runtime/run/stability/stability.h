@@ -120,7 +120,7 @@ struct reference stability_reference(struct pk_stability *s, double until);
 /* 1, or 0 with a message. */
 typedef int stability_answer(struct pk_stability *s, const struct pk_stability_question *q);
 stability_answer stability_ready, stability_motion, stability_point, stability_oscillator,
-    stability_equilibria, stability_near, stability_leave, stability_rates, stability_orbits,
+    stability_equilibria, stability_near, stability_leave, stability_fastest, stability_orbits,
     stability_returns, stability_beside;
 /* A message; 0. */
 int stability_wrong(struct pk_stability *s, const char *message);
