@@ -147,7 +147,7 @@ int main(void)
             failed |= check(&carried, m->name);
             with_z++;
         }
-        if (m->needs & PK_SEPARABLE) {
+        if (m->needs & PK_MASS_CONSTANT) {
             failed |= check(&driven_system, m->name);
             continue;
         }
