@@ -105,7 +105,7 @@ def titles(made: StabilityMap) -> list[str]:
     judged = "distance from the start" if made.motion.by_norm else "energy"
     return [
         f"{made.compilation.model.name.replace('_', ' ')}: where each method fails",
-        f"Each point: {three(made.until)}{unit} of motion, told from its {judged}. "
+        f"Each point: t = {three(made.until)}{unit} of motion, told from its {judged}. "
         f"{', '.join(said[:SAID])}{more}.",
         *([f"{made.interrupted.capitalize()}."] if made.interrupted else []),
         *([f"Nothing is predicted here: {why}."] if why else []),
@@ -122,8 +122,7 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: in
     drawn, labels = overlay.lines(axes, made, name, look)
     if overlay.measured(axes, made, name, look):
         drawn.add("measured")
-    if overlay.ghosts(axes, made, name, look):
-        drawn.add("ghost")
+    drawn |= overlay.ghosts(axes, made, name, look)
     axes.set_title(name, fontweight="bold", loc="left", pad=3)
     axes.spines[["top", "right"]].set_visible(True)
     unit = "" if made.compilation.model.dimensionless else " (s)"
@@ -167,7 +166,7 @@ def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
         return
     rest = made.rest.equilibria[made.primary].energy
     energies = np.array([row.motion.energy - rest for row in made.rows])
-    if len(energies) < 4:
+    if len(energies) < 4 or not (np.diff(energies) > 0).all():
         return
     right = axes.twinx()
     right.set_ylim(axes.get_ylim())

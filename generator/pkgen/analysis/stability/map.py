@@ -124,8 +124,8 @@ def make(
         # What a whole period says is more than what its fastest moment does.
         predicted[name] = [*predictions(step, rest, primary, () if whole else rates), *whole]
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
-    # Where modes are known, a method without limits is mapped over their turns.
-    scales = [] if at and fastest else ["local"]
+    # About a stable equilibrium a method without limits is mapped over turns of its modes.
+    scales = [] if at and at.stable else ["local"]
     steps = {name: tuple(_steps(asked, predicted[name], scales, fastest, until)) for name in maps}
 
     _refuse_unjudged(started(x).motion() for x in asked.axis.values)

@@ -29,13 +29,14 @@ LINES = {
 }
 WORDS = {  # in the legend
     "limit": "predicted limit",
-    "branch": "predicted loss of the solution",
+    "branch": "branch: predicted loss of the solution",
     "1:3": "step resonance 1:3, 2:3",
     "1:4": "step resonance 1:4, 3:4",
     "1:2": "step resonance of two modes",
     "cycle": "predicted loss of the cycle",
-    "local": "scale of the fastest along the motion",
+    "local": "scale: resolves the fastest motion",
 }
+GHOSTS = {"ghost": "ghost that keeps a run", "ghost that repels": "ghost that repels"}
 PAIR_WORDS = {"1:2": "1:2 {slow}, {fast}", "1+2": "{fast} + 2{slow}", "2+1": "2{fast} + {slow}"}
 SILENT, SILENT_DARK = "#708090", "#8FA3B5"  # a resonance that nothing answers
 SIZE = 6.0  # points, of a label
@@ -85,8 +86,11 @@ def lines(
         if mark in seen:
             continue  # the mirror image of an equilibrium has the same
         seen.add(mark)
-        xs = np.array([x for x, _ in line])
-        if len(xs) == len(made.rows):
+        xs = np.array([row.x for row in made.rows])
+        at = dict(line)
+        if len(at) < len(xs):  # a line ends where a row has none
+            hs = np.array([at.get(x, np.nan) for x in xs])
+        else:
             xs = np.concatenate([[bottom], xs, [top]])
             hs = np.concatenate([hs[:1], hs, hs[-1:]])
         dashes, word = LINES[kind]
@@ -176,11 +180,11 @@ def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
     return True
 
 
-def ghosts(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
+def ghosts(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> set[str]:
     """Stars at the steps where the map has orbits that the equations have not, full ones where a
-    run stays; as high as what is varied is in their states; if there are any in sight."""
+    run stays; as high as what is varied is in their states. Which of both are in sight."""
     (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    seen = False
+    seen = set()
     for ghost in (g for g in made.ghosts if g.method == name):
         places = [
             (orbit.h, x)
@@ -189,11 +193,15 @@ def ghosts(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
             if low < orbit.h < high and bottom < x < top
         ]
         if places:
-            fill = look.ink if ghost.stays else look.ground
-            how = {"ls": "", "marker": "*", "ms": 6.0, "mec": look.ink, "mew": 0.5, "zorder": 4}
-            axes.plot(*zip(*places, strict=True), color=fill, **how)
-            seen = True
+            kind = "ghost" if ghost.stays else "ghost that repels"
+            axes.plot(*zip(*places, strict=True), **_star(kind, look), zorder=4)
+            seen.add(kind)
     return seen
+
+
+def _star(kind: str, look: Look) -> dict[str, object]:
+    fill = look.ink if kind == "ghost" else look.ground
+    return {"ls": "", "marker": "*", "ms": 6.0, "mec": look.ink, "mew": 0.5, "color": fill}
 
 
 def handles(drawn: set[str], look: Look) -> list[tuple[Line2D, str]]:
@@ -206,11 +214,11 @@ def handles(drawn: set[str], look: Look) -> list[tuple[Line2D, str]]:
         if kind in shown
     ]
     if "silent" in shown:
-        line = Line2D([], [], color=_silent(look), lw=1.0)
+        line = Line2D([], [], color=_silent(look), ls="--", lw=1.0)
         found.append((line, "resonance that nothing answers"))
-    if "ghost" in shown:
-        mark = Line2D([], [], color=look.ink, marker="*", ls="", ms=6)
-        found.append((mark, "ghost: of the step map alone"))
+    for kind, words in GHOSTS.items():
+        if kind in shown:
+            found.append((Line2D([], [], **_star(kind, look)), words))
     if "measured" in shown:
         mark = Line2D([], [], color=look.ink, marker="^", ls="", ms=4)
         found.append((mark, "measured, small motion"))
