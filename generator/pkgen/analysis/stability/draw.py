@@ -103,10 +103,12 @@ def titles(made: StabilityMap) -> list[str]:
     more = ", ..." if len(said) > SAID else ""
     why = unpredicted(made)
     judged = "distance from the start" if made.motion.by_norm else "energy"
+    rate, per = fastest(made), "" if made.compilation.model.dimensionless else " rad/s"
+    mode = f" {overlay.omega(0)} = {three(rate)}{per}, the fastest mode." if rate else ""
     return [
         f"{made.compilation.model.name.replace('_', ' ')}: where each method fails",
         f"Each point: t = {three(made.until)}{unit} of motion, told from its {judged}. "
-        f"{', '.join(said[:SAID])}{more}.",
+        f"{', '.join(said[:SAID])}{more}.{mode}",
         *([f"{made.interrupted.capitalize()}."] if made.interrupted else []),
         *([f"Nothing is predicted here: {why}."] if why else []),
     ]

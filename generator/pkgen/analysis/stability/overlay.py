@@ -88,9 +88,8 @@ def lines(
         seen.add(mark)
         xs = np.array([row.x for row in made.rows])
         at = dict(line)
-        if len(at) < len(xs):  # a line ends where a row has none
-            hs = np.array([at.get(x, np.nan) for x in xs])
-        else:
+        hs = np.array([at.get(x, np.nan) for x in xs])  # a line ends where a row has none
+        if len(at) == len(xs):
             xs = np.concatenate([[bottom], xs, [top]])
             hs = np.concatenate([hs[:1], hs, hs[-1:]])
         dashes, word = LINES[kind]
