@@ -82,7 +82,7 @@ PREDICTIONS = [
         "(T(h) - T) / h^2, from the action of the modified Hamiltonian",
         period_coefficient(AMPLITUDE), 1e-3,
         f"pkgen run pendulum.lag --start theta={AMPLITUDE} --method verlet --step 0.02 --until 400",
-        f'(mean(diff(times(report, "top"))) - {swing(sin(AMPLITUDE / 2))[0]!r})/0.02**2',
+        f'(mean(diff(times(report, "top"))) - {swing(sin(AMPLITUDE / 2))[0]:.14g})/0.02**2',
         "--method gauss1",
     ),
     shown(
@@ -90,7 +90,7 @@ PREDICTIONS = [
         "(apsidal turn(h) - turn) / h^2, from the modified Hamiltonian",
         apsidal_coefficient(0.6), CLOSED,
         "pkgen run quartic_plane.lag --method verlet --step 0.02 --until 300 --at apocentre",
-        f"(mean(diff(unwrap(arctan2(y, x)))) - {quartic(0.6**2 / 2 + 1 / 4, 0.6)[0]!r})/0.02**2",
+        f"(mean(diff(unwrap(arctan2(y, x)))) - {quartic(0.6**2 / 2 + 1 / 4, 0.6)[0]:.14g})/0.02**2",
         "--method gauss1",
     ),
 ]  # fmt: skip
