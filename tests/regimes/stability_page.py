@@ -24,13 +24,13 @@ HEAD = """\
 Each prediction was made before it was run: a closed form, evaluated beside the test, or a value
 converged by other means. The models are in `tests/regimes/models/` (some in `models/`), the
 predictions and how each is measured in `tests/regimes/*.py`: by the runtime's own steps, taken one
-by one, or by the commands that are shown below. A prediction is met if the measured
-value lies within the tolerance of it, or in the band that it is, and the worse method beside it,
-measured in the same way, does not; where no method can be worse, something else is changed, and why
-stands at the end. A limit that is met says more: the motion is stable at .999 of it and grows at
-1.001. `make test` measures every other one of the short ones, `make test-long` all, those marked
-*long* with the day on which they were; with `PKGEN_UPDATE=1` either writes its rows here. Closed forms are to be met
-within 1% or closer, boundaries within .1%, fitted powers within 5%, what was only ever measured
+by one, or by the commands that are shown below. A prediction is met if the measured value lies
+within the tolerance of it, or in the band that it is, and the worse method beside it, measured in
+the same way, does not; where no method can be worse, something else is changed, and why stands at
+the end. A limit that is met says more: the motion is stable at .999 of it and grows at 1.001. `make
+test` measures every other one of the short ones, `make test-long` all, those marked *long* with the
+day on which they were; with `PKGEN_UPDATE=1` either writes its rows here. Closed forms are to be
+met within 1% or closer, boundaries within .1%, fitted powers within 5%, what was only ever measured
 within its band or 20%.
 y = h omega; frequencies are in units of omega where no unit is given.
 
