@@ -44,15 +44,15 @@ def swing(m: float) -> str:
     """From rest to rest, seen a thousand times."""
     start, period = 2 * float(mp.asin(mp.sqrt(m))), float(4 * mp.ellipk(m))
     return (
-        f"pkgen run pendulum.lag --start theta={start:.14g} --method gauss --until {period:.14g} "
-        f"--every {period:.14g}/1000"
+        f"pkgen run pendulum.lag --start theta={start:.12g} --method gauss --until {period:.12g} "
+        f"--every {period:.12g}/1000"
     )
 
 
 def action(m: float) -> str:
     """The integral of theta' dtheta over a swing, / 2 pi: of theta'^2 over t, by the trapezoidal
     rule, which is spectrally accurate for a periodic function."""
-    return f"{float(4 * mp.ellipk(m)):.14g}*mean(theta'[1:]**2)/(2*pi)"
+    return f"{float(4 * mp.ellipk(m)):.12g}*mean(theta'[1:]**2)/(2*pi)"
 
 
 FOUCAULT = 360 / 86164.0905 * 3600 * sin(radians(48.8462))

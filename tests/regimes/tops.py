@@ -178,7 +178,7 @@ PREDICTIONS = [
             "turned about its momentum in a period", turn_closed(w), 1e-9,
             "pkgen run turning_body.lag "
             + " ".join(f'--start "omega(R).{a}={x}"' for a, x in zip("xyz", w, strict=True))
-            + f" --method gauss --rtol 1e-14 --until {tumbling_closed(w[0], w[2]):.14g}",
+            + f" --method gauss --rtol 1e-14 --until {tumbling_closed(w[0], w[2]):.12g}",
             f"2*arctan2((R_x[-1]*{w[0]} + R_y[-1]*2*{w[1]} + R_z[-1]*3*{w[2]})/"
             f"sqrt({w[0]}**2 + 4*{w[1]}**2 + 9*{w[2]}**2), R_w[-1]) % (2*pi)",
             "--method rkmk4 --step 0.1 --rtol -",
