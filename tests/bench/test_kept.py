@@ -10,7 +10,6 @@ from bench.kept_cases import asking, cases
 
 EVERY = {case.name: case for case in cases(quick=False)}
 QUICK = (
-    "logistic 1e-07",
     "drag of a fluid 1e-07",
     "harmonic_ring splitting",
     "random 40",

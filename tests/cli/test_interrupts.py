@@ -42,7 +42,9 @@ def interrupting(real: Callable, calls: int, name: str, times: int = 1) -> Calla
 
 
 # In the first method, in the last, among the answers.
-@pytest.mark.parametrize("calls, name", [(4, "INT"), (30, "TERM"), (60, "INT")])
+@pytest.mark.parametrize(
+    "calls, name", [pytest.param(4, "INT", marks=pytest.mark.long), (30, "TERM"), (60, "INT")]
+)
 def test_a_chart_that_is_interrupted_is_drawn(calls, name, monkeypatch, capsys, tmp_path) -> None:
     monkeypatch.setattr(Bench, "point", interrupting(Bench.point, calls, name))
     assert main([*CHART, "--json"]) == 130

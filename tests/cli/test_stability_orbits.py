@@ -257,7 +257,7 @@ def test_ghosts_stand_in_the_map(capsys, tmp_path: Path) -> None:
 
     assert places("euler", 2.3) == [0.687874, 1.181692]
     assert places("rk2", 2.5) == [0.8]
-    assert "ghost that keeps a run" in (tmp_path / "logistic_stability.svg").read_text()
+    assert "ghost that repels" in (tmp_path / "logistic_stability.svg").read_text()
     made = told(capsys, tmp_path, LOGISTIC.format(size=1, time=1), "--methods", "gauss1")
     assert made["ghosts"] == []
 

@@ -30,9 +30,9 @@ from .stability_page import (
 
 
 def parameters() -> list:
-    """Every other one of those that are not long is quick: neighbours are of one system."""
+    """Every fourth of those that are not long is quick: neighbours are of one system."""
     return [
-        pytest.param(p, id=p.id, marks=[pytest.mark.long] if p.long or k % 2 else [])
+        pytest.param(p, id=p.id, marks=[pytest.mark.long] if p.long or k % 4 else [])
         for k, p in enumerate(PREDICTIONS)
     ]
 
