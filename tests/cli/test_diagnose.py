@@ -221,7 +221,7 @@ def test_a_diagnostic_that_fails_is_the_exit_code(pkgen) -> None:
 def test_an_interrupt_ends_it_with_the_rows_written(tmp_path: Path) -> None:
     out = tmp_path / "rows.csv"
     command = [sys.executable, "-m", "pkgen", "run", str(DOUBLE), "--method", "gauss8"]
-    command += ["--step", "0.001", "--until", "30", "--every", "15", "--diagnose", "lyapunov"]
+    command += ["--step", "0.001", "--until", "300", "--every", "150", "--diagnose", "lyapunov"]
     child = subprocess.Popen([*command, "-o", str(out)], stderr=subprocess.PIPE, text=True)
     partial = out.with_name("rows.csv.partial")
     while not (partial.exists() and partial.read_text().count("\n") == 4):
@@ -231,7 +231,7 @@ def test_an_interrupt_ends_it_with_the_rows_written(tmp_path: Path) -> None:
     child.send_signal(signal.SIGINT)
     assert child.wait(timeout=300) == 130
     assert child.stderr.read().startswith("run: interrupted in --diagnose\n")
-    assert out.read_text().splitlines()[-1].startswith("30,")
+    assert out.read_text().splitlines()[-1].startswith("300,")
     report = json.loads(out.with_name("rows.csv.json").read_text())["report"]
     assert report["whole"] and "diagnostics" not in report
 
