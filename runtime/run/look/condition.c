@@ -5,7 +5,15 @@
 #include "condition.h"
 
 #define LOST PK_C(1e5) /* rounding, as accelerations magnify it, that is worth a warning */
-enum { LOOKS = 64, STEPS = 64, FEW = 16, MOST_RECORDS = 256, ALL = 1024, PART = 8 };
+#define FASTER 2       /* times as fast as before a rate turns where a state is looked at */
+enum {
+    LOOKS = 64,         /* spread over the duration */
+    STEPS = 64,         /* apart, at least, of systems of FEW unknowns; of more in proportion */
+    FEW = 16,
+    MOST_RECORDS = 256, /* of rates that turn ever faster */
+    ALL = 1024,         /* steps from which on one of PART is seen */
+    PART = 8
+};
 
 struct looking { /* v and the block follow it */
     struct pk_condition found;
@@ -13,7 +21,7 @@ struct looking { /* v and the block follow it */
     void *block;
     size_t n;
     pk_real next, t, *v; /* the time of the next look; the step before */
-    pk_real *turned;     /* twice the most of |dv/dt| of each rate */
+    pk_real *turned;     /* FASTER times the most of |dv/dt| of each rate */
     unsigned long seen, steps, records;
 };
 
@@ -42,7 +50,7 @@ static int record(struct looking *l, const struct moment *at)
         const pk_real turned = PK_F(fabs)(at->v[i] - l->v[i]);
         l->v[i] = at->v[i];
         if (turned > l->turned[i] * h && h > 0) {
-            l->turned[i] = 2 * turned / h;
+            l->turned[i] = FASTER * turned / h;
             found = 1;
         }
     }

@@ -104,6 +104,9 @@ int stability_equilibria(struct pk_stability *s, const struct pk_stability_quest
     json_numbers(&s->out, "middle", found.middle, n);
     json_numbers(&s->out, "box", found.box, n);
     print(s, &found, &modes, &beside);
+    memory_drop(&s->run->memory, found.turns);
+    memory_drop(&s->run->memory, list);
+    memory_drop(&s->run->memory, room);
     return 1;
 }
 

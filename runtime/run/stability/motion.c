@@ -114,25 +114,55 @@ struct pk_integrator *stability_motion_begun(struct pk_stability *s, double loos
                            status);
 }
 
-/* How far each goes in `until`. */
-static void find_reach(struct pk_stability *s)
+static void stretch(double *low, double *high, const double *x, size_t count)
 {
+    for (size_t i = 0; i < count; i++) {
+        low[i] = fmin(low[i], x[i]);
+        high[i] = fmax(high[i], x[i]);
+    }
+}
+
+void stability_cover(struct pk_stability *s)
+{
+    const size_t n = s->n, m = n - s->problem.system->n_first_order;
+    double most = 0;
     enum pk_status status;
+    if (s->box)
+        return;
+    double *low = s->middle = memory_take(&s->run->memory, 5 * n, sizeof *s->box);
+    double *high = s->box = low + 2 * n;
+    s->reach = high + 2 * n;
+    memcpy(low, s->settings->q, n * sizeof *low);
+    memcpy(low + n, s->settings->v, n * sizeof *low);
+    memcpy(high, low, 2 * n * sizeof *low);
     struct pk_integrator *it = stability_motion_begun(s, 1, &status);
-    memset(s->reach, 0, s->n * sizeof *s->reach);
     for (size_t k = 0; it && k < MOST_RECORDS && it->t < s->settings->until; k++) {
         if (pk_integrator_step(it, s->settings->until) < 0)
             break;
-        for (size_t i = 0; i < s->n; i++)
-            s->reach[i] = fmax(s->reach[i], fabs(stability_apart(s, it->q, it->v, i)));
+        stretch(low, high, it->q, n);
+        stretch(low + n, high + n, it->v, n);
     }
     stability_end(s, it);
+    for (size_t i = 0; i < n; i++) {
+        const size_t x = i < m ? i : n + i;
+        const double start = i < m ? s->settings->q[i] : s->settings->v[i];
+        s->reach[i] = fmax(high[x] - start, start - low[x]);
+    }
+    for (size_t i = 0; i < 2 * n; i++) {
+        const double a = low[i], b = high[i];
+        low[i] = (a + b) / 2;
+        high[i] = b - a > 1e-9 * fabs(a + b) ? b - a : fabs(a + b) / 2;
+        most = fmax(most, high[i]);
+    }
+    for (size_t i = 0; i < 2 * n; i++)
+        if (!(high[i] > 0))
+            high[i] = most > 0 ? most : 1;
 }
 
 static void begin(struct pk_stability *s)
 {
     if (s->by_norm)
-        find_reach(s);
+        stability_cover(s);
     stability_end(s, s->exact);
     memory_drop(&s->run->memory, s->looking);
     s->looking = condition_begin(&s->run->memory, &s->problem, NULL);

@@ -1,4 +1,4 @@
-/* Orbits that close, and what the motion covers, which is the unit that all is measured in. */
+/* Orbits that close; all is measured in units of what the motion covers. */
 #include "../settings/settings.h"
 #include "stability.h"
 
@@ -9,62 +9,7 @@ static const double TWO_PI = 6.283185307179586476925;
 static const double FAR = 1e3;  /* growth that settles it */
 static const double NEAR = 0.1; /* of what is covered: so close it comes back */
 
-static struct pk_integrator *motion(struct pk_stability *s, double rtol)
-{
-    struct pk_options options = s->settings->options;
-    options.h = 0;
-    options.rtol = rtol;
-    options.atol = PK_ATOL_OF_MOTION;
-    stability_end(s, s->exact);
-    s->exact = NULL;
-    s->known = 0;
-    return s->exact = stability_begin(s, pk_method_find("dop853"), &options, s->settings->q,
-                                      s->settings->v, &s->motion);
-}
-
-static void stretch(double *low, double *high, const double *x, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        low[i] = fmin(low[i], x[i]);
-        high[i] = fmax(high[i], x[i]);
-    }
-}
-
-/* What does not move is as far from 0, or as the largest of all. */
-static void cover(struct pk_stability *s)
-{
-    const size_t n = s->n;
-    if (s->box)
-        return;
-    double *low = s->middle = memory_take(&s->run->memory, 4 * n, sizeof *s->box);
-    double *high = s->box = low + 2 * n, most = 0;
-    for (size_t i = 0; i < 2 * n; i++)
-        low[i] = high[i] = i < n ? s->settings->q[i] : s->settings->v[i - n];
-    struct pk_integrator *it = motion(s, 1e-8);
-    for (int k = 1; k <= SAMPLES && it; k++) {
-        if (pk_integrator_to(it, s->settings->until * k / SAMPLES) < 0)
-            break;
-        stretch(low, high, it->q, n);
-        stretch(low + n, high + n, it->v, n);
-    }
-    for (size_t i = 0; i < 2 * n; i++) {
-        const double a = low[i], b = high[i];
-        low[i] = (a + b) / 2;
-        high[i] = b - a > 1e-9 * fabs(a + b) ? b - a : fabs(a + b) / 2;
-        most = fmax(most, high[i]);
-    }
-    for (size_t i = 0; i < 2 * n; i++)
-        if (!(high[i] > 0))
-            high[i] = most > 0 ? most : 1;
-}
-
 enum { MOST = 32 };
-
-/* Of the unknowns, an angle by the shorter way. */
-struct unknowns {
-    size_t count, *of;
-    unsigned char *turns;
-};
 
 /* Farthest of the unknowns, in boxes. */
 static double apart(const struct pk_stability *s, const struct unknowns *x, const double *a,
@@ -81,15 +26,18 @@ static double apart(const struct pk_stability *s, const struct unknowns *x, cons
 }
 
 /* What turns is not measured in more than half a turn. */
-static struct unknowns unknowns(struct pk_stability *s)
+static const struct unknowns *unknowns(struct pk_stability *s)
 {
-    struct unknowns x = {.of = memory_take(&s->run->memory, 2 * s->n, sizeof *x.of),
-                         .turns = memory_take(&s->run->memory, 2 * s->n, 1)};
-    cover(s);
-    x.count = pk_closed_unknowns(&s->problem, s->middle, s->box, x.of, x.turns);
-    for (size_t k = 0; k < x.count; k++)
-        if (x.turns[k])
-            s->box[x.of[k]] = fmin(s->box[x.of[k]], TWO_PI / 2);
+    struct unknowns *x = &s->unknowns;
+    if (x->of)
+        return x;
+    stability_cover(s);
+    x->turns = memory_take(&s->run->memory, 2 * s->n, 1);
+    x->of = memory_take(&s->run->memory, 2 * s->n, sizeof *x->of);
+    x->count = pk_closed_unknowns(&s->problem, s->middle, s->box, x->of, x->turns);
+    for (size_t k = 0; k < x->count; k++)
+        if (x->turns[k])
+            s->box[x->of[k]] = fmin(s->box[x->of[k]], TWO_PI / 2);
     return x;
 }
 
@@ -99,24 +47,26 @@ int stability_returns(struct pk_stability *s, const struct pk_stability_question
     double *from = memory_take(&s->run->memory, 4 * n, sizeof *from), *now = from + 2 * n;
     double times[MOST_RETURNS] = {0}, before = 0, last = 0, most = 0;
     size_t found = 0;
-    const struct unknowns of = unknowns(s);
+    const struct unknowns *of = unknowns(s);
     double until = s->settings->until;
     if (x->h > 0)
         until = ceil(until / x->h) * x->h;
-    struct pk_integrator *it = motion(s, 1e-10);
+    enum pk_status status;
+    struct pk_integrator *it = stability_motion_begun(s, 1, &status);
     for (int k = SAMPLES; k <= 2 * SAMPLES && it && found < MOST_RETURNS; k++) {
         if (pk_integrator_to(it, until * k / SAMPLES) < 0)
             break;
         double *to = k == SAMPLES ? from : now;
         memcpy(to, it->q, n * sizeof *to);
         memcpy(to + n, it->v, n * sizeof *to);
-        const double d = k == SAMPLES ? 0 : apart(s, &of, from, now);
+        const double d = k == SAMPLES ? 0 : apart(s, of, from, now);
         if (before > last && d >= last && last < NEAR && last < most / 3)
             times[found++] = until * (k - 1 - SAMPLES) / SAMPLES;
         most = fmax(most, d);
         before = last;
         last = d;
     }
+    stability_end(s, it);
     json_numbers(&s->out, "q", from, n);
     json_numbers(&s->out, "v", from + n, n);
     json_numbers(&s->out, "times", times, found);
@@ -140,15 +90,15 @@ int stability_beside(struct pk_stability *s, const struct pk_stability_question 
     if (!(x->h > 0) || !(x->amplitude > 0))
         return stability_wrong(s, "a step is positive, and so is an amplitude");
     const size_t n = s->n;
-    const struct unknowns of = unknowns(s);
+    const struct unknowns *of = unknowns(s);
     double *y = memory_take(&s->run->memory, 4 * n, sizeof *y), *other = y + 2 * n, most = 0;
     struct pk_options options = s->settings->options;
     enum pk_status status, second;
     options.h = x->h;
     take_state(s, x, y);
     memcpy(other, y, 2 * n * sizeof *y);
-    for (size_t k = 0; k < of.count; k++)
-        other[of.of[k]] += (k % 2 ? -1 : 1) * x->amplitude * s->box[of.of[k]];
+    for (size_t k = 0; k < of->count; k++)
+        other[of->of[k]] += (k % 2 ? -1 : 1) * x->amplitude * s->box[of->of[k]];
     struct pk_integrator *a = stability_begin(s, method, &options, y, y + n, &status);
     struct pk_integrator *b = stability_begin(s, method, &options, other, other + n, &second);
     for (size_t k = 0; k < x->count && a && b && most < FAR * x->amplitude; k++) {
@@ -163,7 +113,7 @@ int stability_beside(struct pk_stability *s, const struct pk_stability_question 
             other[i] = b->q[i];
             other[n + i] = b->v[i];
         }
-        most = fmax(most, apart(s, &of, y, other));
+        most = fmax(most, apart(s, of, y, other));
     }
     json_text(&s->out, "status", pk_status_name(status < 0 ? status : second));
     json_real(&s->out, "growth", most / x->amplitude);

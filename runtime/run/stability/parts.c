@@ -11,7 +11,7 @@ void stability_energies(struct pk_stability *s, double t, const double *q, const
     *vp = 0;
     if (s->by_norm) {
         for (size_t i = 0; i < s->n; i++) {
-            const double x = stability_idle(s, i) || !(s->reach[i] > 0)
+            const double x = stability_idle(s, i) || !s->reach || !(s->reach[i] > 0)
                                  ? 0
                                  : stability_apart(s, q, v, i) / s->reach[i];
             *vp += x * x / 2;

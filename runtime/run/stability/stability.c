@@ -37,7 +37,6 @@ static void prepare(void *context)
 #endif
     s->shapes = memory_take(memory, 4 * n * n, sizeof *s->shapes);
     s->idle = memory_take(memory, n, 1);
-    s->reach = memory_take(memory, n, sizeof *s->reach);
     find_idle(s);
 }
 

@@ -20,6 +20,12 @@ struct record {
     double t, energy, vp, size;
 };
 
+/* Numbers of those of q and v that a closed orbit is sought in; an angle goes the shorter way. */
+struct unknowns {
+    size_t count, *of;
+    unsigned char *turns;
+};
+
 /* What is watched of a motion besides its energy. */
 struct watched {
     double *share;             /* n: of each coordinate the largest |v_i p_i|, its part of v.p */
@@ -59,8 +65,10 @@ struct pk_stability {
     size_t n_records, room;
     unsigned char *idle;  /* n: cyclic, or a first-order variable that no rate depends on */
     int by_norm;          /* there are first-order variables that count: the energy does not tell */
-    double *reach;        /* n: how far each goes from the start in the motion; where by_norm */
-    double *middle, *box; /* 2 n each, of q and v: what the motion covers; NULL: not known yet */
+    /* What the motion covers, of q and v; NULL: not known yet (stability_cover()). */
+    double *middle, *box; /* 2 n each; the box of what does not move is as far as that is from 0 */
+    double *reach;        /* n: how far each of stability_apart() goes */
+    struct unknowns unknowns; /* of closed orbits, once they are asked for */
     /* The states at the first records, n_states of q, v; how far a looser tolerance agrees. */
     double *states, horizon;
     size_t n_states, states_room;
@@ -89,7 +97,8 @@ static inline double stability_apart(const struct pk_stability *s, const double 
 }
 
 /* What a motion is judged by, its range and the size that round-off of it is relative to: energy,
- * v.p and |v.p| + |L|; by_norm the half square of the distance from the start, in reaches. */
+ * v.p and |v.p| + |L|; by_norm the half square of the distance from the start, in reaches (before
+ * stability_cover() 0). */
 void stability_energies(struct pk_stability *s, double t, const double *q, const double *v,
                         double *energy, double *vp, double *size);
 /* An integrator with memory of its own, or NULL with the status of what refused. */
@@ -100,6 +109,9 @@ void stability_end(struct pk_stability *s, struct pk_integrator *it);
 /* That of the motion itself; by a tolerance that is so many times looser. */
 struct pk_integrator *stability_motion_begun(struct pk_stability *s, double looser,
                                              enum pk_status *status);
+
+/* Follows the motion to `until`, the first time it is called: middle, box, reach. */
+void stability_cover(struct pk_stability *s);
 
 /* Of a method's motion, or of the motion itself. A state's energies are asked for before. */
 void stability_watch_begin(struct pk_stability *s, struct watched *w);
