@@ -6,7 +6,6 @@ import argparse
 import json
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -161,7 +160,3 @@ def draw(what: Wanted, tables: list[Table], file: Path) -> list[str]:
     made = compose.picture(what.view, tables)
     write({file: encoded(made, file.suffix[1:], what.width)})
     return list(made.notes)
-
-
-def with_view(what: Wanted, view: View) -> Wanted:
-    return replace(what, view=view)

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from copy import copy
 from fractions import Fraction
 from sys import maxsize
@@ -70,8 +69,8 @@ class TooLarge(Exception):
 SQUARES = {"sin": "cos", "cos": "sin"}
 
 
-class Nodes(ABC):
-    """Hash-consed nodes; `Graph` adds the constructors that simplify."""
+class Nodes:
+    """Hash-consed nodes; `Graph` adds the constructors that simplify: add, multiply, negate."""
 
     def __init__(self, limit: int | None = None) -> None:
         self.op: list[str] = []  # one of Op
@@ -98,20 +97,6 @@ class Nodes(ABC):
         self._reciprocals: dict[Node, tuple[Node, Fraction | int]] = {}
         for value in (0, 1, -1):
             self.number(value)
-
-    # Constructors that `Graph` has.
-
-    @abstractmethod
-    def add(self, a: Node, b: Node) -> Node: ...
-
-    @abstractmethod
-    def multiply(self, a: Node, b: Node) -> Node: ...
-
-    @abstractmethod
-    def negate(self, a: Node) -> Node: ...
-
-    @abstractmethod
-    def _product_of(self, factors: Factors) -> Node: ...
 
     def __len__(self) -> int:
         return len(self.op)

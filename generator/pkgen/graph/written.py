@@ -22,14 +22,7 @@ class Floats:
     sin, cos, exp, log, sqrt = math.sin, math.cos, math.exp, math.log, math.sqrt
     asin, acos, atan, atan2, pi = math.asin, math.acos, math.atan, math.atan2, math.pi
     min, max, abs, number = min, max, abs, float
-
-    @staticmethod
-    def step(x: float) -> float:
-        return FUNCTIONS["step"].real(x)
-
-    @staticmethod
-    def sign(x: float) -> float:
-        return FUNCTIONS["sign"].real(x)
+    step, sign = (staticmethod(FUNCTIONS[name].real) for name in ("step", "sign"))
 
 
 class Written:

@@ -32,12 +32,7 @@ PK_BEGIN
     X(PK_ORBIT_NOT_QUADRATIC, "of an L that is not of second degree in the rate")         \
     X(PK_ORBIT_NO_KERNELS, "compiled without its kernels gradient, mass and canonical")
 
-enum pk_orbit {
-#define PK_ORBIT_ENUM(name, text) name,
-    PK_ORBITS(PK_ORBIT_ENUM)
-#undef PK_ORBIT_ENUM
-        PK_ORBIT_COUNT
-};
+enum pk_orbit { PK_ORBITS(PK_EACH_NAME) PK_ORBIT_COUNT };
 
 struct pk_action {
     enum pk_orbit orbit;

@@ -44,12 +44,7 @@ struct pk_drift {
     X(PK_GROWTH_FASTER, "faster than t^2")                   \
     X(PK_GROWTH_NO_NUMBER, "not finite")
 
-enum pk_growth {
-#define PK_GROWTH_ENUM(name, text) name,
-    PK_GROWTHS(PK_GROWTH_ENUM)
-#undef PK_GROWTH_ENUM
-        PK_GROWTH_COUNT
-};
+enum pk_growth { PK_GROWTHS(PK_EACH_NAME) PK_GROWTH_COUNT };
 
 void pk_drift_init(struct pk_drift *drift);
 void pk_drift_update(struct pk_drift *drift, pk_real t, pk_real x);

@@ -34,10 +34,13 @@ PK_BEGIN
     X(PK_NO_PROGRESS, -18, "the steps get nowhere")                                       \
     X(PK_NO_IMPULSE, -19, "what the motion does where the equations jump is not determined")
 
-enum pk_status {
 #define PK_STATUS_ENUM(name, value, text) name = value,
+/* Of a list X(NAME, "text") the names, as those of an enum, and the texts. */
+#define PK_EACH_NAME(name, text) name,
+#define PK_EACH_TEXT(name, text) text,
+
+enum pk_status {
     PK_STATUSES(PK_STATUS_ENUM)
-#undef PK_STATUS_ENUM
         PK_STATUS_LAST = -20 /* below every status; no trailing comma, for C++98 readers */
 };
 

@@ -92,34 +92,31 @@ static void described(struct json *j, const struct pk_method *m)
     json_close(j, '}');
 }
 
+/* The model's own, or without a model all others, into `text`, where the last answer stood. */
+static const char *list(const struct pk_run_model *model, char **text)
+{
+    size_t size;
+    free(*text);
+    *text = NULL;
+    struct json json = {.file = open_memstream(text, &size)}, *j = &json;
+    if (!json.file)
+        return NULL;
+    json_open(j, NULL, '[');
+    for (size_t i = 0; model ? i < model->n_methods : run_method_at(i) != NULL; i++)
+        described(j, model ? model->methods[i] : run_method_at(i));
+    json_close(j, ']');
+    fclose(json.file);
+    return *text;
+}
+
 const char *pk_run_methods(void)
 {
     static char *text; /* found once */
-    size_t size;
-    struct json json = {.file = text ? NULL : open_memstream(&text, &size)}, *j = &json;
-    if (!json.file)
-        return text;
-    json_open(j, NULL, '[');
-    for (size_t i = 0; run_method_at(i); i++)
-        described(j, run_method_at(i));
-    json_close(j, ']');
-    fclose(json.file);
-    return text;
+    return text ? text : list(NULL, &text);
 }
 
 const char *pk_run_own_methods(const struct pk_run_model *model)
 {
     static char *text;
-    size_t size;
-    free(text);
-    text = NULL;
-    struct json json = {.file = open_memstream(&text, &size)}, *j = &json;
-    if (!json.file)
-        return NULL;
-    json_open(j, NULL, '[');
-    for (size_t i = 0; i < model->n_methods; i++)
-        described(j, model->methods[i]);
-    json_close(j, ']');
-    fclose(json.file);
-    return text;
+    return list(model, &text);
 }

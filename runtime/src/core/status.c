@@ -4,31 +4,22 @@
 
 #include "internal.h"
 
-const char *pk_status_name(enum pk_status status)
+#define WORDS(name, value, text) {name, #name, text},
+static const struct words {
+    enum pk_status status;
+    const char *name, *text;
+} statuses[] = {PK_STATUSES(WORDS){PK_STATUS_LAST, "PK_UNKNOWN", "unknown status"}};
+
+static const struct words *words(enum pk_status status)
 {
-    switch (status) {
-#define PK_STATUS_NAME(name, value, text) \
-    case name:                            \
-        return #name;
-        PK_STATUSES(PK_STATUS_NAME)
-    case PK_STATUS_LAST:
-        break;
-    }
-    return "PK_UNKNOWN";
+    const struct words *x = statuses;
+    while (x->status != status && x->status != PK_STATUS_LAST)
+        x++;
+    return x;
 }
 
-const char *pk_status_text(enum pk_status status)
-{
-    switch (status) {
-#define PK_STATUS_TEXT(name, value, text) \
-    case name:                            \
-        return text;
-        PK_STATUSES(PK_STATUS_TEXT)
-    case PK_STATUS_LAST:
-        break;
-    }
-    return "unknown status";
-}
+const char *pk_status_name(enum pk_status status) { return words(status)->name; }
+const char *pk_status_text(enum pk_status status) { return words(status)->text; }
 
 int pk_say(const struct pk_integrator *it, char *text, size_t size, const char *format, ...)
 {

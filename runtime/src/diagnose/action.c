@@ -172,10 +172,6 @@ enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *
 
 const char *pk_orbit_text(enum pk_orbit orbit)
 {
-    static const char *const text[] = {
-#define PK_ORBIT_TEXT(name, words) words,
-        PK_ORBITS(PK_ORBIT_TEXT)
-#undef PK_ORBIT_TEXT
-    };
+    static const char *const text[] = {PK_ORBITS(PK_EACH_TEXT)};
     return (unsigned)orbit < PK_ORBIT_COUNT ? text[orbit] : "?";
 }

@@ -129,11 +129,7 @@ enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, 
 
 const char *pk_growth_text(enum pk_growth growth)
 {
-    static const char *const text[] = {
-#define PK_GROWTH_TEXT(name, words) words,
-        PK_GROWTHS(PK_GROWTH_TEXT)
-#undef PK_GROWTH_TEXT
-    };
+    static const char *const text[] = {PK_GROWTHS(PK_EACH_TEXT)};
     return (unsigned)growth < PK_GROWTH_COUNT ? text[growth] : "?";
 }
 

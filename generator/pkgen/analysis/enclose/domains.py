@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
+from operator import methodcaller
 from typing import Any
 
 from ...graph.graph import Graph, Node, Symbol
@@ -48,29 +49,8 @@ class Reals:
     def pi(self) -> Any:
         return flint().arb.pi()
 
-    def sin(self, x: Any) -> Any:
-        return x.sin()
-
-    def cos(self, x: Any) -> Any:
-        return x.cos()
-
-    def exp(self, x: Any) -> Any:
-        return x.exp()
-
-    def log(self, x: Any) -> Any:
-        return x.log()
-
-    def sqrt(self, x: Any) -> Any:
-        return x.sqrt()
-
-    def asin(self, x: Any) -> Any:
-        return x.asin()
-
-    def acos(self, x: Any) -> Any:
-        return x.acos()
-
-    def atan(self, x: Any) -> Any:
-        return x.atan()
+    sin, cos, exp, log, sqrt = map(methodcaller, ("sin", "cos", "exp", "log", "sqrt"))
+    asin, acos, atan = map(methodcaller, ("asin", "acos", "atan"))
 
     def atan2(self, y: Any, x: Any) -> Any:
         return x.nan() if on_cut(y, x) else flint().arb.atan2(y, x)
