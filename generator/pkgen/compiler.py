@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .back.c.beyond import Beyond, extreme
 from .equations import Equations, Facts, Structure
@@ -300,17 +300,10 @@ def compile_model(
     source: Source,
     *,
     sizes: Mapping[str, int] | None = None,
-    kernels: frozenset[str] | None = None,
-    self_test: bool = False,
-    libm: bool = False,
-    unroll: int | None = 0,
-    use: Use | None = None,
-    symmetric: bool = False,
-    canonical: bool = False,
     portable: bool = False,
-    own: Sequence[Own] = (),
+    **how: Any,
 ) -> Compilation:
-    """Compile a model to C.
+    """Compile a model to C; `how` are arguments of stages().
 
     `sizes` overrides `size` statements; `kernels` names those to emit (None: all);
     `self_test` adds a program that checks the kernels against each other; with `libm` sine and
@@ -322,9 +315,7 @@ def compile_model(
     `own` are methods beside those that the model brings.
     Raises ModelError with every finding of the stage that could not go on.
     """
-    made = stages(
-        source, sizes or {}, kernels, self_test, libm, unroll, use, symmetric, canonical, own
-    )
+    made = stages(source, sizes or {}, **how)
     _, (declared, model, warnings), _, facts, reduced, (program, parts), files = made
     equations, structure, report = reduced
     warnings += _partly_proved(model, facts)

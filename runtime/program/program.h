@@ -14,7 +14,7 @@ struct program {
     const char *name;
     struct pk_run_settings settings;
     const char *output; /* NULL: standard output */
-    int json, units, shows;
+    int json, shows;
     void *lists[16]; /* memory of keep() */
     size_t n_lists;
 };

@@ -167,7 +167,7 @@ def _coordinates(compilation: Compilation, given: Given) -> Iterator[dict[str, o
             "v": _number(given["v"], flat),
             "q_follows": follow(quantity.name, 0),
             "v_follows": follow(quantity.name, 1),
-            "periodic": _angle(own.unit if own else ""),
+            "periodic": own is not None and own.unit == "rad",
             "family": item.quantity.name if item.lo is not None else None,
         }
 
@@ -184,10 +184,6 @@ def _following(model: Model) -> Callable[[str, int], bool]:
         for index in members_of(model, item):
             found[item.name, index, item.order] = bool(names(item.value) & moving)
     return lambda name, order: found.get((*parted(name), order), False)
-
-
-def _angle(unit: str) -> bool:
-    return unit == "rad"
 
 
 def _states(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
@@ -269,10 +265,6 @@ _NOT_OF_LOOPS = {
 }
 
 
-def _has_linear(compilation: Compilation) -> bool:
-    return not compilation.looped and compilation.equations.linear is not None
-
-
 def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str:
     requires = method.requires if method else tuple(item["requires"])
     missing = [fact for fact in requires if not provides(compilation.structure, fact)]
@@ -285,7 +277,8 @@ def _why_not(compilation: Compilation, method: Method | None, item: dict) -> str
         return (
             f"it takes constraints of positions alone: {rolling[0]} is one of the rates (rolling)"
         )
-    if "linear" in item["flags"] and not _has_linear(compilation):
+    linear = not compilation.looped and compilation.equations.linear is not None
+    if "linear" in item["flags"] and not linear:
         return "it needs the derivatives of the acceleration, which so many coordinates are without"
     if compilation.looped:
         for flag, kernels in _NOT_OF_LOOPS.items():

@@ -319,12 +319,9 @@ def _view(
 
 def _spatial(shape: dict) -> bool:
     """Whether anything of it may leave the plane of x and y."""
-    points = [shape[word] for word in ("at", "from", "to") if len(_list(shape.get(word))) == 3]
+    places = [shape.get(word) for word in ("at", "from", "to")]
+    points = [at for at in places if isinstance(at, list) and len(at) == 3]
     points += shape.get("points", [])
     turn = shape.get("turn")
     tilted = turn is not None and any(turn[k] != 0.0 for k in (2, 5, 6, 7))
     return tilted or shape.get("axis") == "z" or any(point[2] != 0.0 for point in points)
-
-
-def _list(part: object) -> list:
-    return part if isinstance(part, list) else []

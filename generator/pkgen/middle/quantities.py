@@ -94,9 +94,9 @@ def input_quantities(model: Model, orders: tuple[int, ...]) -> tuple[Quantity, .
     return tuple(result)
 
 
-def input_index(orders: tuple[int, ...], position: int, order: int) -> int:
-    """The flat index of a derivative of the input declared at `position`."""
-    return sum(o + 1 for o in orders[:position]) + order
+def input_index(orders: tuple[int, ...], position: int) -> int:
+    """The flat index of the input declared at `position`, before its derivatives."""
+    return sum(o + 1 for o in orders[:position])
 
 
 def _unit(model: Model, item: Input, order: int) -> str:

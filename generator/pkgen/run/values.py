@@ -176,10 +176,6 @@ class Values:
         places = named.places(self.compilation)
         return [self.shown(name) for name in sorted(names, key=lambda n: places.get(n, (2, 0)))]
 
-    def shown_as(self, text: str) -> Shown:
-        """`--record`: one of the columns that rows have without it."""
-        return self.shown(self.flat_name("--record", text.strip()))
-
     def left(self, option: str, text: str) -> options_text.LeftSide:
         try:
             return options_text.left_side(text, self.sizes)

@@ -173,7 +173,7 @@ def _recorded(
         at = chosen.record.at or None
     if options.record is not None:
         columns = scene_options.columns_of(options, compilation.declared)
-        show = [values.shown_as(text) for text in columns]
+        show = [values.shown(values.flat_name("--record", text.strip())) for text in columns]
         _once("--record", (column.name for column in show))
     elif chosen is not None and chosen.record is not None:
         show = [values.shown(name) for name in scene_model.columns(chosen)]

@@ -164,7 +164,7 @@ class Drawings(Checks):
         if self.length is None:
             found, facts = self.expressions.check(value, scope)
         else:
-            needs = f"a place is {self._of_places()}"
+            needs = f"a place is {described(self.length)} as the one in line {self.first} is"
             found, facts = self.expressions.wanted_vector(value, scope, Target(self.length, needs))
         if not facts.known or len(self.report.errors) > before:
             return ()
@@ -177,9 +177,6 @@ class Drawings(Checks):
             self.length, self.first = facts.dimension, self.names.line_of(value.span)
         self.shared.use_inputs(facts)
         return _components(found)
-
-    def _of_places(self) -> str:
-        return f"{described(self.length)} as the one in line {self.first} is"
 
     def _lengths(self, needs: str = "it is a length") -> Target:
         """Of a number that is measured as places are."""

@@ -176,7 +176,7 @@ class Names(ABC):
             family = self._member(self.parameters[name], index, expr.span)
             return self.graph.symbol(Symbol(Kind.PARAMETER, family.flat(index)))
         if name in self.inputs:
-            flat = input_index(self.orders, self.inputs[name], 0)
+            flat = input_index(self.orders, self.inputs[name])
             return self.graph.symbol(Symbol(Kind.INPUT, flat))
         if name in self.defined:
             members = self.defined[name]

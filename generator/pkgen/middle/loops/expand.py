@@ -139,7 +139,7 @@ class LoopExpander:
                 self.members.append((group.lo, group.hi, index))
             return self.slots.node("param", name, index)
         if name in self.inputs:
-            flat = input_index(self.orders, self.inputs[name], 0)
+            flat = input_index(self.orders, self.inputs[name])
             return self.slots.node("input", str(flat))
         if name in self.definitions:
             return self._definition(name, index)

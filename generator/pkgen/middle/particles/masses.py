@@ -17,7 +17,7 @@ from ...graph.evaluate import evaluate
 from ...graph.graph import VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
 from ...record import record
-from ..points.samples import defaults
+from ..points.singularities import defaults
 
 Entries = dict[tuple[int, int], Node]  # of a symmetric matrix, i <= j, without zeros
 Masses = list[tuple[list[int], Node]]  # the places, any of which would do, and what is there

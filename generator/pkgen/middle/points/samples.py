@@ -13,7 +13,7 @@ from ...graph.differentiate import reachable, symbols_in
 from ...graph.evaluate import evaluate
 from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Symbol
 from ...record import record
-from .singularities import bounds_of
+from .singularities import bounds_of, defaults
 from .solved import accelerations
 
 TRIED = 72  # states, the first half with parameters at their defaults,
@@ -68,13 +68,6 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
 
 def _apart(draw: random.Random) -> Fraction:
     return draw.choice((-1, 1)) * Fraction(draw.randint(1, 16))
-
-
-def defaults(g: Graph, parameters: tuple[ParameterSlot, ...]) -> dict[Symbol, float]:
-    fixed: dict[Symbol, float] = {}
-    for k, slot in enumerate(parameters):
-        (fixed[Symbol(Kind.PARAMETER, k)],) = evaluate(g, [slot.default], fixed)
-    return fixed
 
 
 def started(

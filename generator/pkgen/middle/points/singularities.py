@@ -174,10 +174,12 @@ def _drawn(draw: random.Random, symbol: Symbol) -> float:
     return draw.uniform(-3, 3) * (0.3 if symbol.kind == Kind.RATE else 1)
 
 
-def _parameters(
-    g: Graph, parameters: tuple[ParameterSlot, ...], change: Callable[[int, float], float]
+def defaults(
+    g: Graph,
+    parameters: tuple[ParameterSlot, ...],
+    change: Callable[[int, float], float] = lambda _, value: value,
 ) -> dict[Symbol, float]:
-    """The defaults, each changed before others that follow from it."""
+    """Of parameters, each changed before others that follow from it."""
     fixed: dict[Symbol, float] = {}
     for k, slot in enumerate(parameters):
         fixed[Symbol(Kind.PARAMETER, k)] = change(k, evaluate(g, [slot.default], fixed)[0])
@@ -203,7 +205,7 @@ def _anywhere(
 
     if used:
         for _ in range(max(SAMPLES, min(SCATTER, EFFORT // len(reachable(g, nodes))))):
-            fixed = _parameters(g, parameters, change)
+            fixed = defaults(g, parameters, change)
             yield fixed | {symbol: _drawn(draw, symbol) for symbol in moving}
 
 
@@ -219,7 +221,7 @@ def _least_definite(
         cases += [(k, at.lo)] if not at.above and at.lo > -INF else []
         cases += [(k, at.hi)] if not at.below and at.hi < INF else []
     for which, bound in cases:
-        fixed = _parameters(g, parameters, {which: bound}.get)
+        fixed = defaults(g, parameters, {which: bound}.get)
         yield _least_definite_at(g, fixed, mass, EFFORT // len(cases))
 
 
