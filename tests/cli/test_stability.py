@@ -190,18 +190,6 @@ def test_what_falls_has_no_step_that_stands_out(stability, tmp_path: Path) -> No
     assert done.code == 2 and "cyclic" in done.err
 
 
-def test_bound_coordinates_are_refused(stability, tmp_path: Path) -> None:
-    done = stability(ROOT / "models/bodies/free_body.lag", "-o", tmp_path)
-    assert done.code == 2 and "the model has rotations (" in done.err
-    model = tmp_path / "rod.lag"
-    model.write_text(
-        "model rod\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\n"
-        "constraint rod: x^2 + y^2 = 1\nstart x = 0, y = -1, x' = 0.1\n"
-    )
-    done = stability(model, "-o", tmp_path)
-    assert done.code == 2 and "the model has constraints (" in done.err and "rod.lag:5" in done.err
-
-
 def test_progress_shows_from_the_start(stability, tmp_path: Path, monkeypatch) -> None:
     said: list[tuple[float, str]] = []
     monkeypatch.setattr(command, "progress", lambda _: nullcontext(lambda *now: said.append(now)))

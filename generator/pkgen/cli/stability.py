@@ -71,17 +71,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _refuse_unmapped(compilation: Compilation) -> None:
-    """Constraints and rotations bind coordinates: equilibria and modes are of free ones."""
+    """Where rates jump, steps must end."""
     model = compilation.model
-    for what, items in (("rotations", model.rotations), ("constraints", model.constraints)):
-        if not items:
-            continue
-        names = ", ".join(item.name for item in items[:8])
-        raise UsageError(
-            f"{model.source.place(items[0].span)}: the model has {what} ({names}), and"
-            " 'pkgen stability' maps equilibria, modes and energies of free coordinates alone:"
-            " 'pkgen chart' compares methods on any model"
-        )
     jolted = getattr(compilation.equations, "jolted", ())
     if jolted:
         raise UsageError(
@@ -96,7 +87,8 @@ def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:
     if wanted is not None:
         wanted = ",".join((wanted, *(method.name for method in given(options))))
     known = all_methods(None, own)
-    taken, left = plan.methods(wanted, known, compilation.structure, [m.name for m in own])
+    bound = bool(compilation.model.rotations or compilation.model.constraints)
+    taken, left = plan.methods(wanted, known, compilation.structure, [m.name for m in own], bound)
     values = parsing.Values(compilation)
     steps = None
     if options.steps is not None:

@@ -25,7 +25,7 @@ struct pk_residuals {
     size_t rate_row;             /* of n_constraints */
 };
 
-/* Bytes of the block that the two functions below want, aligned for pk_real; 0 for a problem
+/* Bytes of the block that the next two functions want, aligned for pk_real; 0 for a problem
  * without a system, or one of another PK_ABI. */
 size_t pk_constraint_size(const struct pk_problem *problem);
 /* q and v have pk_system_count() numbers each, quaternions and states among them; an input is
@@ -39,6 +39,9 @@ enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real
 enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_real t,
                                          const pk_real *q, const pk_real *v, pk_real *lambda,
                                          void *block, size_t size);
+/* Puts q and v onto what the system keeps, by the shortest way in the metric of M: what an integrator
+ * of the problem, which has begun, does after each step. PK_NO_PROJECTION, PK_NOT_FINITE. */
+enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 /* The name of a row as its author gave it: "rod" of "lambda_rod"; of one without, "number 2". As
  * snprintf(). */
 int pk_constraint_name(const struct pk_system *system, size_t row, char *text, size_t size);

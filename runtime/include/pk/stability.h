@@ -15,6 +15,9 @@
  *                  comes back to where it is then
  *     beside       how far apart `count` steps of a method bring the start and a state that is
  *                  beside it by `amplitude`, in units of what the motion covers
+ *     place        a state put onto the constraints of the start, and its quaternions to length 1
+ *     resolved     how far `count` steps of a method, from states along the motion, are off at
+ *                  most, in units of what the motion covers
  *     oscillator   what a step of a method makes of q'' = -stiffness q - damping q', h > 0
  *
  * `near` begins along `mode` or all (-1) at `amplitude`, with mode `other` (-1: none) at `seed`.
@@ -35,7 +38,7 @@ struct pk_stability_question {
     double h, amplitude, seed, stiffness, damping;
     long mode, other, free;
     size_t first, count, tries;
-    const double *state; /* of `orbits` and `beside`, q and then v: from there; NULL: the start */
+    const double *state; /* of `orbits`, `beside` and `place`, q and then v: from there; NULL: the start */
 };
 
 /* Never NULL but without memory; what is wrong with the settings is said to each question. */

@@ -100,7 +100,10 @@ static int leaves(const struct pk_stability *s, double until, const double scale
                     s->far[2 * s->n + i] > 1.2 * s->far[s->n + i];
     const int faster = !s->by_norm && (system->facts & PK_CONSERVATIVE) != 0 &&
                        scales[1] > 1.5 * scales[0] && scales[2] > 1.5 * scales[1];
-    return away && (faster || turns_no_more(s, until));
+    /* What is bound goes on evenly too: its coordinates are not told to be cyclic. */
+    const int evenly = (system->n_rotations || system->constraints.n) &&
+                       (system->facts & PK_CONSERVATIVE) != 0;
+    return away && (faster || (!evenly && turns_no_more(s, until)));
 }
 
 struct pk_integrator *stability_motion_begun(struct pk_stability *s, double looser,

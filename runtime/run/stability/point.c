@@ -35,6 +35,8 @@ static const char *failure(enum pk_status status)
         return "refused";
     case PK_NO_CONVERGENCE:
         return "not converged";
+    case PK_NO_PROJECTION:
+        return "off constraints";
     case PK_AMBIGUOUS_STEP:
         return "wrong branch";
     case PK_NOT_FINITE:

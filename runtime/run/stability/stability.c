@@ -66,6 +66,7 @@ static const struct {
                {"orbits", stability_orbits},         {"beside", stability_beside},
                {"returns", stability_returns},
 #endif
+               {"place", stability_place},           {"resolved", stability_resolved},
                {"point", stability_point},           {"oscillator", stability_oscillator}};
 
 static void answer(void *context)

@@ -133,7 +133,7 @@ struct reference stability_reference(struct pk_stability *s, double until);
 typedef int stability_answer(struct pk_stability *s, const struct pk_stability_question *q);
 stability_answer stability_ready, stability_motion, stability_point, stability_oscillator,
     stability_equilibria, stability_near, stability_leave, stability_fastest, stability_orbits,
-    stability_returns, stability_beside;
+    stability_returns, stability_beside, stability_place, stability_resolved;
 /* A message; 0. */
 int stability_wrong(struct pk_stability *s, const char *message);
 /* Of that name, and of a fixed step; NULL with a message. */

@@ -86,6 +86,12 @@ enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_re
     return pk_all_finite(lambda, w.c) ? PK_DONE : PK_NOT_FINITE;
 }
 
+enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+{
+    int moved;
+    return it->own->project ? pk_project(it, t, q, v, NULL, NULL, &moved) : PK_DONE;
+}
+
 /* The row whose residual is no rounding, or `rows`. x are positions, where attitudes count as 1, or
  * rates. */
 static size_t broken(const struct pk_projection *w, const pk_real *residual, const pk_real *terms,

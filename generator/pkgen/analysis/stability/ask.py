@@ -10,8 +10,10 @@ from typing import TypeVar
 from ...record import record
 from ...run.library import Stability, load
 from ...run.settings import Settings
+from ...system.exits import UsageError
 
 ZERO = 1e-7  # of the largest rate at any equilibrium: below, the linear terms decide nothing
+SLOW = 0.01  # of the duration: what turns or grows by less in it is round-off, or nothing
 UNDECIDED = "not decided by the linear terms"
 TRIES = 100  # starts from which equilibria are sought
 Made = TypeVar("Made")
@@ -25,6 +27,7 @@ class Mode:
     frequency: float
     re: tuple[float, ...]
     im: tuple[float, ...]
+    on_group: bool = False  # of bodies that turn, as methods on the group see it
 
     @property
     def rate(self) -> float:
@@ -181,8 +184,8 @@ class Asker:
     def rates(self) -> tuple[Mode, ...]:
         """Of the equations linearised at states along the motion the fastest of each: what decays,
         if nothing grows half as fast; and of all others, as if it did not decay."""
-        found = []
-        for at in self.ask("rates")["rates"]:
+        found, states = [], self.ask("rates")["rates"]
+        for at in states:
             modes = [Mode(g, f, (), ()) for g, f in zip(at["growth"], at["frequency"], strict=True)]
             grows = max((m.growth for m in modes), default=0.0)
             decays = [m for m in modes if -m.growth > max(2 * grows, 0.0)]
@@ -190,7 +193,24 @@ class Asker:
             for some in (decays, others):
                 found += [max(some, key=lambda m: m.rate)] if some else []
         most = max((m.rate for m in found), default=0.0)
-        return tuple(m for m in found if m.rate > ZERO * most)
+        turns = Mode(0.0, max((at["turns"] for at in states), default=0.0), (), (), True)
+        found += [turns] if turns.rate > 0 else []
+        least = max(ZERO * most, SLOW / self.settings.until)
+        return tuple(m for m in found if m.rate > least)
+
+    def onto(self, begun: Settings, whole: Motion) -> Asker:
+        """That with settings `begun`, the start of which is put onto the constraints by the
+        shortest way; the own start is `whole`. Raises UsageError where there is none."""
+        q = tuple((dict(enumerate(whole.q)) | dict(begun.start_q)).values())
+        v = tuple((dict(enumerate(whole.v)) | dict(begun.start_v)).values())
+        on = self.ask("place", state=(*q, *v))
+        if on["status"] != "PK_DONE":
+            raise UsageError(
+                f"no start next to q = {q}, v = {v} fulfils the constraints ({on['status']}): "
+                "vary by --vary NAME=LO..HI what they leave free"
+            )
+        q, v = tuple(enumerate(_floats(on["q"]))), tuple(enumerate(_floats(on["v"])))
+        return self.with_settings(replace(begun, start_q=q, start_v=v))
 
     def at(self, place: Equilibrium) -> Asker:
         """Asks from there."""

@@ -33,6 +33,7 @@ CLASSES = {
     "not converged": Class(style.PURPLE, style.PURPLE, "x"),
     "not finite": Class("#444444", "#000000", "o"),
     "singular": Class(style.GREEN, style.GREEN, "|"),
+    "off constraints": Class("#9C6BA0", "#7A4E80", "*"),
     "failed": Class("#999999", "#777777", "s"),
     "not judged": Class("#FFFFFF", style.DARK_GROUND, "."),
 }

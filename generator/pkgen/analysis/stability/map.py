@@ -32,6 +32,7 @@ MARGIN = 1.25  # of a map beyond the limit predicted
 TURNS_UNLIMITED = 1.25  # of the fastest mode a step, where there is no limit
 MOST_STEPS = 2_000_000  # of a point
 LEAST_ROWS = 2  # of a map that is interrupted
+REFUSED = "PK_REFUSED"
 Made = TypeVar("Made")
 
 
@@ -97,24 +98,30 @@ def make(
     if asked.axis.kind == "parameter":
         for x in (asked.axis.values[0], asked.axis.values[-1]):  # within bounds, or UsageError
             asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).check()
+    model = compilation.model
+    bound, turned = bool(model.rotations or model.constraints), _quaternions(compilation)
     cyclic = frozenset(i for i, c in enumerate(structure.cyclic) if c)
     primary = plan.nearest(rest, motion.q, cyclic)
     at = plan.beside(rest, primary, motion.q, cyclic)
     if at is None and asked.axis.kind == "amplitude":
-        asked = replace(asked, axis=plan.without_equilibrium(asked.axis, motion))
+        asked = replace(asked, axis=plan.without_equilibrium(asked.axis, motion, turned))
     until = plan.duration(at, asked.until)
     asker = asker.with_settings(replace(asked.settings, until=until))
 
     def started(x: float) -> Asker:
-        return asker.with_settings(asked.axis.settings(asker.settings, x, at, motion))
+        begun = asked.axis.settings(asker.settings, x, at, motion, turned)
+        if bound and asked.axis.kind != "parameter":
+            return asker.onto(begun, motion)
+        return asker.with_settings(begun)
 
     show(0.0, "methods")
+    asked = _without_refused(asked, asker) if bound else asked
     maps = {m.name: StepMap(m, asker, motion.by_norm) for m in asked.methods}
     moves = asked.axis.kind == "parameter" or any(cyclic)
     tries = 40 if moves else 100
 
     rates = asker.rates()
-    cycle = _cycle(compilation, asked, asker, rest, motion)
+    cycle = None if bound else _cycle(compilation, asked, asker, rest, motion)
     until = plan.duration(at, asked.until, cycle)
     asker = asker.with_settings(replace(asked.settings, until=until))
     lost = {name: cycles.lost(asker, name, cycle) for name in maps} if cycle else {}
@@ -136,10 +143,11 @@ def make(
         # An amplitude is one about the same equilibrium, however far.
         place = at.q if at and asked.axis.kind == "amplitude" else moved.q
         number = plan.nearest(found, place, cyclic)
+        rates_here = here.rates() if moves else ()
         lines = [
             p
             for name, step in maps.items()
-            for p in (predictions(step, found, number, here.rates()) if moves else predicted[name])
+            for p in (predictions(step, found, number, rates_here) if moves else predicted[name])
         ]
         return Row(x, found, number, moved, tuple(lines), points)
 
@@ -163,7 +171,7 @@ def make(
         # The costly ones first: those that no method leaves early.
         xs = asked.axis.values
         rows = [pool.submit(counted, partial(one, xs[k])) for k in _spread(len(xs))]
-        of = size, amplitude, effort
+        of = size, amplitude, effort, bound
         checks = [
             pool.submit(counted, partial(_measured, asker, rest, p, lost.get(p.method), of))
             for p in flat
@@ -250,6 +258,28 @@ def _refuse_unjudged(motions: Iterable[Motion]) -> None:
             f"the motion itself ends at t = {first.t:.6g}: {first.status}. Give a shorter --until, "
             "or another start by --start"
         )
+
+
+def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
+    """Methods see rotations and constraints when they begin."""
+    said = {
+        m.name: asker.ask("resolved", method=m.name, h=asker.settings.until, count=0)["status"]
+        for m in asked.methods
+    }
+    left = [
+        f"{name} is refused: not with these constraints" for name, s in said.items() if s == REFUSED
+    ]
+    taken = tuple(m for m in asked.methods if said[m.name] != REFUSED)
+    if not taken:
+        raise UsageError(f"--methods: none can be mapped; {'; '.join(left)}")
+    return replace(asked, methods=taken, left=(*asked.left, *left))
+
+
+def _quaternions(compilation: Compilation) -> range:
+    """Their numbers among the rates."""
+    count = len(compilation.model.rotations)
+    first = len(compilation.equations.coordinates) - compilation.equations.n_first_order + 3 * count
+    return range(first, first + 4 * count)
 
 
 def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:

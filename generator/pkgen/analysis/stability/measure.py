@@ -26,8 +26,17 @@ FAR = 1e3
 LOOKS = 16  # points of the first look for where something begins
 FINE = 1e-6  # relative: how well it is known then
 RESPONDS = 1.3  # growth at a resonance over that beside it, from which it is seen
+LEAP = 4  # steps that are to resolve the motion
 LOST = 0.5  # of the range of v.p, by which energy is off once the motion is lost
-FAILED = ("growing", "not converged", "wrong branch", "not finite", "singular", "failed")
+FAILED = (
+    "growing",
+    "not converged",
+    "wrong branch",
+    "not finite",
+    "singular",
+    "failed",
+    "off constraints",
+)
 BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
 
 
@@ -107,11 +116,12 @@ def measured(
     size: float,
     amplitude: float,
     effort: Effort = FULL,
+    bound: bool = False,
 ) -> Measured:
     """What the model does of what is predicted; `size` is the start's displacement, `amplitude`
-    that of small motions."""
+    that of small motions; `bound` says that the model has rotations or constraints."""
     if prediction.equilibrium is None:
-        return _local(asker, prediction)
+        return _local(asker, prediction, bound)
     asker = asker.at(at.equilibria[prediction.equilibrium])
     if prediction.kind == "limit":
         return _limit(asker, at, prediction, amplitude)
@@ -164,16 +174,23 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     return Measured(p, h, "growth" if status == "PK_DONE" else status)
 
 
-def _local(asker: Asker, p: Prediction) -> Measured:
+def _local(asker: Asker, p: Prediction, bound: bool) -> Measured:
     """The first step, from an eighth of the scale to eight times it, at which the motion is lost:
-    the method fails, or energy is off by half of what comes and goes."""
+    the method fails, or energy is off by half of what comes and goes. Of what is `bound` energy may
+    not tell: there LEAP steps from somewhere along the motion are off by half of what it covers."""
     assert p.h is not None
-    if not asker.motion().judges:
+    if not bound and not asker.motion().judges:
         return Measured(p, None, "the motion itself ends or leaves")
     kind = ""
 
     def lost(h: float) -> bool:
         nonlocal kind
+        if bound:
+            found = asker.ask("resolved", method=p.method, h=h, count=LEAP)
+            failed, off = found["status"] != "PK_DONE", found["off"]
+            bad = failed or off is None or not off < LOST
+            kind = (found["status"] if failed else f"{LEAP} steps are elsewhere") if bad else kind
+            return bad
         point = asker.point(p.method, h)
         off = max((x for x in (point.rise, point.away) if x is not None), default=math.inf)
         bad = point.kind in FAILED or not off < LOST

@@ -145,12 +145,23 @@ def unpredicted(made: StabilityMap) -> str | None:
         return None
     found = made.rest
     if found.status == "PK_REFUSED":
-        return "the equations depend on time or on inputs, so no equilibria are sought"
+        return f"no equilibria are sought: {unsought(made)}"
     if not found.equilibria:
         return "no equilibrium was found"
     if any(e.verdict == UNDECIDED for e in found.equilibria):
         return "the linear terms at the equilibria decide nothing"
     return "no mode oscillates, decays or grows"
+
+
+def unsought(made: StabilityMap) -> str:
+    """Why no equilibria are."""
+    model = made.compilation.model
+    bound = [
+        s for s, of in (("rotations", model.rotations), ("constraints", model.constraints)) if of
+    ]
+    if bound:
+        return f"with {' and '.join(bound)} none are; what is predicted is the scale of the motion"
+    return "the equations depend on time or on inputs"
 
 
 def misses(made: StabilityMap) -> list[Miss]:

@@ -23,6 +23,7 @@ from .cycles import Cycle
 
 # One or two of a family, those that differ most in how they fail.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")
+HOLONOMIC = ("rattle", "lie_midpoint")  # for verlet and yoshida4, with rotations and constraints
 PANELS = 6
 FACTORS = ("amplitude", "rates", "coordinates")  # of the start, in units of its own
 AMPLITUDES = (0.0, 1.5)  # of the start's displacement
@@ -49,13 +50,26 @@ class Axis:
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
     def settings(
-        self, base: Settings, x: float, at: Equilibrium | None, motion: Motion
+        self,
+        base: Settings,
+        x: float,
+        at: Equilibrium | None,
+        motion: Motion,
+        turned: range = range(0),
     ) -> Settings:
-        """Those of the row at x; `at` is where the start is displaced from."""
+        """Those of the row at x; `at` is where the start is displaced from, `turned` the numbers of
+        quaternions among the rates. On no constraints yet, nor are quaternions of length 1."""
         if self.kind == "rates":
-            return replace(base, start_v=tuple(enumerate(x * v for v in motion.v)))
+            v = [v if i in turned else x * v for i, v in enumerate(motion.v)]
+            return replace(base, start_v=tuple(enumerate(v)))
         if self.kind == "coordinates":
-            return replace(base, start_q=tuple(enumerate(x * q for q in motion.q)))
+            turn = [self._turned(x, v, i - turned.start) for i, v in enumerate(motion.v)]
+            v = [turn[i] if i in turned else v for i, v in enumerate(motion.v)]
+            return replace(
+                base,
+                start_q=tuple(enumerate(x * q for q in motion.q)),
+                start_v=tuple(enumerate(v)) if turned else base.start_v,
+            )
         if self.kind == "amplitude":
             assert at is not None
             q = [e + x * (s - e) for e, s in zip(at.q, motion.q, strict=True)]
@@ -64,6 +78,12 @@ class Axis:
         field = {"q": "start_q", "v": "start_v", "parameter": "parameters"}[self.kind]
         kept = tuple(item for item in getattr(base, field) if item[0] != self.index)
         return replace(base, **{field: (*kept, (self.index, x))})
+
+    @staticmethod
+    def _turned(x: float, part: float, k: int) -> float:
+        """Part k of a quaternion x times as far from no turn."""
+        none = 1.0 if k % 4 == 0 else 0.0
+        return none + x * (part - none)
 
     def place(self, state: Sequence[float], at: Equilibrium | None, motion: Motion) -> float:
         """The inverse of settings(): of a factor by the farthest of what it moves."""
@@ -117,10 +137,11 @@ def axis(text: str | None, compilation: Compilation, count: int) -> Axis:
     raise UsageError(parsing.unknown("--vary", name, listed, "coordinate, rate or parameter"))
 
 
-def without_equilibrium(axis: Axis, motion: Motion) -> Axis:
+def without_equilibrium(axis: Axis, motion: Motion, turned: range = range(0)) -> Axis:
     """What there is to vary instead of the distance from one: the rates of the start as a whole;
-    of a start at rest its coordinates."""
-    kind = "rates" if any(motion.v) else "coordinates"
+    of a start at rest its coordinates, and how far bodies are turned."""
+    moves = any(v for i, v in enumerate(motion.v) if i not in turned)
+    kind = "rates" if moves else "coordinates"
     return replace(axis, kind=kind, name=kind)
 
 
@@ -150,10 +171,15 @@ def methods(
     known: Sequence[ChartedMethod],
     structure: Structure,
     own: Sequence[str] = (),
+    bound: bool = False,
 ) -> tuple[list[ChartedMethod], list[str]]:
     """Those to be mapped, and a sentence for each that is not."""
     by_name = {m.name: m for m in known}
-    names = [n.strip() for n in text.split(",") if n.strip()] if text else [*own, *USUAL]
+    names = (
+        [n.strip() for n in text.split(",") if n.strip()]
+        if text
+        else [*own, *USUAL, *(HOLONOMIC if bound else ())]
+    )
     taken, left = [], []
     for name in dict.fromkeys(names):
         if name not in by_name:

@@ -97,11 +97,13 @@ def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
     either, or that grow at any step."""
     best: tuple[float, float] | None = None
     for mode in rates:
-        if mode.frequency > 0 and step.limit() == 0:
+        if (mode.on_group and "group" not in step.traits.flags) or (
+            mode.frequency > 0 and step.limit() == 0
+        ):
             continue
         ratio = round(-mode.growth / mode.rate, 2)
         y = step.limit(max(0.0, ratio))
-        if y is None and ratio < 0 and not step.states:
+        if y is None and (ratio < 0 or mode.on_group) and not step.states:
             y = step.pole()
         if y and (best is None or y / mode.rate < best[0]):
             best = y / mode.rate, y

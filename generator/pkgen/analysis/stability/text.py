@@ -9,7 +9,7 @@ import math
 from ...run import named
 from .ask import TRIES, Equilibrium, Mode
 from .map import StabilityMap
-from .misses import difference, misses, name_mode, unpredicted
+from .misses import difference, misses, name_mode, unpredicted, unsought
 from .predict import Prediction
 
 FAR = ("rise", "away", "exchange", "moved", "follows")  # columns
@@ -176,7 +176,7 @@ def remarks(made: StabilityMap) -> list[str]:
     found = [*([made.interrupted] if made.interrupted else []), *made.asked.left]
     rest = made.rest
     if rest.status == "PK_REFUSED":
-        found.append("equilibria are not sought: the equations depend on time or on inputs")
+        found.append(f"equilibria are not sought: {unsought(made)}")
     if any(made.compilation.structure.cyclic):
         found.append(
             "cyclic coordinates do not rest: equilibria are relative, at the momenta of the start"

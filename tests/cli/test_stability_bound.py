@@ -1,0 +1,164 @@
+"""`pkgen stability` of models with rotations and constraints: scales beside independent figures."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+
+import pytest
+from conftest import ROOT
+from pkgen.__main__ import main
+from stability_asker import asker
+
+RK4, MIDPOINT = 2 * math.sqrt(2), 2.0  # limits of h omega
+BOUND = (
+    "bodies/free_body",
+    "bodies/heavy_top_rotation",
+    "constrained/pendulum_rod",
+    "constrained/chaplygin_sleigh",
+    "constrained/rolling_disk",
+    "constrained/gimbals",
+)
+
+TOP = """model top
+param I1 = {I1}
+param I3 = {I3}
+rotation R
+let w = omega(R)
+kinetic (I1*(w.x^2 + w.y^2) + I3*w.z^2)/2
+start omega(R) = [{w1}, 0, {w3}]
+"""
+ANGLE = """model angle
+param l = {l}
+param g = {g}
+coord a
+kinetic l^2*a'^2/2
+potential -g*l*cos(a)
+start a = {a}
+"""
+ROD = """model rod
+param l = {l}
+param g = {g}
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential g*y
+constraint rod: x^2 + y^2 = l^2
+start x = l*sin({a}), y = -l*cos({a})
+"""
+SWIVEL = """model swivel
+param l = {l}
+param g = {g}
+coord x, y, z
+rotation R
+let w = omega(R)
+let c = cross(w, [0, 0, -l])
+kinetic (x'^2 + y'^2 + z'^2)/2 + dot(w, w)/2
+potential g*z
+constraint arm: [x, y, z] = R*[0, 0, -l]
+start R = rot([1, 0, 0], {a}), y = l*sin({a}), z = -l*cos({a})
+"""
+
+
+def mapped(text: str, directory, capsys, *more: str) -> dict:
+    """As --json has it."""
+    model = directory / "model.lag"
+    model.write_text(text)
+    points = ("--quick", "--points", "4x2", "--json", "-o", str(directory))
+    code = main(["stability", str(model), *points, *more])
+    said = capsys.readouterr()
+    assert code == 0, said.err
+    return json.loads(said.out)
+
+
+def scales(found: dict) -> dict[str, dict]:
+    return {p["method"]: p for p in found["predictions"] if p["kind"] == "local"}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_symmetric_tops(tmp_path, capsys, seed: int) -> None:
+    """In the body omega goes round at (I3 - I1)/I1 w3, the quaternion by half of |omega|; methods
+    on the group see the body turn itself."""
+    r = random.Random(seed)
+    I1, I3 = r.uniform(0.5, 2), r.uniform(0.5, 2)
+    w1, w3 = r.uniform(0.2, 2), r.uniform(1, 4)
+    top = TOP.format(I1=I1, I3=I3, w1=w1, w3=w3)
+    found = mapped(top, tmp_path, capsys, "--methods", "rk4,lie_midpoint")
+    nutation, turn = abs(I3 - I1) / I1 * w3, math.hypot(w1, w3)
+    told = scales(found)
+    assert told["rk4"]["h"] == pytest.approx(RK4 / max(nutation, turn / 2), rel=1e-6)
+    assert told["lie_midpoint"]["h"] == pytest.approx(
+        MIDPOINT / turn, rel=1e-6
+    )  # nutation without limit
+    for p in told.values():
+        assert 0.5 < p["measured"] / p["h"] < 2, p
+    assert not any("predicted" in miss["text"] for miss in found["misses"])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_pendulums_of_rods(seed: int) -> None:
+    """A small swing of one by x, y and of a body on an arm goes at the rate of one by its angle."""
+    r = random.Random(seed)
+    of = {"l": r.uniform(0.2, 3), "g": r.uniform(1, 20), "a": 0.01}
+    rates = {
+        text: max(m.rate for m in asker(text.format(**of), until=10).rates() if not m.on_group)
+        for text in (ANGLE, ROD, SWIVEL)
+    }
+    assert rates[ANGLE] == pytest.approx(math.sqrt(of["g"] / of["l"]), rel=1e-4)
+    assert rates[ROD] == pytest.approx(rates[ANGLE], rel=0.01)
+    # Its own inertia, 1, beside l^2.
+    slower = math.sqrt(of["l"] ** 2 / (of["l"] ** 2 + 1))
+    assert rates[SWIVEL] == pytest.approx(rates[ANGLE] * slower, rel=0.01)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_starts_are_put_onto_constraints(tmp_path, capsys, seed: int) -> None:
+    """Rows scale the start's coordinates, which leaves the rod, and come back to it."""
+    r = random.Random(seed)
+    rod = ROD.format(l=r.uniform(0.2, 3), g=r.uniform(1, 20), a=r.uniform(0.2, 2))
+    found = mapped(rod, tmp_path, capsys, "--methods", "rk4,rattle")
+    assert found["varied"]["name"] == "coordinates"
+    assert all(row["motion"] == "PK_DONE" for row in found["rows"])
+    told = scales(found)
+    assert set(told) == {"rk4", "rattle"}
+    for p in told.values():
+        assert 0.5 < p["measured"] / p["h"] < 2, p
+    assert told["rk4"]["h"] / told["rattle"]["h"] == pytest.approx(RK4 / MIDPOINT)
+    assert {p["kind"] for p in found["points"]} & {"bounded", "drifting"}
+
+
+@pytest.mark.parametrize("name", BOUND)
+def test_models_shipped_have_a_scale_that_holds(tmp_path, capsys, name: str) -> None:
+    text = (ROOT / f"models/{name}.lag").read_text()
+    found = mapped(text, tmp_path, capsys, "--methods", "rk4,lobatto3")
+    for p in scales(found).values():
+        assert 0.5 < p["measured"] / p["h"] < 2, p
+    assert len(scales(found)) == 2
+    assert any("equilibria are not sought: with " in said for said in found["remarks"])
+
+
+def test_methods_that_a_model_refuses_are_named(tmp_path, capsys) -> None:
+    text = (ROOT / "models/constrained/rolling_disk.lag").read_text()
+    found = mapped(text, tmp_path, capsys, "--methods", "rk4,rattle,verlet")
+    assert {p["method"] for p in found["points"]} == {"rk4"}
+    assert any("rattle is refused" in said for said in found["remarks"])
+    assert any("verlet is refused" in said for said in found["remarks"])
+
+
+def test_what_leaves_the_constraints_is_told(tmp_path, capsys) -> None:
+    rod = ROD.format(l=1, g=1, a=1)
+    found = mapped(rod, tmp_path, capsys, "--methods", "rk4", "--steps", "0.1..20")
+    kinds = [p["kind"] for p in found["points"]]
+    assert "off constraints" in kinds and kinds.count("off constraints") < len(kinds)
+
+
+def test_a_start_without_a_place_is_said(tmp_path, capsys) -> None:
+    """y = 0 is where the row's slope vanishes: from there no way leads back."""
+    model = tmp_path / "fold.lag"
+    model.write_text(
+        "model fold\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\n"
+        "constraint fold: x + y^2 = 1\nstart x = -99, y = 10\n"
+    )
+    code = main(["stability", str(model), "--quick", "--points", "4x2", "-o", str(tmp_path)])
+    assert code in (0, 2)
+    assert "Traceback" not in capsys.readouterr().err
