@@ -19,7 +19,7 @@ from ..indices import hidden
 from ..model import Model
 from ..run import diagnostics, diagnostics_text
 from ..run.library import load
-from ..run.simulate import Outcome, csv_to_npy, sidecar, simulate
+from ..run.simulate import Outcome, sidecar, simulate
 from ..scenes import asked as parsing
 from ..scenes import run as scene_run
 from ..scenes.judge import Verdict
@@ -142,14 +142,7 @@ def _to_file(
     left = None
     unfinished = Outcome(INTERRUPTED, {}, "")  # what the file says if pkgen is killed
     with Result(output, _text(_describe(asked, unfinished, output.name))) as result:
-        if output.suffix == ".csv":
-            outcome = _simulate(asked, result.file)
-        else:
-            with scratch() as folder:
-                with open(folder / "rows.csv", "wb") as file:
-                    outcome = _simulate(asked, file)
-                if cut(folder / "rows.csv"):
-                    csv_to_npy(folder / "rows.csv", result.file)
+        outcome = _simulate(asked, result.file, output.suffix == ".npy")
         description = _describe(asked, outcome, output.name)
         if outcome.whole:
             result.finish(_text(description))
@@ -210,7 +203,7 @@ def _result(asked: Prepared, outcome: Outcome, table: Path) -> dict[str, object]
     return result
 
 
-def _simulate(asked: Prepared, output: IO[bytes] | int) -> Outcome:
+def _simulate(asked: Prepared, output: IO[bytes] | int, npy: bool = False) -> Outcome:
     with progress(asked.compilation.model.name) as on_progress:
         outcome = simulate(
             asked.compilation,
@@ -220,6 +213,7 @@ def _simulate(asked: Prepared, output: IO[bytes] | int) -> Outcome:
             on_progress,
             asked.ensemble,
             asked.threads,
+            npy,
         )
     diagnostics.name_places(outcome.report, asked.compilation)
     return outcome

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 from collections.abc import Callable
-from csv import reader, writer
+from csv import writer
 from dataclasses import asdict
 from pathlib import Path
 from typing import IO
@@ -77,8 +76,19 @@ def simulate(
     on_progress: Callable[[float], None] | None = None,
     ensemble: Ensemble | None = None,
     threads: int | None = None,
+    npy: bool = False,
 ) -> Outcome:
-    """Run the model, its CSV going to `output`. SIGINT ends it with what there is."""
+    """Run the model, its rows going to `output`, as CSV or as an array of float64 with named
+    columns: numpy.load(file)["theta1"]. SIGINT ends it with what there is."""
+    if npy:
+        import numpy
+
+        made = compilation, library, settings, ensemble, on_progress
+        done, told = followed(*made, threads=threads or 0)
+        names = columns(compilation, ensemble, settings.show, sys.maxsize)
+        if len(rows := done.rows()):
+            numpy.save(output, rows.view([(c.name, float) for c in names])[:, 0])
+        return told
     fd = output if isinstance(output, int) else output.fileno()
     if settings.units:
         _write_header(columns(compilation, ensemble, settings.show, sys.maxsize), fd)
@@ -145,13 +155,3 @@ def sidecar(
         "settings": {**asdict(settings), **of},
         "report": outcome.report,
     }
-
-
-def csv_to_npy(csv: Path, npy: IO[bytes]) -> None:
-    """The rows of a CSV as an array of float64 with named columns: numpy.load(npy)["theta1"]."""
-    import numpy
-
-    with open(csv, newline="", encoding="utf-8") as file:
-        names = [re.sub(r" \[[^\]]*\]$", "", name) for name in next(reader(file))]
-        rows = numpy.loadtxt(file, delimiter=",", ndmin=2).reshape(-1, len(names))
-    numpy.save(npy, rows.view([(name, float) for name in names])[:, 0])
