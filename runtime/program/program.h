@@ -34,8 +34,8 @@ int write_npy(const struct pk_run *run, const char *path);
 void write_description(const struct program *p, struct pk_run *run, FILE *file);
 void write_summary(struct pk_run *run, FILE *file);
 
-/* Of names.c. A name of the model: `kind` p of a parameter, i of an input, q, v, o of an output, e of an event,
- * z, s of a size; its index and unit. 0: there is none. */
+/* Of names.c. A name of the model: `kind` p of a parameter, i of an input, q, v, o of an output, e
+ * of an event, z, s of a size; its index and unit. 0: there is none. */
 int find_name(const char *name, size_t length, char kind, size_t *index, const char **unit);
 /* A number, in SI or with the unit that it is to have. 0: it is none. */
 int read_number(const char *text, const char *unit, double *x);

@@ -7,8 +7,8 @@
 #define LOST PK_C(1e5) /* rounding, as accelerations magnify it, that is worth a warning */
 #define FASTER 2       /* times as fast as before a rate turns where a state is looked at */
 enum {
-    LOOKS = 64,         /* spread over the duration */
-    STEPS = 64,         /* apart, at least, of systems of FEW unknowns; of more in proportion */
+    LOOKS = 64, /* spread over the duration */
+    STEPS = 64, /* apart, at least, of systems of FEW unknowns; of more in proportion */
     FEW = 16,
     MOST_RECORDS = 256, /* of rates that turn ever faster */
     ALL = 1024,         /* steps from which on one of PART is seen */

@@ -147,7 +147,6 @@ static void kick_drift(const struct work *w, pk_real kappa, const pk_real *a, co
     pk_real *v = w->room, *dv = v + n;
     pk_kick_drift(n, kappa, a, 0, from, to);
     memcpy(v, to + n, n * sizeof *v);
-    memset(dv, 0, n * sizeof *dv);
     for (int row = 0; row < 2; row++) { /* of q, then of v */
         memset(dv, 0, n * sizeof *dv);
         pk_add_product(dv, of + (size_t)(2 + row) * nn, v, n);

@@ -4,15 +4,15 @@
  *
  *     v += h/2 a_slow,    `inner` steps of Verlet of h/inner,    v += h/2 a_slow.
  *
- * All forces are evaluated once a step, the fast ones once an inner step more, and are counted so. Any part of V
- * makes it symplectic and symmetric; what it is good for is a stiff and cheap one. A kick each h in
- * tune with a fast oscillation feeds it: near h omega = pi, 2 pi, ... steps grow, however short the
- * inner ones are. Inner steps are options.h_max at most; of 0, TEN of them. The table's drifts are
- * the fractions of the step that such steps are.
+ * All forces are evaluated once a step, the fast ones once an inner step more, and are counted so.
+ * Any part of V makes it symplectic and symmetric; what it is good for is a stiff and cheap one. A
+ * kick each h in tune with a fast oscillation feeds it: near h omega = pi, 2 pi, ... steps grow,
+ * however short the inner ones are. Inner steps are options.h_max at most; of 0, TEN of them. The
+ * table's drifts are the fractions of the step that such steps are.
  *
- * References: M. Tuckerman, B. J. Berne, G. J. Martyna, J. Chem. Phys. 97 (1992) 1990; H. Grubmueller
- * et al., Mol. Simul. 6 (1991) 121; GNI VIII.4; of the resonance J. J. Biesiadecki, R. D. Skeel, J.
- * Comput. Phys. 109 (1993) 318.
+ * References: M. Tuckerman, B. J. Berne, G. J. Martyna, J. Chem. Phys. 97 (1992) 1990; H.
+ * Grubmueller et al., Mol. Simul. 6 (1991) 121; GNI VIII.4; of the resonance J. J. Biesiadecki, R.
+ * D. Skeel, J. Comput. Phys. 109 (1993) 318.
  */
 #include <pk/step/tables.h>
 
