@@ -7,6 +7,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import pytest
 from conftest import STRICT
 from pkgen.back.c import lower, render
 from pkgen.back.c.program import Program
@@ -32,10 +33,31 @@ def failed(failure: int, number: int = 0) -> int:
     return failure + 8 * number
 
 
-def for_warnings(compiler: str, scalar: str) -> list[str]:
-    """Flags for what only looks for warnings. Those that need optimisation are gcc's, and the same
-    in every type: all else is only read."""
-    return ["-O1", "-c"] if (compiler, scalar) == ("gcc", "double") else ["-fsyntax-only"]
+# Quick ones have each compiler and each type at least once.
+BUILDS = [
+    pytest.param(c, t, marks=[] if quick else pytest.mark.long, id=f"{c}-{t}")
+    for c, t, quick in [
+        ("gcc", "double", True),
+        ("gcc", "float", True),
+        ("gcc", "long double", False),
+        ("clang", "float", False),
+        ("clang", "double", False),
+        ("clang", "long double", True),
+    ]
+]
+# A model's code alone, with what the runtime calls, and with steps too: each has all of the last.
+RUNTIME = ["-DPK_RUNTIME", f"-I{ROOT / 'runtime' / 'include'}"]
+FAMILIES = ("ERK", "EMBEDDED", "SPLITTING", "ENSEMBLE")
+INLINED = [*RUNTIME, *(f"-DPK_INLINE_{family}" for family in FAMILIES)]
+
+
+def no_warnings(compiler: str, scalar: str, name: str, folder: Path) -> None:
+    """Of a model's code in its three forms. Warnings that need optimisation are gcc's, the same in
+    every type, and the last form has the code of all: all else is only read."""
+    for more in ([], RUNTIME, INLINED):
+        optimised = (compiler, scalar, more) == ("gcc", "double", INLINED)
+        how = ["-O1", "-c", "-o", "x.o"] if optimised else ["-fsyntax-only"]
+        run(compiler, *STRICT, *TYPES[scalar], *how, *more, f"{name}.c", cwd=folder)
 
 
 # Every helper, every kind of power, an input, dissipation, families, names that are macros.

@@ -8,16 +8,13 @@ import re
 from pathlib import Path
 
 import pytest
-from c_harness import COMPILERS, ROOT, STRICT, TYPES, Loaded, for_warnings, run
+from c_harness import BUILDS, RUNTIME, TYPES, Loaded, no_warnings, run
 from pkgen.compiler import Compilation, compile_model
 from pkgen.source import Source
 from test_attitudes import HUNG
 from test_constraint_claims import BALL
 from test_constraints import BODY, OUTPUTS, ROWS
 
-RUNTIME = ["-DPK_RUNTIME", f"-I{ROOT / 'runtime' / 'include'}"]
-FAMILIES = ("ERK", "EMBEDDED", "SPLITTING", "ENSEMBLE")
-INLINED = [*RUNTIME, *(f"-DPK_INLINE_{family}" for family in FAMILIES)]
 # Coordinates and constraints that are called what kernels call their arguments.
 NAMED = """\
 model named
@@ -68,13 +65,9 @@ def write(made: Compilation, directory: Path) -> str:
     return made.model.name
 
 
-@pytest.mark.parametrize("scalar", TYPES)
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize(("compiler", "scalar"), BUILDS)
 def test_no_warnings(made, compiler, scalar, tmp_path):
-    name = write(made, tmp_path)
-    flags = [*STRICT, *TYPES[scalar], *for_warnings(compiler, scalar), "-o", "x.o"]
-    for more in ([], RUNTIME, INLINED):
-        run(compiler, *flags, *more, f"{name}.c", cwd=tmp_path)
+    no_warnings(compiler, scalar, write(made, tmp_path), tmp_path)
 
 
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from c_harness import COMPILERS, MODELS, TYPES, read_model, read_text, run, texts, write
+from c_harness import BUILDS, MODELS, TYPES, read_model, read_text, run, texts, write
 
 
 @pytest.fixture(scope="module", params=texts(), ids=lambda p: p[0])
@@ -13,8 +13,7 @@ def model(request):
     return read_text(request.param[1], request.param[0] + ".lag")
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
-@pytest.mark.parametrize("scalar", TYPES)
+@pytest.mark.parametrize(("compiler", "scalar"), BUILDS)
 def test_self_test_passes(model, compiler, scalar, tmp_path):
     _, program = model
     files = [f for f in write(program, tmp_path, self_test=True) if f.endswith(".c")]

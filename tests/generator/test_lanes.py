@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import COMPILERS, MODELS, ODD, ROOT, STRICT, TYPES, read_text, run, write
+from conftest import long_but
 from pkgen.back.c.lower import lower
 from pkgen.middle.analyze import analyze
 from sincos_harness import targets
@@ -77,7 +78,11 @@ def vector_sizes(compiler: str, flags: list[str], source: Path) -> dict[str, lis
     return found
 
 
-@pytest.mark.parametrize("path", MODELS, ids=lambda p: p.stem)
+# One with sines in loops of their own, one without.
+VECTORS = [p for p in MODELS if p.stem in ("double_pendulum", "coupled_oscillators")]
+
+
+@pytest.mark.parametrize("path", long_but(VECTORS, MODELS), ids=lambda p: p.stem)
 @pytest.mark.parametrize(("compiler", "flags", "size"), MACHINES)
 def test_lane_loops_are_vector_code(compiler, flags, size, path, tmp_path):
     name = emit(path, tmp_path)
@@ -122,16 +127,28 @@ def check(
     return [int(x) for x in re.findall(r"\d+", said)]
 
 
-TEXTS = [*((p.stem, p.read_text()) for p in MODELS), ("odd", ODD), ("singular", SINGULAR)]
+TEXTS = {p.stem: p.read_text() for p in MODELS} | {"odd": ODD, "singular": SINGULAR}
+MOST = ("odd", "double_pendulum")  # between them they have all that lanes have
 
 
-@pytest.fixture(scope="module", params=TEXTS, ids=lambda p: p[0])
+@pytest.fixture(scope="module")
 def written(request, tmp_path_factory):
-    directory = tmp_path_factory.mktemp(request.param[0])
-    write(read_text(request.param[1])[1], directory)
-    return request.param[0], directory
+    directory = tmp_path_factory.mktemp(request.param)
+    write(read_text(TEXTS[request.param])[1], directory)
+    return request.param, directory
 
 
+def every(builds: list) -> list:
+    """Each model in each build; quick are the first one of every model, and all of MOST."""
+    return [
+        pytest.param(name, *build, id="-".join([name, *build]), marks=[] if quick else [LONG])
+        for name in TEXTS
+        for build in builds
+        for quick in [name in MOST or build == builds[0]]
+    ]
+
+
+LONG = pytest.mark.long
 # Each compiler, machine and type at least once.
 BUILDS = [
     ("gcc", "fma", "double"),
@@ -142,7 +159,7 @@ BUILDS = [
 ]
 
 
-@pytest.mark.parametrize(("compiler", "target", "scalar"), BUILDS, ids=map("-".join, BUILDS))
+@pytest.mark.parametrize("written, compiler, target, scalar", every(BUILDS), indirect=["written"])
 def test_lanes_are_the_scalar_kernel_to_the_bit(written, compiler, target, scalar):
     name, directory = written
     flags = targets().get(target, []) + TYPES[scalar]
@@ -153,7 +170,7 @@ def test_lanes_are_the_scalar_kernel_to_the_bit(written, compiler, target, scala
 
 
 @needs_cross
-@pytest.mark.parametrize("scalar", ["double", "float"])
+@pytest.mark.parametrize("written, scalar", every([("double",), ("float",)]), indirect=["written"])
 def test_neon_lanes_too(written, scalar):
     name, directory = written
     compiler = [f"{CROSS}-gcc", "-static"]

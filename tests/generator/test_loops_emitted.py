@@ -6,13 +6,11 @@ from __future__ import annotations
 import re
 
 import pytest
-from c_harness import COMPILERS, ROOT, STRICT, TYPES, for_warnings, run
+from c_harness import BUILDS, STRICT, no_warnings, run
 from conftest import long_but
 from loop_models import FPUT, MODELS
 from pkgen.compiler import compile_model
 from pkgen.source import Source
-
-RUNTIME = ["-DPK_RUNTIME", f"-I{ROOT / 'runtime' / 'include'}"]
 
 
 def emitted(text: str, directory, sizes=None) -> str:
@@ -23,18 +21,15 @@ def emitted(text: str, directory, sizes=None) -> str:
     return compilation.model.name
 
 
-@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize(("compiler", "scalar"), BUILDS)
 @pytest.mark.parametrize(
     "name",
     long_but({"ring", "paired", "cart"}, ["ring", "paired", "cart", "wheel", "spin", "lattice"]),
 )
-def test_clean_in_every_type(name, compiler, tmp_path):
+def test_clean_in_every_type(name, compiler, scalar, tmp_path):
     model = emitted(MODELS[name][0], tmp_path)
-    for scalar, flags in TYPES.items():
-        for more in ([], RUNTIME):
-            how = [*STRICT, *flags, *more, *for_warnings(compiler, scalar)]
-            run(compiler, *how, f"{model}.c", cwd=tmp_path)
-    if compiler == "gcc":
+    no_warnings(compiler, scalar, model, tmp_path)
+    if (compiler, scalar) == ("gcc", "double"):
         strict = [flag for flag in STRICT if flag != "-Wpedantic"]
         run("gcc", *strict, "-DPK_FLOAT128", "-fsyntax-only", f"{model}.c", cwd=tmp_path)
 
