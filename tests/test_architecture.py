@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from pkgen.run import build
+from pkgen.system import toolchain
 
 PKGEN = ROOT / "generator" / "pkgen"
 FLOORS = """
@@ -132,21 +134,31 @@ program
 
 @pytest.fixture(scope="module")
 def objects(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
-    """By each C file of the runtime, those whose functions it calls: the linker's view."""
+    """By each C file of the runtime, those whose functions it calls: the linker's view. Compiled
+    here are those that the runtime's libraries are without."""
     source, folder = ROOT / "runtime", tmp_path_factory.mktemp("objects")
-    names = {str(i): path for i, path in enumerate(sorted(source.rglob("*.c")))}
-    command = ["gcc", "-c", "-O0", "-DPK_WITH_GSL", f"-I{source / 'include'}"]
-    running = [
-        subprocess.Popen([*command, path, "-o", folder / f"{i}.o"]) for i, path in names.items()
-    ]
-    assert not any(child.wait() for child in running)
+    files = {f"{path.parent.name}_{path.stem}.o": path for path in sorted(source.rglob("*.c"))}
+    tools = toolchain.find_toolchain()
+    library = build.runtime_library(tools)
+    others = ["program", *([] if tools.has_gsl else ["gsl"])]
+    for path in (path for name in others for path in sorted((source / name).rglob("*.c"))):
+        command = ["gcc", "-c", "-O0", f"-I{source / 'include'}", path]
+        subprocess.run([*command, "-o", folder / f"{path.parent.name}_{path.stem}.o"], check=True)
+    said = subprocess.run(
+        ["nm", "-A", "-g", *library.glob("*.a"), *folder.glob("*.o")],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     home, uses = {}, {}
-    for i, path in names.items():
-        said = subprocess.run(["nm", "-g", folder / f"{i}.o"], capture_output=True, text=True)
-        symbols = [line.split()[-2:] for line in said.stdout.splitlines()]
-        own = path.relative_to(source).with_suffix("").as_posix()
-        home |= {name: own for kind, name in symbols if kind != "U"}
-        uses[own] = {name for kind, name in symbols if kind == "U"}
+    for of, kind, name in re.findall(r"(\w+\.o):.* (\w) (\w+)$", said.stdout, re.MULTILINE):
+        own = files[of].relative_to(source).with_suffix("").as_posix()
+        uses.setdefault(own, set())
+        if kind == "U":
+            uses[own].add(name)
+        else:
+            home[name] = own
+    assert len(uses) == len(files)
     return {own: {home[name] for name in used & home.keys()} for own, used in uses.items()}
 
 
