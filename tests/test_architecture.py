@@ -137,28 +137,27 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
     """By each C file of the runtime, those whose functions it calls: the linker's view. Compiled
     here are those that the runtime's libraries are without."""
     source, folder = ROOT / "runtime", tmp_path_factory.mktemp("objects")
-    files = {f"{path.parent.name}_{path.stem}.o": path for path in sorted(source.rglob("*.c"))}
     tools = toolchain.find_toolchain()
     library = build.runtime_library(tools)
-    others = ["program", *([] if tools.has_gsl else ["gsl"])]
-    for path in (path for name in others for path in sorted((source / name).rglob("*.c"))):
+    kept = {name: parts for name, parts in build.ARCHIVES.items() if (library / name).exists()}
+    others = {"program", "gsl"} - {part for parts in kept.values() for part in parts}
+    for path in (path for part in others for path in (source / part).rglob("*.c")):
         command = ["gcc", "-c", "-O0", f"-I{source / 'include'}", path]
         subprocess.run([*command, "-o", folder / f"{path.parent.name}_{path.stem}.o"], check=True)
-    said = subprocess.run(
-        ["nm", "-A", "-g", *library.glob("*.a"), *folder.glob("*.o")],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
     home, uses = {}, {}
-    for of, kind, name in re.findall(r"(\w+\.o):.* (\w) (\w+)$", said.stdout, re.MULTILINE):
-        own = files[of].relative_to(source).with_suffix("").as_posix()
-        uses.setdefault(own, set())
-        if kind == "U":
-            uses[own].add(name)
-        else:
-            home[name] = own
-    assert len(uses) == len(files)
+    for parts, objects in [(others, [*folder.iterdir()])] + [
+        (parts, [library / name]) for name, parts in kept.items()
+    ]:
+        own = {
+            f"{path.parent.name}_{path.stem}.o": path.relative_to(source).with_suffix("").as_posix()
+            for part in parts
+            for path in (source / part).rglob("*.c")
+        }
+        said = subprocess.run(["nm", "-A", "-g", *objects], capture_output=True, text=True)
+        symbols = re.findall(r"(\w+\.o):.* (\w) (\w+)$", said.stdout, re.MULTILINE)
+        assert {of for of, _, _ in symbols} == own.keys()
+        uses |= {own[of]: {n for o, kind, n in symbols if o == of and kind == "U"} for of in own}
+        home |= {name: own[of] for of, kind, name in symbols if kind != "U"}
     return {own: {home[name] for name in used & home.keys()} for own, used in uses.items()}
 
 
