@@ -59,7 +59,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, Path]:
             directory,
             "--quick",
             "--seconds",
-            3,
+            25,  # which it does not need; a loaded machine may
             "--methods",
             METHODS,
             "--full",
