@@ -18,7 +18,6 @@ import pytest
 from conftest import run_pkgen
 from pkgen.analysis.chart import (
     chart,
-    draw,
     labels,
     picture,
     points,
@@ -33,6 +32,7 @@ from pkgen.analysis.chart.exact import Exact
 from pkgen.analysis.chart.panel import Curve
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.methods import inline_flags
+from pkgen.plot.names import number
 from pkgen.plot.style import Look
 
 PENDULUM = """model pendulum
@@ -215,10 +215,10 @@ def test_the_picture_has_six_methods_at_most_and_the_answers_as_a_sentence(made)
     named = [name for name in METHODS.split(",") if f">{name}</text>" in svg]
     assert 0 < len(named) <= 6
     said = " ".join(re.findall(r">([^<>]+)</text>", svg))
-    assert "Least time for an error of 1e-03:" in said
+    assert "Least time for an error of 10⁻³:" in said and "Relative to the largest of" in said
     for answer in found["answers"]:
         if answer["cheapest_in"] == "seconds" and answer["method"]:
-            assert f"{answer['accuracy']:.0e}: {answer['method']}," in said
+            assert f"{number(answer['accuracy'])}: {answer['method']}," in said
             assert answer["method"] in named
     assert (directory / "pendulum_chart.png").read_bytes()[1:4] == b"PNG"
 
@@ -335,7 +335,7 @@ def test_families_follow_from_what_a_method_says_of_itself() -> None:
         points.EXACT: ChartedMethod("any", 0, ("exact",), ("affine",)),
         points.PEER: ChartedMethod("gsl_any", 5, ("adaptive",), peer="package 1.0"),
     }
-    assert {family: m.family for family, m in of.items()} == {f: f for f in draw.STYLES}
+    assert {family: m.family for family, m in of.items()} == {f: f for f in points.FAMILIES}
 
 
 def test_of_many_methods_six_are_drawn() -> None:

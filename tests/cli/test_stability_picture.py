@@ -9,18 +9,21 @@ from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import ROOT
 from matplotlib import pyplot
+from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 from pkgen.__main__ import main
-from pkgen.analysis.stability import draw, overlay
+from pkgen.analysis.stability import classes, draw, overlay
 from pkgen.analysis.stability import map as maps
 from pkgen.analysis.stability.map import StabilityMap
 from pkgen.analysis.stability.predict import Prediction
 from pkgen.plot.style import Look
 
 LOOKS = [Look(width, dark=dark) for width, dark in ((90.0, False), (180.0, True))]
+SMALLEST = 6.0  # points, of any text
 LEAST = 0.5  # points by which two boxes must overlap to count: boxes are wider than their ink
 PENDULUM = "model p\ncoord a\nkinetic a'^2/2\npotential -cos(a)\nstart a = 1\n"
 
@@ -44,6 +47,7 @@ def texts(made: StabilityMap, look: Look, monkeypatch) -> dict[str, list]:
 
     def seen(self: Text, renderer: object) -> None:
         if self.get_visible() and self.get_text().strip():
+            assert self.get_fontsize() >= SMALLEST, self.get_text()
             boxes.append((self.get_text(), self.get_window_extent(renderer)))
         real(self, renderer)
 
@@ -111,6 +115,49 @@ def test_no_text_lies_over_another(small, look: Look, seed: int, monkeypatch) ->
     said = [text for text, _ in boxes]
     assert any(text in said for text in ("limit", "branch", "1:3", "1:4")), said
     assert not overlapping(boxes)
+
+
+def test_a_cell_like_none_around_it_is_marked() -> None:
+    """A column of one cell's width is a region of its own, a single cell may be luck."""
+    figure, axes = pyplot.subplots()
+    kinds = [["bounded"] * 6 for _ in range(5)]
+    for row in kinds:
+        row[4] = "growing"
+    ranges = np.arange(1.0, 7.0), np.arange(1.0, 6.0)
+    assert classes.UNCONFIRMED not in classes.fill(axes, *ranges, kinds, Look())
+    kinds[2][1] = "drifting"
+    assert {classes.UNCONFIRMED, "drifting"} <= classes.fill(axes, *ranges, kinds, Look())
+    (square,) = axes.collections[-1].get_paths()
+    assert square.get_extents().width == square.get_extents().height == 0.5
+    assert square.contains_point((2.0, 3.0))
+    classes.glyphs(axes, *ranges, kinds, Look())
+    assert {line.get_marker() for line in axes.lines} == {classes.CLASSES["growing"].glyph}
+    pyplot.close(figure)
+
+
+def test_lines_at_the_edge_and_lines_that_end_have_their_labels() -> None:
+    figure, axes = pyplot.subplots(figsize=(2, 2))
+    axes.set(xlim=(0, 1), ylim=(0, 1))
+    figure.canvas.draw()
+    xs = np.linspace(0, 1, 21)
+    ends = np.where(xs > 0.5, 0.3 + 0.1 * xs, np.nan)
+    marked = [
+        overlay.Marked("branch", np.full(21, 0.99), xs, 1),
+        overlay.Marked("scale", ends, xs, 1),
+    ]
+    overlay.label(axes, marked, Look())
+    assert {text.get_text() for text in axes.texts} == {"branch", "scale"}
+    frame = axes.get_window_extent()
+    assert all(frame.count_contains(t.get_window_extent().corners()) == 4 for t in axes.texts)
+    pyplot.close(figure)
+
+
+@pytest.mark.parametrize("dark", (False, True))
+def test_classes_are_told_apart_in_grey(dark: bool) -> None:
+    """By how bright they are, else by their glyphs."""
+    for (one, a), (other, b) in combinations(classes.CLASSES.items(), 2):
+        grey = [np.dot(to_rgb(x.dark if dark else x.colour), (0.3, 0.59, 0.11)) for x in (a, b)]
+        assert abs(grey[0] - grey[1]) > 0.08 or a.glyph != b.glyph, (one, other)
 
 
 def test_numbers_have_three_digits() -> None:

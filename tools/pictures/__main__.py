@@ -35,7 +35,7 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
     ),
     "plot_drift.svg": (["plot models/heavy_top.lag --drift --until 300 -o p.svg"], "p.svg"),
     "plot_chain.svg": (
-        ["plot models/chains/fput.lag --scene recurrence --columns q -o p.svg"],
+        ["plot models/chains/fput.lag --columns q --until 640 --every 1 -o p.svg"],
         "p.svg",
     ),
     "plot_both.svg": (

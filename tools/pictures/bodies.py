@@ -11,6 +11,7 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
+from matplotlib.patheffects import withStroke
 from pkgen.plot.style import BLUE, GREEN, GREY, INK, RED
 from rows import Rows, panels
 
@@ -50,7 +51,9 @@ class Sphere:
 
     def label(self, point, text: str) -> None:
         x, y = self.seen(1.17 * np.array([point]))
-        self.axis.text(x[0], y[0], text, ha="center", va="center", fontsize=9)
+        halo = [withStroke(linewidth=2, foreground="white")]
+        how = {"ha": "center", "va": "center", "fontsize": 8, "path_effects": halo}
+        self.axis.text(x[0], y[0], text, **how)
 
 
 MOMENTS = np.array([1, 2, 3])  # the model's
@@ -64,7 +67,7 @@ def tumbling():
     for name, colour in zip("xyz", (BLUE, RED, GREEN), strict=True):
         rates.plot(turning["t"], turning[f"w.{name}"], color=colour, lw=1.1, label=f"ω{name}")
     rates.legend(frameon=False, ncols=3, loc="upper center", bbox_to_anchor=(0.5, 1.0))
-    rates.set(ylim=(-1.35, 1.75), xlabel="t")
+    rates.set(ylim=(-1.35, 1.75), xlabel="t", ylabel="body rates (without unit)")
     rates.set_title("begun with ω = (0.01, 1, 0)")
     body = Sphere(sphere, 50, 25)
     for start in starts():
@@ -138,7 +141,7 @@ def rattleback():
     for axis, (title, scenes) in zip(axes, cases.items(), strict=True):
         for scene, colour in zip(scenes, (RED, BLUE), strict=True):
             rows = Rows("constrained/rattleback.lag", "--scene", scene, "--until", 20)
-            begun = "−5 rad/s" if scene == scenes[0] else "+5 rad/s"
+            begun = "−5\u00a0rad/s" if scene == scenes[0] else "+5\u00a0rad/s"
             axis.plot(rows["t"], rows["spin"], color=colour, lw=0.9, label=f"begun with {begun}")
         axis.axhline(0, color=GREY, lw=0.6)
         axis.set(xlabel="t [s]", ylim=(-5.8, 7.2))
@@ -161,18 +164,18 @@ def disk():
         end = rows["t"][-1]
         tilts.plot(rows["t"] / end, rows["theta"], color=colour, lw=1.2, label=title)
         rates.semilogy(rows["t"] / end, rows["phi'"], color=colour, lw=1.2)
-    tilts.set(xlabel="t/t_end", ylim=(0, 0.21))
-    tilts.set_title("Euler's disk: tilt θ")
+    tilts.set(xlabel="t / time of the end", ylabel="tilt θ [rad]", ylim=(0, 0.21))
+    tilts.set_title("Euler's disk: tilt")
     tilts.legend(frameon=False, loc="lower left")
-    rates.set(xlabel="t/t_end")
-    rates.set_title("rate of the contact [rad/s]")
+    rates.set(xlabel="t / time of the end", ylabel="φ′ [rad/s]")
+    rates.set_title("rate of its contact")
     rows = Rows("constrained/rolling_disk.lag", "--scene", "goes_round", "--set", "nod=6",
                 "--until", 15, "--every", 0.005)  # fmt: skip
     x, y = contact(rows)
     track.plot(100 * rows["x"], 100 * rows["y"], color=GREY, lw=0.7, label="centre")
     track.plot(100 * x, 100 * y, color=BLUE, lw=0.9, label="contact")
     track.set_aspect("equal")
-    track.set(xlabel="x [cm]")
+    track.set(xlabel="x [cm]", ylabel="y [cm]")
     track.set_title("a rolling disk's way")
     track.legend(frameon=False, loc="center")
     return figure

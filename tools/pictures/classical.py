@@ -10,16 +10,16 @@ foucault     the rosettes of Foucault's pendulum
 
 from __future__ import annotations
 
-import matplotlib.pyplot as plt
 import numpy as np
-from pkgen.plot.style import BLUE, DIVERGING, GREEN, ORANGE, PURPLE, RED
+from pkgen.plot.names import amount
+from pkgen.plot.style import BLUE, DIVERGING, GREEN, ORANGE, PURPLE, RED, SEQUENTIAL
 from rows import Rows, panels
 
 
-def orbit(axis, x, y, title: str, **style) -> None:
-    axis.plot(x, y, **{"lw": 0.6, "color": BLUE, **style})
+def orbit(axis, x, y, title: str, named: str) -> None:
+    axis.plot(x, y, lw=0.6, color=BLUE)
     axis.set_aspect("equal")
-    axis.set_title(title)
+    axis.set(title=title, xlabel=named.format("x"), ylabel=named.format("y"))
 
 
 def kepler():
@@ -30,7 +30,7 @@ def kepler():
         words = [w for x in (*given, "e=0.6") for w in ("--set", x)]
         rows = Rows("particles/kepler_perturbed.lag", *words, "--until", 50, "--every", 0.02)
         x, y = rows["r"] * np.cos(rows["phi"]), rows["r"] * np.sin(rows["phi"])
-        orbit(axis, x, y, title)
+        orbit(axis, x, y, title, "{}/a")
         axis.plot([0], [0], "o", color=ORANGE, ms=6)
     return figure
 
@@ -42,14 +42,11 @@ def sections():
         axes, ((1 / 12, "1/12"), (1 / 8, "1/8"), (1 / 6, "1/6")), strict=True
     ):
         rows = Rows("particles/henon_heiles.lag", "--scene", "sections", "--set", f"E={energy!r}")
-        for member in np.unique(rows["k"]):
-            own = rows["k"] == member
-            axis.plot(
-                rows["y"][own], rows["y'"][own], ".", ms=0.9, color=plt.cm.tab10(int(member) % 10)
-            )
+        shown = axis.scatter(rows["y"], rows["y'"], s=0.9, lw=0, c=rows["k"], cmap=SEQUENTIAL)
         axis.set_title(f"E = {name}")
         axis.set_xlabel("y")
     axes[0].set_ylabel("y′ where x = 0, x′ > 0")
+    figure.colorbar(shown, ax=axes[-1], label="member k")
     return figure
 
 
@@ -61,9 +58,9 @@ def swarm():
     for axis, t in zip(axes, shown, strict=True):
         now = rows["t"] == t
         axis.plot(rows["theta"][now], rows["theta'"][now], lw=0.5, color=BLUE)
-        axis.set(xlim=(-3, 3), ylim=(-2.2, 2.2), xlabel="θ")
-        axis.set_title(f"t = {t:g}")
-    axes[0].set_ylabel("θ′")
+        axis.set(xlim=(-3, 3), ylim=(-2.2, 2.2), xlabel="θ [rad]")
+        axis.set_title(f"t = {amount(f'{t:g}', 's')}")
+    axes[0].set_ylabel("θ′ [rad/s]")
     return figure
 
 
@@ -81,8 +78,8 @@ def fput():
         place, rate = rows.family("q")[:, :n] @ shape, rows.family("q")[:, n:] @ shape
         energy = (rate**2 + (frequency * place) ** 2) / 2
         axis.plot(rows["t"] / 64.0257093, energy, color=colour, lw=1, label=f"mode {k}")
-    axis.set_xlabel("periods of the first mode")
-    axis.set_ylabel("energy")
+    axis.set_xlabel("t [periods of the first mode]")
+    axis.set_ylabel("energy of a mode (without unit)")
     axis.legend(frameon=False, loc="upper center", ncols=4)
     return figure
 
@@ -117,7 +114,7 @@ def foucault():
     }
     for axis, (title, words) in zip(axes, cases.items(), strict=True):
         rows = Rows("pendulums/foucault.lag", *words, *turn, "--record", "x,y")
-        orbit(axis, rows["x"], rows["y"], title)
+        orbit(axis, rows["x"], rows["y"], title, "{} [m]")
     return figure
 
 

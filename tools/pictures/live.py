@@ -16,7 +16,8 @@ from rows import MODELS
 
 METHODS = "m=gauss&m=gauss1:0.04&m=rk4:0.07&m=rk2:0.03&ref=1&panels=drift,distance,phase&paused=1"
 STILL = "m=gauss&m=rk4:0.05&m=gauss1:0.05&m=euler:0.005&ref=1&panels=drift,distance,time&paused=1"
-SIZE, STILL_SIZE = {"width": 1080, "height": 660}, {"width": 1280, "height": 800}
+# As wide as the pages that show them, so that letters are as large there; so many pixels each.
+SIZE, STILL_SIZE, PIXELS = {"width": 900, "height": 620}, {"width": 960, "height": 740}, 2
 SECONDS, FPS, TICKS = 8, 15, 60
 STILL_AT = 6.6  # seconds
 BROWSER = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--hide-scrollbars"]
@@ -33,7 +34,7 @@ def page(fragment: str, size: dict[str, int]) -> Iterator:
         command = [sys.executable, "-m", "pkgen", "show", model, "-o", str(file)]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=BROWSER)
-        tab = browser.new_page(viewport=size, color_scheme="light")
+        tab = browser.new_page(viewport=size, color_scheme="light", device_scale_factor=PIXELS)
         tab.goto(f"file://{file}#{fragment}")
         tab.wait_for_selector("html[data-ready=yes]")
         tab.evaluate("lab.pause()")

@@ -21,7 +21,7 @@ from pkgen.plot.style import DPI, LOOK, PAGE
 ROOT = Path(__file__).resolve().parent.parent.parent
 OUTPUT = ROOT / "docs" / "pictures"
 MODELS = ROOT / "models"
-COLOURS = 96  # of a file: a third of the bytes
+COLOURS = 256  # of a file: half of the bytes
 
 
 class Rows:

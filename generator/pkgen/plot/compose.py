@@ -11,8 +11,10 @@ import numpy
 from ..system.exits import UsageError
 from . import drift, spectrum
 from .members import bundle, clouds, few_times
+from .methods import mark
 from .names import label, shown
 from .picture import Axis, Image, Line, Panel, Picture
+from .style import PALETTE
 from .table import Table, base
 from .view import View
 
@@ -22,6 +24,7 @@ LINES = 14  # in one panel
 LONG = 18  # characters beside an axis
 NOISE = 1e-9  # of the largest of its kind
 CONSTANT = 1e-7  # of its size, that a constant varies by
+COARSE = 0.77  # of a change from row to row beside the whole one: eight rows a period
 APART = 15.0  # sizes that share no axis
 
 
@@ -30,7 +33,8 @@ def picture(view: View, tables: Sequence[Table]) -> Picture:
     kind = view.kind or _usual(view, tables)
     made = _MAKERS[kind](view, tables)
     title, notes = _title(tables), tuple(note for table in tables for note in table.notes)
-    return Picture(title, made.panels, made.shared, made.wide, (*notes, *made.notes))
+    panels = tuple(_by_method(panel, tables) for panel in made.panels)
+    return Picture(title, panels, made.shared, made.wide, (*notes, *made.notes))
 
 
 def suggested(table: Table) -> Picture:
@@ -67,6 +71,17 @@ def _method(table: Table) -> str:
     return str(report.get("method", "")) if isinstance(report, dict) else ""
 
 
+def _by_method(panel: Panel, tables: Sequence[Table]) -> Panel:
+    """A line a table, by different methods: each in the colour that its method always has."""
+    marks = [mark(_method(table))[0] for table in tables]
+    if not 1 < len(tables) == len(set(marks)) or not all(map(_method, tables)):
+        return panel
+    if any(line.colour >= len(tables) for line in panel.lines):
+        return panel
+    own = [PALETTE.index(colour) for colour in marks]
+    return replace(panel, lines=tuple(replace(x, colour=own[x.colour]) for x in panel.lines))
+
+
 def axis(table: Table, name: str) -> Axis:
     quantity = table.quantity(name)
     return Axis(label(quantity.name, quantity.unit))
@@ -89,6 +104,8 @@ def _over_time(view: View, tables: Sequence[Table]) -> Picture:
     notes = (f"{left} more columns: --columns chooses",) if left else ()
     make = _panel if one else _overlaid
     panels = [make(tables, group) for group in groups[:PANELS]]
+    if any(panel.image is not None and _coarse(panel.image) for panel in panels):
+        notes += ("rows are too far apart in time for these waves: --every with less shows them",)
     return Picture("", tuple(panels), notes=notes)
 
 
@@ -188,6 +205,13 @@ def _image(table: Table, names: list[str]) -> Image:
     values = numpy.stack([table[name][::every] for name in names])
     quantity = table.quantity(names[0])
     return Image(values, table.time[::every], index, label(base(quantity.name), quantity.unit))
+
+
+def _coarse(image: Image) -> bool:
+    """Whether it has fewer than eight columns a period, so that stripes may be no waves."""
+    v = image.values
+    whole = numpy.sqrt(numpy.nanmean((v - numpy.nanmean(v, axis=1, keepdims=True)) ** 2))
+    return bool(numpy.sqrt(numpy.nanmean(numpy.diff(v, axis=1) ** 2)) > COARSE * whole > 0)
 
 
 def _overlaid(tables: Sequence[Table], names: list[str]) -> Panel:

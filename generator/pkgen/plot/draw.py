@@ -160,7 +160,7 @@ def _line(axes: Axes, panel: Panel, line: Line, heavy: bool) -> None:
         _strands(axes, panel, line, heavy)
     else:
         back = {"lw": 0.5, "alpha": 0.45, "zorder": 1.5} if line.kind == "back" else {}
-        dashes = style.dashes(line.colour)
+        dashes = style.dashes(line.colour, _over(panel) and not back)
         axes.plot(line.x, line.y, color=colour, ls=dashes, rasterized=heavy, **back)
     if line.marked:
         good = numpy.flatnonzero(numpy.isfinite(line.x + line.y))[[0, -1]] if len(line.x) else []
@@ -260,7 +260,7 @@ def _legend(axes: Axes, panel: Panel) -> None:
         named = [] if len(panel.lines) < 3 else named
     if not named:
         return
-    handles = [_handle(line) for line in named]
+    handles = [_handle(line, _over(panel)) for line in named]
     beside = len(named) > BESIDE or sum(len(line.label) for line in named) > 70
     place = (
         {"loc": "upper left", "bbox_to_anchor": (1.0, 1.03)}
@@ -284,8 +284,12 @@ def _legend(axes: Axes, panel: Panel) -> None:
         text.set_text(line.label)
 
 
-def _handle(line: Line) -> Line2D:
+def _over(panel: Panel) -> bool:
+    return any(line.kind == "back" for line in panel.lines)
+
+
+def _handle(line: Line, over: bool) -> Line2D:
     colour = style.colour(line.colour)
     if line.kind == "points":
         return Line2D([], [], color=colour, ls="", marker="o", ms=3)
-    return Line2D([], [], color=colour, ls=style.dashes(line.colour), lw=1.4)
+    return Line2D([], [], color=colour, ls=style.dashes(line.colour, over), lw=1.4)

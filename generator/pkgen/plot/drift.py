@@ -19,7 +19,7 @@ LEAST = 1e-19
 
 def picture(tables: Sequence[Table], names: list[str]) -> Picture:
     lines: list[Line] = []
-    notes = []
+    notes, drawn = [], set()
     for table in tables:
         for name in names or constants(table):
             told = table.drifts.get(name, {})
@@ -27,11 +27,12 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
             if line is None:
                 notes.append(f"drift({name}) of {table.label} is 0, or cannot be told: not drawn")
                 continue
-            words = [table.label] if len(tables) > 1 else []
+            words = [table.label.removesuffix(".csv")] if len(tables) > 1 else []
             words += [shown(name)] if len(tables) == 1 or len(names or constants(table)) > 1 else []
             growth = str(told.get("growth", ""))
-            words += [growth] if 0 < len(growth) <= SHORT else []
-            lines += _both(table, line, ", ".join(words))
+            said = ", ".join(words) + (f": {growth}" if 0 < len(growth) <= SHORT else "")
+            lines += _both(table, line, said)
+            drawn.add(name)
     if not lines:
         raise UsageError(f"--drift: {'; '.join(notes)}")
     if len(tables) == 1:
@@ -39,8 +40,9 @@ def picture(tables: Sequence[Table], names: list[str]) -> Picture:
     first = tables[0]
     time = first.columns[first.abscissa]
     x = Axis(label(time.name, time.unit), log=True)
-    single = len(tables) == 1 and len([line for line in lines if line.label]) == 1
-    said = f"relative drift of {lines[0].label}" if single else "relative drift"
+    said = f"relative drift of {shown(*drawn)}" if len(drawn) == 1 else "relative drift"
+    if not any(table.several for table in tables):
+        said += "\n(strong: the largest so far)"
     panel = Panel(x, Axis(said, log=True), tuple(lines), tight=True)
     return Picture("", (panel,), notes=tuple(notes))
 

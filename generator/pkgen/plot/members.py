@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy
 
-from .names import label, shown
+from .names import amount, shown
 from .picture import Line
 from .table import Table
 
@@ -50,7 +50,7 @@ def bundle(
     line = Line(table.label if more else "", x, y, first, kind, z, begins)
     if more or len(numbers) == len(member):  # points of one time are one cloud
         return [line], None
-    return [line], (float(numbers[0]), float(numbers[-1]), word)
+    return [line], (float(numbers[0]), float(numbers[-1]), f"member {word}")
 
 
 def clouds(
@@ -61,8 +61,6 @@ def clouds(
     found = []
     for k, t in enumerate(numpy.unique(table.time)):
         now = table.time == t
-        said = (
-            f"{shown(time.name)} = {label(f'{t:.6g}', time.unit).replace('[', '').replace(']', '')}"
-        )
+        said = f"{shown(time.name)} = {amount(f'{t:.6g}', time.unit)}"
         found.append(Line(said, x[now], y[now], first + k, "points", z[0][now] if z else None))
     return found

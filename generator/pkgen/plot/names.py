@@ -29,6 +29,21 @@ def unit(text: str) -> str:
     return text.replace("*", "·")
 
 
+def number(x: float) -> str:
+    """With three digits, as people write them: 0.256, 6.31·10⁻⁶, 10⁻³."""
+    digits, power = f"{x:.2e}".split("e")
+    digits = digits.rstrip("0").rstrip(".")
+    if (-3 if digits == "1" else -5) < int(power) < 4:
+        return f"{float(f'{x:.3g}'):g}"
+    power = "10" + str(int(power)).translate(_HIGH)
+    return power if digits == "1" else f"{digits}·{power}"
+
+
+def amount(x: str, of: str) -> str:
+    """A number and its unit, which no line parts."""
+    return f"{x}\u00a0{unit(of)}" if of else x
+
+
 def label(name: str, of: str) -> str:
     """Of an axis."""
     return f"{shown(name)} [{unit(of)}]" if of else shown(name)

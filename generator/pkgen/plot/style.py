@@ -24,7 +24,7 @@ ORANGE, SKY, BLACK, YELLOW = "#E69F00", "#56B4E9", "#000000", "#F0E442"
 BROWN = "#7A4A21"
 INK, GREY, PALE = "#222222", "#8C8C8C", "#E4E4E4"
 # In turn; a curve is yet told apart where a printer has no colours, by its dashes.
-PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK)
+PALETTE = (BLUE, RED, GREEN, PURPLE, ORANGE, SKY, BLACK, BROWN)
 DASHES = ("-", (0, (5, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
 SEQUENTIAL, DIVERGING = "cividis", "RdBu_r"
 
@@ -81,7 +81,7 @@ DARK = {
     ),
     "grid.color": "#3A3F45",
 }
-LIGHTER = {BLUE: "#6FB1E8", RED: "#F0894A", BLACK: DARK_INK, GREEN: "#2FBF95"}
+LIGHTER = {BLUE: "#6FB1E8", RED: "#F0894A", BLACK: DARK_INK, GREEN: "#2FBF95", BROWN: "#C79A6B"}
 
 
 @record
@@ -132,9 +132,9 @@ def colour(k: int) -> str:
     return PALETTE[k % len(PALETTE)]
 
 
-def dashes(k: int) -> object:
-    """Solid as long as colours last."""
-    return DASHES[k // len(PALETTE) % len(DASHES)]
+def dashes(k: int, over: bool = False) -> object:
+    """Solid as long as colours last; `over`: lines that may lie on each other, each its own."""
+    return DASHES[(k if over else k // len(PALETTE)) % len(DASHES)]
 
 
 def encoded(figure: Figure, kind: str, dpi: float = DPI) -> bytes:

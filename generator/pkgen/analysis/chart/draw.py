@@ -1,5 +1,5 @@
-"""The pictures of `--full`. One has all methods, a colour and a marker a family, and those that are
-cheapest somewhere strong; the other a panel a family. Every curve is named where it ends.
+"""The pictures of `--full`. One has all methods, and those that are cheapest somewhere strong; the
+other a panel a family. Every curve is named where it ends.
 """
 
 from __future__ import annotations
@@ -7,34 +7,16 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from ...plot.style import (
-    BLACK,
-    BLUE,
-    BROWN,
-    FILES,
-    GREEN,
-    GREY,
-    ORANGE,
-    PALETTE,
-    PURPLE,
-    RED,
-    SKY,
-    saved,
-)
+from ...plot.methods import mark
+from ...plot.style import GREY, LOOK, saved
 from . import table, text
 from .chart import Chart
 from .front import strong as foremost
 from .panel import FAILED, UNITS, Curve, Style, draw
 from .points import AXES, FAMILIES, Point
 
-# Of a family: colour and marker.
-_COLOURS = (ORANGE, RED, BLUE, SKY, BLACK, PURPLE, GREEN, GREY, BROWN)
-STYLES = dict(zip(FAMILIES, zip(_COLOURS, "Dos^*PvXp", strict=True), strict=True))
-# Of the members of a family, in turn.
-MEMBERS = tuple(zip(PALETTE, "sovPD^X", strict=True))
 STRONG_MOST = 10
 NAMED_MOST = 14  # of more methods only the strong ones are named where all are
-LOOK = {**FILES, "font.size": 9, "axes.titlesize": 9.5}
 LINE = 165  # characters of a subtitle
 FOOT = (
     "× failed, or lost: an error as large as the motion.   "
@@ -72,7 +54,7 @@ def _overview(chart: Chart):
     strong = set(foremost(chart)[:STRONG_MOST])
     named = {t.method.name for t in chart.tracks} if len(chart.tracks) <= NAMED_MOST else strong
     styles = {
-        m.name: Style(*STYLES[m.family], m.name in strong, m.name in named)
+        m.name: Style(*mark(m.name), m.name in strong, m.name in named)
         for m in (t.method for t in chart.tracks)
     }
     measures = [(chart.kind.axis, lambda p: p.error)]
@@ -90,7 +72,7 @@ def _overview(chart: Chart):
             axes.set(xlabel=title, ylabel=UNITS[axis])
             if row == 0:
                 _answers(axes, chart, axis)
-    _legend(figure, chart, len(strong) if len(named) < len(chart.tracks) else 0)
+    _legend(figure, len(strong) if len(named) < len(chart.tracks) else 0)
     _frame(figure, chart, bottom=0.75, height=height, gaps=(0.24, 0.21))
     for name in names:
         name()
@@ -112,9 +94,7 @@ def _families(chart: Chart):
     for axes in cells[len(members) :]:
         axes.axis("off")
     for axes, (family, tracks) in zip(cells, members.items(), strict=False):
-        styles = {
-            t.method.name: Style(*MEMBERS[k % len(MEMBERS)], True) for k, t in enumerate(tracks)
-        }
+        styles = {t.method.name: Style(*mark(t.method.name), True) for t in tracks}
         curves = _curves(chart, "seconds", lambda p: p.error)
         names.append(draw(axes, curves, styles, chart, True))
         axes.set_title(family)
@@ -143,21 +123,16 @@ def _answers(axes, chart: Chart, axis: str) -> None:
     axes.annotate("cheapest", (0.0, 1.0), (-30, 3), **at, fontsize=7.5, style="italic")
 
 
-def _legend(figure, chart: Chart, strong: int) -> None:
-    """Families by colour and marker, below; how many are strong, where the others have no name."""
+def _legend(figure, strong: int) -> None:
+    """How many are strong, where the others have no name."""
     from matplotlib.lines import Line2D
 
-    present = [f for f in FAMILIES if any(t.method.family == f for t in chart.tracks)]
-    handles = [
-        Line2D([], [], color=STYLES[f][0], marker=STYLES[f][1], label=f, lw=1.6, ms=5)
-        for f in present
-    ]
     if strong:
         label = f"not among the {strong} foremost: named in the picture by families"
-        handles.append(Line2D([], [], color="#888888", lw=0.8, alpha=0.6, label=label))
-    look = {"loc": "lower center", "ncols": min(4, len(handles)), "frameon": False, "fontsize": 8}
-    anchor = (0.5, 0.012 * 11 / figure.get_figheight() + 0.012)
-    figure.legend(handles=handles, **look, bbox_to_anchor=anchor)
+        line = Line2D([], [], color=GREY, lw=0.8, alpha=0.6, label=label)
+        anchor = (0.5, 0.012 * 11 / figure.get_figheight() + 0.012)
+        how = {"loc": "lower center", "frameon": False, "bbox_to_anchor": anchor}
+        figure.legend(handles=[line], **how)
 
 
 def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float, float]) -> None:

@@ -30,6 +30,7 @@ class ErrorKind:
     axis: str
     said: str
     path: bool = True
+    beside: str = "Relative to the largest of each coordinate and rate along the motion."
 
 
 OF_STATES = (
@@ -38,17 +39,28 @@ OF_STATES = (
 KINDS = {
     kind.name: kind
     for kind in (
-        ErrorKind("final", "error of the final state", f"{OF_STATES}, at the end", path=False),
-        ErrorKind("max", "largest error on the way", f"{OF_STATES}, at any of 100 equal times"),
-        ErrorKind("mean", "mean error on the way", f"{OF_STATES}, the mean over 100 equal times"),
         ErrorKind(
-            ENERGY, "largest drift of the energy", "the largest drift of the energy", path=False
+            "final", "relative error of the final state", f"{OF_STATES}, at the end", path=False
+        ),
+        ErrorKind(
+            "max", "largest relative error on the way", f"{OF_STATES}, at any of 100 equal times"
+        ),
+        ErrorKind(
+            "mean", "mean relative error on the way", f"{OF_STATES}, the mean over 100 equal times"
+        ),
+        ErrorKind(
+            ENERGY,
+            "largest relative drift of the energy",
+            "the largest drift of the energy",
+            path=False,
+            beside="Relative to the largest of the energy's parts.",
         ),
         ErrorKind(
             "phase",
             "lead or lag, part of the time",
             "by how much the motion leads or lags the reference over the last tenth, by least "
             "squares of its coordinates, as a part of the time",
+            beside="",
         ),
     )
 }

@@ -7,13 +7,13 @@ import io
 import math
 from pathlib import Path
 
-from ...plot import style
+from ...plot import methods, style
+from ...plot.names import label
 from ...plot.style import Look
 from .labels import Label, place
 from .long import Drifting, Long
 
 MOST = 6  # lines of a panel: the best of each kind of growth first
-MARKERS = "osD^vP"
 HEADINGS = ("method", "constant", "steps", "largest drift", "growth")
 
 
@@ -97,10 +97,10 @@ def _figure(long: Long, look: Look):
     inches, height = look.inches, 0.5 + 2.4 * count
     figure, grid = pyplot.subplots(count, 1, figsize=(inches, height), squeeze=False, sharex=True)
     names = [
-        _panel(axes, long, constant, style.palette(look.dark))
+        _panel(axes, long, constant, look.dark)
         for axes, constant in zip(grid[:, 0], long.constants, strict=True)
     ]
-    grid[-1, 0].set_xlabel(f"t ({long.unit})" if long.unit else "t")
+    grid[-1, 0].set_xlabel(label("t", long.unit))
     title = f"{long.model.replace('_', ' ')}, steps of {long.step:g} {long.unit}".rstrip()
     grid[0, 0].set_title(title, loc="left", weight="bold")
     ends = {"bottom": 0.42 / height, "top": 1 - 0.28 / height}
@@ -110,20 +110,21 @@ def _figure(long: Long, look: Look):
     return figure
 
 
-def _panel(axes, long: Long, constant: str, palette: tuple[str, ...]):
+def _panel(axes, long: Long, constant: str, dark: bool):
     """Of the methods that get furthest those with the least drift and one of each other growth."""
     finite = [d for d in long.drifting if math.isfinite(d.decades[-1].drifts.get(constant, 0.0))]
     ranked = sorted(finite, key=lambda d: d.decades[-1].drifts.get(constant, math.inf))
     kinds = list({d.growth.get(constant): d for d in reversed(ranked)}.values())
     shown = list({id(d): d for d in [*kinds, *ranked]}.values())[:MOST]
     drawn, labels = [], []
-    for k, one in enumerate(shown):
+    for one in shown:
+        colour, marker = methods.mark(one.method.name, dark)
         t = [d.t for d in one.decades]
         y = [max(d.drifts.get(constant, 0.0), 1e-17) for d in one.decades]
-        axes.plot(t, y, color=palette[k], marker=MARKERS[k], ms=2.8)
+        axes.plot(t, y, color=colour, marker=marker, ms=2.8)
         drawn.append((t, y))
         name = f"{one.method.name}: {_growth(one, constant)}"
-        labels.append(Label(name, t[-1], y[-1], palette[k], 7))
+        labels.append(Label(name, t[-1], y[-1], colour, 7))
     axes.set(xscale="log", yscale="log", ylabel=f"drift of {constant}")
     axes.grid(True, which="major", lw=0.6)
     least = long.step

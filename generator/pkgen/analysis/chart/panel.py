@@ -12,15 +12,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
+from ...plot.style import PALE
 from ...record import record
 from .chart import Chart
 from .labels import Label, place
 from .points import Point, Track
 
 LEAST, MOST = 1e-16, 2.0  # errors
-NAMES = 1e-19  # between it and LEAST names have room
 STRIP = 100.0  # between MOST and it is where failures stand
-PALE = "#d9d9d9"
+OTHER = 0.3  # opacity of what is not the best of its method
+LETTER, GAP = 0.68, 12.0  # the width of a bold letter, in its size; points beside a name
 FAILED = "#8a3a10"
 UNITS = {
     "seconds": "time of one integration",
@@ -65,6 +66,14 @@ class Curve:
                 found.append((min(max(value, 1.5 * LEAST), 1.0), cost, point))
         return found
 
+    def best(self) -> list[tuple[float, float]]:
+        """Those that no other of the method beats in both, nor keep an accuracy by luck."""
+        found: list[tuple[float, float]] = []
+        for value, cost, point in sorted(self.good(), key=lambda g: g[:2]):
+            if not point.lucky and (not found or cost < found[-1][1]):
+                found.append((value, cost))
+        return found[::-1]
+
     def failures(self) -> list[float]:
         """What failed points cost or would have cost: as the first good one, times the steps."""
         good, found = self.good(), []
@@ -93,9 +102,10 @@ def draw(
     drawn, labels = [], []
     for curve in sorted(curves, key=lambda c: styles.get(c.name, BEHIND).strong):
         style = styles.get(curve.name, BEHIND)
-        x, y = [g[0] for g in curve.good()], [g[1] for g in curve.good()]
+        x, y = [g[0] for g in curve.best()], [g[1] for g in curve.best()]
         if x:
             _line(axes, x, y, style)
+            _others(axes, curve, style)
         if x and style is not BEHIND:
             drawn.append((x, y))
         if x and style.named:
@@ -103,15 +113,45 @@ def draw(
             labels.append(Label(curve.name, x[-1], y[-1], style.colour, size, style.strong))
         if failures and style.named:
             _failures(axes, curve, style)
-    _scales(axes, curves[0].axis if curves else "", failures)
+    least = min((x[-1] for x, _ in drawn), default=LEAST)
+    _scales(axes, curves[0].axis if curves else "")
     if failures:
         axes.axvspan(MOST, STRIP, color="#f6ebe6", zorder=0, lw=0)
         look = {"ha": "right", "va": "top", "size": 7.5, "color": FAILED}
         axes.text(0.99, 0.99, "failed", transform=axes.transAxes, **look)
         if chart.reference.error > 2 * LEAST:
-            axes.axvspan(NAMES, chart.reference.error, color="#eeeeee", zorder=0, lw=0)
+            axes.axvspan(LEAST**2, chart.reference.error, color="#eeeeee", zorder=0, lw=0)
     labels.reverse()  # strong ones first
-    return lambda: place(axes, labels, drawn)
+
+    def names() -> None:
+        _room(axes, labels, least, STRIP if failures else MOST)
+        place(axes, labels, drawn)
+
+    return names
+
+
+def _room(axes, labels: list[Label], least: float, most: float) -> None:
+    """As much to the right as errors need, to the left as names do. The axes have their size."""
+    from matplotlib.ticker import FixedLocator
+
+    width = axes.get_window_extent().width * 72 / axes.figure.dpi
+    right, lefts = math.log10(most), [math.log10(least / 2)]
+    for label in labels:
+        part = min(0.5, (LETTER * label.size * len(label.text) + GAP) / width)
+        lefts.append((math.log10(label.x) - part * right) / (1 - part))
+    axes.set_xlim(10 ** min(lefts), most)
+    decades = math.ceil(-math.log10(least))
+    apart = 3 if decades > 6 else 1
+    axes.xaxis.set_major_locator(FixedLocator([10.0**-k for k in range(0, decades + 1, apart)]))
+
+
+def _others(axes, curve: Curve, style: Style) -> None:
+    """Pale: what the method has better, or what may be luck."""
+    best = {*curve.best()}
+    rest = [g[:2] for g in curve.good() if g[:2] not in best]
+    if rest and style is not BEHIND and style.strong:
+        look = {"ms": 0.6 * style.size, "color": style.colour, "alpha": OTHER, "mew": 0}
+        axes.plot(*zip(*rest, strict=True), "o", ls="", zorder=2, **look)
 
 
 def _line(axes, x: list[float], y: list[float], style: Style) -> None:
@@ -123,13 +163,11 @@ def _line(axes, x: list[float], y: list[float], style: Style) -> None:
     axes.plot(x, y, **point, **line, zorder=order)
 
 
-def _scales(axes, axis: str, failures: bool) -> None:
-    from matplotlib.ticker import EngFormatter, FixedLocator, LogLocator, NullLocator
+def _scales(axes, axis: str) -> None:
+    from matplotlib.ticker import EngFormatter, LogLocator, NullLocator
 
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlim(NAMES, STRIP if failures else MOST)
-    axes.xaxis.set_major_locator(FixedLocator([10.0**-k for k in range(0, 16, 3)]))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_locator(LogLocator(numticks=12))
     axes.yaxis.set_minor_locator(NullLocator())

@@ -11,7 +11,7 @@ import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...plot import style
+from ...plot import methods, names, style
 from ...plot.style import Look
 from . import text
 from .answer import Answer
@@ -20,7 +20,7 @@ from .front import drawn
 from .panel import UNITS, Curve, Style, draw
 
 MOST = 6  # lines
-MARKERS = "osD^vP"
+PALE = "Pale: runs that another of the same method beats, or that may be luck."
 SIZE = 2.8
 SPREAD = 0.35  # opacity of the range of several starts
 LETTER = 1.5  # millimetres, of a sentence in 7 points
@@ -32,10 +32,11 @@ def sentence(answers: Sequence[Answer]) -> str:
     told = []
     for a in answers:
         if a.method is None or a.point is None:
-            told.append(f"{a.accuracy:.0e}: {a.reason}")
+            told.append(f"{names.number(a.accuracy)}: {a.reason}")
             continue
         cost = text.seconds(a.point.seconds or 0) if a.axis == "seconds" else f"{a.point.work:,}"
-        told.append(f"{a.accuracy:.0e}: {a.method.name}, {text.setting(a)}, {cost}")
+        set_to = f"{a.method.setting} {names.number(a.point.setting)}"
+        told.append(f"{names.number(a.accuracy)}: {a.method.name}, {set_to}, {cost}")
     said = f"Least {text.AXIS[answers[0].axis]} for an error of " + "; ".join(told) + "."
     return re.sub(r"(?<=\d) (?=\D?s\b)|(?<=step|rtol) ", "\u00a0", said)
 
@@ -48,16 +49,16 @@ def picture(chart: Chart, axis: str, look: Look):
     asked = axis if axis in ("seconds", "work") else "work"
     said = sentence([a for a in chart.answers if a.axis == asked]) + _beside(chart)
     said += f" {text.interrupted(chart).capitalize()}." if chart.interrupted else ""
+    said = f"{said} {chart.kind.beside} {PALE}"
     lines = textwrap.wrap(said, int(width / LETTER))
     below = 0.52 + 0.125 * len(lines)
     height = (2.6 if width < COLUMN else 3.4) + below
     figure, axes = pyplot.subplots(figsize=(inches, height))
     chosen = drawn(chart, MOST)
-    palette = style.palette(look.dark)
-    styles = {name: Style(palette[k], MARKERS[k], True, size=SIZE) for k, name in enumerate(chosen)}
+    styles = {n: Style(*methods.mark(n, look.dark), True, size=SIZE) for n in chosen}
     tracks = [t for t in chart.tracks if t.method.name in styles]
     curves = [Curve(t, axis, lambda p: p.error, chart.spectrum.limit(t.method)) for t in tracks]
-    names = draw(axes, curves, styles, chart, False)
+    named = draw(axes, curves, styles, chart, False)
     for track in tracks if chart.starts > 1 else ():
         _spread(axes, track.good, axis, styles[track.method.name].colour)
     axes.set(xlabel=chart.kind.axis, ylabel=UNITS[axis])
@@ -68,7 +69,7 @@ def picture(chart: Chart, axis: str, look: Look):
     figure.text(left, 0.06 / height, "\n".join(lines), **beside)
     top = 1 - 0.28 / height
     figure.subplots_adjust(left=left, right=1 - 0.1 / inches, bottom=below / height, top=top)
-    names()
+    named()
     return figure
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.collections import PatchCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgb
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Rectangle
 
 from ...plot import style
 from ...plot.style import Look
@@ -26,9 +27,9 @@ CLASSES = {
     "out of phase": Class("#B5D3E8", "#33566E"),
     "exchange": Class("#E8A58C", style.RED, "v"),
     "constant lost": Class("#B98A5E", "#8A5F38", "+"),
-    "drifting by less than 1 %": Class("#FAF6C8", "#4A4726"),
-    "drifting": Class(style.YELLOW, "#A79A1F", "_"),
-    "growing": Class(style.ORANGE, style.ORANGE, "^"),
+    "drifting by less than 1 %": Class("#F7F1B5", "#4A4726", "_"),
+    "drifting": Class("#D8C41C", "#A79A1F", ">"),
+    "growing": Class("#D98A00", style.ORANGE, "^"),
     "wrong branch": Class(style.BLUE, "#2E7FB8", "d"),
     "not converged": Class(style.PURPLE, style.PURPLE, "x"),
     "not finite": Class("#444444", "#000000", "o"),
@@ -44,7 +45,9 @@ SAID_OF = {  # in the legend
     "constant lost": "another constant is lost",
 }
 SIZE = 2.6  # points, of a glyph
-APART, CLEAR = 30.0, 9.0  # points: between glyphs of a class, and of any two
+APART, CLEAR = 17.0, 8.0  # points: between glyphs of a class, and of any two
+MARGIN = 0.25  # of a cell's sides, around a class that no cell around has
+UNCONFIRMED = "unconfirmed"
 DEEP = 2  # cells around one that say how far inside its region it is
 
 
@@ -63,8 +66,45 @@ def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]],
     cells = np.array([[order.index(kind) for kind in row] for row in kinds])
     colours = ListedColormap([_colour(kind, look) for kind in order])
     norm = BoundaryNorm(np.arange(len(order) + 1) - 0.5, len(order))
-    axes.pcolormesh(edges(hs), edges(xs), cells, cmap=colours, norm=norm, rasterized=True)
-    return {order[k] for k in np.unique(cells)}
+    alone = _alone(cells)
+    around = np.where(alone, _around(cells), cells)
+    how = {"cmap": colours, "norm": norm, "rasterized": True}
+    axes.pcolormesh(edges(hs), edges(xs), around, **how)
+    h, x, parts = edges(hs), edges(xs), np.argwhere(alone)
+    squares = [
+        Rectangle((h[j] + MARGIN * (h[j + 1] - h[j]), x[i] + MARGIN * (x[i + 1] - x[i])),
+                  (1 - 2 * MARGIN) * (h[j + 1] - h[j]), (1 - 2 * MARGIN) * (x[i + 1] - x[i]))
+        for i, j in parts
+    ]  # fmt: skip
+    fills = [_colour(order[cells[i, j]], look) for i, j in parts]
+    axes.add_collection(PatchCollection(squares, fc=fills, lw=0, rasterized=True))
+    used = {order[k] for k in np.unique(cells)}
+    return used | {UNCONFIRMED} if alone.any() else used
+
+
+def _neighbours(cells: np.ndarray) -> np.ndarray:
+    """Of each cell the eight around it, -1 beyond the edge."""
+    padded = np.pad(cells, 1, constant_values=-1)
+    rows, columns = cells.shape
+    return np.array(
+        [
+            padded[i : i + rows, j : j + columns]
+            for i in range(3)
+            for j in range(3)
+            if (i, j) != (1, 1)
+        ]
+    )
+
+
+def _alone(cells: np.ndarray) -> np.ndarray:
+    """Whether no cell around one is of its class: it may be there by luck."""
+    return (_neighbours(cells) != cells).all(axis=0) if min(cells.shape) > 1 else cells < 0
+
+
+def _around(cells: np.ndarray) -> np.ndarray:
+    """The class that most cells around one are of."""
+    near = _neighbours(cells)
+    return np.argmax([(near == k).sum(axis=0) for k in range(cells.max() + 1)], axis=0)
 
 
 def glyphs(
@@ -72,6 +112,8 @@ def glyphs(
 ) -> None:
     """Sparsely, deep inside regions first. The axes have their size."""
     cells = np.array(kinds)
+    order = list(CLASSES)
+    alone = _alone(np.array([[order.index(kind) for kind in row] for row in kinds])).ravel()
     h, x = np.meshgrid(hs, xs)
     page = axes.transData.transform(np.column_stack([h.ravel(), x.ravel()])) * 72 / axes.figure.dpi
     deep = _depth(cells).ravel()
@@ -79,7 +121,7 @@ def glyphs(
     found: dict[str, list[int]] = {}
     for k in np.argsort(-deep, kind="stable"):
         kind, (a, b) = str(cells.ravel()[k]), page[k]
-        if not CLASSES[kind].glyph:
+        if not CLASSES[kind].glyph or alone[k]:
             continue
         if all(
             (a - p) ** 2 + (b - q) ** 2 > (APART if kind == of else CLEAR) ** 2
@@ -122,4 +164,8 @@ def handles(used: set[str], look: Look) -> list[tuple]:
         patch = Patch(fc=_colour(kind, look), ec=style.GREY, lw=0.4)
         marks = (Line2D([], [], **_glyph(kind, look)),) if CLASSES[kind].glyph else ()
         found.append(((patch, *marks), SAID_OF.get(kind, kind)))
+    if UNCONFIRMED in used:
+        square = Line2D([], [], marker="s", ls="", ms=3, color=style.GREY)
+        words = "unconfirmed: no cell around is alike"
+        found.append(((Patch(fc="none", ec=style.GREY, lw=0.4), square), words))
     return found

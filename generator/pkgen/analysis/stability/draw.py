@@ -13,7 +13,7 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
-from ...plot import style
+from ...plot import names, style
 from ...plot.style import Look
 from ...run import named
 from . import classes, overlay
@@ -37,9 +37,9 @@ def pictures(made: StabilityMap, stem: Path, look: Look) -> list[Path]:
 
 def figure(made: StabilityMap, look: Look) -> plt.Figure:
     """In the look that is set."""
-    names = list(made.steps)
-    columns = min(3 if look.width >= WIDE else 2, len(names))
-    rows = -(-len(names) // columns)
+    methods = list(made.steps)
+    columns = min(3 if look.width >= WIDE else 2, len(methods))
+    rows = -(-len(methods) // columns)
     maps = (1.75 if columns > 1 else 2.4) * rows + 0.25
     page, grid = plt.subplots(
         rows, columns, figsize=(look.inches, maps), squeeze=False, layout="constrained"
@@ -47,12 +47,12 @@ def figure(made: StabilityMap, look: Look) -> plt.Figure:
     page.get_layout_engine().set(w_pad=0.03, h_pad=0.03)
     used: set[str] = set()
     later = []
-    for k, name in enumerate(names):
-        last = k % columns == columns - 1 or k == len(names) - 1 < columns
+    for k, name in enumerate(methods):
+        last = k % columns == columns - 1 or k == len(methods) - 1 < columns
         there, after = _panel(grid[k // columns][k % columns], made, name, look, k % columns, last)
         used |= there
         later.append(after)
-    for axes in grid.flat[len(names) :]:
+    for axes in grid.flat[len(methods) :]:
         axes.set_visible(False)
     legend = _legend(page, used, look)
     words = _words(page, made, look)
@@ -88,7 +88,7 @@ def _inches(page: plt.Figure, of: Artist) -> float:
 
 def titles(made: StabilityMap) -> list[str]:
     """What it shows; model, what it is set to, for how long."""
-    unit = "" if made.compilation.model.dimensionless else " s"
+    time, per = ("", "") if made.compilation.model.dimensionless else ("s", "rad/s")
     values = [
         *zip(named.parameters(made.compilation).columns(64), made.motion.parameters, strict=False),
         *zip(named.coordinates(made.compilation).columns(64), made.motion.q, strict=False),
@@ -96,19 +96,22 @@ def titles(made: StabilityMap) -> list[str]:
     ]
     count = len(made.motion.parameters)
     said = [
-        f"{quantity.name}{'' if k < count else '(0)'} = {three(x)} {quantity.unit}".rstrip()
+        f"{names.shown(quantity.name)}{'' if k < count else '(0)'} = "
+        f"{names.amount(three(x), quantity.unit)}".replace(" ", "\u00a0")
         for k, (quantity, x) in enumerate(values)
         if (k < count or x != 0) and quantity.name != made.asked.axis.name
     ]
     more = ", ..." if len(said) > SAID else ""
     why = unpredicted(made)
     judged = "distance from the start" if made.motion.by_norm else "energy"
-    rate, per = fastest(made), "" if made.compilation.model.dimensionless else " rad/s"
-    mode = f" {overlay.omega(0)} = {three(rate)}{per}, the fastest mode." if rate else ""
+    rate, ends = fastest(made), {steps[-1] for steps in made.steps.values()}
+    fast = f"{overlay.omega(0)} = {names.amount(three(rate), per)}" if rate else ""
+    mode = f" {fast}, the fastest mode.".replace(" = ", "\u00a0=\u00a0") if rate else ""
+    mode += " Steps of each method have their own range." if len(ends) > 1 else ""
     return [
         f"{made.compilation.model.name.replace('_', ' ')}: where each method fails",
-        f"Each point: t = {three(made.until)}{unit} of motion, told from its {judged}. "
-        f"{', '.join(said[:SAID])}{more}.{mode}",
+        f"Each point: t = {names.amount(three(made.until), time)} of motion, told from its "
+        f"{judged}. {', '.join(said[:SAID])}{more}.{mode}",
         *([f"{made.interrupted.capitalize()}."] if made.interrupted else []),
         *([f"Nothing is predicted here: {why}."] if why else []),
     ]
@@ -127,8 +130,8 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: in
     drawn |= overlay.ghosts(axes, made, name, look)
     axes.set_title(name, fontweight="bold", loc="left", pad=3)
     axes.spines[["top", "right"]].set_visible(True)
-    unit = "" if made.compilation.model.dimensionless else " (s)"
-    axes.set_xlabel(f"step h{unit}", labelpad=1)
+    unit = "" if made.compilation.model.dimensionless else "s"
+    axes.set_xlabel(names.label("step h", unit), labelpad=1)
     if column == 0:
         axes.set_ylabel(made.asked.axis.label)
     _second_axes(axes, made, last)
@@ -177,8 +180,8 @@ def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
         np.array(made.asked.axis.values)[ticks], [three(x, True) for x in energies[ticks]]
     )
     right.tick_params(labelsize=SMALL, pad=2, length=2)
-    unit = "" if made.compilation.model.dimensionless else " (J)"
-    right.set_ylabel(f"energy above rest{unit}", fontsize=SMALL)
+    unit = "" if made.compilation.model.dimensionless else "J"
+    right.set_ylabel(names.label("energy above rest", unit), fontsize=SMALL)
 
 
 def three(x: float, zeros: bool = False) -> str:

@@ -49,7 +49,6 @@ class Marked:
     """A line with its label, which is yet to be placed."""
 
     text: str
-    colour: str
     h: np.ndarray
     x: np.ndarray
     rank: int  # those that matter first
@@ -108,24 +107,26 @@ def lines(
         elif kind == "limit" and not primary:
             word = "limit elsewhere"
         rank = 2 if quiet else 0 if kind == "limit" and primary else 1
-        labels.append(Marked(word, colour, hs, xs, rank))
+        labels.append(Marked(word, hs, xs, rank))
     return drawn, labels
 
 
 def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
     """Upright texts on the lines, those that matter first: where no other text is, and if possible
-    no other line; as high as may be. One that has no place is left out: the legend has its line.
+    no other line; as high as may be. Letters have a halo, no box: cells are seen between them.
+    One that has no place is left out: the legend has its line.
     The axes have their size."""
     renderer = axes.figure.canvas.get_renderer()
     frame = axes.get_window_extent(renderer)
     gap = axes.figure.dpi / 72
     taken: list[Bbox] = []
-    courses = [axes.transData.transform(np.column_stack([one.h, one.x])) for one in labels]
+    lines = [np.column_stack([one.h, one.x])[np.isfinite(one.h)] for one in labels]
+    courses = [axes.transData.transform(line) for line in lines]
     places = sorted(zip(labels, courses, strict=True), key=lambda p: (p[0].rank, p[1][-1][0]))
     for one, course in places:
-        box = {"fc": look.ground, "ec": "none", "pad": 0.6, "alpha": 0.85}
+        halo = [effects.withStroke(linewidth=1.6, foreground=look.ground)]
         at = {"rotation": 90, "ha": "center", "va": "center", "zorder": 4, "clip_on": True}
-        text = axes.text(0, 0, one.text, fontsize=SIZE, color=one.colour, bbox=box, **at)
+        text = axes.text(0, 0, one.text, fontsize=SIZE, color=look.ink, path_effects=halo, **at)
         text.set_in_layout(False)
         size = text.get_window_extent(renderer)
         best, least = None, np.inf
@@ -133,12 +134,15 @@ def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
         for k in range(DOWN):
             y = frame.y1 - 3 * gap - size.height / 2 - k * room / DOWN
             x = float(np.interp(y, course[:, 1], course[:, 0]))
+            if not frame.x0 <= x <= frame.x1:
+                continue
+            half = size.width / 2 + 2 * gap
+            x = min(max(x, frame.x0 + half), frame.x1 - half)  # beside a line on the edge
             here = Bbox.from_bounds(
-                x - size.width / 2 - gap, y - size.height / 2 - gap, size.width + 2 * gap,
-                size.height + 2 * gap,
+                x - size.width / 2 - gap, y - size.height / 2 - 2 * gap, size.width + 2 * gap,
+                size.height + 4 * gap,
             )  # fmt: skip
             inside = course[0, 1] <= y <= course[-1, 1]
-            inside = inside and here.x0 >= frame.x0 and here.x1 <= frame.x1
             if not inside or any(here.overlaps(other) for other in taken):
                 continue
             crossed = sum(

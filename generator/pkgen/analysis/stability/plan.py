@@ -10,6 +10,7 @@ from dataclasses import replace
 from ...compiler import Compilation
 from ...equations import Structure
 from ...methods import provides
+from ...plot.names import label
 from ...record import record
 from ...run import named
 from ...run.methods_table import in_words
@@ -47,7 +48,7 @@ class Axis:
     def label(self) -> str:
         if self.kind in FACTORS:
             return f"{self.kind} (the start: 1)"
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
+        return label(self.name, self.unit)
 
     def settings(
         self,
