@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import combinations
 
 import pytest
@@ -26,16 +27,13 @@ def point(setting: float, error: float, seconds: float, lucky: bool = False) -> 
 
 
 def charted(names=NAMES) -> chart.Chart:
-    """Of methods whose curves end beside each other."""
-    tracks = [
-        Track(
-            ChartedMethod(name, 4),
-            tuple(
-                point(0.5**j, 10.0 ** -(1.5 * j + 1), 1e-5 * (1.5 + 0.1 * k) ** j) for j in range(9)
-            ),
-        )
-        for k, name in enumerate(names)
-    ]
+    """Of methods each of which is the cheapest somewhere."""
+    tracks = []
+    for k, name in enumerate(names):
+        at = 0.5 + 1.2 * k  # where it is
+        costs = [1e-5 * math.exp(1.5 * (0.05 * at**2 + (0.8 - 0.1 * at) * j)) for j in range(9)]
+        made = [point(0.5**j, 10.0 ** -(1.5 * j + 1), cost) for j, cost in enumerate(costs)]
+        tracks.append(Track(ChartedMethod(name, 4), tuple(made)))
     known = reference.Reference([(0.0, Exact([1]))], [1.0], 0, 0, 1.0, 1.0, "double", 1)
     found = spectrum.Spectrum(omega=1.0, rho=0.0, until=1.0)
     about = "m", "", [], 1.0, KINDS["final"], 1, known, found, tracks, {}
@@ -85,7 +83,8 @@ def test_no_text_lies_over_another_or_is_too_small(look: Look) -> None:
     assert min(text.get_fontsize() for text in texts) >= SMALLEST
     boxes = [(text.get_text(), text.get_window_extent()) for text in texts]
     assert not [(a, b) for (a, of_a), (b, of_b) in combinations(boxes, 2) if of_a.overlaps(of_b)]
-    assert all(figure.bbox.count_contains(box.corners()) == 4 for _, box in boxes)
+    page = figure.bbox.padded(2)
+    assert not [text for text, box in boxes if page.count_contains(box.corners()) < 4]
 
 
 def test_the_axis_ends_where_errors_and_names_do() -> None:

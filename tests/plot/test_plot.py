@@ -159,7 +159,7 @@ def test_the_spectrum_has_its_line_where_it_is(folder: Path) -> None:
 
 def test_drifts_of_all_that_is_constant(folder: Path) -> None:
     found = panel(ROOT / "models/heavy_top.lag", "--drift", "-o", folder / "drift.svg")
-    named = [line["label"].split(",")[0] for line in found["lines"] if line["label"]]
+    named = [line["label"].split(":")[0] for line in found["lines"] if line["label"]]
     assert {"energy", "p_φ", "p_ψ"} <= set(named) and len(named) == len(set(named))
     assert "relative drift" in Svg(folder / "drift.svg").texts
 
@@ -181,15 +181,15 @@ def test_several_files_over_each_other(folder: Path) -> None:
     files = folder / "rk4.csv", folder / "verlet.csv"
     plot(*files, "-o", folder / "both.svg")
     made = Svg(folder / "both.svg")
-    assert [axes.colours() for axes in made.axes] == [[0, 1], [0, 1]]
+    assert [axes.colours() for axes in made.axes] == [[2, 0], [2, 0]]  # its methods'
     assert {"rk4.csv", "verlet.csv", "θ [rad]", "pendulum"} <= set(made.texts)
     plot(files[0], "--phase", "theta", files[1], "-o", folder / "between.svg")
-    assert Svg(folder / "between.svg").axes[0].colours()[:2] == [0, 1]
+    assert Svg(folder / "between.svg").axes[0].colours()[:2] == [2, 0]
 
 
 def test_a_bundle_of_members(folder: Path) -> None:
     plot(PENDULUM, "--scene", "all_amplitudes", "--columns", "theta", "-o", folder / "bundle.svg")
-    assert {"θ [rad]", "k"} <= set(Svg(folder / "bundle.svg").texts)
+    assert {"θ [rad]", "member k"} <= set(Svg(folder / "bundle.svg").texts)
     (folder / "members.csv").write_text("theta\n0.5\n1\n1.5\n")
     few = (PENDULUM, "--ensemble", folder / "members.csv", "--every", 0.01, "--until", 2)
     plot(*few, "--columns", "theta", "-o", folder / "few.svg")
@@ -204,7 +204,7 @@ def test_final_states_are_a_cloud(folder: Path) -> None:
     (folder / "fifty.csv").write_text("theta\n" + "\n".join(f"{k / 50}" for k in range(1, 51)))
     few = (PENDULUM, "--ensemble", folder / "fifty.csv", "--until", 2)
     (line,) = panel(*few, "-o", folder / "cloud.svg")["lines"]
-    assert line == {"label": "t = 2 s", "kind": "points", "points": 50}
+    assert line == {"label": "t = 2\u00a0s", "kind": "points", "points": 50}
 
 
 def test_a_long_family_is_an_image(folder: Path) -> None:
