@@ -23,7 +23,7 @@ MOST = 6  # lines
 PALE = "Pale: runs that another of the same method beats, or that may be luck."
 SIZE = 2.8
 SPREAD = 0.35  # opacity of the range of several starts
-LETTER = 1.5  # millimetres, of a sentence in 7 points
+LETTER, SIDES = 1.32, 18.0  # millimetres, of a sentence in 7 points
 COLUMN = 120.0  # millimetres from which on the picture is wider than a column
 
 
@@ -50,7 +50,7 @@ def picture(chart: Chart, axis: str, look: Look):
     said = sentence([a for a in chart.answers if a.axis == asked]) + _beside(chart)
     said += f" {text.interrupted(chart).capitalize()}." if chart.interrupted else ""
     said = f"{said} {chart.kind.beside} {PALE}"
-    lines = textwrap.wrap(said, int(width / LETTER))
+    lines = textwrap.wrap(said, int((width - SIDES) / LETTER))
     below = 0.52 + 0.125 * len(lines)
     height = (2.6 if width < COLUMN else 3.4) + below
     figure, axes = pyplot.subplots(figsize=(inches, height))
