@@ -55,7 +55,7 @@ $(RT_TESTS)/runtime: $(RT_TEST_O) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libp
 # The same tests over steps that are compiled together with their systems.
 $(RT_TESTS)/inlined/%.o: tests/runtime/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
-	$(CC) $(RT_CFLAGS) $(RT_INLINE) -c $< -o $@
+	$(CC) $(RT_TEST_CFLAGS) $(RT_INLINE) -c $< -o $@
 $(RT_TESTS)/runtime_inlined: $(filter-out $(RT_SYSTEMS),$(RT_TEST_O)) $(RT_SYSTEMS_INLINED) \
                              $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
 	$(CC) $(RT_EXTRA) $(RT_OPENMP) $^ -lcunit -lgsl -lgslcblas -lm -o $@
