@@ -182,6 +182,7 @@ class Equations:
     force: Row  # f
     acceleration: Row | None  # None: not asked for, or too large: solve M a = f in a loop
     pivots: Row | None  # D of M = L D L^T by coordinate, in whatever order eliminated
+    sizes: Row | None  # what a pivot is small beside; None: M's diagonal
     p_q: Matrix | None  # None, like the next two, where the kernel is not asked for
     pdot_q: Matrix | None
     pdot_v: Matrix | None

@@ -75,7 +75,7 @@ def in_plane(potential: str, kinetic: str = "x'^2/2 + y'^2/2", more: str = "") -
         (in_plane("x", "x'^2/2 + y'^2/2 + e*x'*y'*cos(x)"), []),
         (
             in_plane("x", "(d + 1)*x'^2/2 + y'^2/2 + x'*y'*cos(x)"),
-            [("1 - 1/(1 + d)*cos(x)^2", CHART)],
+            [("1 + d - cos(x)^2", CHART)],
         ),
         (in_plane("x", "(k + 1)*x'^2/2 + y'^2/2 + x'*y'*cos(x)"), []),
     ],

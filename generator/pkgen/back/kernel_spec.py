@@ -70,9 +70,10 @@ def _pivot_checks(
         )
 
 
-def pivot_checks(equations: Equations, pivots: Row) -> list[Target]:
+def pivot_checks(equations: Equations, pivots: Row, sizes: Row | None) -> list[Target]:
     mass = equations.inertia or equations.mass
-    pairs = [(pivot, mass[i][i]) for i, pivot in enumerate(pivots[: len(mass)])]
+    sizes = sizes or tuple(row[i] for i, row in enumerate(mass))
+    pairs = list(zip(pivots, sizes, strict=False))
     return list(_pivot_checks(equations.graph, "MASS", pairs))
 
 

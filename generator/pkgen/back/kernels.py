@@ -70,7 +70,8 @@ def _acceleration_targets(equations: Equations) -> list[Target]:
     """Every pivot is tested before anything is written."""
     if equations.acceleration is None:
         return []
-    checks = pivot_checks(equations, equations.pivots or ()) + row_checks(equations)
+    checks = pivot_checks(equations, equations.pivots or (), equations.sizes)
+    checks += row_checks(equations)
     return checks + stores("a", equations.acceleration)
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TypeVar
 
 from ..functions import FUNCTIONS
+from .frames import Torques, Turning
 from .graph import ONE, ZERO, Graph, Node, Op, Symbol
 
 Value = TypeVar("Value")
@@ -70,9 +71,11 @@ class Forward:
         self.mask = mask
         self.leaf = leaf
         self.known: dict[Node, Node] = {}
+        self.turning = Turning(g, self)
 
     def __call__(self, output: Node) -> Node:
         g, known, mask = self.graph, self.known, self.mask
+        entries = g.frames.entries
         stack = [output]
         while stack:
             node = stack[-1]
@@ -81,6 +84,10 @@ class Forward:
                 continue
             if not g.depends[node] & mask:
                 known[node] = ZERO
+                stack.pop()
+                continue
+            if node in entries:
+                known[node] = self.turning(node)
                 stack.pop()
                 continue
             missing = [a for a in g.args[node] if a not in known]
@@ -156,8 +163,12 @@ class Columns:
         known = {symbol: ONE}
         influenced.remove(symbol)
         args, get = g.args, known.get
+        turning, entries = Turning(g, lambda angle: get(angle, ZERO)), g.frames.entries
         for node in sorted(influenced):
-            known[node] = tangent(g, node, [get(a, ZERO) for a in args[node]])
+            if node in entries:
+                known[node] = turning(node)
+            else:
+                known[node] = tangent(g, node, [get(a, ZERO) for a in args[node]])
         return known
 
 
@@ -165,8 +176,15 @@ def gradient(g: Graph, output: Node, mask: int) -> dict[Node, Node]:
     """One reverse sweep: the derivatives of a scalar by every symbol in the mask."""
     adjoint: dict[Node, Node] = {output: ONE}
     result: dict[Node, Node] = {}
+    torques, entries = Torques(g), g.frames.entries
     for node in reversed(reachable(g, [output], mask)):
+        for angle, slope in torques.angles(node):
+            adjoint[angle] = g.add(adjoint.get(angle, ZERO), slope)
         bar = adjoint.pop(node, ZERO)
+        if node in entries:
+            if bar != ZERO:
+                torques.pull(node, bar)
+            continue
         if g.op[node] is Op.SYMBOL:
             result[node] = bar
             continue

@@ -20,6 +20,7 @@ from functools import reduce
 
 from ..functions import FUNCTIONS
 from .constants import fits, raised, square_part
+from .frames import Frames
 from .like_terms import merge
 from .monomials import merged, without_reciprocals
 from .nodes import (
@@ -60,6 +61,15 @@ _HALF = Fraction(1, 2)
 
 class Graph(Nodes):
     """Constructors of nodes; each returns the node that there already is, if there is one."""
+
+    def __init__(self, limit: int | None = None) -> None:
+        super().__init__(limit)
+        self.frames = Frames()
+
+    def copy(self) -> Graph:
+        result = super().copy()
+        result.frames = self.frames.copy()
+        return result
 
     # -- sums ---------------------------------------------------------------------------------
 

@@ -14,7 +14,6 @@ from .graph import ZERO, Graph, Node
 from .residues import PRIME, Residues
 
 Row = tuple[Node, ...]
-Solution = tuple[Row, Row]  # accelerations and pivots, each by coordinate
 
 # Up to 20 coordinates with a dense M. There the loop in C is as fast for one state, but unrolled
 # code takes lanes several times as fast; beyond, it compiles for too long.
@@ -27,6 +26,15 @@ class SingularMass(Exception):
     def __init__(self, coordinate: int):
         super().__init__(coordinate)
         self.coordinate = coordinate
+
+
+@record
+class Solution:
+    """By coordinate; `sizes` are what a pivot is small beside, None where that is M's diagonal."""
+
+    accelerations: Row
+    pivots: Row
+    sizes: Row | None = None
 
 
 @record
@@ -71,7 +79,7 @@ def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
     pivots: list[Node] = [ZERO] * len(force)
     for row, pivot in zip(order, found.pivots, strict=True):
         pivots[row] = pivot
-    return found.backward(g, found.forward(g, force)), tuple(pivots)
+    return Solution(found.backward(g, found.forward(g, force)), tuple(pivots))
 
 
 def factors(g: Graph, mass: tuple[Row, ...], order: list[int]) -> Factors | None:

@@ -148,7 +148,7 @@ class Along:
             return e.acceleration
         found = solve(g, e.mass, e.force)
         if found is not None:
-            return found[0]
+            return found.accelerations
         return tuple(g.symbol(Symbol(Kind.ACCELERATION, i)) for i in range(len(e.force)))
 
 

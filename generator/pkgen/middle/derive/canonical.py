@@ -62,7 +62,7 @@ def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
             model.span,
             "make its families smaller",
         )
-    v, pivots = solution
+    v = solution.accelerations
     twice = g.sum(map(g.multiply, v, excess))
     energy = g.add(g.multiply(g.number(Fraction(1, 2)), twice), potential)
     moving = dict(zip(rates, v, strict=True))
@@ -76,6 +76,6 @@ def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
             by_p=tuple(entries[:n]),
             by_q=tuple(entries[n : 2 * n]),
             applied=tuple(entries[2 * n :]),
-            pivots=pivots,
+            pivots=solution.pivots,
         ),
     )

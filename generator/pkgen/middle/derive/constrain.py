@@ -147,7 +147,7 @@ def _solved(
             None,
             "use coordinates that fulfil some of them by themselves",
         )
-    multipliers, of_rows = found
+    multipliers = found.accelerations
     z = [
         g.add(f, g.sum(map(g.multiply, (column[i] for column in columns), multipliers)))
         for i, f in enumerate(force)
@@ -156,8 +156,8 @@ def _solved(
     for row, pivot in zip(factored.order, factored.pivots, strict=True):
         pivots[row] = pivot
     diagonal = (S[k][k] for k in range(count))
-    beside = tuple(zip(of_rows, diagonal, strict=True))
-    return multipliers, (factored.backward(g, z), tuple(pivots)), beside
+    beside = tuple(zip(found.pivots, diagonal, strict=True))
+    return multipliers, Solution(factored.backward(g, z), tuple(pivots)), beside
 
 
 def _workless(g: Graph, rows: Rows, J: Matrix, v: Row) -> bool:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from ... import limits
 from ...equations import Equations, Named, ParameterSlot, Quantity, Row
 from ...graph.differentiate import gradient
-from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node, Symbol
+from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node
 from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
 from ...model import Model, Parameter
@@ -151,7 +151,8 @@ def _fast(x: Expander, fast: Node, found: Derived) -> Row | None:
     by = gradient(x.graph, fast, BIT[Kind.COORDINATE])
     q = symbols(x.graph, Kind.COORDINATE, len(found.motion.force))
     pull = tuple(x.graph.negate(by.get(symbol, ZERO)) for symbol in q)
-    return (solve(x.graph, found.motion.mass, pull) or (None,))[0]
+    solution = solve(x.graph, found.motion.mass, pull)
+    return solution and solution.accelerations
 
 
 def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:
@@ -296,6 +297,6 @@ def _solved(
         if known is None:
             message = "the accelerations of so many coupled coordinates are no outputs"
             raise error(x.model, message, span, "they are solved for by a loop; see docs/limits.md")
-        swap = {g.symbol(Symbol(Kind.ACCELERATION, i)): a for i, a in enumerate(known[0])}
-        swap |= rates
+        a = symbols(g, Kind.ACCELERATION, len(known.accelerations))
+        swap = dict(zip(a, known.accelerations, strict=True)) | rates
     return substituted(g, [node], swap)[0]

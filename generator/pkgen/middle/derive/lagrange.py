@@ -51,15 +51,16 @@ class Derived:
 
     def fields(self) -> dict[str, object]:
         energies = vars(self.energies)
-        acceleration, pivots = self.solution or (None, None)
+        found = self.solution
         return {
             **vars(self.motion),
             **{name: energies[name] for name in ("lagrangian", "kinetic", "potential")},
             **self.jacobians,
             "written": self.written,
             "energy": self.energy,
-            "acceleration": acceleration,
-            "pivots": pivots,
+            "acceleration": found and found.accelerations,
+            "pivots": found and found.pivots,
+            "sizes": found and found.sizes,
             "linear": self.linear,
             "state_rates": self.state_rates,
             "constraints": self.constraints,
@@ -85,7 +86,7 @@ def derived(
     """
     raw = motion_of(g, energies, forces, rate_of, attitudes)
     check(raw)
-    motion, solution = shortest(g, raw, wanted)
+    motion, solution = shortest(g, energies.lagrangian, raw, wanted)
     check(motion)
     free, constraints = motion, None
     if rows is not None:
@@ -119,12 +120,15 @@ def singularities(
 ) -> tuple[Singularity, ...]:
     """Where these equations end, in the names of their quantities."""
     motion = found.free
-    acceleration, pivots = found.solution or (motion.force, None)
-    if found.constraints is not None:  # that rows stay apart is the runtime's to watch
-        acceleration = motion.force
+    solution = found.solution
+    acceleration = motion.force
+    if solution and found.constraints is None:  # that rows stay apart is the runtime's to watch
+        acceleration = solution.accelerations
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
-    return singularities_of(g, e.parameters, motion.mass, outputs, pivots, naming(e))
+    return singularities_of(
+        g, e.parameters, motion.mass, outputs, solution and solution.pivots, naming(e)
+    )
 
 
 def located(equations: Equations) -> Equations:

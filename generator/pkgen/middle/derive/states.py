@@ -88,8 +88,9 @@ def as_rates(
     solved = with_inertia_of_states(e)
     acceleration = e.acceleration
     if solved and acceleration is None:
-        acceleration = (solve(g, e.mass, e.force) or (None,))[0]
-        assert acceleration is not None, "derive() refuses what is too large"
+        found = solve(g, e.mass, e.force)
+        assert found is not None, "derive() refuses what is too large"
+        acceleration = found.accelerations
     acceleration = None if acceleration is None else (*there(acceleration), *rates)
     motion = _solved(g, acceleration) if solved else _beside(g, e, rates, there)
     wanted = Wanted(kernels)

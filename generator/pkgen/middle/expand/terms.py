@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ... import limits
 from ...functions import FUNCTIONS
+from ...graph.frames import DEEP, combined, cross, dot
 from ...graph.graph import ONE, ZERO, Graph, Node
 from ...indices import assignments
 from ...tree import (
@@ -109,12 +110,29 @@ def _power(x: Names, expr: Power, loop: Loop) -> Value:
     return g.power(base, constant)
 
 
-def _call(x: Names, expr: Call, loop: Loop) -> Value:
-    values = [x.value(argument, loop) for argument in expr.arguments]
-    if expr.function == "rotate":
-        if all(item == ZERO for item in values[0]):
+def _turned(x: Names, expr: Call, loop: Loop) -> Vector3:
+    """The vector by turns, the innermost first; by many about fixed axes through the frame that
+    they make, which others turned by as many share."""
+    g, turns = x.graph, []
+    inner: Expr = expr
+    while isinstance(inner, Call) and inner.function == "rotate":
+        axis, angle = x.value(inner.arguments[0], loop), x.value(inner.arguments[1], loop)
+        if all(item == ZERO for item in axis):
             raise error(x.model, "the axis of a rotation has no length", expr.span)
-        return _rotate(x.graph, *values)
+        turns.append((_unit(g, axis), angle))
+        inner = inner.arguments[2]
+    vector = x.value(inner, loop)
+    if len(turns) >= DEEP and all(g.is_constant(i) for axis, _ in turns for i in axis):
+        return combined(g, g.frames.columns(g, tuple(turns), _rotate), vector)
+    for axis, angle in reversed(turns):
+        vector = _rotate(g, axis, angle, vector)
+    return vector
+
+
+def _call(x: Names, expr: Call, loop: Loop) -> Value:
+    if expr.function == "rotate":
+        return _turned(x, expr, loop)
+    values = [x.value(argument, loop) for argument in expr.arguments]
     if expr.function == "attitude":
         return rotated(x.graph, *values)
     if expr.function in _VECTOR:
@@ -135,30 +153,22 @@ def _call(x: Names, expr: Call, loop: Loop) -> Value:
     return x.graph.call(expr.function, *values)
 
 
-def _dot(g: Graph, a: Vector3, b: Vector3) -> Node:
-    return g.sum(g.multiply(i, j) for i, j in zip(a, b, strict=True))
-
-
-def _cross(g: Graph, a: Vector3, b: Vector3) -> Vector3:
-    return tuple(
-        g.subtract(g.multiply(a[i], b[j]), g.multiply(a[j], b[i]))
-        for i, j in ((1, 2), (2, 0), (0, 1))
-    )
-
-
 def _norm(g: Graph, a: Vector3) -> Node:
-    return g.call("sqrt", _dot(g, a, a))
+    return g.call("sqrt", dot(g, a, a))
 
 
-def _rotate(g: Graph, axis: Vector3, angle: Node, a: Vector3) -> Vector3:
+def _unit(g: Graph, axis: Vector3) -> Vector3:
+    length = g.power(_norm(g, axis), -1)
+    return tuple(g.multiply(length, i) for i in axis)
+
+
+def _rotate(g: Graph, n: Vector3, angle: Node, a: Vector3) -> Vector3:
     """Rodrigues' formula: c a + s n x a + (1 - c) n (n.a), n the unit vector along the axis."""
-    unit = g.power(_norm(g, axis), -1)
-    n = tuple(g.multiply(unit, i) for i in axis)
     c, s = g.call("cos", angle), g.call("sin", angle)
-    along = g.multiply(g.subtract(ONE, c), _dot(g, n, a))
+    along = g.multiply(g.subtract(ONE, c), dot(g, n, a))
     return tuple(
         g.sum((g.multiply(c, i), g.multiply(s, j), g.multiply(along, k)))
-        for i, j, k in zip(a, _cross(g, n, a), n, strict=True)
+        for i, j, k in zip(a, cross(g, n, a), n, strict=True)
     )
 
 
@@ -170,7 +180,7 @@ def _sum(x: Names, expr: Sum, loop: Loop) -> Value:
     return ZERO if result is None else result
 
 
-_VECTOR = {"dot": _dot, "cross": _cross, "norm": _norm}
+_VECTOR = {"dot": dot, "cross": cross, "norm": _norm}
 EXPAND: dict[type, Callable[[Names, Expr, Loop], Value]] = {
     Number: lambda x, expr, loop: x.graph.number(expr.value),
     Name: lambda x, expr, loop: x.name(expr, loop),

@@ -1,0 +1,196 @@
+"""Solving M a = f without M: the second derivatives of L by the rates are pushed down its graph.
+
+L is swept from the top. What has been swept stands as a quadratic form in the values below it, the
+live ones; a rate that nothing unswept depends on is eliminated at once. Where velocities pass along
+a tree, as those of links do, few values are live at a time, and the work is linear in the number of
+links: the articulated-body algorithm, found. The pivots are those of M = L D L^T in the order of
+elimination, since no live value depends on an eliminated rate.
+References: R. Gower, M. Mello, A new framework for the computation of Hessians, Optimization
+Methods and Software 27 (2012); R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from heapq import heappop, heappush
+
+from ..record import record
+from .differentiate import Forward, partials, reachable
+from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
+from .solve import Row, Solution
+
+RATES = BIT[Kind.RATE]
+NODES = 1000  # new ones a rate: a link in space takes some 300, what couples densely far more
+
+
+@record
+class _Eliminated:
+    """a = (force - the sum of couplings times what moves) * inverse."""
+
+    rate: Node
+    inverse: Node
+    force: Node
+    couplings: Mapping[Node, Node]
+
+
+class _Form:
+    """A quadratic form in live values and what is linear in them, sparse."""
+
+    def __init__(self, g: Graph):
+        self.graph = g
+        self.rows: dict[Node, dict[Node, Node]] = {}
+        self.forces: dict[Node, Node] = {}
+        self.sizes: dict[Node, Node] = {}  # diagonals with nothing eliminated, to some factor
+
+    def add(self, a: Node, b: Node, value: Node) -> None:
+        """To the entry (a, b) and, where they differ, its mirror image."""
+        for row, column in {(a, b), (b, a)}:
+            entries = self.rows.setdefault(row, {})
+            entries[column] = self.graph.add(entries.get(column, ZERO), value)
+
+    def push(self, node: Node, value: Node) -> None:
+        self.forces[node] = self.graph.add(self.forces.get(node, ZERO), value)
+
+    def grow(self, node: Node, value: Node) -> None:
+        self.sizes[node] = self.graph.add(self.sizes.get(node, ZERO), value)
+
+    def taken(self, node: Node) -> tuple[dict[Node, Node], Node, Node]:
+        """Its row without its diagonal, its diagonal, its force; it is no longer live."""
+        row = self.rows.pop(node, {})
+        diagonal = row.pop(node, ZERO)
+        for other in row:
+            del self.rows[other][node]
+        live = {k: value for k, value in row.items() if value != ZERO}
+        return live, diagonal, self.forces.pop(node, ZERO)
+
+    def replace(self, node: Node, slopes: Mapping[Node, Node]) -> None:
+        """The node by what it is of its arguments, to first order."""
+        g = self.graph
+        row, diagonal, force = self.taken(node)
+        size = self.sizes.pop(node, ZERO)
+        items = list(slopes.items())
+        for i, (a, p) in enumerate(items):
+            for other, value in row.items():
+                entry = g.multiply(value, p)
+                self.add(a, other, g.add(entry, entry) if a == other else entry)
+            if force != ZERO:
+                self.push(a, g.multiply(force, p))
+            self.grow(a, g.multiply(size, g.power(p, 2)))
+            if diagonal != ZERO:
+                scaled = g.multiply(diagonal, p)
+                for b, s in items[i:]:
+                    self.add(a, b, g.multiply(scaled, s))
+
+    def eliminate(self, rate: Node, pivot: Node, inverse: Node) -> _Eliminated:
+        g = self.graph
+        row, _, force = self.taken(rate)
+        items = list(row.items())
+        for i, (a, entry) in enumerate(items):
+            scaled = g.negate(g.multiply(entry, inverse))
+            self.push(a, g.multiply(scaled, force))
+            for b, other in items[i:]:
+                self.add(a, b, g.multiply(scaled, other))
+        return _Eliminated(rate, inverse, force, row)
+
+
+def pushed(g: Graph, lagrangian: Node, rates: Row, force: Row) -> Solution | None:
+    """The accelerations and the pivots; None where L is no polynomial in the rates, where a pivot
+    vanishes, and where too many values are live."""
+    order = reachable(g, [lagrangian], RATES)
+    if not set(rates) <= set(order) or any(g.op[node] is Op.CALL for node in order):
+        return None
+    form, bars = _Form(g), {lagrangian: ONE}
+    for rate, value in zip(rates, force, strict=True):
+        form.push(rate, value)
+    steps: list[_Eliminated] = []
+    most = len(g) + NODES * len(rates)
+    pivots: dict[Node, Node] = {}
+    sizes: dict[Node, Node] = {}
+    for node in _from_the_leaves(g, order):
+        if len(g) > most:
+            return None
+        if g.op[node] is not Op.SYMBOL:
+            _sweep(form, node, bars)
+            continue
+        pivot = form.rows.get(node, {}).get(node, ZERO)
+        if pivot == ZERO:
+            return None
+        pivots[node], sizes[node] = pivot, form.sizes.pop(node, ZERO)
+        steps.append(form.eliminate(node, pivot, g.power(pivot, -1)))
+    accelerations = _backward(g, steps, rates)
+    return Solution(accelerations, *(tuple(x[rate] for rate in rates) for x in (pivots, sizes)))
+
+
+def _from_the_leaves(g: Graph, order: list[Node]) -> Iterator[Node]:
+    """Each node after all that use it: at once where that leaves no more values live, else first
+    what depends on an outermost rate."""
+    arguments = {node: {a for a in g.args[node] if g.depends[a] & RATES} for node in order}
+    users = Counter(a for node in order for a in arguments[node])
+    outermost = _outermost(order, arguments)
+    heap = [(False, 0, -node) for node in order if not users[node]]
+    while heap:
+        node = -heappop(heap)[-1]
+        yield node
+        for a in arguments[node]:
+            users[a] -= 1
+            if not users[a]:
+                several = len(arguments[a]) > 1
+                heappush(heap, (several, -outermost[a] if several else 0, -a))
+
+
+def _outermost(order: list[Node], arguments: Mapping[Node, set[Node]]) -> dict[Node, int]:
+    """How far out the outermost rate is that a node depends on: how many rates whatever depends on
+    that and another one depends on at least."""
+    below: dict[Node, int] = {}  # the rates, a bit each
+    out: dict[int, int] = {}
+    for node in order:
+        below[node] = 0 if arguments[node] else 1 << len(below)
+        for a in arguments[node]:
+            below[node] |= below[a]
+        count = below[node].bit_count()
+        for a in arguments[node]:
+            if below[a].bit_count() == 1 < count:
+                out[below[a]] = min(out.get(below[a], count), count)
+    found: dict[Node, int] = {}
+    for node in order:
+        own = out.get(below[node], 1)
+        found[node] = max((found[a] for a in arguments[node]), default=own)
+    return found
+
+
+def _sweep(form: _Form, node: Node, bars: dict[Node, Node]) -> None:
+    """One node: the form and the adjoints in terms of its arguments."""
+    g = form.graph
+    slopes: dict[Node, Node] = {}
+    for a, p in zip(g.args[node], partials(g, node), strict=True):
+        if g.depends[a] & RATES:
+            slopes[a] = g.add(slopes.get(a, ZERO), p)
+    form.replace(node, slopes)
+    bar = bars.pop(node, ZERO)
+    if bar == ZERO:
+        return
+    for a, p in slopes.items():
+        bars[a] = g.add(bars.get(a, ZERO), g.multiply(bar, p))
+    if g.op[node] is Op.MULTIPLY and slopes.keys() == set(g.args[node]):
+        a, b = g.args[node]
+        form.add(a, b, bar if a != b else g.add(bar, bar))
+        if a == b:
+            form.grow(a, bar)
+    elif g.op[node] is Op.POWER:
+        (a,), n = g.args[node], g.data[node]
+        bend = g.multiply(g.number(n * (n - 1)), g.power(a, n - 2))
+        form.add(a, a, g.multiply(bar, bend))
+        form.grow(a, g.multiply(bar, bend))
+
+
+def _backward(g: Graph, steps: list[_Eliminated], rates: Row) -> Row:
+    """The accelerations, from the rate that was eliminated last."""
+    known: dict[Node, Node] = {}
+    moves = Forward(g, RATES, known.__getitem__)
+    for step in reversed(steps):
+        value = step.force
+        for live, coupling in step.couplings.items():
+            value = g.subtract(value, g.multiply(coupling, moves(live)))
+        known[step.rate] = g.multiply(value, step.inverse)
+    return tuple(known[rate] for rate in rates)
