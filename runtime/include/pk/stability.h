@@ -38,7 +38,8 @@ struct pk_stability_question {
     double h, amplitude, seed, stiffness, damping;
     long mode, other, free;
     size_t first, count, tries;
-    const double *state; /* of `orbits`, `beside` and `place`, q and then v: from there; NULL: the start */
+    const double
+        *state; /* of `orbits`, `beside` and `place`, q and then v: from there; NULL: the start */
 };
 
 /* Never NULL but without memory; what is wrong with the settings is said to each question. */

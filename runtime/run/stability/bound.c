@@ -5,7 +5,7 @@
 
 #include "stability.h"
 
-enum { LOOKS = 16 };              /* states along the motion */
+enum { LOOKS = 16 };             /* states along the motion */
 static const double STILL = 0.1; /* of the widest of its kind: what moves less is measured by it */
 
 int stability_place(struct pk_stability *s, const struct pk_stability_question *x)

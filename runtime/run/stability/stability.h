@@ -63,8 +63,8 @@ struct pk_stability {
     struct looking *looking;     /* at how singular its equations are */
     struct record *records;      /* of its steps */
     size_t n_records, room;
-    unsigned char *idle;  /* n: cyclic, or a first-order variable that no rate depends on */
-    int by_norm;          /* there are first-order variables that count: the energy does not tell */
+    unsigned char *idle; /* n: cyclic, or a first-order variable that no rate depends on */
+    int by_norm;         /* there are first-order variables that count: the energy does not tell */
     /* What the motion covers, of q and v; NULL: not known yet (stability_cover()). */
     double *middle, *box; /* 2 n each; the box of what does not move is as far as that is from 0 */
     double *reach;        /* n: how far each of stability_apart() goes */
