@@ -9,8 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ..analysis.chart.chart import methods as all_methods
+from ..analysis.stability import budget, plan, text
 from ..analysis.stability import map as maps
-from ..analysis.stability import plan, text
 from ..analysis.stability.cycles import Cycle
 from ..analysis.stability.map import MapOptions, StabilityMap
 from ..analysis.stability.misses import misses, unpredicted
@@ -41,6 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--period", metavar="T", help="of what drives the model, where it is not sines of time")
     add("--points", metavar="NxM", help="steps x values (default 48x32)")
     add("--quick", action="store_true", help="24x12 points, and resonances measured with less")
+    add("--seconds", metavar="S", help="of all but drawing (default 54; --quick 12): fewer points")
     shared.of_a_look(parser)
     shared.of_implicit_methods(parser)
     parser.set_defaults(method="rk4")  # a run wants one; the maps have their own
@@ -107,6 +108,8 @@ def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:
         values.positive("--until", options.until, values.time),
         values.positive("--period", options.period, values.time),
         options.quick,
+        values.positive("--seconds", options.seconds, "s")
+        or (budget.QUICK if options.quick else budget.FULL),
     )
 
 

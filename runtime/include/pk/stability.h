@@ -36,6 +36,7 @@ struct pk_stability;
 struct pk_stability_question {
     const char *method;
     double h, amplitude, seed, stiffness, damping;
+    double cap; /* seconds of the processor after which integrations end; 0: never */
     long mode, other, free;
     size_t first, count, tries;
     const double

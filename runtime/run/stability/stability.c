@@ -20,6 +20,13 @@ static void find_idle(struct pk_stability *s)
     }
 }
 
+/* Of pk_options.stop. */
+static int ending(void *context)
+{
+    const struct pk_stability *s = context;
+    return run_ending(NULL) || run_processor() > s->until;
+}
+
 /* Memory for all questions. */
 static void prepare(void *context)
 {
@@ -27,8 +34,10 @@ static void prepare(void *context)
     struct memory *memory = &s->run->memory;
     const size_t n = s->run->settings.n;
     s->n = n;
+    s->until = HUGE_VAL;
     s->run->settings.asked.bare = 1;
-    s->run->settings.options.stop = run_ending;
+    s->run->settings.options.stop = ending;
+    s->run->settings.options.context = s;
     s->problem = run_problem(s->run);
     s->work = memory_take(memory, 4 * n + 1, sizeof *s->work);
     s->far = memory_take(memory, 3 * n, sizeof *s->far);
@@ -91,6 +100,7 @@ const char *pk_stability_ask(struct pk_stability *s, const char *what,
     s->answer = NULL;
     s->what = what;
     s->question = question;
+    s->until = question->cap > 0 ? run_processor() + question->cap : HUGE_VAL;
     s->good = 0;
     const int room = !s->run->code && memory_try(&s->run->memory, answer, s);
     run_text_end(s->run);

@@ -49,6 +49,7 @@ struct pk_stability {
     char *answer;     /* of malloc() */
     const char *what; /* is asked */
     const struct pk_stability_question *question;
+    double until; /* seconds of the processor's at which integrations end */
     int good;     /* whether there is an answer */
     double *work; /* 4 n + 1: a start, p, pdot */
     /* Of the start as an equilibrium, once they are asked for. */

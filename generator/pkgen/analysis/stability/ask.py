@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TypeVar
@@ -150,22 +151,37 @@ class Close:
     turn: float  # mean angle a step
 
 
+class TimeUp(Exception):
+    """Nothing more is asked."""
+
+
 class Asker:
     """Asks about one model; `settings` are those of a run."""
 
-    def __init__(self, program: Path, settings: Settings):
-        self.program, self.settings = program, settings
+    def __init__(self, program: Path, settings: Settings, left: Callable[[], float] | None = None):
+        self.program, self.settings, self._left = program, settings, left
         self._stability = Stability(load(program), settings)
 
     def with_settings(self, settings: Settings) -> Asker:
-        return Asker(self.program, settings)
+        return Asker(self.program, settings, self._left)
+
+    def within(self, left: Callable[[], float]) -> Asker:
+        """Asks while any seconds are left; then TimeUp."""
+        return Asker(self.program, self.settings, left)
 
     def check(self) -> None:
         """Raises UsageError where the settings are wrong."""
         self.ask("start")
 
     def ask(self, what: str, **question: object) -> dict:
-        return self._stability.ask(what, **question)
+        if self._left is None:
+            return self._stability.ask(what, **question)
+        if (left := self._left()) <= 0:
+            raise TimeUp
+        found = self._stability.ask(what, cap=left, **question)
+        if self._left() <= 0:  # it may have been cut off
+            raise TimeUp
+        return found
 
     def rest(self, tries: int = TRIES) -> Rest:
         return _rest(self.ask("equilibria", count=tries))

@@ -19,14 +19,15 @@ from ...system import children
 from ...system.exits import UsageError
 from ...system.progress import Show, unseen
 from ..chart.points import ChartedMethod
-from . import cycles, measure, orbits, plan
-from .ask import Asker, Equilibrium, Motion, Rest
+from . import budget, cycles, measure, orbits, plan
+from .ask import Asker, Equilibrium, Motion, Rest, TimeUp
+from .budget import ROWS, SERIAL, Clock, Cut
 from .cycles import Cycle
 from .ghosts import Ghost, ghosts
 from .measure import Growth, Measured, Row
 from .method import StepMap
 from .plan import Axis
-from .predict import Prediction, predictions
+from .predict import PAIRS, RESONANCES, Prediction, predictions
 
 MARGIN = 1.25  # of a map beyond the limit predicted
 TURNS_UNLIMITED = 1.25  # of the fastest mode a step, where there is no limit
@@ -49,6 +50,7 @@ class MapOptions:
     until: float | None
     period: float | None  # of what drives the model
     quick: bool
+    seconds: float
 
 
 @record
@@ -93,6 +95,7 @@ def make(
         compilation.files, compilation.model.name, own=compilation.model.methods
     )
     show(0.0, "equilibria")
+    clock = Clock(asked.seconds, os.cpu_count() or 1)
     asker = Asker(program, asked.settings)
     rest, motion = asker.rest(), asker.start()
     if asked.axis.kind == "parameter":
@@ -124,7 +127,16 @@ def make(
     cycle = None if bound else _cycle(compilation, asked, asker, rest, motion)
     until = plan.duration(at, asked.until, cycle)
     asker = asker.with_settings(replace(asked.settings, until=until))
-    lost = {name: cycles.lost(asker, name, cycle) for name in maps} if cycle else {}
+    lost: dict[str, cycles.Lost | None] = {}
+    for name in maps if cycle else ():
+        show(0.0, f"cycle of {name}")
+        with suppress(TimeUp):
+            lost[name] = cycles.lost(asker.within(partial(clock.left, SERIAL)), name, cycle)
+    if cycle and len(lost) < len(maps):
+        late = (
+            f"time was up before the cycle was followed by {', '.join(maps.keys() - lost.keys())}"
+        )
+        asked = replace(asked, left=(*asked.left, late))
     predicted = {}
     for name, step in maps.items():
         whole = cycles.predictions(cycle, lost.get(name))
@@ -137,8 +149,12 @@ def make(
 
     _refuse_unjudged(started(x).motion() for x in asked.axis.values)
 
-    def one(x: float) -> Row:
-        here = started(x)
+    show(0.0, "what a point takes")
+    asked, steps = _reduced(asked, steps, started, clock)
+    maps = {name: maps[name] for name in steps}
+
+    def one(x: float, enough: Callable[[], float]) -> Row:
+        here = started(x).within(enough)
         found, moved, points = measure.row(here, steps, None if moves else rest, tries)
         # An amplitude is one about the same equilibrium, however far.
         place = at.q if at and asked.axis.kind == "amplitude" else moved.q
@@ -152,6 +168,8 @@ def make(
         return Row(x, found, number, moved, tuple(lines), points)
 
     flat = tuple(p for name in maps for p in predicted[name])
+    # In the order of what matters, should time be up.
+    flat = tuple(sorted(flat, key=lambda p: p.kind in (*RESONANCES, *PAIRS)))
     size = _size(at, motion.q, cyclic) if at else 0.0
     amplitude = measure.small(rest, cyclic, size)
     effort = measure.QUICK if asked.quick else measure.FULL
@@ -160,27 +178,36 @@ def make(
     show(0.0, f"0 of {jobs}")
 
     def counted(make: Callable[[], Made]) -> Made:
-        result = make()
+        try:
+            result = make()
+        except TimeUp:
+            result = None
         if children.ended():  # in the midst of it
             raise KeyboardInterrupt
         done[0] += 1
         show(done[0] / jobs, f"{done[0]} of {jobs}")
         return result
 
+    clock.threads()
+    timed = asker.within(clock.left)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         # The costly ones first: those that no method leaves early.
         xs = asked.axis.values
-        rows = [pool.submit(counted, partial(one, xs[k])) for k in _spread(len(xs))]
+        rows = [
+            # Two rows there are in any case, or nearly.
+            pool.submit(counted, partial(one, xs[k], partial(clock.left, ROWS if i > 1 else 3)))
+            for i, k in enumerate(_spread(len(xs)))
+        ]
         of = size, amplitude, effort, bound
         checks = [
-            pool.submit(counted, partial(_measured, asker, rest, p, lost.get(p.method), of))
+            pool.submit(counted, partial(_measured, timed, rest, p, lost.get(p.method), of))
             for p in flat
         ]
         haunted = [
-            pool.submit(counted, partial(ghosts, asker, name, steps[name], asked.quick))
+            pool.submit(counted, partial(ghosts, timed, name, steps[name], asked.quick))
             for name in (maps if rest.status != "PK_REFUSED" else ())
         ]
-        leaving = pool.submit(counted, partial(measure.growths, asker, rest, amplitude))
+        leaving = pool.submit(counted, partial(measure.growths, timed, rest, amplitude))
         every = [*rows, *checks, *haunted, leaving]
         with suppress(KeyboardInterrupt):
             wait(every, return_when=FIRST_EXCEPTION)
@@ -188,6 +215,14 @@ def make(
     found = tuple(sorted(_kept(rows), key=lambda row: row.x))
     checked, growing = tuple(_kept(checks)), next(iter(_kept([leaving])), [])
     interrupted = ""
+    if len(found) < len(rows) or len(checked) < len(checks):
+        late = (
+            f"time was up: {len(found)} of {len(rows)} values of {asked.axis.name} are mapped, "
+            f"{len(checked)} of {len(checks)} predictions measured; --seconds "
+            f"{10 * asked.seconds:.0f} allows for more"
+        )
+        asked = replace(asked, left=(*asked.left, *([] if children.ended() else [late])))
+        asked = replace(asked, axis=replace(asked.axis, values=tuple(row.x for row in found)))
     if children.ended():
         if len(found) < LEAST_ROWS:
             raise KeyboardInterrupt
@@ -216,7 +251,7 @@ def _kept(futures: list[Future[Made]]) -> list[Made]:
         if future.done() and not future.cancelled():
             with suppress(KeyboardInterrupt):
                 found.append(future.result())
-    return found
+    return [one for one in found if one is not None]
 
 
 def _cycle(
@@ -258,6 +293,23 @@ def _refuse_unjudged(motions: Iterable[Motion]) -> None:
             f"the motion itself ends at t = {first.t:.6g}: {first.status}. Give a shorter --until, "
             "or another start by --start"
         )
+
+
+def _reduced(
+    asked: MapOptions, steps: dict, started: Callable[[float], Asker], clock: Clock
+) -> tuple[MapOptions, dict[str, tuple[float, ...]]]:
+    """To what can be done in time, by what some points take."""
+    here = started(asked.axis.values[len(asked.axis.values) // 2]).within(partial(clock.left, 3))
+    here.motion()
+    whole = Cut(len(asked.axis.values), asked.across, tuple(steps))
+    costs = budget.cost(here.point, steps, clock.left(SERIAL) / 2)
+    part = budget.cut(costs, whole.up, whole.across, clock.cores * clock.left(ROWS))
+    told = budget.told(whole, part, clock.seconds)
+    axis = replace(asked.axis, values=budget.fewer(asked.axis.values, part.up))
+    taken = tuple(m for m in asked.methods if m.name in part.methods)
+    left = (*asked.left, *told)
+    asked = replace(asked, axis=axis, across=part.across, methods=taken, left=left)
+    return asked, {name: budget.fewer(steps[name], part.across) for name in part.methods}
 
 
 def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
