@@ -263,8 +263,6 @@ def test_what_is_of_free_coordinates_says_that_there_are_constraints(pkgen, tmp_
     for name in ("symplectic", "modes", "least_action", "action", "lyapunov"):
         done = pkgen("run", path, *options, name)
         assert f"diagnose {name}: the model has constraints" in done.stderr
-    done = pkgen("stability", path)
-    assert done.returncode == 2 and "the model has constraints (rod)" in done.stderr
 
 
 CANCELLING = """\

@@ -8,6 +8,7 @@ import random
 
 import numpy as np
 import pytest
+from conftest import long_but
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.frames import DEEP
@@ -78,7 +79,7 @@ def kernels(e) -> list:
     return [*rows, *e.mass, *e.p_q, *e.pdot_q, *e.pdot_v]
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", long_but(range(3), range(12)))
 def test_whole_chains_are_their_pieces(seed):
     """Two roads through differentiation: w x c, torques; and the product rule alone."""
     draw = random.Random(seed)
@@ -101,7 +102,7 @@ def test_whole_chains_are_their_pieces(seed):
         assert math.isclose(*both, rel_tol=1e-8) and both[0] > 0
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", long_but(range(4), range(12)))
 def test_pushing_solves_for_the_accelerations(seed):
     draw = random.Random(seed)
     links = draw.randint(2, 9)

@@ -176,7 +176,7 @@ def build_library(
     Raises BuildError with what the compiler said.
     """
     tools = _portable(tools or find_toolchain(), files)
-    inlined = inline_flags(methods, own)
+    inlined = _inlined(tools, methods, own)
     inlined += ["-DPK_INLINE_ENSEMBLE"] if inlined and ensemble else []
     choice = _choice("pk_model", name, parts, own)
     made_of = (_runtime_name(tools), inlined, choice, in_c.tables(own), sorted(files.items()))
@@ -191,6 +191,11 @@ def build_library(
         _linked(tools, every, name, parts, linked, new, SHARED, own)
 
     return cached("models", f"{name[:40]}-{digest}", make) / "model.so"
+
+
+def _inlined(tools: Toolchain, methods: Sequence[str | None], own: Sequence[Own]) -> list[str]:
+    """Steps that are compiled with a model save time only where the compiler optimises."""
+    return [] if {"-O0", "-O1"} & set(tools.flags) else inline_flags(methods, own)
 
 
 def build_program(
@@ -216,7 +221,7 @@ def build_program(
     library = runtime_library(tools)
     declared = "extern const struct pk_run_settings program_settings;\n"
     choice = _choice("program_model", name, parts, own) + declared + settings
-    linked = [*inline_flags(methods, own), *map(str, sorted((RUNTIME / "program").glob("*.c")))]
+    linked = [*_inlined(tools, methods, own), *map(str, sorted((RUNTIME / "program").glob("*.c")))]
     linked += ["-o", "program", str(library / "librun.a"), *(["-static"] if static else [])]
     linked += runtime_links(tools, library)
     with scratch() as folder:
