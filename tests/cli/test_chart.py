@@ -59,7 +59,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, Path]:
             directory,
             "--quick",
             "--seconds",
-            25,  # which it does not need; a loaded machine may
+            8,  # of which it needs three; a loaded machine more
             "--methods",
             METHODS,
             "--full",

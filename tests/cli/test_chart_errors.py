@@ -66,7 +66,7 @@ def charted(pkgen, folder: Path, *words: object) -> tuple[dict, list[dict[str, s
             "--points",
             6,
             "--seconds",
-            10,  # which it does not need; a loaded machine may
+            4,  # of which it needs one; a loaded machine more
         ),
         *("--json", "-o", folder, *words),
     )
