@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
+import random
 from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pkgen as api
 import pytest
-from conftest import run_pkgen
+from conftest import long_but, run_pkgen
 from scipy.integrate import solve_ivp
 
 UNTIL = 1.0
@@ -136,3 +138,25 @@ def test_refusals(tmp_path: Path, change: tuple[str, str], said: str) -> None:
     path.write_text(SPRING.replace(*change).split("scene")[0])
     done = run_pkgen("run", path, "--until", 1, "--method", "respa", "--step", 0.1)
     assert (done.returncode == 0) is (not said) and said in done.stderr
+
+
+@pytest.mark.parametrize("seed", long_but([0], range(3)))
+def test_its_limit_is_predicted(tmp_path: Path, seed: int) -> None:
+    """Beside the trace of half a kick, ten short Verlet steps, half a kick, on two springs."""
+    w = random.Random(seed).uniform(8, 30)
+    path = tmp_path / "tuned.lag"
+    path.write_text(SPRING.replace("w = 20", f"w = {w!r}"))
+    words = ("--methods", "respa", "--quick", "--points", "4x3", "--until", "20")
+    done = run_pkgen("stability", path, *words, "--json", "-o", tmp_path)
+    (limit,) = (p for p in json.loads(done.stdout)["predictions"] if p["kind"] == "limit")
+
+    def trace(h: float) -> float:
+        kick, short = np.array([[1, 0], [-h / 2, 1]]), h / 10
+        half = np.array([[1, 0], [-(w**2) * short / 2, 1]])
+        inner = half @ np.array([[1, short], [0, 1]]) @ half
+        return np.trace(kick @ np.linalg.matrix_power(inner, 10) @ kick)
+
+    steps = np.arange(2.5, 3.5, 1e-5) / w
+    first = next(h for h in steps if abs(trace(h)) > 2 + 1e-12)
+    assert limit["h"] == pytest.approx(first, rel=1e-3)
+    assert limit["measured"] == pytest.approx(first, rel=1e-3)

@@ -168,7 +168,8 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
         h = _search(grows, 0.5 * p.h, 1.5 * p.h)
         if h is None or h > 1.005 * p.h:
             steps *= LONGER
-            h = _search(grows, 0.995 * p.h, h or 1.5 * p.h)
+            narrow = grows(1.0001 * p.h)
+            h = _search(grows, 0.995 * p.h, 1.0001 * p.h if narrow else h or 1.5 * p.h)
     if h is None:
         return Measured(p, None, "no growth up to 1.5 times the prediction")
     return Measured(p, h, "growth" if status == "PK_DONE" else status)

@@ -7,9 +7,12 @@ from collections.abc import Iterable
 
 from ...record import record
 from .ask import Equilibrium, Mode, Rest
-from .method import PAIRS, StepMap
+from .method import PAIRS, StepMap, first_change
+from .orbits import ROUNDED, closed
 
 SAME = 0.1  # relative: a scale this near to a sharp limit adds nothing to it
+TURNS = 2.1 * math.pi  # of the fastest mode, up to which the limit of impulses is sought
+LOOKS = 4000  # on the way: steps grow where forces are nearly in tune alone
 MOST = 4  # modes, the fastest, and pairs, the nearest to 1:2, of which resonances are told
 # Turns of so many steps. The last two are of methods that turn by more than half a turn a step.
 RESONANCES = {
@@ -78,6 +81,25 @@ def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
     return found
 
 
+def impulses(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
+    """The limit of a method whose inner steps take a part of the forces, which is in no spring: the
+    first step whose own linear map at the equilibrium has a multiplier outside of the unit circle.
+    """
+    if not at.stable or not at.oscillating:
+        return None
+    mode = at.oscillating[0]
+    omega, here = at.modes[mode].frequency, step.asker.at(at)
+
+    def grows(y: float) -> bool:
+        question = {"method": step.traits.name, "h": y / omega, "count": 1}
+        found = closed(here, state=(*at.q, *at.v), **question)
+        return not found or found[0].growth > 1 + ROUNDED
+
+    y = first_change(grows, 0.0, TURNS, LOOKS, close=1e-9)
+    h = None if y is None else y / omega
+    return Prediction("limit", step.traits.name, number, mode, None, h, y)
+
+
 def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
     """Where the equations of an implicit step lose their solution, by the fastest growth."""
     pole = step.pole() if step.traits.implicit else None
@@ -119,23 +141,22 @@ def predictions(
     first-order variables, which turn in no plane of their own), branches at the unstable ones; of
     equilibria with the same modes, mirror images, at one. Then the scale of the motion's `rates`.
     """
-    if "fast" in step.traits.requires:
-        return []  # which modes its inner steps take is in no spring
+    split = "fast" in step.traits.requires
     found: list[Prediction] = []
     seen: set[tuple[str, str]] = set()
     order = sorted(range(len(rest.equilibria)), key=lambda k: k != primary)
     for number in order:
         at = rest.equilibria[number]
-        one = (limit if at.stable else branch)(step, number, at)
+        one = (impulses if split else limit if at.stable else branch)(step, number, at)
         if one is None:
             continue
         rate = at.modes[one.mode].rate
         if (one.kind, f"{rate:.9g}") not in seen:
             seen.add((one.kind, f"{rate:.9g}"))
             found.append(one)
-        if number == primary and at.stable and not step.states:
+        if number == primary and at.stable and not (step.states or split):
             found += resonances(step, number, at)
-    along = local(step, rates)
+    along = None if split else local(step, rates)
     if along and not any(_says(p, along) for p in found if p.equilibrium == primary):
         found.insert(0, along)
     return found
