@@ -36,6 +36,7 @@ WORDS = {  # in the legend
     "cycle": "predicted loss of the cycle",
     "local": "scale: resolves the fastest motion",
 }
+APART = 0.09  # of an axis, two stars
 GHOSTS = {"ghost": "ghost that keeps a run", "ghost that repels": "ghost that repels"}
 PAIR_WORDS = {"1:2": "1:2 {slow}, {fast}", "1+2": "{fast} + 2{slow}", "2+1": "2{fast} + {slow}"}
 SILENT, SILENT_DARK = "#708090", "#8FA3B5"  # a resonance that nothing answers
@@ -185,21 +186,24 @@ def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
 
 def ghosts(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> set[str]:
     """Stars at the steps where the map has orbits that the equations have not, full ones where a
-    run stays; as high as what is varied is in their states. Which of both are in sight."""
+    run stays; as high as what is varied is in their states. Of stars next to each other one is
+    drawn, first of those where a run stays. Which of both are in sight."""
     (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    seen = set()
-    for ghost in (g for g in made.ghosts if g.method == name):
-        places = [
-            (orbit.h, x)
-            for orbit in ghost.orbits
-            for x in {round(made.place(state), 9) for state in orbit.states}
-            if low < orbit.h < high and bottom < x < top
-        ]
-        if places:
-            kind = "ghost" if ghost.stays else "ghost that repels"
-            axes.plot(*zip(*places, strict=True), **_star(kind, look), zorder=4)
-            seen.add(kind)
-    return seen
+    places: dict[str, list[tuple[float, float]]] = {}
+    taken: list[tuple[float, float]] = []
+    for ghost in sorted((g for g in made.ghosts if g.method == name), key=lambda g: not g.stays):
+        for orbit in ghost.orbits:
+            for x in sorted({round(made.place(state), 9) for state in orbit.states}):
+                at = (orbit.h - low) / (high - low), (x - bottom) / (top - bottom)
+                if not (0 < at[0] < 1 and 0 < at[1] < 1):
+                    continue
+                if all(max(abs(at[0] - a), abs(at[1] - b)) > APART for a, b in taken):
+                    taken.append(at)
+                    kind = "ghost" if ghost.stays else "ghost that repels"
+                    places.setdefault(kind, []).append((orbit.h, x))
+    for kind, some in places.items():
+        axes.plot(*zip(*some, strict=True), **_star(kind, look), zorder=4)
+    return set(places)
 
 
 def _star(kind: str, look: Look) -> dict[str, object]:
