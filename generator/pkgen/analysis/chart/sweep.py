@@ -25,6 +25,8 @@ FINER = (1.12, 4.0)  # a step over the next one, at least and at most
 UNKNOWN = 1.4  # where the last step failed
 PAST_LIMIT = 1.5  # the first step, in limits; without a limit in radians of the fastest: LONGEST
 LONGEST = 3.0  # or, if that is more, its order
+ANSWER = 1e-3  # an error below which a step may be a chart's answer
+LONGER = 3  # as long is the step tried before one that may
 ROUND_OFF = 3e-16
 EASED = 1e-8  # below it an error that no longer falls has met round-off
 
@@ -160,11 +162,24 @@ def _sweep(
         # A point is integrated twice at least, and a tighter one takes longer.
         if points and 4 * (points[-1].seconds or points[-1].took) > left:
             break
+        cap = max(left / 2, bench.effort.lap_seconds)
         setting = plan.after(points) if points else plan.first
-        point = bench.point(method, setting, cap=max(left / 2, bench.effort.lap_seconds), lap=lap)
-        points.append(point)
-        if point.refused or point.slow or _at_round_off(points, bench.floor):
+        points.append(bench.point(method, setting, cap, lap))
+        if len(points) == 1 and isinstance(plan, Steps):
+            _longer(bench, method, plan, cap, lap, points)
+        if points[-1].refused or points[-1].slow or _at_round_off(points, bench.floor):
             break
+
+
+def _longer(
+    bench: Bench, method: ChartedMethod, plan: Steps, cap: float, lap: float, points: list[Point]
+) -> None:
+    """While the first step is an answer already, adds longer ones before it: those of a method that
+    is exact on a linear system are as long as one likes."""
+    whole = plan.whole
+    while whole > 1 and points[0].good and (points[0].error or 0) < ANSWER:
+        whole = max(1, whole // LONGER)
+        points.insert(0, bench.point(method, plan.until / whole, cap, lap))
 
 
 def _at_round_off(points: list[Point], floor: float) -> bool:
