@@ -378,3 +378,14 @@ def test_labels_do_not_lie_over_each_other() -> None:
     assert len(boxes) == 9
     for i, one in enumerate(boxes):
         assert not any(one.overlaps(other) for other in boxes[:i])
+
+
+def test_steps_are_as_long_as_they_may_be(pkgen, tmp_path: Path) -> None:
+    """Of a method that is exact on a linear system one step is all it takes."""
+    model = tmp_path / "springs.lag"
+    model.write_text("model springs\ncoord x\nkinetic x'^2/2\npotential 8*x^2\nstart x = 1\n")
+    words = ("--methods", "exponential", "--until", 30, "--seconds", 2, "--points", 5)
+    assert pkgen("chart", model, *words, "-o", tmp_path).returncode == 0
+    with (tmp_path / "springs_chart.csv").open() as file:
+        steps = [float(row["step"]) for row in csv.DictReader(file)]
+    assert max(steps) == 30 and min(steps) < 1
