@@ -153,12 +153,12 @@ def test_what_leaves_the_constraints_is_told(tmp_path, capsys) -> None:
 
 
 def test_a_start_without_a_place_is_said(tmp_path, capsys) -> None:
-    """y = 0 is where the row's slope vanishes: from there no way leads back."""
-    model = tmp_path / "fold.lag"
+    """The row has no slope in the middle of its ring: from there no way leads back."""
+    model = tmp_path / "ring.lag"
     model.write_text(
-        "model fold\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\n"
-        "constraint fold: x + y^2 = 1\nstart x = -99, y = 10\n"
+        "model ring\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\n"
+        "constraint ring: x^2 + y^2 = 1\nstart x = 1\n"
     )
-    code = main(["stability", str(model), "--quick", "--points", "4x2", "-o", str(tmp_path)])
-    assert code in (0, 2)
-    assert "Traceback" not in capsys.readouterr().err
+    words = ("--quick", "--points", "4x3", "--vary", "x=-0.5..0.5", "-o", str(tmp_path))
+    assert main(["stability", str(model), *words]) == 2
+    assert "no start next to q = (0.0, 0.0)" in capsys.readouterr().err
