@@ -10,8 +10,19 @@ import csv
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
+from pkgen.__main__ import parser_of
+from pkgen.analysis.chart.errors import KINDS, ErrorKind, Measure
+from pkgen.analysis.chart.exact import Exact
+from pkgen.analysis.chart.measure import Program
+from pkgen.analysis.chart.points import ChartedMethod
+from pkgen.cli.compilation import compile_within_limits
+from pkgen.run.build import build_library
+from pkgen.run.library import Run
+from pkgen.scenes import asked
+from pkgen.scenes.use import whole
 
 MODEL = """model oscillator
 coord x
@@ -100,6 +111,30 @@ def test_errors_on_the_way_are_no_smaller_than_at_the_end(pkgen, tmp_path: Path)
     assert len(shared) > 3
     for h in shared:
         assert found["max"][h] >= found["final"][h] and found["max"][h] > found["mean"][h] > 0
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.path])
+def test_states_on_the_way_that_end_early_are_given_up(kind: ErrorKind, tmp_path: Path) -> None:
+    """A cap that only the run with rows meets, as on a machine that is busy at that moment."""
+    model = tmp_path / "oscillator.lag"
+    model.write_text(MODEL)
+    options = parser_of("chart").parse_args([str(model), "--until", str(UNTIL)])
+    compilation = compile_within_limits(options, unroll=None, use=whole(options))
+    library = build_library(compilation.files, compilation.model.name, "verlet")
+    program = Program(library, asked.settings(options, compilation))
+    states = [(t, Exact.of([math.cos(t), -math.sin(t)], [0.0, 0.0], 1)) for t in times()]
+    measure, verlet = Measure(kind, states, [1.0, 1.0]), ChartedMethod("verlet", 2)
+
+    whole_run = program.run
+
+    def late(method: str, setting: float, cap: float, **more: Any) -> Run:
+        return whole_run(method, setting, cap=1e-9 if more["but"]["every"] else cap, **more)
+
+    before = program.point(verlet, 1e-5, 0.0, 60.0, measure)
+    assert before.outcome == "done" and before.error < 1e-9
+    program.run = late
+    after = program.point(verlet, 1e-5, 0.0, 60.0, measure)
+    assert (after.outcome, after.error) == ("given up", None)
 
 
 def test_several_starts_give_a_median_and_a_spread(pkgen, tmp_path: Path) -> None:

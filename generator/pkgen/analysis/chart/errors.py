@@ -84,12 +84,12 @@ class Measure:
         return _OF[self.kind.name](self, [state for _, state in states])
 
     def _far(self, states: list[Exact]) -> list[float]:
-        exact = [state for _, state in self.path]
-        pairs = zip(states, exact[len(exact) - len(states) :], strict=True)
-        return [difference(one, other, self.scales) for one, other in pairs]
+        """At each time of the reference; a motion that ends early has no error."""
+        pairs = zip(states, self.path, strict=True)
+        return [difference(one, other, self.scales) for one, (_, other) in pairs]
 
     def _final(self, states: list[Exact]) -> float:
-        return self._far(states[-1:])[0]
+        return difference(states[-1], self.path[-1][1], self.scales)
 
     def _max(self, states: list[Exact]) -> float:
         return max(self._far(states))
@@ -101,9 +101,9 @@ class Measure:
         n = self.path[0][1].coordinates
         if not n:
             raise UsageError("--error phase: the model has no coordinates")
-        last = self.path[-max(1, int(END * len(self.path))) :]
+        last = max(1, int(END * len(self.path)))
         moved = apart = Fraction(0)
-        for (_, exact), state in zip(last, states[-len(last) :], strict=True):
+        for (_, exact), state in [*zip(self.path, states, strict=True)][-last:]:
             for i in range(n):
                 rate = exact[n + i] / Fraction(self.scales[i]) ** 2
                 moved += rate * exact[n + i]

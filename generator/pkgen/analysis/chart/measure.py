@@ -13,7 +13,7 @@ from ...methods import Own, known
 from ...run.library import USAGE, Run, load
 from ...run.settings import Settings, Shown
 from ...system.exits import UsageError
-from .errors import Measure, State
+from .errors import Measure
 from .exact import Exact
 from .points import ChartedMethod, Point
 
@@ -94,14 +94,23 @@ class Program:
         until = self.settings.until
         if method.fixed:
             setting = until / max(1, math.ceil(until / setting * (1 - 1e-12)))
+        began = time.process_time()
         but = {"every": None, "show": self.state}
         done = self.run(method.name, setting, but=but, bare=1, cap=cap)
-        found, error, fastest = done.report, None, None
-        if found["status"] == "PK_DONE" and not found["slow"]:
-            began = time.process_time()
-            error = measure.of(self._seen(done, method, setting, cap, measure), found)
-            fastest = done.laps(seconds)
-            found["processor"] += time.process_time() - began
+        error = fastest = None
+        if self._arrived(done):
+            seen = done
+            if measure.kind.path:
+                every = until / (len(measure.path) - 1)
+                but = {"every": every, "show": self.state, "rows": "dense"}
+                seen = self.run(method.name, setting, but=but, bare=1, cap=cap)
+            if self._arrived(seen):
+                states = list(zip(*self.states(seen), strict=True))
+                error = measure.of(states, seen.report)
+                fastest = done.laps(seconds)
+            else:  # its states end early, so it is what has happened
+                done = seen
+        found = done.report
         return Point(
             method=method.name,
             setting=setting,
@@ -109,17 +118,11 @@ class Program:
             error=error,
             seconds=fastest,
             work=found["evaluations"] + len(self.state) * found["jacobians"],
-            took=found["processor"],
+            took=time.process_time() - began,
             drifts={d["name"]: d["max"] for d in found["drifts"] if d["max"] is not None},
             **{name: found[name] for name in AS_REPORTED},
         )
 
-    def _seen(
-        self, done: Run, method: ChartedMethod, setting: float, cap: float, measure: Measure
-    ) -> list[State]:
-        """What the error is of: the end of the run, or states on the way, of a run with rows."""
-        if measure.kind.path:
-            every = self.settings.until / (len(measure.path) - 1)
-            but = {"every": every, "show": self.state, "rows": "dense"}
-            done = self.run(method.name, setting, but=but, bare=1, cap=cap)
-        return list(zip(*self.states(done), strict=True))
+    @staticmethod
+    def _arrived(done: Run) -> bool:
+        return done.report["status"] == "PK_DONE" and not done.report["slow"]

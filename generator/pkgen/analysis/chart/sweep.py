@@ -79,6 +79,8 @@ class Bench:
         if not others or first.refused or first.slow:
             return first
         points = [first, *(p.point(method, setting, 0.0, cap, m) for p, m in others)]
+        if any(p.slow for p in points):  # then nobody knows the median
+            return replace(first, slow=True, error=None, took=sum(p.took for p in points))
         errors = sorted(math.inf if p.error is None else p.error for p in points)
         median = statistics.median(errors)
         worst = next((p for p in points if not p.arrived), first) if median == math.inf else first
