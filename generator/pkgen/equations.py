@@ -14,6 +14,8 @@ Families are unrolled: everything here is flat, in declaration order.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from .graph.graph import Graph, Node
 from .model import Model
 from .record import record
@@ -126,9 +128,33 @@ class Attitude:
 
 
 @record
+class Rows:
+    """What a model states, a row each constraint: the `holonomic` ones, which come first, as
+    phi(t, q), and all as J v + j0, which of those is the rate of phi."""
+
+    names: tuple[Quantity, ...]  # of the multipliers, in the unit of a force along q over J's
+    holonomic: int
+    positions: Row  # phi, in the unit of a side; as many as are holonomic
+    residual: Row  # J v + j0, in that unit over time, of a rolling in that of a side
+    spans: tuple[Span, ...]  # of the statements
+    redundant: Rows | None = None  # those that follow from these, where the motion starts
+
+    def picked(self, which: Sequence[int]) -> Rows:
+        holonomic = sum(k < self.holonomic for k in which)
+        return Rows(
+            tuple(self.names[k] for k in which),
+            holonomic,
+            tuple(self.positions[k] for k in which[:holonomic]),
+            tuple(self.residual[k] for k in which),
+            tuple(self.spans[k] for k in which),
+        )
+
+
+@record
 class Constraints:
     """Rows J v + j0 = 0, the first `holonomic` of them the rates of phi = 0; the force J^T lambda
-    of d'Alembert is in `applied`, in pdot and f. What is `free` is without it."""
+    of d'Alembert is in `applied`, in pdot and f. What is `free` is without it. Rows that follow
+    from these are `redundant`: they have no force, and a run ends where they cease to follow."""
 
     names: tuple[Quantity, ...]  # of the multipliers
     holonomic: int
@@ -142,6 +168,17 @@ class Constraints:
     free_force: Row
     spans: tuple[Span, ...]
     workless: bool  # J v = 0 at any time: no constraint moves by itself
+    redundant: Rows | None = None
+    redundant_rows: Matrix = ()  # J of these
+    least: Row = ()  # the multipliers of least norm, of these rows and then of the redundant ones
+    shared: frozenset[int] = frozenset()  # rows whose multiplier is not unique, counted so
+
+    @property
+    def stated(self) -> Rows:
+        """As what constrain() made these of."""
+        return Rows(
+            self.names, self.holonomic, self.positions, self.residual, self.spans, self.redundant
+        )
 
 
 @record
@@ -217,6 +254,7 @@ class Equations:
         None  # in C: p and pdot without the forces of constraints
     )
     terms: tuple[Row, Row] | None = None  # in C: sizes of the terms of phi and of J v + j0
+    redundant_terms: Row = ()  # in C: the same of redundant rows, positions and then rates
     particles: Particles | None = None  # None: not asked for
     fast: Row | None = None  # the acceleration by the part of V that is named so; None: none is
 

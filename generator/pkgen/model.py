@@ -84,6 +84,11 @@ class Rotation:
     span: Span
 
 
+def multipliers(name: str) -> tuple[str, str]:
+    """The names of what keeps it: of a unique multiplier, and of the one of least norm."""
+    return f"lambda_{name}", f"least_lambda_{name}"
+
+
 @record
 class Constraint:
     """`constraint` (holonomic) or `rolling` NAME: A = B; `value` is A - B, of a vector a component.

@@ -32,6 +32,21 @@ BOUND = (
         lambda e: dict(zip(("phi_size", "residual_size"), e.terms, strict=True)),
         exists=lambda e: e.terms is not None,
     ),
+    KernelSpec(
+        "redundant",
+        "what redundant rows are off, phi and then J v + j0, and the sizes of their terms; their J",
+        lambda e: (
+            Output("off_out", len(e.redundant_terms), 1),
+            Output("off_size", len(e.redundant_terms), 1),
+            Output("off_rows", len(e.constraints.redundant_rows), len(e.coordinates)),
+        ),
+        lambda e: (
+            stores("off_out", e.constraints.redundant.positions + e.constraints.redundant.residual)
+            + stores("off_size", e.redundant_terms)
+            + matrix_stores("off_rows", e.constraints.redundant_rows)
+        ),
+        exists=lambda e: bool(e.redundant_terms),
+    ),
     vector(
         "multipliers",
         "lambda, of which J^T lambda are the forces of the constraints",
@@ -53,4 +68,4 @@ BOUND = (
     ),
 )
 # Wherever there are constraints.
-ALWAYS = frozenset({"constraint", "constraint_jacobian", "residual_scale", "inertia"})
+ALWAYS = frozenset({"constraint", "constraint_jacobian", "residual_scale", "inertia", "redundant"})

@@ -86,6 +86,8 @@ def freedom(e: Equations) -> list[str]:
         counts = [f"{n} rates"]
         counts += [f"{holonomic} constraint{'s' if holonomic != 1 else ''}"] if holonomic else []
         counts += [f"{rows - holonomic} rolling"] if rows > holonomic else []
+        more = len(e.constraints.redundant_rows)
+        counts += [f"{more} redundant row{'s' if more != 1 else ''}"] if more else []
         n -= rows
     counts += [f"{n} degree{'s' if n != 1 else ''} of freedom"] if n or not states else []
     turning = len(e.attitudes)
@@ -106,3 +108,9 @@ def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
         yield f"{name}'", node
     for q, node in zip(c.names, c.multipliers, strict=True):
         yield q.name, node
+
+
+def redundant_names(equations: Equations) -> list[str]:
+    c = equations.constraints
+    names = c.redundant.names if c is not None and c.redundant else ()
+    return [q.name.removeprefix("lambda_") for q in names]

@@ -25,6 +25,7 @@ from .contents import (
     motion_rows,
     outputs,
     rate_rows,
+    redundant_names,
     rates_title,
     section,
 )
@@ -199,7 +200,9 @@ def _constraints(equations: Equations) -> str:
     rows = list(constraint_rows(equations))
     width = max((len(name) for name, _ in rows), default=0)
     what = "Constraints   0 =, J their derivatives by the rates; and lambda ="
-    return section(what, (f"{name:<{width}}  {_text(equations, node)}" for name, node in rows))
+    lines = [f"{name:<{width}}  {_text(equations, node)}" for name, node in rows]
+    lines += [f"{name:<{width}}  follows: redundant" for name in redundant_names(equations)]
+    return section(what, lines)
 
 
 def _of_states(equations: Equations) -> bool:

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 from ..front import parse
 from ..front import statements as st
-from ..model import Model
+from ..model import Model, multipliers
 from ..tree import (
     COMPONENTS,
     Add,
@@ -62,9 +62,10 @@ class Written:
                 self.kinds[s.left.name] = self.kind(s.value)
                 self.lets.setdefault(s.left.name, s)
         self.kinds |= {
-            f"lambda_{s.left.name}": self.kind(s.a)
+            name: self.kind(s.a)
             for s in self.statements
             if isinstance(s, st.Equation)
+            for name in multipliers(s.left.name)
         }
 
     # -- statements ---------------------------------------------------------------------------

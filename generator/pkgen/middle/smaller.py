@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from ..equations import Attitude, Constraints, Equations, ParameterSlot, Quantity
+from ..equations import Attitude, Constraints, Equations, ParameterSlot, Quantity, Rows
 from ..graph.graph import BIT, Graph, Kind, Node, Symbol
 from ..graph.substitute import substituted
 from ..model import Coordinate, Model, State
@@ -121,20 +121,27 @@ def _attitudes(
 def _fewer(g: Graph, c: Constraints, there, pick) -> Constraints | None:
     """Without the rows that only what is gone was in. All but what the model says of them is
     derived again."""
-    residual = there(c.residual)
+    own = _moving(g, c.stated, there)
+    if own is None:
+        return None
+    return replace(
+        c,
+        names=own.names,
+        holonomic=own.holonomic,
+        positions=own.positions,
+        residual=own.residual,
+        spans=own.spans,
+        redundant=c.redundant and _moving(g, c.redundant, there),
+        free_applied=there(pick(c.free_applied)),
+    )
+
+
+def _moving(g: Graph, rows: Rows, there) -> Rows | None:
+    residual = there(rows.residual)
     left = [k for k, node in enumerate(residual) if g.depends[node] & BIT[Kind.RATE]]
     if not left:
         return None
-    positions = there(c.positions)
-    return replace(
-        c,
-        names=tuple(c.names[k] for k in left),
-        holonomic=sum(k < c.holonomic for k in left),
-        positions=tuple(positions[k] for k in left if k < c.holonomic),
-        residual=tuple(residual[k] for k in left),
-        free_applied=there(pick(c.free_applied)),
-        spans=tuple(c.spans[k] for k in left),
-    )
+    return replace(rows, positions=there(rows.positions), residual=residual).picked(left)
 
 
 def _model(model: Model, kept: set[str]) -> Model:

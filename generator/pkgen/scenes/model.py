@@ -14,7 +14,18 @@ from ..front.check.options_text import LeftSide, OptionError, left_side
 from ..indices import indexed, integer, parted
 from ..middle.quantities import ends, sizes
 from ..middle.specialise import with_definitions
-from ..model import Constraint, Coordinate, Definition, Input, Model, Record, Scene, Start, State
+from ..model import (
+    Constraint,
+    Coordinate,
+    Definition,
+    Input,
+    Model,
+    Record,
+    Scene,
+    Start,
+    State,
+    multipliers,
+)
 from ..tree import AXES, Expr, Name, Number, Prime, names, of_member, replaced
 from . import expects
 
@@ -47,7 +58,7 @@ def written_out(
     """Columns as an option names them: of a vector, each component; the scene's are known too."""
     recorded = scene.record.columns if scene is not None and scene.record else ()
     known = {item.name.rstrip("'") for item in (*model.observed, *model.conserved, *recorded)}
-    known |= {f"lambda_{item.name}" for item in model.constraints}
+    known |= {name for item in model.constraints for name in multipliers(item.name)}
     known |= {name for r in model.rotations for name in (*r.rates, *r.momenta)}
     quaternions = {r.name: r.quaternion for r in model.rotations}
     found: list[str] = []
@@ -109,7 +120,7 @@ def _unit(model: Model, side: LeftSide) -> str | None:
                 if isinstance(item, Coordinate):
                     units[f"p_{item.name}", 0] = item.momentum_unit
             case Constraint(name=name):
-                units = {(f"lambda_{name}", 0): item.unit}
+                units = {(found, 0): item.unit for found in multipliers(name)}
             case Definition(name=name):
                 units = {(name, 0): item.unit}
         if own in units and _has(model, item, side.index):

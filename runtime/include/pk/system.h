@@ -26,16 +26,16 @@ PK_BEGIN
  * loaded at run time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 53u
+#define PK_ABI 57u
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 54u
+#define PK_ABI 58u
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 55u
+#define PK_ABI 59u
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 52u
+#define PK_ABI 56u
 #endif
 extern const char PK_SCALAR[];
 
@@ -138,6 +138,9 @@ typedef void pk_kernel(const void *params, pk_real t, const pk_real *q, const pk
 /* Writes two. */
 typedef void pk_kernel_2(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                          const pk_real *u, pk_real *out, pk_real *second);
+/* Writes three. */
+typedef void pk_kernel_3(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                         const pk_real *u, pk_real *out, pk_real *second, pk_real *third);
 /* Returns a number. */
 typedef pk_real pk_kernel_number(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                                  const pk_real *u);
@@ -213,6 +216,12 @@ struct pk_part_constraints {
      * residual is judged. */
     pk_kernel_2 *scale;
     pk_kernel *multipliers; /* lambda */
+    /* Rows that follow from these where the model starts, and have no force. `redundant` writes what
+     * their phi, then their J v + j0 are off, the sizes of the terms of all that, and their J; a run
+     * ends where they cease to follow. */
+    size_t n_redundant, n_redundant_holonomic;
+    const struct pk_quantity *redundant_names;
+    pk_kernel_3 *redundant;
 };
 
 /* Families kept as loops. pk_system.n is then the count at the default sizes; coordinates, rates,

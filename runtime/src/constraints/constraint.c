@@ -92,10 +92,10 @@ enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_rea
     return it->own->project ? pk_project(it, t, q, v, NULL, NULL, &moved) : PK_DONE;
 }
 
-/* The row whose residual is no rounding, or `rows`. x are positions, where attitudes count as 1, or
- * rates. */
+/* The row whose residual is no rounding, or `rows`, of those whose derivatives are J. x are
+ * positions, where attitudes count as 1, or rates. */
 static size_t broken(const struct pk_projection *w, const pk_real *residual, const pk_real *terms,
-                     size_t rows, const pk_real *x, int of_rates)
+                     const pk_real *J, size_t rows, const pk_real *x, int of_rates)
 {
     pk_real most = 0;
     for (size_t k = 0; k < w->m; k++) {
@@ -105,7 +105,7 @@ static size_t broken(const struct pk_projection *w, const pk_real *residual, con
     for (size_t i = 0; i < rows; i++) {
         pk_real slope = 0;
         for (size_t k = 0; k < w->m; k++)
-            slope += pk_abs(w->J[i * w->n + k]) / PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k));
+            slope += pk_abs(J[i * w->n + k]) / PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k));
         if (!(pk_abs(residual[i]) <= WRITTEN * terms[i] + DEBRIS * slope * most))
             return i;
     }
@@ -135,25 +135,49 @@ enum pk_status pk_project_start(struct pk_integrator *it)
         return pk_because(it, PK_OFF_CONSTRAINTS, 0, (pk_real)NAN);
     const size_t depends = pk_project_factor(&w, w.c);
     pk_project_terms(&w, q, v);
-    size_t row = broken(&w, w.phi, w.phi_size, w.h, q, 0);
+    size_t row = broken(&w, w.phi, w.phi_size, w.J, w.h, q, 0);
     if (row < w.h)
         return pk_because(it, PK_OFF_CONSTRAINTS, row, w.phi[row]);
-    row = broken(&w, w.rate, w.rate_size, w.c, v, 1);
+    row = broken(&w, w.rate, w.rate_size, w.J, w.c, v, 1);
     if (row < w.c)
         return pk_because(it, PK_OFF_CONSTRAINTS, w.c + row, w.rate[row]);
     it->where = depends - 1;
-    return depends ? PK_NO_PROJECTION : pk_project(it, it->t, q, v, NULL, NULL, &moved);
+    if (depends)
+        return PK_NO_PROJECTION;
+    PK_TRY(pk_project(it, it->t, q, v, NULL, NULL, &moved));
+    return pk_project_redundant(it, it->t, q, v, PK_OFF_CONSTRAINTS);
+}
+
+enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                    const pk_real *v, enum pk_status status)
+{
+    const struct pk_system *system = it->problem.system;
+    if (!it->own->project || !system->constraints.n_redundant)
+        return PK_DONE;
+    const size_t h = system->constraints.n_redundant_holonomic;
+    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const size_t first = 2 * w.c + system->n_rotations;
+    system->constraints.redundant(w.params, t, q, v, pk_eval_input(it, t), w.off, w.off_size,
+                                  w.off_rows);
+    size_t row = broken(&w, w.off, w.off_size, w.off_rows, h, q, 0);
+    if (row < h)
+        return pk_because(it, status, first + row, w.off[row]);
+    row = broken(&w, w.off + h, w.off_size + h, w.off_rows, w.r, v, 1);
+    return row < w.r ? pk_because(it, status, first + w.r + row, w.off[h + row]) : PK_DONE;
+}
+
+static int named(const struct pk_quantity *names, size_t n, size_t row, char *text, size_t size)
+{
+    static const char force[] = "lambda_";
+    const char *name = names && row < n ? names[row].name : "";
+    if (strncmp(name, force, sizeof force - 1) == 0)
+        name += sizeof force - 1;
+    return *name ? snprintf(text, size, "%s", name) : snprintf(text, size, "number %zu", row + 1);
 }
 
 int pk_constraint_name(const struct pk_system *system, size_t row, char *text, size_t size)
 {
-    static const char force[] = "lambda_";
-    const char *name = system->constraints.names && row < system->constraints.n
-                           ? system->constraints.names[row].name
-                           : "";
-    if (strncmp(name, force, sizeof force - 1) == 0)
-        name += sizeof force - 1;
-    return *name ? snprintf(text, size, "%s", name) : snprintf(text, size, "number %zu", row + 1);
+    return named(system->constraints.names, system->constraints.n, row, text, size);
 }
 
 /* What the row that depends on others does so on: "a, b". */
@@ -180,6 +204,15 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     const size_t c = system->constraints.n, row = it->where % (c ? c : 1);
     const char *what = pk_status_text(it->status);
     char name[128], others[256], more[400] = "";
+    const size_t behind = it->where - (2 * c + system->n_rotations);
+    const size_t r = system->constraints.n_redundant;
+    if (it->where >= 2 * c + system->n_rotations && behind < 2 * r) {
+        const struct pk_quantity *names = system->constraints.redundant_names;
+        named(names, r, behind % r, name, sizeof name);
+        return pk_say(it, text, size, "%s: %s follows from the others where the model starts, not "
+                      "here: %sit is broken by %.3g", what, name, behind < r ? "" : "as rates go, ",
+                      (double)it->detail);
+    }
     if (it->where >= 2 * c + system->n_rotations)
         return pk_say(it, text, size, "%s", what);
     if (it->where >= 2 * c) {

@@ -215,9 +215,11 @@ enum pk_status pk_project_step(struct pk_integrator *it)
     pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q),
             *low_v = pk_part(it->own->next, n, PK_LOW_X);
     int moved = 0;
-    if (!it->own->project || it->method->traits & PK_HOLONOMIC) /* which sees to it itself */
+    if (!it->own->project)
         return PK_DONE;
-    PK_TRY(pk_project(it, it->own->next_t, q, v, low_q, it->p ? NULL : low_v, &moved));
+    if (!(it->method->traits & PK_HOLONOMIC)) /* which sees to it itself */
+        PK_TRY(pk_project(it, it->own->next_t, q, v, low_q, it->p ? NULL : low_v, &moved));
+    PK_TRY(pk_project_redundant(it, it->own->next_t, q, v, PK_NO_PROJECTION));
     if (!moved || !it->p)
         return PK_DONE;
     pk_eval_canonical(it, it->own->next_t, q, v, pk_part(it->own->next, n, PK_P),

@@ -69,6 +69,8 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
         {"residual_scale", c ? ~0u : 0, system->constraints.scale != NULL},
         {"constraint", c && system->constraints.n_holonomic ? ~0u : 0,
          system->constraints.values != NULL},
+        {"redundant", system->constraints.n_redundant ? ~0u : 0,
+         system->constraints.redundant != NULL},
         {"inertia", c ? ~0u : own, system->inertia != NULL},
         {"unconstrained", own, system->unconstrained != NULL},
         {"acceleration", ~0u, system->acceleration != NULL},

@@ -12,13 +12,16 @@ static size_t lay_out(struct pk_projection *w, pk_real *base)
                                     {&w->M, n * n},      {&w->J, c * n},     {&w->W, c * n},
                                     {&w->A, c * c},      {&w->phi, c},       {&w->rate, c},
                                     {&w->phi_size, c},   {&w->rate_size, c}, {&w->mu, c},
-                                    {&w->depends, 1 + c}};
+                                    {&w->depends, 1 + c},
+                                    {&w->off, 2 * w->r}, {&w->off_size, 2 * w->r},
+                                    {&w->off_rows, w->r * n}};
     return PK_LAY_OUT(base, slots);
 }
 
 size_t pk_project_room(const struct pk_system *system, size_t n)
 {
     struct pk_projection w = {.n = n, .c = system->constraints.n};
+    w.r = system->constraints.n_redundant;
     return lay_out(&w, NULL);
 }
 
@@ -33,6 +36,7 @@ struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n
     struct pk_projection w = {.system = system, .params = problem->params, .n = n};
     w.c = system->constraints.n;
     w.h = system->constraints.n_holonomic;
+    w.r = system->constraints.n_redundant;
     w.rotation = n - system->n_first_order;
     w.m = w.rotation + 3 * system->n_rotations;
     lay_out(&w, room);

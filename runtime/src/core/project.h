@@ -21,6 +21,8 @@ struct pk_projection {
     pk_real *rate_size;
     pk_real *mu, *d;  /* multipliers; 2 n numbers: a correction, and what is behind it */
     pk_real *depends; /* 1 + the row that depends on earlier ones, or 0; by how much */
+    size_t r;         /* redundant rows */
+    pk_real *off, *off_size, *off_rows; /* what these are off, 2 r; of what sizes; their J */
 };
 
 /* Whether there are rows of rates that are no rates of positions. */
@@ -65,6 +67,11 @@ int pk_project_dependent(struct pk_integrator *it);
 /* The state where the integrator starts: refused where it breaks constraints, or they depend on
  * each other; else moved onto them by what rounding left. */
 enum pk_status pk_project_start(struct pk_integrator *it);
+/* Whether redundant rows hold where all others do: at the start as its numbers are written, later as
+ * the rounding of those lets them. PK_OFF_CONSTRAINTS or PK_NO_PROJECTION, it->where behind what
+ * the other rows and rotations have. */
+enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                    const pk_real *v, enum pk_status broken);
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size);
 
 #endif

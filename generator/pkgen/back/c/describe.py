@@ -42,6 +42,7 @@ _MATRICES = {
     "r_q": "r_q[i*{n} + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the acceleration",
     "r_v": "r_v[i*{n} + j] = dr_i/dv_j",
     "J_out": "J_out[k*{n} + j] = d(residual_k)/dv_j, row-major",
+    "off_rows": "off_rows[k*{n} + j], the derivatives by v_j, row-major",
     "slope": "slope[k*{n} + j] = d(switch k)/dq_j, along the axes of a body",
 }
 
@@ -72,7 +73,9 @@ _OUT = {
     "singularity": lambda e: tuple(singularity.quantity for singularity in e.singularities),
 }
 _FORCES = ("f", "pdot", "dLdq", "dHdq", "applied")
-_UNLISTED = ("r_t", "phi_out", "residual_out", "phi_size", "residual_size", "slope_t")
+_UNLISTED = """
+    r_t phi_out residual_out phi_size residual_size slope_t off_out off_size
+""".split()
 _VECTORS = {
     **dict.fromkeys(_FORCES, lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}")),
     **dict.fromkeys(_UNLISTED, lambda p, _: ()),

@@ -59,7 +59,7 @@ _FUNCTIONS = """
 _OURS = """
     p t q v u w a M f momenta pdot dLdq p_q pdot_q pdot_v r_q r_v r_t out given lo hi c_ i j k n
     status bad pass sc m_out r_out v_out a_out phi_out J_out residual_out phi_size residual_size
-    lambda_out size_t ptrdiff_t
+    lambda_out off_out off_size off_rows size_t ptrdiff_t
 """
 _MEMBERS = " c_ side_ factors_ inverse_ block_"  # of struct NAME_params
 

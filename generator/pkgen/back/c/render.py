@@ -51,6 +51,7 @@ SYSTEM_KERNELS = {
     "constraint_jacobian": "constraints.jacobian",
     "residual_scale": "constraints.scale",
     "multipliers": "constraints.multipliers",
+    "redundant": "constraints.redundant",
     "singularity": "singularities.values",
     "event": "events.values",
     "quadrature": "quadratures.rates",
@@ -182,6 +183,7 @@ def frame(
 
 def _context(program: Program) -> dict[str, Any]:
     equations = program.equations
+    redundant = equations.constraints and equations.constraints.redundant
     present = {kernel.name for kernel in program.kernels}
     parameters, names = tables.parameters(program), tables.tables(equations)
     return {
@@ -199,6 +201,8 @@ def _context(program: Program) -> dict[str, Any]:
         "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),
         "n_holonomic": equations.constraints.holonomic if equations.constraints else 0,
         "n_constraints": len(equations.constraints.residual) if equations.constraints else 0,
+        "n_redundant": len(redundant.names) if redundant else 0,
+        "n_redundant_holonomic": redundant.holonomic if redundant else 0,
         "n_particles": len(equations.particles.masses) if equations.particles else 0,
         "events": tables.events(program),
         "marks": [mark.quantity.name for mark in equations.marks],

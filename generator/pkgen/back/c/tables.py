@@ -21,6 +21,7 @@ def tables(e: Equations) -> dict[str, Sequence[Quantity]]:
         "conserved": e.conserved_names,
         "quadratures": e.quadrature_names,
         "constraints": e.constraints.names if e.constraints else (),
+        "redundant_rows": e.constraints.redundant.names if e.redundant_terms else (),
     }
 
 

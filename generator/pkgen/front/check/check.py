@@ -209,7 +209,7 @@ def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, S
                 yield name, span
             case st.Equation(left=left):
                 yield left.name, left.span
-                yield f"lambda_{left.name}", left.span
+                yield from ((name, left.span) for name in m.multipliers(left.name))
 
 
 def _has_no_dimension(text: str) -> bool:

@@ -22,7 +22,7 @@ from .vectors import component, component_name
 
 class Constraints(Checks):
     """Statements into `m.Constraint`s, one for each component of a vector's, and names: NAME itself
-    and lambda_NAME, of which outputs and events may use the second."""
+    and its multipliers, of which outputs and events may use the second."""
 
     def equation(self, statement: st.Equation) -> None:
         """Reports sides that are not alike, in kind or unit, and what a constraint or a rolling
@@ -47,8 +47,8 @@ class Constraints(Checks):
         multiplier.vector = facts.vector
         place = name_span(left)
         if self.names.declare(Entry(left.name, "constraint", facts, place, members)):
-            name = f"lambda_{left.name}"
-            self.names.declare(Entry(name, "multiplier", multiplier, place, members))
+            for name in m.multipliers(left.name):
+                self.names.declare(Entry(name, "multiplier", multiplier, place, members))
         if len(self.report.errors) > before or not facts.known:
             return
         holonomic, unit = statement.keyword == "constraint", si_text(multiplier.dimension)

@@ -58,8 +58,10 @@ def ties(equations: Equations) -> dict[int, set[int]]:
     if c is None:
         return found
     g, mask = equations.graph, BIT[Kind.COORDINATE] | BIT[Kind.RATE]
-    for k, row in enumerate(c.rows):
-        nodes = [*row, c.residual[k], *c.positions[k : k + 1]]
+    rows = [(*row, c.residual[k], *c.positions[k : k + 1]) for k, row in enumerate(c.rows)]
+    more = c.redundant
+    rows += zip(more.residual) if more else ()
+    for nodes in rows:
         together = {symbol.index for symbol in symbols_in(g, nodes, mask)}
         for i in together:
             found.setdefault(i, set()).update(together)

@@ -17,27 +17,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...equations import Constraints, Matrix, Quantity, Row
+from ...equations import Constraints, Matrix, Row, Rows
 from ...graph.differentiate import Forward, gradient
 from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import Normal
 from ...graph.solve import Factors, SingularMass, Solution, elimination_order, factors, solve
-from ...record import record
-from ...source import Span
 from ..motion import RATES, Motion
 from ..quantities import symbols
-
-
-@record
-class Rows:
-    """What a model states, a row each constraint: the `holonomic` ones, which come first, as
-    phi(t, q), and all as J v + j0, which of those is the rate of phi."""
-
-    names: tuple[Quantity, ...]  # of the multipliers, in the unit of a force along q over J's
-    holonomic: int
-    positions: Row  # phi, in the unit of a side; as many as are holonomic
-    residual: Row  # J v + j0, in that unit over time, of a rolling in that of a side
-    spans: tuple[Span, ...]  # of the statements
 
 
 class CannotConstrain(Exception):
@@ -68,7 +54,9 @@ def constrain(
     factored = factors(g, motion.mass, order)
     if factored is None:
         raise CannotConstrain("M is not positive definite: constraints cannot be solved for")
-    multipliers, solution, pivots = _solved(g, motion, factored, J, gamma)
+    more = rows.redundant
+    beside = tuple(_row(g, more, k, v) for k in range(len(more.residual))) if more else ()
+    multipliers, solution, pivots, shares = _solved(g, motion, factored, J, gamma, beside)
     binding = [g.sum(map(g.multiply, column, multipliers)) for column in zip(*J, strict=True)]
     applied, pdot, force = (
         tuple(map(g.add, row, binding)) for row in (motion.applied, motion.pdot, motion.force)
@@ -86,8 +74,41 @@ def constrain(
         free_force=motion.force,
         spans=rows.spans,
         workless=_workless(g, rows, J, v),
+        redundant=more,
+        redundant_rows=beside,
+        least=_least(g, multipliers, shares),
+        shared=_shared(shares, len(J)),
     )
     return replace(motion, applied=applied, pdot=pdot, force=force), solution, found
+
+
+def _least(g: Graph, multipliers: Row, shares: Matrix) -> Row:
+    """Those of least norm that are the same force: of the redundant rows x with (1 + C C^T) x =
+    C lambda, C their shares of the others, and then lambda - C^T x."""
+    if not shares:
+        return multipliers
+
+    def product(a: Row, b: Row) -> Node:
+        return g.sum(map(g.multiply, a, b))
+
+    more = solve(
+        g,
+        tuple(
+            tuple(g.add(g.number(int(i == j)), product(a, b)) for j, b in enumerate(shares))
+            for i, a in enumerate(shares)
+        ),
+        tuple(product(a, multipliers) for a in shares),
+    )
+    if more is None:
+        return ()
+    x = more.accelerations
+    taken = (product(column, x) for column in zip(*shares, strict=True))
+    return (*map(g.subtract, multipliers, taken), *x)
+
+
+def _shared(shares: Matrix, count: int) -> frozenset[int]:
+    own = {k for row in shares for k, x in enumerate(row) if x != ZERO}
+    return frozenset({*own, *range(count, count + len(shares))})
 
 
 def _row(g: Graph, rows: Rows, k: int, v: Row) -> Row:
@@ -111,9 +132,10 @@ def _row(g: Graph, rows: Rows, k: int, v: Row) -> Row:
 
 
 def _solved(
-    g: Graph, motion: Motion, factored: Factors, J: Matrix, gamma: list[Node]
-) -> tuple[Row, Solution, tuple[tuple[Node, Node], ...]]:
-    """The multipliers, the accelerations with the pivots of M, and the pivots of S."""
+    g: Graph, motion: Motion, factored: Factors, J: Matrix, gamma: list[Node], more: Matrix
+) -> tuple[Row, Solution, tuple[tuple[Node, Node], ...], Matrix]:
+    """The multipliers, the accelerations with the pivots of M, the pivots of S, and what `more`
+    rows are as sums of these."""
     columns = [factored.forward(g, row) for row in J]
     force = factored.forward(g, motion.force)
 
@@ -148,6 +170,11 @@ def _solved(
             "use coordinates that fulfil some of them by themselves",
         )
     multipliers = found.accelerations
+    shares = []
+    for row in more:
+        along = factored.forward(g, row)
+        share = solve(g, tuple(map(tuple, S)), tuple(product(along, x) for x in columns))
+        shares.append(share.accelerations if share else ())
     z = [
         g.add(f, g.sum(map(g.multiply, (column[i] for column in columns), multipliers)))
         for i, f in enumerate(force)
@@ -157,7 +184,8 @@ def _solved(
         pivots[row] = pivot
     diagonal = (S[k][k] for k in range(count))
     beside = tuple(zip(found.pivots, diagonal, strict=True))
-    return multipliers, Solution(factored.backward(g, z), tuple(pivots)), beside
+    solution = Solution(factored.backward(g, z), tuple(pivots))
+    return multipliers, solution, beside, tuple(shares)
 
 
 def _workless(g: Graph, rows: Rows, J: Matrix, v: Row) -> bool:

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import replace
 
-from ...equations import Attitude, ParameterSlot, Row
+from ...equations import Attitude, ParameterSlot, Row, Rows
 from ...graph.differentiate import gradient
 from ...graph.evaluate import evaluate
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
@@ -20,7 +21,6 @@ from ...graph.rounding import sizes
 from ...record import record
 from ...source import Diagnostic
 from ..points.samples import started
-from .constrain import Rows
 
 EPS = sys.float_info.epsilon
 WRITTEN = 1e-8  # of its terms: starts are written with as many digits as their author has
@@ -38,18 +38,19 @@ class Start:
     fast: float
 
 
-def wrong_starts(
+def at_the_start(
     g: Graph,
     c: Rows | None,
     parameters: tuple[ParameterSlot, ...],
     starts: tuple[Row, Row, Row],
     lagrangian: Node,
     attitudes: tuple[Attitude, ...],
-) -> list[Diagnostic]:
-    """Each constraint that the start breaks; if none, the first that others make superfluous.
-    `starts` are of coordinates, their rates, and states."""
+) -> tuple[Rows | None, list[Diagnostic]]:
+    """The rows, those that follow from others apart; or what is wrong: each constraint that the
+    start breaks, or that has no force there. `starts` are of coordinates, their rates, and
+    states."""
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
-        return []
+        return c, []
     start = _start(g, started(g, parameters, starts), lagrangian, attitudes)
     rows = [_row(g, node, start) for node in c.residual]
     broken = [
@@ -59,18 +60,19 @@ def wrong_starts(
     ]
     dependent = _dependent(rows)
     if dependent is None:
-        return broken
+        return c, broken
     k, others = dependent
     names = " and ".join(f"'{_name(c, i)}'" for i in others) or "nothing"
     if broken:
         message = f"'{_name(c, k)}' contradicts {names}: they leave the same rates no freedom"
-        return [*broken, Diagnostic(f"the {_kind(c, k)} {message}", c.spans[k], "leave one out")]
+        broken += [Diagnostic(f"the {_kind(c, k)} {message}", c.spans[k], "leave one out")]
+        return c, broken
     if not others:
         message = f"the {_kind(c, k)} '{_name(c, k)}' has no force at the start: its row is 0 there"
-        return [Diagnostic(message, c.spans[k], "start elsewhere, or write it another way")]
-    message = f"the {_kind(c, k)} '{_name(c, k)}' follows from {names} at the start: redundant"
-    help = "leave it out: of forces that do the same, none is determined"
-    return [Diagnostic(message, c.spans[k], help)]
+        return c, [Diagnostic(message, c.spans[k], "start elsewhere, or write it another way")]
+    own = _independent(rows, c.holonomic)
+    redundant = c.picked([k for k in range(len(rows)) if k not in own])
+    return replace(c.picked(own), redundant=redundant), []
 
 
 def _start(
@@ -143,6 +145,30 @@ def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
             return k, [i for i in sorted(made) if i != k and abs(made[i]) > DEPENDENT * largest]
         basis.append(([a / rest for a in left], {i: x / rest for i, x in made.items()}))
     return None
+
+
+def _independent(rows: list[dict[Node, float]], holonomic: int) -> list[int]:
+    """Rows that the others follow from, as far apart as can be: of those left always the one that
+    most is left of, those of positions first, since they say more."""
+    rates = sorted(set().union(*rows))
+    left = [[row.get(rate, 0.0) for rate in rates] for row in rows]
+    sizes = [math.hypot(*row) or 1.0 for row in left]
+    found: list[int] = []
+    for among in (range(holonomic), range(holonomic, len(rows))):
+        waiting = list(among)
+        while waiting:
+            k = max(waiting, key=lambda k: math.hypot(*left[k]) / sizes[k])
+            rest = math.hypot(*left[k])
+            if rest <= DEPENDENT * sizes[k]:
+                break
+            waiting.remove(k)
+            found.append(k)
+            unit = [x / rest for x in left[k]]
+            for _ in range(2):
+                for j in range(len(rows)):
+                    along = math.fsum(a * b for a, b in zip(left[j], unit, strict=True))
+                    left[j] = [a - along * b for a, b in zip(left[j], unit, strict=True)]
+    return sorted(found)
 
 
 def _name(c: Rows, k: int) -> str:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from ...equations import Constraints, Quantity
+from ...equations import Constraints, Quantity, Rows
 from ...graph.graph import BIT, Kind
 from ...graph.normal import Normal
 from ...source import ModelError
 from ...tree import Expr, names
 from ..expand.expand import Expander
 from ..quantities import error, indexed
-from .constrain import CannotConstrain, Rows
+from .constrain import CannotConstrain
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
@@ -67,12 +67,32 @@ def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelEr
 
 
 def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
-    """The nodes of lambda_NAME under that name and index, for outputs and events; of rows that are
-    not there, as a scene holds what they tie, none."""
+    """The nodes of lambda_NAME and least_lambda_NAME under that name and index, for outputs and
+    events; of rows that are not there, as a scene holds what they tie, none. One that is not
+    unique has no lambda_NAME."""
     c = constraints
-    known = {q.name: x for q, x in zip(c.names, c.multipliers, strict=True)} if c else {}
+    if c is None:
+        return
+    names = (*c.names, *(c.redundant.names if c.redundant else ()))
+    least = {q.name: node for q, node in zip(names, c.least, strict=False)}
+    own = {
+        q.name: node
+        for k, (q, node) in enumerate(zip(c.names, c.multipliers, strict=True))
+        if k not in c.shared
+    }
+    because = " and ".join(q.name.removeprefix("lambda_") for q in names[len(c.names) :])
     for item in x.model.constraints:
         for index, _ in x.unrolled(item.index, item.range):
             name = f"lambda_{item.name}"
-            if indexed(name, index) in known:
-                x.define(name, index, known[indexed(name, index)])
+            full = indexed(name, index)
+            if full in least:
+                x.define(f"least_{name}", index, least[full])
+            if full in own:
+                x.define(name, index, own[full])
+            elif any(q.name == full for q in names):
+                x.refuse(
+                    name,
+                    index,
+                    f"'{full}' is not unique: what other constraints say makes {because} follow",
+                    f"least_{full} is that of least norm, of forces that do the same",
+                )

@@ -22,7 +22,7 @@ from ..motion import PARTICLES, Energies, Motion, Wanted
 from ..naming import naming
 from ..quantities import error, families, indexed, input_quantities, quantities, symbols
 from .constrain import CannotConstrain
-from .constraint_start import wrong_starts
+from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
 from .first_order import define_built_in, rates_of_states, solvable
 from .impulses import check_rates
@@ -44,8 +44,9 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
     parameters = tuple(slot for item in model.parameters for slot in _slots(x, item))
     start_q, start_v, state_start = starts = _starts(x)
-    rows = rows_of(x)
-    wrong = wrong_starts(x.graph, rows, parameters, starts, energies.lagrangian, x.attitudes)
+    rows, wrong = at_the_start(
+        x.graph, rows_of(x), parameters, starts, energies.lagrangian, x.attitudes
+    )
     if wrong:
         raise ModelError(model.source, wrong)
     bodies = None

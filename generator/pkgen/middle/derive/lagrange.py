@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...equations import Attitude, Constraints, Equations, Matrix, Named, Row, Singularity
+from ...equations import Attitude, Constraints, Equations, Matrix, Named, Row, Rows, Singularity
 from ...graph.collect import shortened
 from ...graph.graph import ZERO, Graph, Kind, Node, Symbol
 from ...graph.solve import Solution
@@ -28,7 +28,7 @@ from ..motion import (
 )
 from ..naming import naming
 from ..points.singularities import singularities_of
-from .constrain import Rows, constrain
+from .constrain import constrain
 from .impulses import NoRate, with_impulses
 from .marks import marks_of
 from .switches import switches_of
@@ -150,8 +150,7 @@ def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equat
     e = equations
     forces, rows = e.applied, None
     if e.constraints is not None:
-        c = e.constraints
-        forces, rows = c.free_applied, Rows(c.names, c.holonomic, c.positions, c.residual, c.spans)
+        forces, rows = e.constraints.free_applied, e.constraints.stated
     found = derived(
         g, energies, forces, _rate_of(e), wanted, lambda _: None, e.state_rates, e.attitudes, rows
     )

@@ -75,7 +75,7 @@ def as_rates(
         if own is None:
             return e, structure
         terms = _terms(e.graph, e.constraints)
-        return replace(e, unconstrained=own, inertia=e.mass, terms=terms), structure
+        return replace(e, unconstrained=own, inertia=e.mass, **terms), structure
     g, count = e.graph, len(e.states)
     n = len(e.coordinates)
     own = symbols(g, Kind.RATE, n + count)[n:]
@@ -107,7 +107,7 @@ def as_rates(
         fast=None,
         unconstrained=own,
         constraints=constraints,
-        terms=_terms(g, constraints),
+        **_terms(g, constraints),
         coordinates=(*e.coordinates, *unseen),
         rates=(*e.rates, *e.states),
         momenta_names=(*e.momenta_names, *e.states),
@@ -184,6 +184,7 @@ def _constraints(constraints: Constraints | None, there, count: int) -> Constrai
     if constraints is None:
         return None
     c = constraints
+    more = c.redundant
     return replace(
         c,
         positions=there(c.positions),
@@ -191,15 +192,22 @@ def _constraints(constraints: Constraints | None, there, count: int) -> Constrai
         residual=there(c.residual),
         multipliers=there(c.multipliers),
         pivots=tuple((*there(pair),) for pair in c.pivots),
+        redundant=more
+        and replace(more, positions=there(more.positions), residual=there(more.residual)),
+        redundant_rows=tuple((*there(row), *(ZERO,) * count) for row in c.redundant_rows),
     )
 
 
-def _terms(g: Graph, constraints: Constraints | None) -> tuple[Row, Row] | None:
+def _terms(g: Graph, constraints: Constraints | None) -> dict[str, tuple]:
     if constraints is None:
-        return None
+        return {}
     c = constraints
     found = sizes(g, (*c.positions, *c.residual))
-    return found[: c.holonomic], found[c.holonomic :]
+    more = c.redundant
+    return {
+        "terms": (found[: c.holonomic], found[c.holonomic :]),
+        "redundant_terms": sizes(g, (*more.positions, *more.residual)) if more else (),
+    }
 
 
 def _unit(n: int) -> Matrix:

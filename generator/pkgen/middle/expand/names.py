@@ -90,6 +90,7 @@ class Names(ABC):
             for rate, turn in zip(r.rates, r.turns, strict=True)
         }
         self.defined: dict[str, dict[int | None, Value]] = {}
+        self.refusals: dict[tuple[str, int | None], tuple[str, str]] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self.solved: Mapping[Node, Node] | None = None  # where accelerations may stand: the rates
         self._ends = _ends(model, self.coordinates | self.states)
@@ -147,6 +148,10 @@ class Names(ABC):
     def define(self, name: str, index: int | None, value: Value) -> None:
         self.defined.setdefault(name, {})[index] = value
 
+    def refuse(self, name: str, index: int | None, message: str, help: str) -> None:
+        """What is said where a name is used that has no value."""
+        self.refusals[name, index] = message, help
+
     def scalar(self, expr: Expr, loop: Loop | None = None) -> Node:
         value = self.value(expr, self.sizes if loop is None else loop)
         if isinstance(value, tuple):
@@ -178,6 +183,9 @@ class Names(ABC):
         if name in self.inputs:
             flat = input_index(self.orders, self.inputs[name])
             return self.graph.symbol(Symbol(Kind.INPUT, flat))
+        if (name, index) in self.refusals:
+            message, help = self.refusals[name, index]
+            raise error(self.model, message, expr.span, help)
         if name in self.defined:
             members = self.defined[name]
             if index not in members:
