@@ -115,7 +115,9 @@ def test_rows_that_geometry_implies_change_no_motion(seed, tmp_path):
 @pytest.mark.parametrize("seed", [*range(4), *range(20, 24)])
 def test_accelerations_are_those_of_the_rows_alone(seed, tmp_path):
     (plain, more), _ = models(seed, seed < 20, tmp_path)
-    rows = plain.run(until=0.7, every=0.7, method="gauss", rtol=1e-13, record=[*plain.coordinates, *plain.rates])
+    rows = plain.run(
+        until=0.7, every=0.7, method="gauss", rtol=1e-13, record=[*plain.coordinates, *plain.rates]
+    )
     q, v = (numpy.array([rows[x][-1] for x in names]) for names in (plain.coordinates, plain.rates))
     a, b = plain.acceleration(q, v), more.acceleration(q, v)
     assert numpy.abs(a - b).max() <= 1e-12 * numpy.abs(a).max() and numpy.abs(a).max() > 0
@@ -142,7 +144,8 @@ CEASES = [
 @pytest.mark.parametrize(("what", "start"), CEASES)
 @pytest.mark.parametrize("k", [1.0, 1e-3, 1e-6])
 @pytest.mark.parametrize(
-    "options", [{"method": "gauss"}, {"method": "rk4", "step": 0.01}, {"method": "rattle", "step": 0.01}]
+    "options",
+    [{"method": "gauss"}, {"method": "rk4", "step": 0.01}, {"method": "rattle", "step": 0.01}],
 )
 def test_rows_that_cease_to_follow_end_the_run(tmp_path, what, start, k, options):
     path = tmp_path / "rail.lag"
@@ -178,7 +181,9 @@ constraint c: y = 0
 constraint d: x = 0
 """
     path = tmp_path / "strings.lag"
-    path.write_text(text + "observe f = least_lambda_a\nobserve g = least_lambda_c\nobserve h = lambda_d\n")
+    path.write_text(
+        text + "observe f = least_lambda_a\nobserve g = least_lambda_c\nobserve h = lambda_d\n"
+    )
     rows = pkgen.load(str(path)).run(until=1, every=1)
     assert rows["f"] == pytest.approx(3, rel=1e-14) and rows["g"] == pytest.approx(3, rel=1e-14)
     for name in ("a", "b"):

@@ -1,8 +1,4 @@
 /* Residuals of constraints, the check of a start by them, and both in words; see pk/constraint.h.
- *
- * A residual is large or small beside its terms, of which the system knows the sizes. A start is
- * written with some digits of them; and what should be 0 there may be what rounding left of numbers
- * as large as the largest, in the metric of M, which knows how metres and radians compare.
  */
 #include <stdio.h>
 #include <string.h>
@@ -11,9 +7,7 @@
 
 #include "../core/project.h"
 
-#define DEBRIS (64 * PK_EPS)               /* beside the largest number of a start */
-#define WRITTEN pk_max(PK_C(1e-8), DEBRIS) /* of its terms */
-#define SHARE PK_C(1e-6)                   /* of a row in one that depends on it */
+#define SHARE PK_C(1e-6) /* of a row in one that depends on it */
 
 size_t pk_constraint_size(const struct pk_problem *problem)
 {
@@ -92,26 +86,6 @@ enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_rea
     return it->own->project ? pk_project(it, t, q, v, NULL, NULL, &moved) : PK_DONE;
 }
 
-/* The row whose residual is no rounding, or `rows`, of those whose derivatives are J. x are
- * positions, where attitudes count as 1, or rates. */
-static size_t broken(const struct pk_projection *w, const pk_real *residual, const pk_real *terms,
-                     const pk_real *J, size_t rows, const pk_real *x, int of_rates)
-{
-    pk_real most = 0;
-    for (size_t k = 0; k < w->m; k++) {
-        const pk_real size = k < w->rotation || of_rates ? pk_abs(x[k]) : 1;
-        most = pk_max(most, PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k)) * size);
-    }
-    for (size_t i = 0; i < rows; i++) {
-        pk_real slope = 0;
-        for (size_t k = 0; k < w->m; k++)
-            slope += pk_abs(J[i * w->n + k]) / PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k));
-        if (!(pk_abs(residual[i]) <= WRITTEN * terms[i] + DEBRIS * slope * most))
-            return i;
-    }
-    return rows;
-}
-
 enum pk_status pk_project_start(struct pk_integrator *it)
 {
     pk_real *q = pk_part(it->own->state, it->n, PK_Q), *v = pk_part(it->own->state, it->n, PK_V);
@@ -122,7 +96,7 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     w.t = it->t;
     w.u = pk_eval_input(it, it->t);
     for (size_t r = 0; r < w.system->n_rotations; r++)
-        if (!(norm_error(&w, v, r) <= WRITTEN))
+        if (!(norm_error(&w, v, r) <= PK_WRITTEN))
             return pk_because(it, PK_OFF_CONSTRAINTS, 2 * w.c + r, norm_error(&w, v, r));
     if (!w.c)
         return pk_project(it, it->t, q, v, NULL, NULL, &moved);
@@ -135,10 +109,10 @@ enum pk_status pk_project_start(struct pk_integrator *it)
         return pk_because(it, PK_OFF_CONSTRAINTS, 0, (pk_real)NAN);
     const size_t depends = pk_project_factor(&w, w.c);
     pk_project_terms(&w, q, v);
-    size_t row = broken(&w, w.phi, w.phi_size, w.J, w.h, q, 0);
+    size_t row = pk_project_broken(&w, w.phi, w.phi_size, w.J, w.h, q, 0);
     if (row < w.h)
         return pk_because(it, PK_OFF_CONSTRAINTS, row, w.phi[row]);
-    row = broken(&w, w.rate, w.rate_size, w.J, w.c, v, 1);
+    row = pk_project_broken(&w, w.rate, w.rate_size, w.J, w.c, v, 1);
     if (row < w.c)
         return pk_because(it, PK_OFF_CONSTRAINTS, w.c + row, w.rate[row]);
     it->where = depends - 1;
@@ -146,24 +120,6 @@ enum pk_status pk_project_start(struct pk_integrator *it)
         return PK_NO_PROJECTION;
     PK_TRY(pk_project(it, it->t, q, v, NULL, NULL, &moved));
     return pk_project_redundant(it, it->t, q, v, PK_OFF_CONSTRAINTS);
-}
-
-enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const pk_real *q,
-                                    const pk_real *v, enum pk_status status)
-{
-    const struct pk_system *system = it->problem.system;
-    if (!it->own->project || !system->constraints.n_redundant)
-        return PK_DONE;
-    const size_t h = system->constraints.n_redundant_holonomic;
-    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
-    const size_t first = 2 * w.c + system->n_rotations;
-    system->constraints.redundant(w.params, t, q, v, pk_eval_input(it, t), w.off, w.off_size,
-                                  w.off_rows);
-    size_t row = broken(&w, w.off, w.off_size, w.off_rows, h, q, 0);
-    if (row < h)
-        return pk_because(it, status, first + row, w.off[row]);
-    row = broken(&w, w.off + h, w.off_size + h, w.off_rows, w.r, v, 1);
-    return row < w.r ? pk_because(it, status, first + w.r + row, w.off[h + row]) : PK_DONE;
 }
 
 static int named(const struct pk_quantity *names, size_t n, size_t row, char *text, size_t size)
@@ -209,9 +165,10 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     if (it->where >= 2 * c + system->n_rotations && behind < 2 * r) {
         const struct pk_quantity *names = system->constraints.redundant_names;
         named(names, r, behind % r, name, sizeof name);
-        return pk_say(it, text, size, "%s: %s follows from the others where the model starts, not "
-                      "here: %sit is broken by %.3g", what, name, behind < r ? "" : "as rates go, ",
-                      (double)it->detail);
+        return pk_say(it, text, size,
+                      "%s: %s follows from the others where the model starts, not "
+                      "here: %sit is broken by %.3g",
+                      what, name, behind < r ? "" : "as rates go, ", (double)it->detail);
     }
     if (it->where >= 2 * c + system->n_rotations)
         return pk_say(it, text, size, "%s", what);

@@ -8,13 +8,13 @@
 static size_t lay_out(struct pk_projection *w, pk_real *base)
 {
     const size_t n = w->n, c = w->c;
-    const struct pk_slot slots[] = {{&w->d, 2 * n}, /* a correction; momenta and forces of a step */
-                                    {&w->M, n * n},      {&w->J, c * n},     {&w->W, c * n},
-                                    {&w->A, c * c},      {&w->phi, c},       {&w->rate, c},
-                                    {&w->phi_size, c},   {&w->rate_size, c}, {&w->mu, c},
-                                    {&w->depends, 1 + c},
-                                    {&w->off, 2 * w->r}, {&w->off_size, 2 * w->r},
-                                    {&w->off_rows, w->r * n}};
+    const struct pk_slot slots[] = {
+        {&w->d, 2 * n}, /* a correction; momenta and forces of a step */
+        {&w->M, n * n},          {&w->J, c * n},      {&w->W, c * n},
+        {&w->A, c * c},          {&w->phi, c},        {&w->rate, c},
+        {&w->phi_size, c},       {&w->rate_size, c},  {&w->mu, c},
+        {&w->depends, 1 + c},    {&w->off, 2 * w->r}, {&w->off_size, 2 * w->r},
+        {&w->off_rows, w->r * n}};
     return PK_LAY_OUT(base, slots);
 }
 

@@ -67,6 +67,12 @@ int pk_project_dependent(struct pk_integrator *it);
 /* The state where the integrator starts: refused where it breaks constraints, or they depend on
  * each other; else moved onto them by what rounding left. */
 enum pk_status pk_project_start(struct pk_integrator *it);
+/* The row whose residual is no rounding, or `rows`, of those whose derivatives are J. x are
+ * positions, where attitudes count as 1, or rates; M is factored. */
+#define PK_WRITTEN pk_max(PK_C(1e-8), 64 * PK_EPS) /* of its terms */
+size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
+                         const pk_real *terms, const pk_real *J, size_t rows, const pk_real *x,
+                         int of_rates);
 /* Whether redundant rows hold where all others do: at the start as its numbers are written, later as
  * the rounding of those lets them. PK_OFF_CONSTRAINTS or PK_NO_PROJECTION, it->where behind what
  * the other rows and rotations have. */
