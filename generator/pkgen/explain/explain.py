@@ -25,8 +25,8 @@ from .contents import (
     motion_rows,
     outputs,
     rate_rows,
-    redundant_names,
     rates_title,
+    redundant_names,
     section,
 )
 
