@@ -73,7 +73,10 @@ _OUT = {
     "singularity": lambda e: tuple(singularity.quantity for singularity in e.singularities),
 }
 _FORCES = ("f", "pdot", "dLdq", "dHdq", "applied")
-_UNLISTED = ["r_t", "phi_out", "residual_out", "phi_size", "residual_size", "slope_t", "off_out", "off_size"]
+_UNLISTED = (
+    *("r_t", "phi_out", "residual_out", "phi_size", "residual_size", "slope_t"),
+    *("off_out", "off_size"),
+)
 _VECTORS = {
     **dict.fromkeys(_FORCES, lambda p, _: _derivatives(p.equations.momenta_names, p, "of {}")),
     **dict.fromkeys(_UNLISTED, lambda p, _: ()),
