@@ -281,7 +281,7 @@ def _equations(
     if kernels is not None or whole:
         reason = "asked for are some kernels, a self-test or the canonical form"
     elif unroll is None:
-        reason = "members of an ensemble run in lanes, which loops do not have"
+        reason = "single coordinates are looked at"
     elif count <= unroll:
         reason = "so few coordinates are faster as straight-line code"
     else:

@@ -41,6 +41,7 @@ int table_read(struct program *p, const char *path)
         columns = keep(p, columns, (n + 1) * sizeof *columns);
         while (*kind && !find_name(name, strlen(name), *kind, &columns[n].index, &unit))
             kind++;
+        columns[n].member = 0;
         columns[n++].kind = *kind;
         code = *kind ? 0 : wrong(path, 1, "a column of no parameter, input, coordinate or rate");
     }

@@ -168,15 +168,6 @@ def test_what_no_machine_could_do_is_refused(pkgen, ensemble) -> None:
     assert done.returncode == 2 and "--threads 100000: 1024 at most" in done.stderr
 
 
-def test_a_family_too_long_for_an_ensemble_says_why(pkgen, ensemble) -> None:
-    chain = ROOT / "models/chains/fput.lag"
-    path = ensemble('"q[1]"\n1\n')
-    options = ["--method", "verlet", "--step", "0.1", "--size", "N=30000", "--ensemble", path]
-    done = pkgen("run", chain, *options)
-    assert done.returncode == 1
-    assert "members of an ensemble run in lanes, which loops do not have" in done.stderr
-
-
 @pytest.mark.long  # a runtime of its own is built
 def test_without_openmp_there_is_one_thread(pkgen, ensemble, tmp_path: Path) -> None:
     """A compiler that cannot link OpenMP still runs ensembles; a new cache is filled, and used."""

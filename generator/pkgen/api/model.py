@@ -16,7 +16,7 @@ from ..compiler import Compilation, compile_model
 from ..front.read import read
 from ..own.given import given as own_methods
 from ..run import named
-from ..run.ensemble import Column, Ensemble, settable
+from ..run.ensemble import Column, Ensemble, Settable
 from ..run.library import INTERRUPTED, USAGE, Run
 from ..run.library import load as load_library
 from ..run.settings import Settings
@@ -338,7 +338,7 @@ def _members(compilation: Compilation, table: Any) -> Ensemble:
     import numpy
 
     names = table.dtype.names if isinstance(table, numpy.ndarray) else list(table)
-    known = settable(compilation)
+    known = Settable(compilation)
     found: list[Column] = []
     for name in names or ():
         if name not in known:

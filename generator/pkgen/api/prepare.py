@@ -60,8 +60,7 @@ def prepare(
         options,
         libm=options.libm,
         portable=options.portable,
-        # Members of an ensemble run in lanes, which loops do not have.
-        unroll=None if several else lengths.UNROLL,
+        unroll=lengths.UNROLL_MEMBERS if several else lengths.UNROLL,
         kernels=diagnostics.kernels(asked),
         use=scene_use.of_run(options),
     )

@@ -9,7 +9,7 @@ from ..front.check.scene_numbers import WrongValue
 from ..indices import NotAnInteger, integer
 from ..middle.quantities import ends, sizes
 from ..model import Model, Scene, Start
-from ..run.ensemble import settable
+from ..run.ensemble import Settable
 from ..scenes import scene as scenes
 from ..source import ModelError
 from ..system.exits import UsageError
@@ -51,7 +51,7 @@ def _members_of(compilation: Compilation, scene: Scene) -> dict[str, object]:
 
     model = compilation.declared
     try:
-        found = members(model, scene, scenes.values(model, scene, {}), settable(compilation), ())
+        found = members(model, scene, scenes.values(model, scene, {}), Settable(compilation), ())
     except UsageError:
         return {}
     few = found.values[:: -(-len(found.values) // SHOWN)]

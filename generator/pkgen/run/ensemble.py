@@ -13,8 +13,9 @@ import difflib
 import math
 import os
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import field, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field
+from itertools import chain
 from typing import TYPE_CHECKING, TextIO
 
 from .. import limits
@@ -24,6 +25,7 @@ from ..front.check import options_text
 from ..front.check.options_text import OptionError
 from ..record import record
 from ..system.exits import UsageError
+from . import named
 
 if TYPE_CHECKING:
     import numpy
@@ -33,12 +35,14 @@ PLAIN = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?([eE][-+]?[0-9]+)?")
 
 @record
 class Column:
-    """What a column sets: the driver's word for its kind, the index there, its SI unit."""
+    """What a column sets: the driver's word for its kind, the index there, its SI unit; `member`
+    is of a family of parameters that C has as such."""
 
     name: str
     kind: str
     index: int
     unit: str
+    member: int = 0
 
 
 @record
@@ -90,24 +94,36 @@ def read(path: str, compilation: Compilation) -> Ensemble:
         raise UsageError(f"{path}: not CSV: {error}") from None
 
 
-def settable(compilation: Compilation) -> dict[str, Column]:
-    """What may differ from member to member, by name."""
-    equations = compilation.equations
-    families = {
-        "param": [slot.quantity for slot in compilation.program.equations.parameters],
-        "input": equations.inputs,
-        "q": equations.coordinates,
-        "v": (*equations.rates, *equations.states),
-    }
-    known = {
-        quantity.name: Column(quantity.name, kind, index, quantity.unit)
-        for kind, quantities in families.items()
-        for index, quantity in enumerate(quantities)
-    }
-    for (name, order), parameter in compilation.report.starts.items():
-        start = name + "'" * order  # now a parameter, of which momenta follow
-        known[start] = replace(known[parameter], name=start)
-    return known
+class Settable(Mapping[str, Column]):
+    """What may differ from member to member, by name; families are not written out."""
+
+    def __init__(self, compilation: Compilation):
+        self._kinds = {
+            "param": named.parameters(compilation),
+            "input": named.inputs(compilation),
+            "q": named.coordinates(compilation),
+            "v": named.coordinates(compilation, rates=True),
+        }
+        self._looped = compilation.looped
+        starts = compilation.report.starts  # now parameters, of which momenta follow
+        self._starts = {name + "'" * order: x for (name, order), x in starts.items()}
+
+    def __getitem__(self, name: str) -> Column:
+        of = self._starts.get(name, name)
+        for kind, known in self._kinds.items():
+            if of in known:
+                flat, quantity = known[of]
+                member = 0
+                if kind == "param" and self._looped:
+                    flat, member = known.place(of)
+                return Column(name, kind, flat, quantity.unit, member)
+        raise KeyError(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return chain(*self._kinds.values(), self._starts)
+
+    def __len__(self) -> int:
+        return sum(known.count for known in self._kinds.values()) + len(self._starts)
 
 
 class _Reader:
@@ -115,7 +131,7 @@ class _Reader:
         self.path = path
         self.model = compilation.model
         self.sizes = {size.name: size.value for size in self.model.sizes}
-        self.known = settable(compilation)
+        self.known = Settable(compilation)
 
     def read(self, file: TextIO) -> Ensemble:
         rows = self._rows(file)

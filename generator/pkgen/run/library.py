@@ -84,7 +84,9 @@ class Library:
         _fill(s, "hidden", given.watched.hidden)
         s.at = 0 if given.at is None else given.at + 1
         _fill(s, "expected", [_expected(c) for c in given.watched.compared])
-        _fill(s, "drifts", [(b"e", 0) if d is None else (b"o", d) for d in given.watched.drifts])
+        _fill(
+            s, "drifts", [(b"e", 0, 0) if d is None else (b"o", d, 0) for d in given.watched.drifts]
+        )
         for name in given.diagnose:
             s.diagnose |= self.c.pk_run_diagnostic(name.encode())
         parts = [(p.method.encode(), p.step or 0, p.rtol, p.max_step or 0) for p in given.parts]
@@ -265,13 +267,13 @@ def _fill(s: Structure, name: str, values: Sequence[object]) -> None:
     setattr(s, name, (_FIELDS[name]._type_ * len(values))(*values))
 
 
-def _column(shown: Shown | Column) -> tuple[bytes, int]:
-    return shown.kind[0].encode(), shown.index
+def _column(shown: Shown | Column) -> tuple[bytes, int, int]:
+    return shown.kind[0].encode(), shown.index, getattr(shown, "member", 0)
 
 
 def _expected(c: Compared) -> tuple[object, ...]:
     when = b"t" if c.at is not None else b"r" if c.event is None else b"e"
-    within = (b"\0", 0) if c.within is None else _column(c.within)
+    within = (b"\0", 0, 0) if c.within is None else _column(c.within)
     sides = _column(c.a), _column(c.b), within
     return c.relation.encode(), when, *sides, c.at or 0, c.event or 0
 

@@ -67,6 +67,11 @@ class Named:
         flat = declared.first + (0 if index is None else index - declared.lo)
         return flat, declared.member(index)
 
+    def place(self, name: str) -> tuple[int, int]:
+        """Which declared name it is of, and the member counted from 0."""
+        declared, index = self.find(name)
+        return self.declared.index(declared), 0 if index is None else index - declared.lo
+
     def __iter__(self) -> Iterator[str]:
         for item in self.declared:
             yield from (quantity.name for quantity in item.members(SUGGESTED + 1))

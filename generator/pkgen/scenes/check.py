@@ -41,7 +41,7 @@ NOT_PROMISED = (
 
 def wrong(declared: Model, given: Mapping[str, int], scene: Scene) -> list[Diagnostic]:
     """Of a scene as it is written; `given` are sizes other than the file's."""
-    unroll = lengths.UNROLL if scene.swarm is None else None  # as it is run
+    unroll = lengths.UNROLL if scene.swarm is None else lengths.UNROLL_MEMBERS  # as it is run
     use = scene_use.as_written(scene.name)
     made = stages(declared.source, given, unroll=unroll, use=use)
     try:

@@ -8,6 +8,7 @@ from .. import limits
 from ..system.exits import UsageError
 
 UNROLL = 16  # coordinates up to which a run is faster as straight-line code
+UNROLL_MEMBERS = 64  # those of an ensemble, which straight-line code has in lanes
 
 
 def given(assignments: Iterable[str]) -> dict[str, int]:

@@ -15,7 +15,7 @@ from ..middle.quantities import sizes
 from ..model import Model, Scene
 from ..run import diagnostics, named
 from ..run import values as option_values
-from ..run.ensemble import Ensemble, settable
+from ..run.ensemble import Ensemble, Settable
 from ..run.settings import Settings
 from ..run.values import assignment
 from ..system.exits import UsageError
@@ -66,7 +66,7 @@ def members(
     names = option_values.Values(compilation)
     given = {names.flat_name("--start", assignment("--start", text)[0]) for text in options.start}
     found = values(compilation, scene, settings)
-    return members(compilation.declared, scene, found, settable(compilation), given)
+    return members(compilation.declared, scene, found, Settable(compilation), given)
 
 
 def watched(

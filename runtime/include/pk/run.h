@@ -52,7 +52,7 @@ struct pk_run_value {
 struct pk_run_column {
     char kind; /* rows: q, v, z of a quadrature, o of an output, e of the energy; members: p, i, q,
                   v, z */
-    size_t index;
+    size_t index, member; /* of a family of parameters of members the one, from 0 */
 };
 
 /* A relation between columns, to be measured: a = b up to `within`, a < b, or a > b. */

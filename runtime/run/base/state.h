@@ -80,7 +80,8 @@ struct settings {
     struct pk_options options;
     int has_every, has_step, polls;
     size_t n; /* degrees of freedom */
-    void *params;
+    void *params, *families; /* what families.attach() takes */
+    size_t families_size;
     unsigned char *given;       /* which parameters were set */
     pk_real *q, *v, *z, *u;     /* the start */
     unsigned char *start_given; /* 2 n flags, and of each quadrature */

@@ -10,9 +10,10 @@ struct batch {
     struct pk_ensemble e;
     const struct pk_system *system;
     size_t n, size; /* members that it has room for */
-    char *params;
+    char *params, *families; /* of each member: what families.attach() takes */
+    size_t families_size;
     pk_real *q0, *v0, *z0, *u, *t; /* z0: NULL without quadratures */
-    unsigned char *given;
+    struct pk_run_value *own; /* parameters of one member */
     void *block;
     size_t block_size, threads;
 };

@@ -12,7 +12,7 @@ enum { CHUNK = 64 };
 /* Parameters, start and inputs of member i of the batch from a row of the file. */
 static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, struct pk_run *run)
 {
-    const struct settings *s = &run->settings;
+    struct settings *s = &run->settings;
     const struct pk_system *system = b->system;
     const size_t n = b->n, m = system->quadratures.n, n_columns = s->asked.n_member_columns;
     const double *row = s->asked.member_values + member * n_columns;
@@ -21,17 +21,19 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     pk_real *u = b->u + i * system->n_inputs;
     char who[40];
     memcpy(params, s->params, system->params_size);
+    if (b->families_size) { /* families of parameters, and room to factor M */
+        char *const own = b->families + i * b->families_size;
+        memcpy(own, s->families, b->families_size);
+        system->families.attach(params, own);
+    }
     memcpy(u, s->u, system->n_inputs * sizeof *u);
-    memcpy(b->given, s->given, system->n_parameters);
+    size_t n_own = 0;
     for (size_t k = 0; k < n_columns; k++) {
         const struct pk_run_column c = s->asked.member_columns[k];
-        const pk_real x = (pk_real)row[k];
-        if (c.kind != 'p')
-            continue;
-        memcpy(params + system->parameters[c.index].offset, &x, sizeof x);
-        b->given[c.index] = 1;
+        if (c.kind == 'p')
+            b->own[n_own++] = (struct pk_run_value){c.index, c.member, row[k]};
     }
-    system->derive(params, b->given);
+    settings_parameters(s, params, b->own, n_own);
     const int outside = system->prepare(params);
     if (outside) {
         snprintf(who, sizeof who, "member %ld: ", member_number(s, member));
@@ -98,12 +100,14 @@ void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
         size -= size % CHUNK; /* whole blocks */
     b->size = size;
     b->params = memory_take(memory, size, system->params_size);
+    b->families_size = s->families_size;
+    b->families = memory_take(memory, size, s->families_size);
     b->q0 = memory_take(memory, size * n, sizeof *b->q0);
     b->v0 = memory_take(memory, size * n, sizeof *b->v0);
     b->z0 = memory_take(memory, size * m, sizeof *b->z0);
     b->u = memory_take(memory, size * system->n_inputs, sizeof *b->u);
     b->t = memory_take(memory, rows, sizeof *b->t);
-    b->given = memory_take(memory, system->n_parameters, 1);
+    b->own = memory_take(memory, s->asked.n_member_columns, sizeof *b->own);
     memcpy(b->params, s->params, system->params_size);
     *e = (struct pk_ensemble){.system = system,
                               .method = s->method,

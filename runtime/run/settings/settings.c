@@ -65,9 +65,11 @@ static const char *sizes(struct settings *s)
         const ptrdiff_t length = (ptrdiff_t)x.value;
         memcpy((char *)s->params + system->families.sizes[x.index].offset, &length, sizeof length);
     }
-    if (system->families.attach)
-        system->families.attach(s->params,
-                                memory_take(s->memory, system->families.block_size(s->params), 1));
+    if (system->families.attach) {
+        s->families_size = system->families.block_size(s->params);
+        s->families = memory_take(s->memory, s->families_size, 1);
+        system->families.attach(s->params, s->families);
+    }
     s->n = pk_system_count(system, s->params);
     s->q = memory_take(s->memory, 2 * s->n + system->quadratures.n, sizeof *s->q);
     s->v = s->q + s->n;
@@ -85,46 +87,56 @@ static struct pk_range range_of(const struct settings *s, size_t parameter)
     return range;
 }
 
-/* Sets one parameter; a member of a family only if `members`, after the dependent defaults are
- * computed. 0: there is none. */
-static int set(struct settings *s, const struct pk_run_value *x, int members)
+/* Sets parameters: single ones, or members of families. 0: there is none. */
+static int set(const struct settings *s, void *params, const struct pk_run_value *given,
+               size_t n_given, int members)
 {
-    const pk_real value = (pk_real)x->value;
-    pk_real *values;
-    if (x->index >= s->system->n_parameters || !isfinite(x->value))
-        return 0;
-    const struct pk_range range = range_of(s, x->index);
-    void *const place = (char *)s->params + s->system->parameters[x->index].offset;
-    s->given[x->index] = 1;
-    if (!range.is_family) {
-        memcpy(place, &value, sizeof value);
-        return 1;
+    for (size_t k = 0; k < n_given; k++) {
+        const struct pk_run_value x = given[k];
+        const pk_real value = (pk_real)x.value;
+        pk_real *values;
+        if (x.index >= s->system->n_parameters || !isfinite(x.value))
+            return 0;
+        const struct pk_range range = range_of(s, x.index);
+        void *const place = (char *)params + s->system->parameters[x.index].offset;
+        if (x.member >= range.count)
+            return 0;
+        memcpy(&values, place, range.is_family ? sizeof values : 0);
+        if (!range.is_family)
+            memcpy(place, &value, sizeof value);
+        else if (members)
+            values[x.member] = value;
     }
-    memcpy(&values, place, sizeof values);
-    if (x->member < range.count && members)
-        values[x->member] = value;
-    return x->member < range.count;
+    return 1;
 }
 
-/* Defaults that follow. Of a family of which some members are given, the others follow first. */
+int settings_parameters(struct settings *s, void *params, const struct pk_run_value *more,
+                        size_t n_more)
+{
+    const struct pk_system *system = s->system;
+    const struct pk_run_settings *x = &s->asked;
+    int families = 0;
+    if (!set(s, params, x->parameters, x->n_parameters, 0) || !set(s, params, more, n_more, 0))
+        return 0;
+    memset(s->given, 0, system->n_parameters);
+    for (int pass = 0; pass < 2; pass++) /* of a family with members given the others follow first */
+        for (size_t k = 0; k < x->n_parameters + n_more; k++) {
+            const size_t at = (k < n_more ? more[k] : x->parameters[k - n_more]).index;
+            const int is_family = range_of(s, at).is_family;
+            if (pass == 1 && is_family && !families++) {
+                system->derive(params, s->given);
+                set(s, params, x->parameters, x->n_parameters, 1);
+                set(s, params, more, n_more, 1);
+            }
+            s->given[at] |= is_family ? pass == 1 : 1;
+        }
+    system->derive(params, s->given);
+    return 1;
+}
+
 static const char *parameters(struct settings *s)
 {
-    const struct pk_run_value *given = s->asked.parameters;
-    unsigned char *whole = memory_take(s->memory, s->system->n_parameters, 1);
-    int families = 0;
-    for (size_t k = 0; k < s->asked.n_parameters; k++) {
-        if (!set(s, &given[k], 0))
-            return "there is no such parameter";
-        whole[given[k].index] = !range_of(s, given[k].index).is_family;
-        families |= !whole[given[k].index];
-    }
-    if (families) {
-        s->system->derive(s->params, whole);
-        for (size_t k = 0; k < s->asked.n_parameters; k++)
-            set(s, &given[k], 1);
-    }
-    s->system->derive(s->params, s->given);
-    return NULL;
+    return settings_parameters(s, s->params, NULL, 0) ? NULL : "there is no such parameter";
 }
 
 /* Values given of n numbers, which are those of the start or, without flags, inputs. */
@@ -197,7 +209,7 @@ static const char *columns(struct settings *s)
             for (size_t j = 0; *kind == 'o' && j < x->n_hidden; j++)
                 hidden |= x->hidden[j] == i;
             if (!hidden)
-                s->show[s->n_show++] = (struct pk_run_column){*kind, i};
+                s->show[s->n_show++] = (struct pk_run_column){*kind, i, 0};
         }
     }
     return NULL;

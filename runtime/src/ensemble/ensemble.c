@@ -20,7 +20,8 @@ static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
     const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
     if (e->method->needs & PK_LINEAR_DRAG && !(e->system->facts & PK_SEPARABLE))
         return NULL;
-    if (!(e->options.h > 0) || e->system->quadratures.n || e->system->constraints.n)
+    if (!(e->options.h > 0) || e->system->quadratures.n || e->system->constraints.n ||
+        e->system->families.count) /* its loops are over members of the family */
         return NULL;
     return own ? own : find(pk_block_steppers, e->method->name);
 }
@@ -61,9 +62,16 @@ static enum pk_status to_row(const struct pk_ensemble *e, size_t member, struct 
     const pk_real last = e->t[e->rows - 1], way = last < e->t0 ? PK_C(-1.0) : PK_C(1.0);
     const int fixed = !(e->method->traits & PK_ADAPTIVE);
     *there = it;
-    while (way * (t - it->t) > 0 && !(fixed && pk_integrator_is_at(it, t)))
-        if (pk_integrator_step(it, fixed ? pk_integrator_limit(it, t, last) : t) != PK_DONE)
+    while (way * (t - it->t) > 0 && !(fixed && pk_integrator_is_at(it, t))) {
+        const pk_real whole = fixed ? way * (t - it->t) / it->options.h : 0;
+        if (whole >= 2 && e->system->families.advance) { /* many in one call */
+            const pk_real most = PK_C(1e9);
+            if (pk_integrator_steps(it, last, (unsigned long)(whole < most ? whole : most)))
+                return it->status;
+        } else if (pk_integrator_step(it, fixed ? pk_integrator_limit(it, t, last) : t) != PK_DONE) {
             return it->status;
+        }
+    }
     if (pk_integrator_is_at(it, t))
         return PK_DONE;
     if (!aside->it.q && pk_member_integrator(e, member, aside) < 0)
