@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from ..equations import Quantity
-from ..graph.graph import Graph, Kind, Node, Symbol
+from ..graph.graph import VARIABLE, Graph, Kind, Node, Symbol
 from ..indices import indexed, integer
 from ..model import Coordinate, Input, Model, Parameter, State
 from ..record import record
@@ -40,6 +42,14 @@ class Family:
 
 def error(model: Model, message: str, span: Span, help: str = "") -> ModelError:
     return ModelError(model.source, [Diagnostic(message, span, help)])
+
+
+def refuse_constant(model: Model, g: Graph, events: Iterable[Node]) -> None:
+    """An event whose expression is constant is an error."""
+    for item, node in zip(model.events, events, strict=True):
+        if not g.depends[node] & VARIABLE:
+            message = f"the event '{item.name}' never happens: its expression is constant"
+            raise error(model, message, item.value.span)
 
 
 def sizes(model: Model) -> dict[str, int]:

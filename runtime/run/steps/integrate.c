@@ -17,7 +17,8 @@ static enum pk_status many(struct pk_run *run, pk_real end)
 static int step(struct pk_run *run)
 {
     struct pk_integrator *it = &run->it;
-    const int fused = run->problem.system->families.advance && run_fixed(run);
+    const struct pk_system *system = run->problem.system;
+    const int fused = system->families.advance && run_fixed(run) && !system->events.n;
     const pk_real end = run_limit(run);
     const enum pk_status status = fused ? many(run, end) : crossings_step(run, end);
     if (status < 0)

@@ -17,7 +17,7 @@ from ...record import record
 from ..facts import loop_facts, loop_invariants
 from ..kernels import KERNELS
 from ..targets import RETURN, STORE, Target
-from . import loop_parameters, parameter_code
+from . import loop_parameters, parameter_code, tables
 from .describe import labelled
 from .helpers import helpers
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
@@ -67,6 +67,7 @@ class _Context:
         self.outputs = {
             "observe": Block.of(STORE, "out[{}]", e.observed, INNER),
             "conserve": Block.of(STORE, "out[{}]", e.conserved, INNER),
+            "event": Block.of(STORE, "out[{}]", e.events, INNER),
         }
         blocks = [
             *self.plan.blocks,
@@ -118,7 +119,7 @@ class _Context:
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
             "reductions": (),
-            "events": (),
+            "events": tables.events(model.events, model.events),
             "cyclic": (),
             "forms": (),
             "n_quadratures": 0,
@@ -152,7 +153,7 @@ class _Context:
             "vectors": kernels,
             "with_mass": "mass" in self.kernels,
             "scalar_kernels": [k for k in TOTALS if k in plan.totals],
-            "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS)},
+            "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS, *self.outputs)},
             "outputs": {k: x.statements for k, x in self.outputs.items() if x.targets},
             "singularities": list(self._singularities()),
             "singular": {

@@ -204,7 +204,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_redundant": len(redundant.names) if redundant else 0,
         "n_redundant_holonomic": redundant.holonomic if redundant else 0,
         "n_particles": len(equations.particles.masses) if equations.particles else 0,
-        "events": tables.events(program),
+        "events": tables.events(equations.event_names, equations.model.events),
         "marks": [mark.quantity.name for mark in equations.marks],
         "switches": [switch.quantity.name for switch in equations.switches],
         "impulses": [x.impulse for x in equations.switches] if equations.jolted else [],

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...equations import Equations, Quantity
+from ...model import Event
 from .describe import families, field_says
 from .names import family_of
 from .program import Program
@@ -35,11 +36,13 @@ def singularities(program: Program) -> list[dict[str, Any]]:
     ]
 
 
-def events(program: Program) -> list[dict[str, Any]]:
-    e = program.equations
+def events(
+    quantities: Sequence[Quantity | Event], declared: Sequence[Event]
+) -> list[dict[str, Any]]:
     return [
-        vars(quantity) | {"direction": event.direction, "stop": int(event.stop)}
-        for quantity, event in zip(e.event_names, e.model.events, strict=True)
+        {key: getattr(quantity, key) for key in ("name", "unit", "description")}
+        | {"direction": event.direction, "stop": int(event.stop)}
+        for quantity, event in zip(quantities, declared, strict=True)
     ]
 
 

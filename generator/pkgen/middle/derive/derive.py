@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from ... import limits
 from ...equations import Equations, Named, ParameterSlot, Quantity, Row
 from ...graph.differentiate import gradient
-from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node
+from ...graph.graph import BIT, ZERO, Kind, Node
 from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
 from ...model import Model, Parameter
@@ -20,7 +20,15 @@ from ..expand.expand import Expander
 from ..expand.names import entered
 from ..motion import PARTICLES, Energies, Motion, Wanted
 from ..naming import naming
-from ..quantities import error, families, indexed, input_quantities, quantities, symbols
+from ..quantities import (
+    error,
+    families,
+    indexed,
+    input_quantities,
+    quantities,
+    refuse_constant,
+    symbols,
+)
 from .constrain import CannotConstrain
 from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
@@ -243,10 +251,8 @@ def _events(x: Expander, found: Derived, rates: Mapping[Node, Node]) -> Row:
     for item in x.model.events:
         with x.statement(item.span):
             node = _solved(x, x.scalar(item.value), found, rates, item.span)
-            if not x.graph.depends[node] & VARIABLE:
-                message = f"the event '{item.name}' never happens: its expression is constant"
-                raise error(x.model, message, item.value.span)
             nodes.append(node)
+    refuse_constant(x.model, x.graph, nodes)
     return tuple(nodes)
 
 

@@ -9,7 +9,7 @@ from ...model import Model
 from ...source import Diagnostic, ModelError
 from ..derive.impulses import Across, arguments_of
 from ..expand.names import entered
-from ..quantities import indexed
+from ..quantities import indexed, refuse_constant
 from .bodies import Gathered
 from .expand import LoopExpander, size_values
 from .facts import facts_of, total_nodes
@@ -37,8 +37,6 @@ def _derive(x: LoopExpander) -> LoopEquations:
         for group in x.coordinates.values()
     ):
         raise Unrolled("no family of coordinates has a length that depends on a size")
-    if model.events:
-        raise Unrolled(f"'{model.events[0].name}' is an event")
     if model.fast:
         raise Unrolled("a part of the potential is named fast")
     found: dict[str, list[tuple[Term, int]]] = {}
@@ -66,6 +64,8 @@ def _derive(x: LoopExpander) -> LoopEquations:
     outputs = Outputs(x, gather, kinetic, potential, lagrangian, energy, vectors["momenta"])
     observed = outputs.nodes(model.observed)
     conserved = outputs.nodes(model.conserved)
+    events = outputs.nodes(model.events)
+    refuse_constant(model, x.graph, events)
     x.sums = None
     starts = starts_of(x, gather)
     defaults = defaults_of(x, gather)
@@ -85,6 +85,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         sums=tuple(outputs.totals),
         observed=observed,
         conserved=conserved,
+        events=events,
         given=given_of(x),
         defaults=defaults,
         bounds=bounds_of(x),

@@ -210,6 +210,7 @@ class LoopEquations:
     sums: tuple[Total, ...]  # of the outputs, in the order of their symbols
     observed: tuple[Node, ...]
     conserved: tuple[Node, ...]
+    events: tuple[Node, ...]
     # The value of each given cell beyond an end and its first two derivatives, by its End.
     given: dict[tuple[str, Affine], tuple[Node, Node, Node]]
     defaults: tuple[Assigned, ...]  # one for each declared parameter

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from ...graph.affine import LOOPS, ROW, Affine, variable
 from ...graph.graph import BIT, ZERO, Kind, Node
-from ...model import Definition
+from ...model import Definition, Event
 from ...tree import Name, children
 from ..quantities import error
 from .expand import LoopExpander
@@ -25,16 +25,16 @@ class Outputs:
         x.make_total = lambda expr: gather.total([(term, 1) for term in terms(x, expr)])
         named = {"T": kinetic, "V": potential, "L": lagrangian, "energy": energy}
         named |= {"p_" + name: total for name, total in momenta.totals.items()}
-        used = {name for item in (*x.model.observed, *x.model.conserved) for name in _names(item)}
+        used = {name for item in _outputs(x) for name in _names(item)}
         for name, total in named.items():
             if total is not None and name in used:
                 self.totals.append(total)
                 x.outputs[name] = x.slots.node("sum", str(len(self.totals) - 1))
 
-    def nodes(self, items: tuple[Definition, ...]) -> tuple[Node, ...]:
+    def nodes(self, items: tuple[Definition | Event, ...]) -> tuple[Node, ...]:
         found = []
         for item in items:
-            if item.range is not None or item.index is not None:
+            if isinstance(item, Definition) and item.range is not None:
                 raise Unrolled(f"'{item.name}' is an output for each index")
             node = self.x.scalar(item.value)
             for slot in self.x.slots.below(node):
@@ -45,7 +45,11 @@ class Outputs:
         return tuple(found)
 
 
-def _names(item: Definition) -> Iterable[str]:
+def _outputs(x: LoopExpander) -> Iterator[Definition | Event]:
+    yield from (*x.model.observed, *x.model.conserved, *x.model.events)
+
+
+def _names(item: Definition | Event) -> Iterable[str]:
     waiting = [item.value]
     while waiting:
         expr = waiting.pop()

@@ -7,7 +7,7 @@ it is switched off. What a scene fixes or holds is not there when the equations 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from ...equations import Equations, Structure
@@ -100,10 +100,7 @@ def outputs(state: State, needs: Needs) -> State:
     """Outputs that are not recorded are not computed, events that nobody asks for not looked for.
     A claim has been proved, and need not be watched."""
     e, lines, left = state.equations, [], {}
-    asked = needs.events | {event.name for event in e.model.events if event.stop}
-    idle = "nothing is asked of it, and it stops nothing"
-    kinds = [(field, field, needs.columns, why) for field, why in _OUTPUTS.items()]
-    for field, what, wanted, why in (*kinds, ("events", "event", asked, idle)):
+    for field, what, wanted, why in _unread(e.model, needs, needs.columns):
         named = f"{field.removesuffix('s')}_names"
         names = getattr(e, named)
         gone = [q.name for q in names if q.name not in wanted]
@@ -114,8 +111,17 @@ def outputs(state: State, needs: Needs) -> State:
                 left[row] = tuple(x for q, x in pairs if q.name in wanted)
     if not lines:
         return state
+    asked = {q.name for q in left.get("event_names", e.event_names)}
     events = tuple(event for event in e.model.events if event.name in asked)
     return state.after(replace(e, model=replace(e.model, events=events), **left), *lines)
+
+
+def _unread(model: Model, needs: Needs, columns: frozenset[str]) -> Iterator[tuple]:
+    """Of kinds of outputs the field, its word, the names that are wanted, and why no others."""
+    for field, why in _OUTPUTS.items():
+        yield field, field, columns, why
+    asked = needs.events | {event.name for event in model.events if event.stop}
+    yield "events", "event", asked, "nothing is asked of it, and it stops nothing"
 
 
 def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLine, ...]]:
@@ -125,12 +131,12 @@ def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLin
     # Of an output for each index the name; of a member of a definition, recorded, its own.
     columns = {parted(name)[0] for name in needs.columns} | needs.columns
     lines = []
-    for field, why in _OUTPUTS.items():
+    for field, what, wanted, why in _unread(model, needs, columns):
         items = getattr(model, field)
-        gone = [item.name for item in items if item.name not in columns]
+        gone = [item.name for item in items if item.name not in wanted]
         if gone:
-            lines.append(ReportLine("outputs", f"{field} {', '.join(gone)}", why))
-            model = replace(model, **{field: tuple(x for x in items if x.name in columns)})
+            lines.append(ReportLine("outputs", f"{what} {', '.join(gone)}", why))
+            model = replace(model, **{field: tuple(x for x in items if x.name in wanted)})
     return model, tuple(lines)
 
 
