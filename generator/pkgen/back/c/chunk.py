@@ -37,26 +37,26 @@ def blocks(
                 if home.get(name, k) < k:
                     slots.setdefault(name, len(slots))
     arguments = frozenset((*ARGUMENTS, *outputs))
-    return tuple(
-        _block(k, part, words[k], loads, home, slots, arguments) for k, part in enumerate(parts)
-    ), len(slots)
+    places = {name: k for k, name in enumerate(loads)}
+
+    def made(k: int) -> Block:
+        needed = [loads[name] for name in sorted(words[k] & places.keys(), key=places.__getitem__)]
+        handed = (name for name in words[k] & slots.keys() if home[name] < k)
+        for name in sorted(handed, key=slots.__getitem__):
+            needed.append(Statement.of(LOAD, name, variable(f"w[{slots[name]}]")))
+        return _block(parts[k], needed, words[k], slots, arguments)
+
+    return tuple(map(made, range(len(parts)))), len(slots)
 
 
 def _block(
-    k: int,
     part: list[Statement],
+    lines: list[Statement],
     words: set[str],
-    loads: Mapping[str, Statement],
-    home: Mapping[str, int],
     slots: Mapping[str, int],
     arguments: frozenset[str],
 ) -> Block:
-    lines = [load for name, load in loads.items() if name in words]
-    lines += [
-        Statement.of(LOAD, name, variable(f"w[{slot}]"))
-        for name, slot in slots.items()
-        if name in words and home[name] < k
-    ]
+    """`lines` stand before the part."""
     loaded = {base(read) for line in lines for read in line.reads}
     if not slots:  # nothing is handed on
         return Block((*lines, *part), arguments & (words | loaded))
