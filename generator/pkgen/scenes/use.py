@@ -54,13 +54,12 @@ class Overrides:
 
 
 def of_run(options: argparse.Namespace) -> Use | None:
-    """For a run: no more than its rows need; without a scene all, and what options add."""
+    """For a run: no more than its rows need; without a scene all coordinates and parameters."""
     columns = None
     if options.record is not None:
         columns = tuple("".join(name.split()) for name in options.record.split(","))
-    if options.scene is None:
-        return _of_options(options, columns)
-    off = switched_off(options.no_reduce)
+    name = options.scene or OPTIONS
+    off = switched_off(options.no_reduce) if options.scene else EVERY - {EXACT}
     if options.diagnose:
         off |= {APART}
     if diagnostics.of_whole(options.diagnose):
@@ -77,11 +76,11 @@ def of_run(options: argparse.Namespace) -> Use | None:
         steps=options.step is not None,
         several=options.ensemble is not None,
     )
-    use = replace(_use(options.scene, asked), declared=with_options(options, columns or ()))
+    use = replace(_use(name, asked), declared=with_options(options, columns or ()))
 
     def kernels(used: Model, made: tuple | None) -> frozenset[str] | None:
         """Diagnostics, and trials of methods, call others."""
-        scene = _chosen(used, options.scene, asked)
+        scene = _chosen(used, name, asked)
         own = (options.method, options.step, options.rtol, options.atol)
         if options.diagnose or (scene.accuracy is not None and not any(own)):
             return None
@@ -113,6 +112,8 @@ def _of_method(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     of = known(model.methods).get(method)
     found = called(of) if of else called("gauss") | {"mass", LINEAR_OF_FEW}
     watched = at or any(event.stop for event in model.events) or scene_model.events(scene)
+    if watched:
+        found -= {"advance"}  # many steps in one call would pass over them
     if several and not watched and (made is None or _side_by_side(*made, of, steps)):
         found |= {"members"}
     return found
