@@ -39,7 +39,7 @@ static int right_hand_side(double t, const double *y, double *dy, void *context)
     pk_eval_input(it, t);
     it->count.evaluations++;
     memcpy(dy, y + it->n, it->n * sizeof *y);
-    for (size_t i = it->n - problem->system->n_first_order; i < it->n; i++)
+    for (size_t i = pk_system_coordinates(problem->system, problem->params); i < it->n; i++)
         dy[i] = 0; /* the integral of a state, which nobody sees and no error is to be of */
     const int failed =
         problem->system->acceleration(problem->params, t, y, y + it->n, it->own->u, dy + it->n);
@@ -68,7 +68,7 @@ static int jacobian(double t, const double *y, double *df_dy, double *df_dt, voi
     memset(df_dy, 0, m * m * sizeof *df_dy);
     memset(df_dt, 0, n * sizeof *df_dt);
     for (size_t i = 0; i < n; i++) {
-        df_dy[i * m + n + i] = i < n - it->problem.system->n_first_order;
+        df_dy[i * m + n + i] = i < n - pk_system_first_order(it->problem.system, it->problem.params);
         memcpy(df_dy + (n + i) * m, a_q + i * n, n * sizeof *a_q);
         memcpy(df_dy + (n + i) * m + n, a_v + i * n, n * sizeof *a_v);
     }

@@ -32,7 +32,7 @@ int find_name(const char *name, size_t length, char kind, size_t *index, const c
     } lists[] = {
         {'p', s->parameters, s->n_parameters, sizeof *s->parameters},
         {'i', s->inputs, s->n_inputs, one},
-        {'q', s->coordinates, n - (families ? 0 : s->n_first_order), one},
+        {'q', s->coordinates, n - (families ? s->families.n_states : s->n_first_order), one},
         {'v', s->rates, n, one},
         {'o', s->observed, s->n_observed, one},
         {'z', s->quadratures.names, s->quadratures.n, one},

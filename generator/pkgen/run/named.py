@@ -95,21 +95,20 @@ def coordinates(compilation: Compilation, rates: bool = False) -> Named:
     """Those of the equations: a scene may have reduced the model's. Behind the rates stand the
     states, as they do in C and in every row."""
     if compilation.looped:
-        return _coordinates(compilation.model, rates)
+        return _moving(compilation.model, rates)
     e = compilation.equations
     return Named(_each((*e.rates, *e.states) if rates else e.seen))
 
 
 def declared(compilation: Compilation) -> Named:
     """The coordinates and states that the model declares."""
-    model = compilation.declared
-    return Named(_coordinates(model, False).declared + _plain(model, model.states))
+    return _moving(compilation.declared, False, states=True)
 
 
 def states(compilation: Compilation) -> frozenset[str]:
     """The names of the states that are left."""
     if compilation.looped:
-        return frozenset()
+        return frozenset(state.name for state in compilation.model.states)
     return frozenset(q.name for q in compilation.equations.states)
 
 
@@ -133,22 +132,22 @@ def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
 
 def has_energy(compilation: Compilation) -> bool:
     """States alone have none."""
-    return compilation.looped or bool(compilation.equations.coordinates)
+    of = compilation.model if compilation.looped else compilation.equations
+    return bool(of.coordinates)
 
 
-def _coordinates(model: Model, rates: bool) -> Named:
-    found = families(model, model.coordinates)
-    mark = "'" if rates else ""
-    return Named(
-        [
-            _declared(
-                Quantity(c.name + mark, c.rate_unit if rates else c.unit, c.description),
-                found[c.name],
-            )
-            for c in model.coordinates
-            if not c.rate
-        ]
-    )
+def _moving(model: Model, rates: bool, states: bool = False) -> Named:
+    """Coordinates, or their rates and the states."""
+    moving = (*model.coordinates, *model.states)
+    found = families(model, moving)
+    made = []
+    for c in moving:
+        is_state = isinstance(c, State)
+        if (is_state and not (rates or states)) or (not is_state and c.rate):
+            continue
+        name, unit = (c.name + "'", c.rate_unit) if rates and not is_state else (c.name, c.unit)
+        made.append(_declared(Quantity(name, unit, c.description), found[c.name]))
+    return Named(made)
 
 
 def parameters(compilation: Compilation) -> Named:

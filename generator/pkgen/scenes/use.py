@@ -140,6 +140,8 @@ def _side_by_side(
     equations: Equations, structure: Structure, method: Method | None, steps: bool
 ) -> bool:
     """Whether members go in blocks, as in runtime/src/ensemble/ensemble.c."""
+    if not isinstance(equations, Equations):
+        return False  # its loops are over members of a family
     alone = equations.quadratures or equations.constraints or equations.switches
     return in_blocks(method, steps, structure) and not alone
 

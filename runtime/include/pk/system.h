@@ -236,7 +236,9 @@ struct pk_part_families {
     void (*set_sizes)(void *params);
     size_t (*block_size)(const void *params);
     void (*attach)(void *params, void *block);
-    size_t n_coordinates; /* declared names */
+    size_t n_coordinates; /* declared names; the last n_states are states' */
+    size_t n_states;
+    size_t (*first_order)(const void *params); /* NULL: pk_system.n_first_order */
     /* The members of declared coordinate (or parameter) number k. */
     void (*range)(const void *params, int parameter, size_t k, struct pk_range *range);
     /* `steps` steps of h of a splitting method in place, in as few passes over memory as can be:
@@ -347,10 +349,17 @@ static inline size_t pk_system_count(const struct pk_system *system, const void 
     return system->families.count ? system->families.count(params) : system->n;
 }
 
+/* Of these the last ones, whose rates are the first-order variables. */
+static inline size_t pk_system_first_order(const struct pk_system *system, const void *params)
+{
+    return system->families.first_order ? system->families.first_order(params)
+                                        : system->n_first_order;
+}
+
 /* Coordinates, which come before the integrals of the first-order variables. */
 static inline size_t pk_system_coordinates(const struct pk_system *system, const void *params)
 {
-    return pk_system_count(system, params) - system->n_first_order;
+    return pk_system_count(system, params) - pk_system_first_order(system, params);
 }
 
 /* Members of declared coordinate number k. */

@@ -123,7 +123,7 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
 pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real share,
                       pk_real limit)
 {
-    const size_t n = it->n, seen = n - it->problem.system->n_first_order;
+    const size_t n = it->n, seen = n - pk_first_order(it);
     const pk_real span = pk_abs(limit - it->t);
     pk_real d0 = 0, d1 = 0;
     for (size_t i = 0; i < n; i++) {

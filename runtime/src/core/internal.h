@@ -59,6 +59,12 @@ static inline enum pk_status pk_because(struct pk_integrator *it, enum pk_status
 }
 
 /* Whether a start was accepted. */
+/* How many of the coordinates, the last ones, are integrals of first-order variables. */
+static inline size_t pk_first_order(const struct pk_integrator *it)
+{
+    return pk_system_first_order(it->problem.system, it->problem.params);
+}
+
 static inline int pk_ready(const struct pk_integrator *it) { return it->own && it->own->ready; }
 
 /* Words as printf() has them, and the last valid time; the length as snprintf(). */

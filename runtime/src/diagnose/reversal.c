@@ -32,7 +32,7 @@ size_t pk_reversal_size(const struct pk_problem *problem, const struct pk_method
 static pk_real off(const struct trial *w, size_t i)
 {
     const size_t n = w->it->n;
-    if (i < n && i >= n - w->problem->system->n_first_order)
+    if (i < n && i >= pk_system_coordinates(w->problem->system, w->problem->params))
         return 0; /* the integral of a state */
     return pk_abs(i < n ? w->it->q[i] - w->q0[i] : w->it->v[i - n] - w->v0[i - n]);
 }

@@ -21,7 +21,7 @@ static const struct pk_tableau *table_of(const struct pk_method *method)
 
 static struct pk_embedded_work parts_of(struct pk_integrator *it)
 {
-    return pk_embedded_parts(it, table_of(it->method), it->n, it->problem.system->n_first_order);
+    return pk_embedded_parts(it, table_of(it->method), it->n, pk_first_order(it));
 }
 
 size_t pk_embedded_size(const struct pk_method *method, size_t n)

@@ -76,7 +76,7 @@ static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w,
  * its divergence. */
 void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
 {
-    const size_t seen = it->n - it->problem.system->n_first_order;
+    const size_t seen = it->n - pk_first_order(it);
     for (size_t k = 0; k < it->n; k++) {
         w->scale[k] = pk_abs(it->v[k]);
         if (k < seen)

@@ -38,7 +38,7 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
     r->kept->enough = o->rtol > 0 ? pk_max(10 * PK_EPS / (factor * rtol),
                                            pk_min(PK_C(0.03), PK_F(sqrt)(factor * rtol)))
                                   : PK_C(1e-3);
-    const size_t seen = it->n - it->problem.system->n_first_order;
+    const size_t seen = it->n - pk_first_order(it);
     for (size_t k = 0; k < it->n; k++) {
         r->of_q[k] = factor * (it->own->atol[k] + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) +
                      PK_TINY;
@@ -77,7 +77,7 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
         sum += r->dq[k] / r->of_q[k] * (r->dq[k] / r->of_q[k]) +
                r->dv[k] / r->of_v[k] * (r->dv[k] / r->of_v[k]);
     }
-    return PK_F(sqrt)(sum / (pk_real)(2 * n - it->problem.system->n_first_order));
+    return PK_F(sqrt)(sum / (pk_real)(2 * n - pk_first_order(it)));
 }
 
 enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,

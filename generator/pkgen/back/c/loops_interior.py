@@ -10,7 +10,7 @@ from ...graph.count import operations
 from ...graph.graph import MINUS_ONE, ONE, ZERO, Node
 from ...graph.normal import WORK
 from ...graph.policies import linear
-from ...middle.loops.loops import Group, LoopEquations, Part, Row
+from ...middle.loops.loops import CELLS, Group, LoopEquations, Part, Row
 from ...middle.loops.slots import Slots
 from .loops import WIDEST_BOND
 
@@ -79,7 +79,7 @@ class Interior:
             nodes.append(self.g.sum(bulk))
         for node in nodes:
             for slot in self.slots.below(node):
-                if slot.kind in ("q", "v", "d", "w") and slot.at is not None:
+                if slot.kind in (*CELLS, "d", "w") and slot.at is not None:
                     other, shift = self.e.group(slot.name), slot.at.without(ROW)
                     if slot.at.factor(ROW):
                         lows.append(other.lo - shift)

@@ -11,7 +11,7 @@ from ...equations import Quantity
 from ...graph.affine import ROW, Affine
 from ...graph.graph import Node
 from ...middle.loops.expand import size_values
-from ...middle.loops.loops import Assigned, Limit, LoopEquations
+from ...middle.loops.loops import Assigned, Group, Limit, LoopEquations
 from ...middle.quantities import input_quantities
 from ...record import record
 from ..facts import loop_facts, loop_invariants
@@ -106,7 +106,7 @@ class _Context:
         system = self._system_kernels()
         in_block = any(g.is_family for g in e.parameters)
         names = {
-            "coordinates": [_quantity(g, "{}", "unit") for g in e.coordinates],
+            "coordinates": [_quantity(g, "{}", "unit", "integral of {}") for g in e.coordinates],
             "rates": [_quantity(g, "{}'", "rate_unit") for g in e.coordinates],
             "momentum_names": [_quantity(g, "p_{}", "momentum_unit") for g in e.coordinates],
             "inputs": input_quantities(model, e.orders),
@@ -139,6 +139,9 @@ class _Context:
                 for s in model.sizes
             ],
             "count": index(e.count),
+            "first_order": index(e.first_order),
+            "n_first_order": e.first_order.value(size_values(model)),
+            "states": [group(g) for g in e.states],
             "groups": [group(g) for g in e.coordinates],
             "families": [group(g) for g in e.families],
             "scalars": [group(g) for g in e.scalars],
@@ -228,7 +231,7 @@ class _Context:
         """Functions that read a cell wherever it lies: of q, v, w, d of each family."""
         places, used = self.places, {word for b in self.lowering.blocks for word in b.words}
         for g in self.e.families:
-            for order, kind in enumerate(("q", "v", "w", "d")):
+            for kind, order in {"q": 0, "v": 1, "s": 0, "w": 2, "d": 3}.items():
                 name = f"{self.lowering.prefix}{kind}_{g.name}"
                 if name not in used:
                     continue
@@ -315,5 +318,6 @@ def _value(node: Node, where: str) -> Block:
     return Block.of(RETURN, "", [node], where)
 
 
-def _quantity(g, form: str, unit: str) -> Quantity:
+def _quantity(g: Group, form: str, unit: str, of_state: str = "{}") -> Quantity:
+    form, unit = (of_state, "unit") if g.is_state else (form, unit)
     return Quantity(form.format(g.name), getattr(g.declared, unit), g.declared.description)

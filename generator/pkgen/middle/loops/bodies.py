@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ...graph.affine import ROW, Affine, extremes
 from ...graph.graph import Node
 from .expand import LoopExpander
-from .loops import Group, Limit, PairForce, Part, Slot, Total, Unrolled
+from .loops import CELLS, Group, Limit, PairForce, Part, Slot, Total, Unrolled
 from .pairs import M
 from .terms import Term
 
@@ -61,7 +61,7 @@ class Bodies:
             (_, lo, hi) = term.ranges[0]
         self.found.limits += self.x.limits_over(lo, hi)
         for slot in self.x.slots.below(body):
-            if slot.kind in ("q", "v") and slot.at is not None and term.ranges:
+            if slot.kind in CELLS and slot.at is not None and term.ranges:
                 self._relative(slot)
                 self.in_reach(slot, lo, hi)
         return body
@@ -75,7 +75,7 @@ class Bodies:
 
     def in_reach(self, slot: Slot, lo: Affine | None, hi: Affine | None) -> None:
         """That the member is there, or a given one beyond an end; how far a family wraps."""
-        if slot.kind not in ("q", "v") or slot.at is None or lo is None:
+        if slot.kind not in CELLS or slot.at is None or lo is None:
             return
         group = self.x.coordinates[slot.name]
         first, last = extremes(slot.at, {ROW: (lo, hi)})

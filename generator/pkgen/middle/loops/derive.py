@@ -14,7 +14,7 @@ from .bodies import Gathered
 from .expand import LoopExpander, size_values
 from .facts import facts_of, total_nodes
 from .loops import Band, Limit, LoopEquations, Row, Unrolled, Vector
-from .rows import Gather
+from .rows import APPLIED, Gather
 from .singularities import singularities_of
 from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
 from .terms import Term, terms
@@ -24,8 +24,8 @@ def derive_loops(model: Model) -> LoopEquations:
     """The equations of motion with every family kept as a loop. Raises Unrolled."""
     if model.constraints:
         raise Unrolled("a model with constraints has its families written out")
-    if model.states:
-        raise Unrolled("a model with states has its families written out")
+    if model.rotations:
+        raise Unrolled("a model with rotations has its families written out")
     return entered(model, lambda orders: _derive(LoopExpander(model, orders)))
 
 
@@ -97,18 +97,27 @@ def _derive(x: LoopExpander) -> LoopEquations:
     _check_jumps(x, result)
     result = replace(result, facts=facts_of(x, gather, result))
     singularities, pivots = singularities_of(x, gather, result)
+    if not model.coordinates:
+        result = replace(result, kinetic=None, potential=None, lagrangian=None, energy=None)
     return replace(result, singularities=singularities, pivots=pivots, slots=tuple(x.slots.all))
 
 
 def _forces(x: LoopExpander, gather: Gather) -> None:
-    for item in x.model.forces:
+    """Forces, and the rates of states."""
+    for item in (*x.model.forces, *x.model.rates):
         lo, hi, loop = x.over(item.range, item.index)
         node = x.scalar(item.value, loop)
         gather.found.limits += x.limits_over(lo, hi)
+        group = x.coordinates[item.name]
         if lo is not None:
-            group = x.coordinates[item.name]
             gather.found.limits += [Limit(lo - group.lo, hi - lo), Limit(group.hi - hi, hi - lo)]
-        gather.force(item.name, lo, hi, node)
+        if group.is_state:
+            gather.add(APPLIED, item.name, lo, hi, node)
+        else:
+            gather.force(item.name, lo, hi, node)
+    for group in x.coordinates.values():
+        if group.is_state:
+            gather.state(group)
 
 
 def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:

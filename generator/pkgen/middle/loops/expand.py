@@ -10,7 +10,7 @@ from ...graph.differentiate import Forward
 from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Node
 from ...graph.magnitudes import Magnitudes
 from ...indices import NotAnInteger
-from ...model import Coordinate, Definition, Model, Parameter
+from ...model import Coordinate, Definition, Model, Parameter, State
 from ...source import Span
 from ...tree import Expr, Name, Range, Sum, children
 from ..expand.names import BUILT_IN, Value, next_input
@@ -32,7 +32,8 @@ class LoopExpander:
         self.slots = Slots(self.graph)
         self.primes: list[tuple[Node, Span]] = []
         self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
-        self.coordinates = {c.name: self._group(c) for c in model.coordinates}
+        moving = (*model.coordinates, *model.states)
+        self.coordinates = {c.name: self._group(c) for c in moving}
         self.parameters = {p.name: self._group(p) for p in model.parameters}
         self.inputs = {item.name: i for i, item in enumerate(model.inputs)}
         self.definitions: dict[str, list[Definition]] = {}
@@ -47,13 +48,13 @@ class LoopExpander:
         self._visits = 0
         self._magnitudes = Magnitudes(self.graph)
 
-    def _group(self, item: Coordinate | Parameter) -> Group:
+    def _group(self, item: Coordinate | State | Parameter) -> Group:
         if item.range is None:
             return Group(item, None, None)
         lo, hi = self.index(item.range.lo, self.sizes), self.index(item.range.hi, self.sizes)
         ends, periodic = [], False
         for end in self.model.ends:
-            if end.name != item.name or not isinstance(item, Coordinate):
+            if end.name != item.name or isinstance(item, Parameter):
                 continue
             if end.kind == "periodic":
                 periodic = True
@@ -173,15 +174,16 @@ class LoopExpander:
             self._defining.pop()
 
     def coordinate(self, name: str, index: Affine | None) -> Node:
-        """A coordinate; a given member that is named outside loops by what it is given as."""
+        """A coordinate or a state; a given member, named outside loops, as what it is given."""
         group = self.coordinates[name]
+        kind = "s" if group.is_state else "q"
         if index is None or any(index.factor(v) for v in LOOPS):
-            return self.slots.node("q", name, index)
+            return self.slots.node(kind, name, index)
         for at, end in group.ends:
             if at == index:
                 if end.kind == "fixed":
                     return self.scalar(end.value)
-                return self.slots.node("q", name, group.lo if at == group.lo - 1 else group.hi)
+                return self.slots.node(kind, name, group.lo if at == group.lo - 1 else group.hi)
         if group.periodic:
             below, above = index - group.lo, group.hi - index
             if below.is_constant and below.constant < 0:
@@ -189,7 +191,7 @@ class LoopExpander:
             elif above.is_constant and above.constant < 0:
                 index = index - group.count
         self.members.append((group.lo, group.hi, index))
-        return self.slots.node("q", name, index)
+        return self.slots.node(kind, name, index)
 
     def limits_of(self, length: Affine | None, at: dict[str, tuple[Affine, Affine]]) -> list[Limit]:
         """What the sizes must fulfil for members met since to be there; forgets them."""
@@ -227,6 +229,8 @@ class LoopExpander:
             return self.slots.node("input", str(next_input(self.orders, int(slot.name))))
         if slot.kind == "sum":
             raise Unrolled("the rate of a sum is an output")
+        if slot.kind == "s":
+            raise Unrolled("a momentum, an output or a rate has the rate of a state in it")
         if slot.kind in ("v", "w", "d"):
             raise Unrolled("an output has an acceleration")
         return ZERO

@@ -10,7 +10,7 @@ from ...graph.differentiate import reachable
 from ...graph.graph import BIT, Kind, Node, Op
 from ..analyze.affine import CONSTANT, VARYING, in_rates, is_affine
 from .expand import LoopExpander
-from .loops import LoopEquations, Total, Vector
+from .loops import CELLS, LoopEquations, Total, Vector
 from .rows import Gather
 
 
@@ -22,20 +22,23 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     ]
     entries += total_nodes(e.mass.corner.values())
     forces = [*vector_nodes(e.force)]
+    own = vector_nodes(e.force, frozenset(g.name for g in e.states))
     energies = total_nodes([e.lagrangian])
     constant = not _kinds(x, entries) & {"q", "v", "t", "input", "w"}
     steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
     is_smooth = smooth(x.graph, reachable(x.graph, [*energies, *forces]))
-    of_v = _in_rates(x, forces) if constant else 0
+    of_v = _in_rates(x, forces) if constant and not e.states else 0
     jumping = any(jumps(x.graph, node) for node in reachable(x.graph, energies))
     return Facts(
         mass_constant=constant,
         mass_diagonal=e.mass.is_diagonal,
         quadratic="v" not in _kinds(x, entries),
-        separable=constant and "v" not in _kinds(x, forces),
+        separable=constant and not _kinds(x, forces) & {"v", "s"},
         autonomous=steady,
-        conservative=not gather.applied and steady and not jumping,
-        variational=not gather.applied,
+        conservative=bool(x.model.coordinates)
+        and not (gather.applied or jumping or "s" in _kinds(x, energies + own))
+        and steady,
+        variational=not (gather.applied or e.states),
         smooth=is_smooth,
         affine=constant and steady and _affine(x, forces),
         linear_drag=of_v == CONSTANT,
@@ -48,7 +51,7 @@ def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
     g = x.graph
     slots = ((node, x.slots.of(node)) for node in reachable(g, nodes) if g.op[node] is Op.SYMBOL)
     symbols = {
-        node: slot.kind in ("q", "v", "d")
+        node: slot.kind in (*CELLS, "d")
         for node, slot in slots
         if slot is not None and slot.kind not in ("param", "size", "index")
     }
@@ -78,9 +81,11 @@ def total_nodes(totals: Iterable[Total]) -> list[Node]:
     return found
 
 
-def vector_nodes(vector: Vector) -> list[Node]:
-    found = [part.node for row in vector.rows.values() for part in row.parts]
-    found += total_nodes(vector.totals.values())
+def vector_nodes(vector: Vector, without: frozenset[str] = frozenset()) -> list[Node]:
+    """The nodes of all rows but those of some names."""
+    rows = [row for name, row in vector.rows.items() if name not in without]
+    totals = [total for name, total in vector.totals.items() if name not in without]
+    found = [part.node for row in rows for part in row.parts] + total_nodes(totals)
     for pair in vector.pairs:
         found += [node for side in (pair.by_row, pair.by_other, pair.by_scalar) for _, node in side]
     return found

@@ -19,7 +19,7 @@ from dataclasses import field
 from ...equations import Facts
 from ...graph.affine import Affine
 from ...graph.graph import Graph, Node
-from ...model import Coordinate, End, Model, Parameter
+from ...model import Coordinate, End, Model, Parameter, State
 from ...record import record
 
 
@@ -31,9 +31,9 @@ class Unrolled(Exception):
 class Slot:
     """What a symbol of the graph stands for.
 
-    kind: "q", "v", "w" (the acceleration of a cell that is given as a function of t, 0 of a
-    coordinate), "d" (the rate of a coordinate, 0 of a given cell), "param", "size", "index",
-    "input", "sum". `at` is the index of a family's member.
+    kind: "q", "v", "s" (a first-order variable, which C has in v), "w" (the acceleration of a cell
+    that is given as a function of t, 0 of a coordinate), "d" (the rate of a coordinate, 0 of a
+    given cell), "param", "size", "index", "input", "sum". `at` is the index of a family's member.
     """
 
     kind: str
@@ -41,11 +41,15 @@ class Slot:
     at: Affine | None = None
 
 
+CELLS = ("q", "v", "s")  # slots of what moves
+
+
 @record
 class Group:
-    """A declared coordinate: one scalar (lo is None) or a family lo..hi, and its ends."""
+    """A declared coordinate, state or parameter: one scalar (lo is None) or a family lo..hi, and
+    its ends."""
 
-    declared: Coordinate | Parameter
+    declared: Coordinate | State | Parameter
     lo: Affine | None
     hi: Affine | None
     ends: tuple[tuple[Affine, End], ...] = ()  # each given index outside the family
@@ -58,6 +62,10 @@ class Group:
     @property
     def is_family(self) -> bool:
         return self.lo is not None
+
+    @property
+    def is_state(self) -> bool:
+        return isinstance(self.declared, State)
 
     @property
     def count(self) -> Affine:
@@ -194,7 +202,7 @@ class LoopEquations:
     model: Model
     graph: Graph
     slots: tuple[Slot, ...]
-    coordinates: tuple[Group, ...]
+    coordinates: tuple[Group, ...]  # and then the states, each as the rate of one
     parameters: tuple[Group, ...]
     orders: tuple[int, ...]  # derivatives of each input that occur
 
@@ -205,8 +213,8 @@ class LoopEquations:
     mass: Band
     kinetic: Total | None
     potential: Total | None
-    lagrangian: Total
-    energy: Total
+    lagrangian: Total | None  # None, like the energy, of states alone
+    energy: Total | None
     sums: tuple[Total, ...]  # of the outputs, in the order of their symbols
     observed: tuple[Node, ...]
     conserved: tuple[Node, ...]
@@ -234,8 +242,14 @@ class LoopEquations:
         return tuple(g for g in self.coordinates if not g.is_family)
 
     @property
+    def states(self) -> tuple[Group, ...]:
+        return tuple(g for g in self.coordinates if g.is_state)
+
+    @property
     def count(self) -> Affine:
-        total = Affine()
-        for group in self.coordinates:
-            total = total + group.count
-        return total
+        return sum((g.count for g in self.coordinates), Affine())
+
+    @property
+    def first_order(self) -> Affine:
+        """How many of them are states."""
+        return sum((g.count for g in self.states), Affine())

@@ -6,7 +6,7 @@ from ...graph.affine import OTHER, ROW, Affine, extremes, variable
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, MINUS_ONE, ZERO, Graph, Kind, Node
 from .expand import LoopExpander
-from .loops import Limit, PairForce, Unrolled
+from .loops import CELLS, Limit, PairForce, Unrolled
 from .terms import Term
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
@@ -31,7 +31,7 @@ def pair_body(x: LoopExpander, term: Term, limits: list[Limit]) -> Node:
     at = {OTHER: (first, last), ROW: (lo, hi)}
     limits += x.limits_of(hi - lo, at)
     for slot in x.slots.below(body):
-        if slot.kind not in ("q", "v") or slot.at is None:
+        if slot.kind not in CELLS or slot.at is None:
             continue
         if slot.at not in (M, J):
             raise Unrolled("a pair sum reaches beside its own members")

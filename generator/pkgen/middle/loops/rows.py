@@ -6,11 +6,11 @@ from dataclasses import replace
 
 from ...graph.affine import LOOPS, Affine
 from ...graph.differentiate import Forward, gradient
-from ...graph.graph import BIT, VARIABLE, ZERO, Kind, Node
+from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Kind, Node
 from ..motion import degree
 from .bodies import Bodies, Gathered
 from .expand import LoopExpander
-from .loops import PairPart, Part, Slot, Total, Unrolled
+from .loops import Group, PairPart, Part, Slot, Total, Unrolled
 from .pairs import RATES, STATE, M, pair_body, pair_force, pair_ranges, signed
 from .terms import Term
 
@@ -88,15 +88,31 @@ class Gather:
     def force(self, name: str, lo: Affine | None, hi: Affine | None, node: Node) -> None:
         """Adds a generalized force along the members lo..hi."""
         self.applied |= node != ZERO
+        self.add(APPLIED, name, lo, hi, node)
+
+    def add(
+        self, whats: tuple[str, ...], name: str, lo: Affine | None, hi: Affine | None, node: Node
+    ) -> None:
+        """Adds to what the members lo..hi have, or a scalar coordinate."""
         for slot in self.x.slots.below(node):
             self.bodies.in_reach(slot, lo, hi)
-        for what in APPLIED:
+        for what in whats:
             if lo is None:
                 total = self.found.totals[what, name]
                 constant = self.g.add(total.constant, node)
                 self.found.totals[what, name] = replace(total, constant=constant)
             else:
                 self._append(self.found.rows[what, name], Part(lo, hi, node))
+
+    def state(self, group: Group) -> None:
+        """In C a state is the rate of a coordinate, with inertia 1: its own momentum."""
+        at = M if group.is_family else None
+        own = self.x.slots.node("s", group.name, at)
+        self.add(("momenta",), group.name, group.lo, group.hi, own)
+        if group.is_family:
+            self.found.entries[group.name, group.name, 0].append(Part(group.lo, group.hi, ONE, ONE))
+        else:
+            self.found.corner[group.name, group.name] = Total(ONE)
 
     def energy(self, found: list[tuple[Term, int]]) -> Total:
         """h = v.p - L of the terms of L."""

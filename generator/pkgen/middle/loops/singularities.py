@@ -24,7 +24,7 @@ from .loops import Group, LoopEquations, LoopSingularity, PairPart, Part, Total
 from .pairs import M
 from .rows import Gather
 
-MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.TIME]
+MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE] | BIT[Kind.TIME]
 _PRIMES = {"v": "'", "d": "'"}
 _Over = tuple[Affine, ...]  # nothing; lo, hi; or lo, hi, first, last of pairs
 _Guarded = tuple[_Over, Node]

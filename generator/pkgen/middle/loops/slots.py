@@ -13,6 +13,7 @@ from .loops import Slot
 # The domain of a slot's symbol: what is known before the loops begin can be hoisted.
 _KINDS = {
     "q": Kind.COORDINATE,
+    "s": Kind.STATE,
     **dict.fromkeys(("v", "d"), Kind.RATE),
     **dict.fromkeys(("param", "size"), Kind.PARAMETER),
     **dict.fromkeys(("input", "index", "sum", "flux", "w"), Kind.INPUT),

@@ -10,7 +10,7 @@ from ...model import Definition, Event
 from ...tree import Name, children
 from ..quantities import error
 from .expand import LoopExpander
-from .loops import Assigned, Bounded, Total, Unrolled
+from .loops import CELLS, Assigned, Bounded, Total, Unrolled
 from .rows import Gather
 from .terms import terms
 
@@ -63,7 +63,7 @@ def starts_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
     for item in x.model.starts:
         lo, hi, loop = x.over(item.range, item.index)
         node = x.scalar(item.value, loop)
-        bad = [s for s in x.slots.below(node) if s.kind in ("q", "v", "input", "sum")]
+        bad = [s for s in x.slots.below(node) if s.kind in (*CELLS, "input", "sum")]
         if bad or x.graph.depends[node] & BIT[Kind.TIME]:
             message = "an initial value may use parameters and numbers only"
             raise error(x.model, message, item.value.span)
@@ -71,7 +71,7 @@ def starts_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
         if lo is not None:
             x.members += [(group.lo, group.hi, lo), (group.lo, group.hi, hi)]
         gather.found.limits += x.limits_over(lo, hi)
-        found.append(Assigned(item.name, item.order, lo, hi, node))
+        found.append(Assigned(item.name, 1 if group.is_state else item.order, lo, hi, node))
     return tuple(found)
 
 
