@@ -66,14 +66,17 @@ def loop_facts(e: LoopEquations) -> list[tuple[str, str]]:
     if proved.mass_constant:
         once = "a division a row" if proved.mass_diagonal else "factored once"
         shape += f", constant: {once}"
-    return [
+    beyond = "force, dissipation or states" if e.states else "force or dissipation"
+    rows = [
         ("mass matrix", shape),
         ("separable", _separable(proved)),
         ("linear", _yes(proved.affine, "constant coefficients", "")),
         ("explicit time", "no" if proved.autonomous else "yes (or an input)"),
-        ("forces beyond L", "none" if proved.variational else "yes (force or dissipation)"),
+        ("forces beyond L", "none" if proved.variational else f"yes ({beyond})"),
         ("smooth", _yes(proved.smooth, "", "abs, min, max or step")),
     ]
+    of_l = ("mass matrix", "forces beyond L")
+    return [row for row in rows if e.model.coordinates or row[0] not in of_l]
 
 
 def loop_invariants(proved: Facts) -> list[tuple[str, str]]:

@@ -18,7 +18,8 @@ from ..version import __version__
 from .contents import freedom
 from .html_constants import constants
 from .html_equations import EquationSections
-from .html_loops import loop_freedom, loop_sections
+from .html_loops import loop_sections
+from .loops import loop_freedom
 from .prose import Prose
 from .scenes import SceneShown
 from .shown import Shown

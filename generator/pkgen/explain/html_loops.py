@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from ..middle.loops.loops import Group, LoopEquations
 from . import mathml
 from .html_equations import lets, lines, parameter_table, quantity_rows
-from .loops import beyond, force_lines, mass_lines, name_of, pair_lines, pair_range
+from .loops import beyond, declared, force_lines, mass_lines, pair_lines, pair_range, rate_lines
 from .mathml import fenced, operator, row
 from .prose import Prose
 from .rows import EquationLine, Style, Writer
@@ -21,19 +21,16 @@ _ONE = mathml.number("1")
 _PLACE = re.compile(r"f\[(.*)\]")
 
 
-def loop_freedom(e: LoopEquations) -> str:
-    sizes = ", ".join(f"{s.name} = {s.value}" for s in e.model.sizes)
-    return f"{Writer(e).index(e.count)} degrees of freedom ({sizes}); sizes are set at run time"
-
-
 def loop_sections(e: LoopEquations, written: Written, prose: Prose) -> Iterator[str]:
     write, plain = Writer(e, _style(e, written)), Writer(e)
-    rows = [(name_of(write, g), g.declared.unit, g.declared.description) for g in e.coordinates]
-    yield heading("Coordinates")
-    yield table(("symbol", "unit", "meaning"), quantity_rows(rows, prose))
+    for kind, rows in declared(plain):
+        if kind != "Parameters":
+            yield heading(kind)
+            yield table(("symbol", "unit", "meaning"), quantity_rows(rows, prose))
     units = {g.name: g.declared.unit for g in e.parameters}
     yield from parameter_table(written, prose, units)
-    yield heading("Lagrangian")
+    if e.model.coordinates:
+        yield heading("Lagrangian")
     yield from lines([*written.energies(), *written.forces()])
     yield from lets(written.lets_of(("kinetic", "potential", "lagrangian", "dissipation", "force")))
     yield heading("Equations of motion")
@@ -42,13 +39,14 @@ def loop_sections(e: LoopEquations, written: Written, prose: Prose) -> Iterator[
         yield f"<p>and for each pair {mathml.inline(_range(pair_range(write, pair)))} added:</p>"
         for line in pair_lines(write, pair):
             yield _line(line)
+    yield from map(_line, rate_lines(write))
     said = beyond(plain)
     yield listed(map(_beyond, said)) if said else ""
 
 
 def _style(e: LoopEquations, written: Written) -> Style:
-    declared = [x.name for x in (*e.parameters, *e.coordinates)]
-    typeset = Typesetter(_Ranks(declared), _Constants(e.parameters), written.name)
+    ranked = [x.name for x in (*e.parameters, *e.coordinates)]
+    typeset = Typesetter(_Ranks(ranked), _Constants(e.parameters), written.name)
     return Style(
         expression=lambda expr: _BREAK.join(typeset.terms(expr)),
         large=lambda size: mathml.words(f"({size} operations)"),

@@ -27,19 +27,29 @@ def explain_loops(compilation: Compilation) -> str:
     e = compilation.equations
     assert isinstance(e, LoopEquations)
     write = Writer(e)
-    count = write.index(e.count)
-    sizes = ", ".join(f"{s.name} = {s.value}" for s in compilation.model.sizes)
     sections = [
-        title(compilation, f"{count} degrees of freedom ({sizes}); sizes are set at run time"),
+        title(compilation, loop_freedom(e)),
         *(quantities_text(kind, groups) for kind, groups in declared(write)),
         _lagrangian(write),
-        section("Equations of motion   M q'' = f", _equations(write)),
+        section(
+            "Equations of motion" + "   M q'' = f" * bool(e.model.coordinates), _equations(write)
+        ),
         drawing(compilation),
         _structure(compilation, e),
         constants_text(loop_invariants(e.facts), e.facts.symmetries),
         section("Loops", compilation.program.context["operations"]),
     ]
     return "\n\n".join(section for section in sections if section) + "\n"
+
+
+def loop_freedom(e: LoopEquations) -> str:
+    """How many coordinates and states there are."""
+    write = Writer(e)
+    own = e.count - e.first_order
+    parts = [f"{write.index(own)} degrees of freedom"] if e.model.coordinates else []
+    parts += [f"{write.index(e.first_order)} states"] if e.states else []
+    sizes = ", ".join(f"{s.name} = {s.value}" for s in e.model.sizes)
+    return f"{' and '.join(parts)} ({sizes}); sizes are set at run time"
 
 
 def record_loops(compilation: Compilation) -> dict[str, object]:
@@ -79,10 +89,12 @@ def name_of(write: Writer, group: Group) -> str:
 
 def declared(write: Writer) -> list[tuple[str, list[tuple[str, str, str]]]]:
     """Names, units and descriptions, by kind."""
-    kinds = [("Coordinates", write.e.coordinates), ("Parameters", write.e.parameters)]
+    own = tuple(g for g in write.e.coordinates if not g.is_state)
+    kinds = {"Coordinates": own, "States": write.e.states, "Parameters": write.e.parameters}
     return [
         (kind, [(name_of(write, g), g.declared.unit, g.declared.description) for g in groups])
-        for kind, groups in kinds
+        for kind, groups in kinds.items()
+        if groups or kind == "Parameters"
     ]
 
 
@@ -92,11 +104,13 @@ def energies(write: Writer) -> list[tuple[str, str]]:
     parts = [("T", e.kinetic), ("V", e.potential)]
     if e.kinetic is None or e.potential is None:
         parts = [("L", e.lagrangian)]
-    return [(name, total_of(write, total)) for name, total in parts]
+    return [(name, total_of(write, total)) for name, total in parts if total is not None]
 
 
 def _lagrangian(write: Writer) -> str:
     rows = energies(write)
+    if not rows:
+        return ""
     title = "Lagrangian" if len(rows) == 1 else "Lagrangian   L = T - V"
     return section(title, (f"{name} = {text}" for name, text in rows))
 
@@ -106,6 +120,7 @@ def _equations(write: Writer) -> Iterator[str]:
     for pair in write.e.force.pairs:
         yield f"for each pair {pair_range(write, pair)}:"
         yield from (f"  {line.left} += {line.right}" for line in pair_lines(write, pair))
+    yield from map(str, rate_lines(write))
     yield from (f"where {line}" for line in beyond(write))
 
 
@@ -114,6 +129,8 @@ def mass_lines(write: Writer) -> list[EquationLine]:
     e, found = write.e, []
     order = [g.name for g in e.families]
     for g in e.families:
+        if g.is_state:
+            continue
         items = [
             (partial(_entry, write, g, write.groups[other], shift), row.parts)
             for (own, other, shift), row in e.mass.entries.items()
@@ -129,7 +146,7 @@ def mass_lines(write: Writer) -> list[EquationLine]:
     return found + [
         EquationLine(f"M[{a}, {b}]", total_of(write, total))
         for (a, b), total in e.mass.corner.items()
-        if scalars.index(b) <= scalars.index(a)
+        if scalars.index(b) <= scalars.index(a) and not write.groups[a].is_state
     ]
 
 
@@ -148,14 +165,27 @@ def _member(write: Writer, form: str, group: Group, at: Affine) -> str:
 
 
 def force_lines(write: Writer) -> list[EquationLine]:
+    return _rows_of(write, "f[{}]", False)
+
+
+def rate_lines(write: Writer) -> list[EquationLine]:
+    """Of the states."""
+    return _rows_of(write, "{}'", True)
+
+
+def _rows_of(write: Writer, form: str, states: bool) -> list[EquationLine]:
     e, found = write.e, []
     for name, row in e.force.rows.items():
         group = write.groups[name]
+        if group.is_state != states:
+            continue
         if row.parts:
-            found += write.rows(group, [(partial(_member, write, "f[{}]", group), row.parts)])
+            found += write.rows(group, [(partial(_member, write, form, group), row.parts)])
         elif not e.force.pairs:
-            found.append(EquationLine(f"f[{name}[{write.i}]]", "0", write.span(group.lo, group.hi)))
-    return found + [EquationLine(f"f[{n}]", total_of(write, t)) for n, t in e.force.totals.items()]
+            left = form.format(f"{name}[{write.i}]")
+            found.append(EquationLine(left, "0", write.span(group.lo, group.hi)))
+    totals = {n: t for n, t in e.force.totals.items() if write.groups[n].is_state == states}
+    return found + [EquationLine(form.format(n), total_of(write, t)) for n, t in totals.items()]
 
 
 def pair_lines(write: Writer, pair: PairForce) -> list[EquationLine]:

@@ -117,6 +117,7 @@ class Places:
         declared, family = g.declared, g.is_family
         first = self.first.get(g.name, Affine())
         unit = f"[{declared.unit}]" if declared.unit else ""
+        says = [x for x in (declared.description, unit) if x]
         return {
             "name": g.name,
             "is_family": family,
@@ -127,7 +128,7 @@ class Places:
             "count": self.index(g.count),
             "cell": self.index(first + M - g.lo if family else first),
             "other": self.index(first + J - g.lo if family else first),
-            "says": " ".join(x for x in (declared.description, unit) if x),
+            "says": ", ".join(x for x in (" ".join(says), *["a state, in v"] * g.is_state) if x),
             "lo_text": g.lo.text() if family else "",
             "hi_text": g.hi.text() if family else "",
             "first_text": first.text(),
