@@ -108,12 +108,14 @@ def test_an_event_that_is_constant_by_an_identity_is_refused():
     assert "m.lag:4:14: error: the event 'never' never happens" in error.value.text()
 
 
-def test_a_chain_with_an_event_is_unrolled_and_says_so():
+def test_a_chain_with_an_event_stays_a_loop():
     text = (ROOT / "models/chains/fput.lag").read_text()
     plain = compile_model(Source("fput.lag", text))
-    with_event = compile_model(Source("fput.lag", text + "event mid: q[3] rising\n"))
-    assert plain.looped and not with_event.looped
-    assert with_event.equations.unrolled == "'mid' is an event"
+    with_event = compile_model(Source("fput.lag", text + "event mid: q[3] rising stop\n"))
+    assert plain.looped and with_event.looped
+    assert "fput_event(" in with_event.files["fput.c"]
+    assert "fput_event" not in plain.files["fput.c"]
+    assert '{{"mid", "", ""}, 1, 1}' in with_event.files["fput.c"]
 
 
 # -- scenes --------------------------------------------------------------------------------------

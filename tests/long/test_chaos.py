@@ -1,5 +1,7 @@
 """Lyapunov exponents of the double pendulum to three digits, and where reversal loses it: REGIMES
-D2 and D3 by `pkgen run --diagnose`."""
+D2 and D3 by `pkgen run --diagnose`. From (3, 3) D2 is too small: RK4 at h = 0.001 of equations
+written by hand, two motions 1e-8 apart and drawn together again each second, has 1.0265 and 1.0262
+over 1e5 s from starts 1e-5 apart."""
 
 from __future__ import annotations
 
@@ -23,7 +25,7 @@ def diagnosed(pkgen, angle: float, what: str, *arguments: object) -> dict:
 
 
 @pytest.mark.parametrize(
-    "angle, exponent, within", [(math.pi / 2, 0.926, 0.006), (2, 1.343, 0.005), (3, 1.005, 0.008)]
+    "angle, exponent, within", [(math.pi / 2, 0.926, 0.006), (2, 1.343, 0.005), (3, 1.0264, 0.002)]
 )
 def test_exponents(pkgen, angle: float, exponent: float, within: float) -> None:
     found = diagnosed(pkgen, angle, "lyapunov", "--until", "1e5", "--every", "1e3")["lyapunov"]

@@ -33,7 +33,7 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
         if (c.kind == 'p')
             b->own[n_own++] = (struct pk_run_value){c.index, c.member, row[k]};
     }
-    settings_parameters(s, params, b->own, n_own);
+    settings_assign(s, params, b->own, n_own);
     const int outside = system->prepare(params);
     if (outside) {
         snprintf(who, sizeof who, "member %ld: ", member_number(s, member));

@@ -110,7 +110,7 @@ static int set(const struct settings *s, void *params, const struct pk_run_value
     return 1;
 }
 
-int settings_parameters(struct settings *s, void *params, const struct pk_run_value *more,
+int settings_assign(struct settings *s, void *params, const struct pk_run_value *more,
                         size_t n_more)
 {
     const struct pk_system *system = s->system;
@@ -136,7 +136,7 @@ int settings_parameters(struct settings *s, void *params, const struct pk_run_va
 
 static const char *parameters(struct settings *s)
 {
-    return settings_parameters(s, s->params, NULL, 0) ? NULL : "there is no such parameter";
+    return settings_assign(s, s->params, NULL, 0) ? NULL : "there is no such parameter";
 }
 
 /* Values given of n numbers, which are those of the start or, without flags, inputs. */
