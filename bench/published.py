@@ -138,7 +138,8 @@ CRANK = (
 )  # fmt: skip
 
 PROBLEMS = (
-    Problem("Pleiades", "pleiades", "published", 2e-12, published=PLEIADES, each=True),
+    # Relative to themselves these numbers are off by 3.8 times what they are to their largest.
+    Problem("Pleiades", "pleiades", "published", 4e-12, published=PLEIADES, each=True),
     Problem("Andrews' squeezer", "andrews", "published", 2e-11, published=ANDREWS, each=True),
     Problem("Andrews' squeezer, A03", "andrews", "a03", 1e-9),
     Problem("slider crank", "crank", "published", 1e-8, published=CRANK, each=True),
