@@ -21,35 +21,49 @@
 #include "halton.h"
 #include "rates.h"
 
+static const double BESIDE = 1e-2; /* of a reach, to look along a continuum */
 enum { ITERATIONS = 200, POLISH = 60, MORE = 8 }; /* starts for each root */
 
 static int open_search(struct search *s, const struct pk_problem *problem)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
-    double *x = (double *)calloc(14 * n + 5 * n * n, sizeof *x);
     memset(s, 0, sizeof *s);
+    s->problem = problem;
+    s->n = s->rows = n;
+    if (is_bound(s)) {
+        const size_t N = n + pk_system_coordinates(problem->system, problem->params);
+        const size_t kept = pk_gsl_kept_count(problem);
+        s->rows += kept - problem->system->n_rotations;
+        s->A = gsl_matrix_alloc(N, N);
+        s->C = gsl_matrix_alloc(kept, N);
+    }
+    const size_t rows = s->rows;
+    double *x = (double *)calloc(13 * n + 2 * rows + 5 * rows * n, sizeof *x);
     s->turns = (unsigned char *)calloc(2 * n, 1);
     s->unread = s->turns + n;
     s->primes = (size_t *)calloc(n + 1, sizeof *s->primes);
-    s->problem = problem;
-    s->n = n;
     s->q = x;
-    if (!x || !s->turns || !s->primes)
+    if ((is_bound(s) && (!s->A || !s->C)) || !x || !s->turns || !s->primes)
         return 0;
     primes(s->primes, n + 1);
     double **const vectors[] = {&s->q,    &s->v,     &s->kept, &s->box,   &s->middle,
-                                &s->p,    &s->pdot,  &s->F,    &s->pivot, &s->scale,
-                                &s->step, &s->slope, &s->rest, &s->r_t};
+                                &s->p,    &s->pdot,  &s->pivot,
+                                &s->step, &s->slope, &s->rest, &s->r_t,   &s->along};
+    double **const equations_of[] = {&s->F, &s->scale};
     double **const matrices[] = {&s->M, &s->p_q, &s->F_q, &s->F_v, &s->J};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
         *vectors[k] = x, x += n;
+    for (size_t k = 0; k < sizeof equations_of / sizeof *equations_of; k++)
+        *equations_of[k] = x, x += rows;
     for (size_t k = 0; k < sizeof matrices / sizeof *matrices; k++)
-        *matrices[k] = x, x += n * n;
+        *matrices[k] = x, x += rows * n;
     return 1;
 }
 
 static void close_search(struct search *s)
 {
+    gsl_matrix_free(s->A);
+    gsl_matrix_free(s->C);
     free(s->q);
     free(s->turns);
     free(s->primes);
@@ -66,6 +80,8 @@ static int derivatives(struct search *s)
     const struct pk_problem *problem = s->problem;
     const struct pk_system *system = problem->system;
     const size_t n = s->n;
+    if (is_bound(s))
+        return pk_bound_derivatives(s);
     system->mass(problem->params, 0, s->q, s->v, NULL, s->M);
     system->jacobian(problem->params, 0, s->q, s->v, NULL, s->p_q, s->F_q, s->F_v);
     if (system->n_first_order)
@@ -118,18 +134,19 @@ static double correction(struct search *s)
     const size_t n = s->n;
     if (!equations(s) || !derivatives(s))
         return HUGE_VAL;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < s->rows; i++) {
         double size = s->scale[i];
         for (size_t j = 0; j < n; j++)
             size = fmax(size, fabs(s->J[i * n + j]) * reach(s, j));
         if (!(fabs(s->F[i]) <= 1e-10 * size))
             return HUGE_VAL;
     }
-    if (!pk_lu_factor(s->J, s->pivot, n)) {
+    if (is_bound(s) ? !pk_bound_correct(s) : !pk_lu_factor(s->J, s->pivot, n)) {
         memset(s->F, 0, n * sizeof *s->F);
         return 0;
     }
-    pk_lu_solve(s->J, s->pivot, n, s->F);
+    if (!is_bound(s))
+        pk_lu_solve(s->J, s->pivot, n, s->F);
     double most = 0;
     for (size_t i = 0; i < n; i++) {
         const double part = fabs(s->F[i]) / reach(s, i);
@@ -138,11 +155,10 @@ static double correction(struct search *s)
     return most;
 }
 
-/* The state at z is a root, and Newton's method would go nowhere; it is gone on with for as long as
+/* The state is a root, and Newton's method would go nowhere; it is gone on with for as long as
  * corrections shrink. */
-static int is_root(struct search *s, const gsl_vector *z)
+static int is_root(struct search *s)
 {
-    set_unknowns(s, z);
     double size = correction(s);
     memset(s->step, 0, s->n * sizeof *s->step);
     if (!(size <= 1e-4))
@@ -158,13 +174,41 @@ static int is_root(struct search *s, const gsl_vector *z)
         }
         size = next;
     }
-    return equations(s) && derivatives(s); /* leaves M */
+    for (size_t i = 0; i < s->n; i++) /* to the last digit */
+        s->v[i] = is_body_rate(s, i) ? 0 : s->v[i];
+    return size < HUGE_VAL && equations(s) && derivatives(s); /* leaves M */
+}
+
+/* With a root that leaves directions free: whether equilibria go on there, by solving again from
+ * BESIDE along one. A root at which linear terms vanish takes back most of that. */
+static int goes_on(struct search *s)
+{
+    double *const at = s->p_q, *const step = s->F_q, back = 0, way = 0;
+    const size_t slack = s->slack;
+    if (!slack)
+        return 0;
+    for (size_t i = 0; i < s->n; i++) {
+        at[i] = *unknown(s, i);
+        step[i] = BESIDE * s->along[i];
+        *unknown(s, i) += step[i];
+        way += step[i] * step[i] / reach(s, i) / reach(s, i);
+    }
+    pk_equilibria_normalise(s);
+    pk_bound_solve(s);
+    const double off = correction(s);
+    for (size_t i = 0; i < s->n; i++) {
+        const double d = *unknown(s, i) - at[i] - step[i];
+        back += d * d / reach(s, i) / reach(s, i);
+        *unknown(s, i) = at[i];
+    }
+    s->slack = slack;
+    return off <= 1e-4 && back < way / 4;
 }
 
 static int is_positive(struct search *s)
 {
     memcpy(s->J, s->M, s->n * s->n * sizeof *s->M);
-    return pk_ldl_factor(s->J, s->n) == 0;
+    return is_bound(s) || pk_ldl_factor(s->J, s->n) == 0;
 }
 
 static double energy(const struct search *s, const double *q, const double *v)
@@ -173,11 +217,52 @@ static double energy(const struct search *s, const double *q, const double *v)
     return system->energy ? system->energy(s->problem->params, 0, q, v, NULL) : 0;
 }
 
+/* Whether the state is of the continuum that known root k is of: energy is one all along it, or
+ * with rolling, which leaves fewer ways than places, all rates of the linearised equations are. */
+static int is_continued(struct search *s, double h, double size, const struct pk_equilibria *found,
+                        size_t k)
+{
+    const struct pk_part_constraints *kept = &s->problem->system->constraints;
+    const double *q = found->q + k * s->n, *v = found->v + k * s->n;
+    if (fabs(h - energy(s, q, v)) <= 1e-9 * size)
+        return 1;
+    if (kept->n == kept->n_holonomic)
+        return 0;
+    double *const here = s->p_q, *const there = s->F_q, most = 0; /* 4 n each, sorted apart */
+    size_t count, other;
+    if (pk_gsl_rates(s->problem, 0, s->q, s->v, here, here + 2 * s->n, &count) != PK_DONE ||
+        pk_gsl_rates(s->problem, 0, q, v, there, there + 2 * s->n, &other) != PK_DONE)
+        return 0;
+    double apart = 0;
+    for (size_t power = 2; power <= 8; power += 2) { /* sums of |lambda|^power */
+        double a = 0, b = 0;
+        for (size_t i = 0; i < count; i++)
+            a += pow(hypot(here[i], here[2 * s->n + i]), (double)power);
+        for (size_t i = 0; i < other; i++)
+            b += pow(hypot(there[i], there[2 * s->n + i]), (double)power);
+        most = fmax(most, fmax(a, b));
+        apart = fmax(apart, fabs(a - b) / fmax(fmax(a, b), 1e-300));
+    }
+    return apart <= 1e-5 || !(most > 0);
+}
+
 static int is_known(struct search *s, const struct pk_equilibria *found)
 {
+    const double h = energy(s, s->q, s->v);
+    double size = fmax(fabs(h), s->energy);
+    for (size_t k = 0; k < found->count; k++)
+        size = fmax(size, fabs(energy(s, found->q + k * s->n, found->v + k * s->n)));
     for (size_t k = 0; k < found->count; k++) {
         int same = 1;
+        if (s->slack && found->slack && found->slack[k] && is_continued(s, h, size, found, k))
+            return 1;
+        for (size_t r = 0; r < s->problem->system->n_rotations; r++) { /* Q and -Q are the same */
+            const size_t i = quaternions(s) + 4 * r;
+            same = same && turned(s->v + i, found->v + k * s->n + i) <= 1e-8;
+        }
         for (size_t i = 0; i < s->n && same; i++) {
+            if (i >= quaternions(s) && i < quaternions(s) + 4 * s->problem->system->n_rotations)
+                continue;
             const int c = is_by_rate(s, i);
             double d = c ? s->v[i] - found->v[k * s->n + i] : s->q[i] - found->q[k * s->n + i];
             if (!c && s->turns[i])
@@ -200,6 +285,15 @@ static void insert(struct search *s, struct pk_equilibria *found)
             if (s->q[i] < -TWO_PI / 2 * (1 - 1e-7))
                 s->q[i] += TWO_PI;
         }
+    for (size_t r = 0; r < s->problem->system->n_rotations; r++) {
+        double *Q = s->v + quaternions(s) + 4 * r;
+        size_t first = 0;
+        while (first < 3 && fabs(Q[first]) < 1e-9)
+            first++;
+        for (size_t i = 4; i-- > 0;)
+            Q[i] *= Q[first] < 0 && i != first ? -1 : 1;
+        Q[first] = fabs(Q[first]);
+    }
     const double h = energy(s, s->q, s->v);
     size_t at = found->count;
     while (at > 0 &&
@@ -213,6 +307,11 @@ static void insert(struct search *s, struct pk_equilibria *found)
             memmove(place + n, place, (found->count - at) * n * sizeof *place);
             memcpy(place, one[k], n * sizeof *place);
         }
+    if (found->slack) {
+        memmove(found->slack + at + 1, found->slack + at,
+                (found->count - at) * sizeof *found->slack);
+        found->slack[at] = s->slack;
+    }
     found->count++;
 }
 
@@ -229,19 +328,23 @@ static int arrived(struct search *s, const gsl_vector *step)
 static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vector *z,
                     gsl_multiroot_function_fdf *function, struct pk_equilibria *found)
 {
-    int failed = gsl_multiroot_fdfsolver_set(solver, function, z);
+    int failed = is_bound(s) || gsl_multiroot_fdfsolver_set(solver, function, z);
     for (int k = 0; k < ITERATIONS && !failed; k++) {
         failed = gsl_multiroot_fdfsolver_iterate(solver);
         if (arrived(s, solver->dx))
             break;
     }
+    if (is_bound(s))
+        pk_bound_solve(s);
+    else
+        set_unknowns(s, solver->x);
     const int again = s->known != NULL;
     s->known = NULL;
-    if (!is_root(s, solver->x)) /* also where it stopped at round-off, as GSL calls it */
+    if (!is_root(s)) /* also where it stopped at round-off, as GSL calls it */
         found->failed += !again;
     else if (!is_positive(s))
         found->singular += !again;
-    else if (!is_known(s, found)) {
+    else if (s->slack = goes_on(s) ? s->slack : 0, !is_known(s, found)) {
         if (found->count < found->most) {
             insert(s, found);
             return 1;
@@ -272,8 +375,9 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
     const struct pk_system *system = problem->system;
     found->count = found->failed = found->singular = 0;
     found->more = 0;
-    if (!(system->facts & PK_AUTONOMOUS) || !system->jacobian || !system->mass ||
-        system->n_rotations || system->constraints.n || (system->n_first_order && !system->linear))
+    const int bound = system->n_rotations || system->constraints.n;
+    if (!(system->facts & PK_AUTONOMOUS) || !(bound || (system->jacobian && system->mass)) ||
+        ((bound || system->n_first_order) && !system->linear))
         return PK_REFUSED;
     struct search s;
     const size_t n = pk_system_count(system, problem->params);
@@ -286,6 +390,7 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
         (!system->n_first_order || pk_gsl_unread(problem, q0, v0, s.unread) == PK_DONE)) {
         gsl_multiroot_function_fdf function = {gsl_f, gsl_df, gsl_fdf, n, &s};
         status = PK_DONE;
+        s.energy = fabs(energy(&s, q0, v0));
         pk_equilibria_box(&s, q0, v0);
         if (found->turns)
             memcpy(found->turns, s.turns, n);
@@ -293,7 +398,7 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
             memcpy(found->middle, s.middle, n * sizeof *s.middle);
             memcpy(found->box, s.box, n * sizeof *s.box);
         }
-        for (size_t k = 0; k <= tries || (tries && k <= MORE * found->count); k++)
+        for (size_t k = 0; !found->more && (k <= tries || (tries && k <= MORE * found->count)); k++)
             search_from(&s, k, solver, z, &function, found);
     }
     close_search(&s);

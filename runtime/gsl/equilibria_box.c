@@ -10,6 +10,16 @@
 static const double RUNAWAY = 100;
 enum { MOTION = 48, SETTLING = 100 };
 
+void pk_equilibria_normalise(struct search *s)
+{
+    for (size_t r = 0; r < s->problem->system->n_rotations; r++) {
+        double *Q = s->v + quaternions(s) + 4 * r;
+        const double size = hypot(hypot(Q[0], Q[1]), hypot(Q[2], Q[3]));
+        for (size_t i = 0; i < 4; i++)
+            Q[i] /= size;
+    }
+}
+
 /* The start itself for k = 0; then half of the points in the box, a quarter each in one four and
  * one 32 times as wide, except for angles. Not in base 2, whose digits go with those of k. */
 void pk_equilibria_place(struct search *s, size_t k)
@@ -18,8 +28,11 @@ void pk_equilibria_place(struct search *s, size_t k)
     for (size_t i = 0; i < s->n; i++) {
         const double wide = s->turns[i] && !is_by_rate(s, i) ? 1 : widths[k % 4];
         const double x = k ? 2 * halton(k, s->primes[i + 1]) - 1 : 0;
-        *unknown(s, i) = s->middle[i] + wide * s->box[i] * x;
+        *unknown(s, i) = is_body_rate(s, i) ? 0 : s->middle[i] + wide * s->box[i] * x;
     }
+    for (size_t i = quaternions(s); k && i < quaternions(s) + 4 * s->problem->system->n_rotations; i++)
+        s->v[i] -= s->middle[i]; /* any attitude */
+    pk_equilibria_normalise(s);
 }
 
 /* Whether q_i and q_i + 2 pi are the same place, tried at three others: each momentum and force
@@ -29,11 +42,16 @@ static int is_turn(struct search *s, size_t i)
     double *size = s->p_q, *change = s->F_q; /* of each p and pdot */
     double *copy = s->M;
     const size_t n = s->n;
+    const struct {
+        const double *of;
+        size_t count;
+    } parts[] = {{s->p, n}, {s->pdot, n}, {s->F, s->rows}}; /* either the first two or F */
     int same = 1;
-    for (int part = 0; part < 2 && same; part++) {
-        const double *now = part ? s->pdot : s->p;
-        memset(size, 0, n * sizeof *size);
-        memset(change, 0, n * sizeof *change);
+    for (int part = is_bound(s) ? 2 : 0; part < (is_bound(s) ? 3 : 2) && same; part++) {
+        const double *now = parts[part].of;
+        const size_t count = parts[part].count;
+        memset(size, 0, count * sizeof *size);
+        memset(change, 0, count * sizeof *change);
         for (size_t k = 1; k <= 3; k++) {
             for (size_t j = 0; j < n; j++) {
                 s->q[j] = s->middle[j] + 2 * halton(k + 7, s->primes[j]) - 1;
@@ -41,19 +59,19 @@ static int is_turn(struct search *s, size_t i)
             }
             if (!equations(s))
                 return 0;
-            memcpy(copy, now, n * sizeof *copy);
+            memcpy(copy, now, count * sizeof *copy);
             s->q[i] += TWO_PI;
             if (!equations(s))
                 return 0;
-            for (size_t j = 0; j < n; j++) {
+            for (size_t j = 0; j < count; j++) {
                 change[j] = fmax(change[j], fabs(now[j] - copy[j]));
                 size[j] = fmax(size[j], fabs(now[j]));
             }
         }
         double most = 0;
-        for (size_t j = 0; j < n; j++)
+        for (size_t j = 0; j < count; j++)
             most = fmax(most, size[j]);
-        for (size_t j = 0; j < n; j++) /* one that vanishes is round-off of the others */
+        for (size_t j = 0; j < count; j++) /* one that vanishes is round-off of the others */
             same = same && change[j] <= 1e-9 * size[j] + 1e-14 * most;
     }
     return same;
@@ -112,6 +130,8 @@ static void choose_box(struct search *s, const double *q0, const double *v0)
     for (size_t i = 0; i < s->n; i++)
         if (!(s->box[i] > 0))
             s->box[i] = is_by_rate(s, i) || !(others > 0) ? 1 : others;
+    for (size_t i = 0; i < 4 * s->problem->system->n_rotations; i++)
+        s->box[quaternions(s) + i] = 1;
 }
 
 /* The size of each equation: the most of it in the box; of one that vanishes there all the same
@@ -122,28 +142,34 @@ static void measure(struct search *s)
     for (size_t k = 1; k <= 32; k++) {
         pk_equilibria_place(s, 2 * k + 1);
         if (equations(s))
-            for (size_t i = 0; i < s->n; i++) {
+            for (size_t i = 0; i < s->rows; i++) {
                 s->scale[i] = fmax(s->scale[i], fabs(s->F[i]));
                 most = fmax(most, s->scale[i]);
             }
     }
-    for (size_t i = 0; i < s->n; i++)
+    for (size_t i = 0; i < s->rows; i++)
         s->scale[i] = fmax(s->scale[i], most > 0 ? 1e-14 * most : 1);
+    for (size_t i = 0; i < s->n; i++) /* these vanish at every place */
+        if (is_body_rate(s, i))
+            s->scale[i] = s->box[i];
+    for (size_t r = 0; r < s->problem->system->n_rotations; r++)
+        s->scale[quaternions(s) + 4 * r + 3] = 1;
 }
 
 void pk_equilibria_box(struct search *s, const double *q0, const double *v0)
 {
     const struct pk_problem *problem = s->problem;
     const size_t n = s->n;
-    problem->system->canonical(problem->params, 0, q0, v0, NULL, s->kept, s->pdot);
+    (is_bound(s) ? problem->system->unconstrained : problem->system->canonical)(
+        problem->params, 0, q0, v0, NULL, s->kept, s->pdot);
     memcpy(s->middle, q0, n * sizeof *q0);
     for (size_t i = 0; i < n; i++)
         s->turns[i] = (unsigned char)is_turn(s, i);
     memcpy(s->q, q0, n * sizeof *q0);
     for (size_t i = 0; i < n; i++) {
         const int c = is_by_rate(s, i);
-        s->v[i] = c ? v0[i] : 0;
-        s->middle[i] = c ? v0[i] : s->turns[i] ? 0 : q0[i];
+        s->v[i] = c && !is_body_rate(s, i) ? v0[i] : 0;
+        s->middle[i] = c ? s->v[i] : s->turns[i] ? 0 : q0[i];
     }
     choose_box(s, q0, v0);
     measure(s);

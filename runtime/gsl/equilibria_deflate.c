@@ -7,20 +7,28 @@
 
 #include "equilibria_search.h"
 
-/* How far the state is from root k along unknown i, in reaches: of an angle its sine, so that the
- * root is kept from in every turn. *slope: its derivative. */
+/* Unknown i's part of the square of how far the state is from root k, in reaches: of an angle its
+ * sine, so that the root is kept from in every turn, of a quaternion, whose first number has all of
+ * it, that of half the turn between. *half: half of the square's derivative by the unknown. */
 static double apart(struct search *s, const struct pk_equilibria *known, size_t k, size_t i,
-                    double *slope)
+                    double *half)
 {
     const int c = is_by_rate(s, i);
     const double *root = (c ? known->v : known->q) + k * s->n;
     const double d = *unknown(s, i) - root[i], size = s->box[i];
-    if (!c && s->turns[i]) {
-        *slope = cos(d / 2) / TWO_PI;
-        return 2 * sin(d / 2) / TWO_PI;
+    const size_t part = i - quaternions(s); /* huge of what is before them */
+    if (part < 4 * s->problem->system->n_rotations) {
+        const double *Q = s->v + (i - part % 4), *R = root + (i - part % 4);
+        *half = Q[part % 4] - (Q[0] * R[0] + Q[1] * R[1] + Q[2] * R[2] + Q[3] * R[3]) * root[i];
+        return part % 4 ? 0 : fmax(turned(Q, R), 0);
     }
-    *slope = 1 / size;
-    return d / size;
+    if (!c && s->turns[i]) {
+        const double sine = 2 * sin(d / 2) / TWO_PI;
+        *half = sine * cos(d / 2) / TWO_PI;
+        return sine * sine;
+    }
+    *half = d / size / size;
+    return d / size * (d / size);
 }
 
 double pk_equilibria_deflated(struct search *s)
@@ -28,17 +36,15 @@ double pk_equilibria_deflated(struct search *s)
     double product = 1;
     memset(s->slope, 0, s->n * sizeof *s->slope);
     for (size_t k = 0; s->known && k < s->known->count; k++) {
-        double square = 0, slope;
-        for (size_t i = 0; i < s->n; i++) {
-            const double d = apart(s, s->known, k, i, &slope);
-            square += d * d;
-        }
+        double square = 0, half;
+        for (size_t i = 0; i < s->n; i++)
+            square += apart(s, s->known, k, i, &half);
         if (!(square > 0))
             return HUGE_VAL;
         product *= 1 + 1 / square;
         for (size_t i = 0; i < s->n; i++) {
-            const double d = apart(s, s->known, k, i, &slope);
-            s->slope[i] -= 2 * d * slope / (square * (1 + square));
+            apart(s, s->known, k, i, &half);
+            s->slope[i] -= 2 * half / (square * (1 + square));
         }
     }
     return product;

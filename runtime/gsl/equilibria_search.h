@@ -1,10 +1,13 @@
-/* A search for equilibria: shared by where to seek them (equilibria_box.c) and how they are found
- * (equilibria.c). Not installed.
+/* A search for equilibria: shared by where to seek them (equilibria_box.c), how they are found
+ * (equilibria.c), and what else there is with rotations and constraints (equilibria_bound.c). Not
+ * installed.
  */
 #ifndef PK_GSL_EQUILIBRIA_SEARCH_H
 #define PK_GSL_EQUILIBRIA_SEARCH_H
 
 #include <math.h>
+
+#include <gsl/gsl_matrix.h>
 
 #include <pk/integrator.h>
 
@@ -19,12 +22,17 @@ struct search {
     double *q, *v;               /* the state tried; what is not sought stays as in the start */
     double *kept;                /* momenta of the start */
     double *step;                /* Newton's, to be taken back */
+    double *along;               /* where nothing leads back to a root, by pk_bound_correct() */
+    double energy;               /* the start's, as a size */
+    size_t slack;                /* in so many directions */
     double *box, *middle;        /* where to seek each unknown */
-    double *p, *pdot, *F;        /* n */
+    size_t rows;                 /* equations: n, or more with constraints */
+    double *p, *pdot, *pivot;    /* n */
+    double *F, *scale;           /* rows; the size of each equation in the box */
     double *rest, *r_t;          /* n zeros; n */
-    double *M, *p_q, *F_q, *F_v; /* n n */
-    double *J, *pivot;
-    double *scale;                     /* of each equation in the box */
+    double *M, *p_q, *F_q, *F_v; /* rows by n, of which n by n are used */
+    double *J;                   /* rows by n */
+    gsl_matrix *A, *C;           /* with rotations or constraints: pk/rates.h; else NULL */
     unsigned char *turns;              /* q_i + 2 pi is the same place */
     unsigned char *unread;             /* a first-order variable that no rate depends on */
     size_t *primes;                    /* n + 1, the bases of Halton's points */
@@ -36,6 +44,30 @@ static inline int is_cyclic(const struct search *s, size_t i)
 {
     const struct pk_system *system = s->problem->system;
     return system->cyclic && i < s->n - system->n_first_order && system->cyclic[i];
+}
+
+/* There are rotations or constraints. */
+static inline int is_bound(const struct search *s)
+{
+    return s->problem->system->n_rotations || s->problem->system->constraints.n;
+}
+
+/* The first quaternion among v. */
+static inline size_t quaternions(const struct search *s)
+{
+    return s->n - s->problem->system->n_first_order + 3 * s->problem->system->n_rotations;
+}
+
+static inline int is_body_rate(const struct search *s, size_t i)
+{
+    return i < quaternions(s) && i + 3 * s->problem->system->n_rotations >= quaternions(s);
+}
+
+/* 1 - (Q.R)^2 beside |Q| = 1, the squared sine of half the turn between them. */
+static inline double turned(const double *Q, const double *R)
+{
+    const double same = Q[0] * R[0] + Q[1] * R[1] + Q[2] * R[2] + Q[3] * R[3];
+    return Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3] - same * same;
 }
 
 /* What is sought of i is v_i: where it is cyclic, and of first-order variables. */
@@ -56,11 +88,20 @@ static inline double reach(struct search *s, size_t i)
     return fmax(s->box[i], fabs(*unknown(s, i) - s->middle[i]));
 }
 
+/* With rotations or constraints: F; J; and from the state to where the equations hold best. */
+int pk_bound_equations(struct search *s);
+int pk_bound_derivatives(struct search *s);
+void pk_bound_solve(struct search *s);
+/* Newton's shortest correction by J into F, which has n numbers then; 0 where there is none. */
+int pk_bound_correct(struct search *s);
+
 /* F at the state; 0 where it is not finite. */
 static inline int equations(struct search *s)
 {
     const struct pk_problem *problem = s->problem;
     const struct pk_system *system = problem->system;
+    if (is_bound(s))
+        return pk_bound_equations(s);
     system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
     if (system->n_first_order) /* pdot at rest, and the rates of the others */
         system->force(problem->params, 0, s->q, s->v, NULL, s->pdot);
@@ -74,6 +115,8 @@ static inline int equations(struct search *s)
 /* A box about the start, which coordinates are angles in it, the momenta to keep and the size of
  * each equation. The state is then at rest but for what is cyclic. */
 void pk_equilibria_box(struct search *s, const double *q0, const double *v0);
+/* Quaternions of length 1. */
+void pk_equilibria_normalise(struct search *s);
 /* Point k of the search as unknowns of the state; 0 is the start. */
 void pk_equilibria_place(struct search *s, size_t k);
 /* prod (1 + 1/|z - z_k|^2) over the known roots, in reaches, infinite at one; its logarithm's

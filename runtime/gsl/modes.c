@@ -158,9 +158,10 @@ static int natural_modes(const struct pencil *x, struct pk_mode *modes, double *
     return failed;
 }
 
-/* Those of z' = A z, of which the first m are the shape; `left` of the zeros are none. */
-static int spectrum(const struct pencil *x, gsl_matrix *A, size_t left, struct pk_mode *modes,
-                    double *shapes, size_t *count, double *scratch)
+/* Those of z' = A z, of which the first m are the shape, or with T of y' = A y, z = T y; `left` of
+ * the zeros are none. */
+static int spectrum(const struct pencil *x, gsl_matrix *A, const gsl_matrix *T, size_t left,
+                    struct pk_mode *modes, double *shapes, size_t *count, double *scratch)
 {
     const size_t m = x->m, N = A->size1;
     gsl_eigen_nonsymmv_workspace *w = gsl_eigen_nonsymmv_alloc(N);
@@ -184,9 +185,13 @@ static int spectrum(const struct pencil *x, gsl_matrix *A, size_t left, struct p
         if (frequency < 0 || (left && growth == 0 && frequency == 0 && left--))
             continue;
         for (size_t i = 0; i < m; i++) {
-            const gsl_complex u = gsl_matrix_complex_get(U, i, k);
-            scratch[i] = GSL_REAL(u);
-            scratch[m + i] = GSL_IMAG(u);
+            scratch[i] = scratch[m + i] = 0;
+            for (size_t j = T ? 0 : i; j < (T ? N : i + 1); j++) {
+                const gsl_complex u = gsl_matrix_complex_get(U, j, k);
+                const double part = T ? gsl_matrix_get(T, i, j) : 1;
+                scratch[i] += part * GSL_REAL(u);
+                scratch[m + i] += part * GSL_IMAG(u);
+            }
         }
         add(x, growth, frequency, scratch, scratch + m, modes + *count, shapes + 2 * x->n * *count);
         ++*count;
@@ -214,35 +219,40 @@ static int general_modes(const struct pencil *x, struct pk_mode *modes, double *
                 gsl_matrix_set(A, m + i, j + (part ? m : 0), column[i]);
         }
     }
-    failed = failed || spectrum(x, A, 0, modes, shapes, count, scratch);
+    failed = failed || spectrum(x, A, NULL, 0, modes, shapes, count, scratch);
     gsl_matrix_free(A);
     return failed;
 }
 
-/* With first-order variables: of all that something depends on. The momenta of what is cyclic are
- * constant, which is a zero each. */
+/* With first-order variables, rotations or constraints: of all that something depends on, on the
+ * tangent space of what is kept. The momenta of what is cyclic are constant, which is a zero each.
+ */
 static enum pk_status first_order_modes(struct pencil *x, const struct pk_problem *problem,
                                         const double *q, const double *v, struct pk_mode *modes,
                                         double *shapes, size_t *count, double *scratch)
 {
-    const size_t n = x->n, free = pk_system_coordinates(problem->system, problem->params);
-    const size_t N = x->m + free, cyclic = n - x->m;
-    size_t left = 0;
-    gsl_matrix *all = gsl_matrix_alloc(n + free, n + free), *A = gsl_matrix_alloc(N, N);
+    const size_t n = x->n, coordinates = pk_system_coordinates(problem->system, problem->params);
+    const size_t N = x->m + coordinates, cyclic = n - x->m;
+    size_t left = 0, *const among = (size_t *)calloc(N, sizeof *among);
+    gsl_matrix *all = gsl_matrix_alloc(n + coordinates, n + coordinates), *A = gsl_matrix_alloc(N, N), *T = NULL;
     enum pk_status status = PK_NO_MEMORY;
-    if (all && A)
+    if (all && A && among)
         status = pk_gsl_linearised(problem, 0, q, v, all);
     for (size_t k = 0; k < cyclic; k++)
-        left += x->map[x->m + k] < free;
+        left += x->map[x->m + k] < coordinates;
+    for (size_t i = 0; i < N && status == PK_DONE; i++)
+        among[i] = i < x->m ? x->map[i] : n + i - x->m;
     for (size_t i = 0; i < N && status == PK_DONE; i++)
         for (size_t j = 0; j < N; j++)
-            gsl_matrix_set(A, i, j,
-                           gsl_matrix_get(all, i < x->m ? x->map[i] : n + i - x->m,
-                                          j < x->m ? x->map[j] : n + j - x->m));
-    if (status == PK_DONE && spectrum(x, A, left, modes, shapes, count, scratch))
+            gsl_matrix_set(A, i, j, gsl_matrix_get(all, among[i], among[j]));
+    if (status == PK_DONE && pk_gsl_kept_count(problem))
+        status = pk_gsl_tangent(problem, q, v, among, &A, &T);
+    if (status == PK_DONE && spectrum(x, A, T, left, modes, shapes, count, scratch))
         status = PK_NO_CONVERGENCE;
     gsl_matrix_free(all);
     gsl_matrix_free(A);
+    gsl_matrix_free(T);
+    free(among);
     return status;
 }
 
@@ -272,8 +282,9 @@ enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, c
 {
     const struct pk_system *system = problem->system;
     struct pencil x = {0};
+    const int first_order = system->n_first_order || system->constraints.n;
     *count = 0;
-    if (!system->jacobian || !system->mass || system->n_rotations || system->constraints.n)
+    if (!first_order && (!system->jacobian || !system->mass))
         return PK_REFUSED;
     x.n = pk_system_count(system, problem->params);
     x.map = (size_t *)calloc(x.n, sizeof *x.map);
@@ -301,7 +312,7 @@ enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, c
     }
     double *const scratch = block + 5 * x.n * x.n;
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
-    if (status == PK_DONE && system->n_first_order) {
+    if (status == PK_DONE && first_order) {
         status = first_order_modes(&x, problem, q, v, modes, shapes, count, scratch);
     } else if (status == PK_DONE) {
         status = reduce(&x, problem, q, v, scratch);

@@ -34,6 +34,8 @@ struct pk_equilibria {
     unsigned char *turns; /* n, or NULL: out, whether q_i + 2 pi is the same place as q_i */
     double *doubt; /* room as q has, or NULL: out, Newton's last correction of q_i, or of v_i where
                       cyclic. Where the linear terms vanish it is some of the way to the root. */
+    size_t *slack; /* as many as q, or NULL: out, with rotations or constraints, in how many
+                      directions equilibria go on from it; then one is given of those of an energy */
     double *middle, *box; /* n each, or NULL: out, q_i (v_i) is sought in middle_i +- box_i, by a
                              quarter of the starts each 4 and 32 times as far, but for angles */
 };
@@ -43,8 +45,9 @@ struct pk_equilibria {
  * a turn wide for angles, else some times what the motion covers, or |q0|; no length is absolute.
  * A coordinate of which the equations have the period 2 pi is given in (-pi, pi]. First-order
  * variables, which are in v, rest too, but for those that no rate depends on, which stay as they
- * are. PK_REFUSED where the equations depend on time or on inputs, or have rotations or
- * constraints. That all are found cannot be promised. */
+ * are. With rotations or constraints what is sought fulfils them (equilibria_bound.c); bodies do not
+ * turn there, and a quaternion's first number that is not 0 is positive. PK_REFUSED where the
+ * equations depend on time or on inputs. That all are found cannot be promised. */
 enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double *q0,
                                  const double *v0, size_t tries, struct pk_equilibria *found);
 
@@ -55,7 +58,9 @@ struct pk_mode {
 };
 
 /* The modes at an equilibrium, fastest first: up to 2 n of them, and n real and n imaginary parts
- * of each one's shape, 1 the largest component of those that are not cyclic. PK_SINGULAR_MASS;
+ * of each one's shape, 1 the largest component of those that are not cyclic. With rotations or
+ * constraints those of what stays on them (pk_gsl_tangent()). PK_REFUSED where a kernel is not
+ * there, or nothing can move; PK_SINGULAR_MASS;
  * PK_NO_CONVERGENCE. */
 enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, const double *v,
                             struct pk_mode *modes, double *shapes, size_t *count);

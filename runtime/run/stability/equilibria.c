@@ -72,6 +72,7 @@ static void print(struct pk_stability *s, const struct pk_equilibria *found, str
         json_numbers(j, "v", v, n);
         json_real(j, "energy", energy);
         json_text(j, "status", pk_status_name(solved));
+        json_whole(j, "slack", found->slack[k]);
         print_modes(s, modes);
         json_close(j, '}');
     }
@@ -92,6 +93,7 @@ int stability_equilibria(struct pk_stability *s, const struct pk_stability_quest
                                   .doubt = room + 2 * MOST * n,
                                   .middle = room + 3 * MOST * n,
                                   .box = room + 3 * MOST * n + n,
+                                  .slack = memory_take(&s->run->memory, MOST, sizeof(size_t)),
                                   .turns = memory_take(&s->run->memory, n, 1)};
     const enum pk_status status =
         pk_gsl_equilibria(&s->problem, s->settings->q, s->settings->v, x->count, &found);
@@ -104,6 +106,7 @@ int stability_equilibria(struct pk_stability *s, const struct pk_stability_quest
     json_numbers(&s->out, "middle", found.middle, n);
     json_numbers(&s->out, "box", found.box, n);
     print(s, &found, &modes, &beside);
+    memory_drop(&s->run->memory, found.slack);
     memory_drop(&s->run->memory, found.turns);
     memory_drop(&s->run->memory, list);
     memory_drop(&s->run->memory, room);

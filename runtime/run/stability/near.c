@@ -9,6 +9,8 @@
  * |u.M (q - q*)| and |u.M v|/omega together.
  * Built with GSL alone.
  */
+#include <pk/constraint.h>
+
 #include "stability.h"
 
 #ifdef PK_WITH_GSL
@@ -53,6 +55,19 @@ static void start_near(struct pk_stability *s, size_t from, size_t to, double am
         if (to - from == 1 || (!(mode.growth > 0) && hypot(mode.growth, mode.frequency) > 0))
             add_mode(s, k, amplitude);
     }
+}
+
+/* With rotations or constraints the start is put back onto them: a mode leads along their tangents.
+ */
+static void settle(struct pk_stability *s)
+{
+    enum pk_status status;
+    struct pk_integrator *it = NULL;
+    if (s->problem.system->n_rotations || s->problem.system->constraints.n)
+        it = stability_motion_begun(s, 1, &status);
+    if (it)
+        pk_constraint_project(it, 0, s->work, s->work + s->n);
+    stability_end(s, it);
 }
 
 /* Mode k's part of the motion at q, v: its amplitude times u.M u. `weights` is M u. */
@@ -156,6 +171,7 @@ int stability_near(struct pk_stability *s, const struct pk_stability_question *x
         return stability_wrong(s, "a step is positive, and a mode one of those that there are");
     const size_t n = s->n;
     start_near(s, from, to, amplitude);
+    settle(s);
     double *weights = memory_take(&s->run->memory, n * (n + 1), sizeof *weights);
     if (seeded) {
         add_mode(s, other, seed);
@@ -209,6 +225,7 @@ int stability_leave(struct pk_stability *s, const struct pk_stability_question *
     options.rtol = 1e-13;
     options.atol = 1e-13 * amplitude;
     start_near(s, from, to, amplitude);
+    settle(s);
     const double first = displacement(s, s->work, s->work + s->n);
     enum pk_status status;
     struct pk_integrator *it =

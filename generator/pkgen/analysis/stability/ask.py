@@ -43,6 +43,7 @@ class Equilibrium:
     energy: float
     modes: tuple[Mode, ...]  # fastest first
     status: str = "PK_DONE"  # of the modes
+    slack: int = 0  # directions in which equilibria go on: it is one of a continuum
 
     @property
     def stable(self) -> bool:
@@ -62,7 +63,7 @@ class Equilibrium:
         if self._grows:
             return "unstable"
         if any(mode.rate == 0 for mode in self.modes):
-            return UNDECIDED
+            return "one of a continuum" if self.slack else UNDECIDED
         return "stable"
 
     @property

@@ -1,0 +1,198 @@
+/* The equations of equilibria with rotations and constraints, in the numbers of q and v themselves,
+ * on the constraints or not:
+ *
+ *     of a coordinate      a_i = 0, or where it is cyclic p_i = what it was
+ *     of a body rate       w_i = 0
+ *     of a quaternion      the body's three accelerations = 0, |Q|^2 = 1
+ *     and besides          phi = 0, J v + j0 = 0
+ *
+ * with the multipliers put in, so that J a = 0 too: rows depend on each other, and where there is a
+ * continuum of equilibria, unknowns do. They are solved by Levenberg and Marquardt's method, GSL's
+ * gsl_multifit_nlinear, and Newton's corrections are the shortest ones.
+ */
+#include <string.h>
+
+#include <gsl/gsl_blas.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_linalg.h>
+#include <gsl/gsl_multifit_nlinear.h>
+
+#include <pk/gsl_equilibria.h>
+
+#include "equilibria_search.h"
+#include "rates.h"
+
+enum { ITERATIONS = 100, NEWTON = 6 };
+static const double DEPENDENT = 1e-7; /* of the largest singular value */
+static const double BESIDE = 6e-6;    /* of a reach, for derivatives by differences */
+
+/* p of what is cyclic, the others' places left as they are. */
+static void momenta(struct search *s, double *p)
+{
+    const struct pk_problem *problem = s->problem;
+    problem->system->unconstrained(problem->params, 0, s->q, s->v, NULL, p, s->rest);
+}
+
+int pk_bound_equations(struct search *s)
+{
+    const struct pk_problem *problem = s->problem;
+    const struct pk_system *system = problem->system;
+    const size_t n = s->n, Q = quaternions(s), w = Q - 3 * system->n_rotations;
+    if (system->acceleration(problem->params, 0, s->q, s->v, NULL, s->pdot))
+        return 0;
+    momenta(s, s->p);
+    memset(s->rest, 0, n * sizeof *s->rest);
+    for (size_t i = 0; i < n; i++)
+        s->F[i] = is_cyclic(s, i)      ? s->p[i] - s->kept[i]
+                  : is_body_rate(s, i) ? s->v[i]
+                  : s->unread[i]       ? s->v[i] - s->middle[i]
+                                       : s->pdot[i];
+    for (size_t r = 0; r < system->n_rotations; r++) {
+        const double *q = s->v + Q + 4 * r;
+        for (size_t i = 0; i < 3; i++)
+            s->F[Q + 4 * r + i] = s->pdot[w + 3 * r + i];
+        s->F[Q + 4 * r + 3] = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) / 2;
+    }
+    pk_gsl_residuals(problem, s->q, s->v, s->F + n, s->J);
+    return pk_all_finite(s->F, s->rows);
+}
+
+/* The column of unknown j among those of pk_gsl_linearised(). */
+static size_t column(const struct search *s, size_t j) { return is_cyclic(s, j) ? s->n + j : j; }
+
+/* dp_i of what is cyclic by every unknown. */
+static void momenta_by(struct search *s)
+{
+    const size_t n = s->n;
+    for (size_t j = 0; j < n && s->problem->system->cyclic; j++) {
+        double *const x = unknown(s, j), at = *x, d = BESIDE * reach(s, j);
+        *x = at + d;
+        momenta(s, s->p);
+        *x = at - d;
+        momenta(s, s->pdot);
+        *x = at;
+        for (size_t i = 0; i < n; i++)
+            if (is_cyclic(s, i))
+                s->J[i * n + j] = (s->p[i] - s->pdot[i]) / (2 * d);
+    }
+    memset(s->rest, 0, n * sizeof *s->rest);
+}
+
+int pk_bound_derivatives(struct search *s)
+{
+    const struct pk_system *system = s->problem->system;
+    const size_t n = s->n, Q = quaternions(s), w = Q - 3 * system->n_rotations;
+    const size_t m = n - system->n_first_order, c = system->constraints.n;
+    if (pk_gsl_linearised(s->problem, 0, s->q, s->v, s->A) != PK_DONE ||
+        pk_gsl_kept(s->problem, s->q, s->v, s->C) != PK_DONE)
+        return 0;
+    momenta_by(s);
+    for (size_t i = 0; i < s->rows; i++)
+        for (size_t j = 0; j < n; j++) {
+            const size_t k = column(s, j), part = i - Q; /* huge before them, and beyond large */
+            double *const x = &s->J[i * n + j];
+            if (i >= n)
+                *x = gsl_matrix_get(s->C, i - n, k);
+            else if (part < 4 * system->n_rotations)
+                *x = part % 4 < 3
+                         ? gsl_matrix_get(s->A, w + 3 * (part / 4) + part % 4, k)
+                         : gsl_matrix_get(s->C, system->constraints.n_holonomic + c + part / 4, k);
+            else if (is_body_rate(s, i) || s->unread[i])
+                *x = i == j;
+            else if (!is_cyclic(s, i))
+                *x = gsl_matrix_get(s->A, i < m ? n + i : i, k);
+        }
+    return pk_all_finite(s->J, s->rows * n);
+}
+
+static int gsl_f(const gsl_vector *z, void *context, gsl_vector *f)
+{
+    struct search *s = (struct search *)context;
+    for (size_t i = 0; i < s->n; i++)
+        *unknown(s, i) = gsl_vector_get(z, i);
+    const double m = pk_equilibria_deflated(s);
+    if (!pk_bound_equations(s) || !(m < HUGE_VAL))
+        return GSL_EBADFUNC;
+    for (size_t i = 0; i < s->rows; i++)
+        gsl_vector_set(f, i, m * s->F[i] / s->scale[i]);
+    return GSL_SUCCESS;
+}
+
+static int gsl_df(const gsl_vector *z, void *context, gsl_matrix *J)
+{
+    struct search *s = (struct search *)context;
+    for (size_t i = 0; i < s->n; i++)
+        *unknown(s, i) = gsl_vector_get(z, i);
+    const double m = pk_equilibria_deflated(s);
+    if (!(m < HUGE_VAL) || !pk_bound_equations(s) || !pk_bound_derivatives(s))
+        return GSL_EBADFUNC;
+    for (size_t i = 0; i < s->rows; i++)
+        for (size_t j = 0; j < s->n; j++)
+            gsl_matrix_set(J, i, j, m * (s->J[i * s->n + j] + s->F[i] * s->slope[j]) / s->scale[i]);
+    return GSL_SUCCESS;
+}
+
+void pk_bound_solve(struct search *s)
+{
+    const gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
+    gsl_multifit_nlinear_fdf fdf = {gsl_f, gsl_df, NULL, s->rows, s->n, s, 0, 0, 0};
+    gsl_multifit_nlinear_workspace *w =
+        gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, s->rows, s->n);
+    gsl_vector *z = gsl_vector_alloc(s->n);
+    int info;
+    for (size_t i = 0; z && i < s->n; i++)
+        gsl_vector_set(z, i, *unknown(s, i));
+    if (w && z && gsl_multifit_nlinear_init(z, &fdf, w) == GSL_SUCCESS) {
+        gsl_multifit_nlinear_driver(ITERATIONS, 1e-12, 1e-30, 0, NULL, NULL, &info, w);
+        for (size_t i = 0; i < s->n; i++)
+            *unknown(s, i) = gsl_vector_get(gsl_multifit_nlinear_position(w), i);
+    }
+    gsl_multifit_nlinear_free(w);
+    gsl_vector_free(z);
+    for (size_t k = 0; k < NEWTON; k++) {
+        if (!pk_bound_equations(s) || !pk_bound_derivatives(s) || !pk_bound_correct(s) ||
+            !pk_all_finite(s->F, s->n))
+            break;
+        for (size_t i = 0; i < s->n; i++)
+            *unknown(s, i) -= s->F[i];
+    }
+}
+
+int pk_bound_correct(struct search *s)
+{
+    const size_t n = s->n;
+    gsl_matrix *U = gsl_matrix_alloc(s->rows, n), *V = gsl_matrix_alloc(n, n);
+    gsl_vector *S = gsl_vector_alloc(n), *x = gsl_vector_alloc(n), *f = gsl_vector_alloc(s->rows);
+    int good = U && V && S && x && f;
+    for (size_t i = 0; i < s->rows && good; i++) {
+        gsl_vector_set(f, i, s->F[i] / s->scale[i]);
+        for (size_t j = 0; j < n; j++) { /* a decomposition fails of what is next to nothing */
+            const double x = s->J[i * n + j] * reach(s, j) / s->scale[i];
+            gsl_matrix_set(U, i, j, fabs(x) > 1e-60 ? x : 0);
+        }
+    }
+    good = good && !gsl_linalg_SV_decomp(U, V, S, x);
+    if (good) {
+        gsl_blas_dgemv(CblasTrans, 1, U, f, 0, x);
+        s->slack = 0;
+        for (size_t j = 0; j < n; j++) {
+            const double size = gsl_vector_get(S, j);
+            const int leads = size > DEPENDENT * gsl_vector_get(S, 0);
+            s->slack += !leads;
+            gsl_vector_set(x, j, leads ? gsl_vector_get(x, j) / size : 0);
+        }
+        for (size_t i = 0; i < n; i++) {
+            double sum = 0;
+            for (size_t j = 0; j < n; j++)
+                sum += gsl_matrix_get(V, i, j) * gsl_vector_get(x, j);
+            s->F[i] = sum * reach(s, i);
+            s->along[i] = gsl_matrix_get(V, i, n - 1) * reach(s, i);
+        }
+    }
+    gsl_matrix_free(U);
+    gsl_matrix_free(V);
+    gsl_vector_free(S);
+    gsl_vector_free(x);
+    gsl_vector_free(f);
+    return good;
+}
