@@ -153,8 +153,10 @@ void pk_bound_solve(struct search *s)
         if (!pk_bound_equations(s) || !pk_bound_derivatives(s) || !pk_bound_correct(s) ||
             !pk_all_finite(s->F, s->n))
             break;
-        for (size_t i = 0; i < s->n; i++)
-            *unknown(s, i) -= s->F[i];
+        for (size_t i = 0; i < s->n; i++) { /* squares are not to underflow */
+            const double x = *unknown(s, i) - s->F[i];
+            *unknown(s, i) = fabs(x) > 1e-40 * s->box[i] ? x : 0;
+        }
     }
 }
 
@@ -166,12 +168,10 @@ int pk_bound_correct(struct search *s)
     int good = U && V && S && x && f;
     for (size_t i = 0; i < s->rows && good; i++) {
         gsl_vector_set(f, i, s->F[i] / s->scale[i]);
-        for (size_t j = 0; j < n; j++) { /* a decomposition fails of what is next to nothing */
-            const double x = s->J[i * n + j] * reach(s, j) / s->scale[i];
-            gsl_matrix_set(U, i, j, fabs(x) > 1e-60 ? x : 0);
-        }
+        for (size_t j = 0; j < n; j++)
+            gsl_matrix_set(U, i, j, s->J[i * n + j] * reach(s, j) / s->scale[i]);
     }
-    good = good && !gsl_linalg_SV_decomp(U, V, S, x);
+    good = good && !gsl_linalg_SV_decomp_jacobi(U, V, S);
     if (good) {
         gsl_blas_dgemv(CblasTrans, 1, U, f, 0, x);
         s->slack = 0;

@@ -7,7 +7,7 @@
 #include "equilibria_search.h"
 #include "halton.h"
 
-static const double RUNAWAY = 100;
+static const double RUNAWAY = 100, NOTHING = 1e-200;
 enum { MOTION = 48, SETTLING = 100 };
 
 void pk_equilibria_normalise(struct search *s)
@@ -128,7 +128,7 @@ static void choose_box(struct search *s, const double *q0, const double *v0)
             others = fmax(others, s->box[i]);
     }
     for (size_t i = 0; i < s->n; i++)
-        if (!(s->box[i] > 0))
+        if (!(s->box[i] > NOTHING))
             s->box[i] = is_by_rate(s, i) || !(others > 0) ? 1 : others;
     for (size_t i = 0; i < 4 * s->problem->system->n_rotations; i++)
         s->box[quaternions(s) + i] = 1;

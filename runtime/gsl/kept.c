@@ -114,8 +114,8 @@ static int add_free(const gsl_matrix *C, const size_t *among, const size_t *some
 {
     const size_t rows = count > C->size1 ? count : C->size1;
     gsl_matrix *B = gsl_matrix_calloc(rows, count), *V = gsl_matrix_alloc(count, count);
-    gsl_vector *S = gsl_vector_alloc(count), *work = gsl_vector_alloc(count);
-    int good = B && V && S && work;
+    gsl_vector *S = gsl_vector_alloc(count);
+    int good = B && V && S;
     for (size_t i = 0; i < C->size1 && good; i++) {
         double size = 0;
         for (size_t j = 0; j < count; j++)
@@ -123,7 +123,7 @@ static int add_free(const gsl_matrix *C, const size_t *among, const size_t *some
         for (size_t j = 0; j < count && size > 0; j++)
             gsl_matrix_set(B, i, j, gsl_matrix_get(C, i, among[some[j]]) / size);
     }
-    good = good && !gsl_linalg_SV_decomp(B, V, S, work);
+    good = good && !gsl_linalg_SV_decomp_jacobi(B, V, S);
     for (size_t k = 0; k < count && good; k++) {
         if (gsl_vector_get(S, k) > DEPENDENT * gsl_vector_get(S, 0))
             continue;
@@ -134,7 +134,6 @@ static int add_free(const gsl_matrix *C, const size_t *among, const size_t *some
     gsl_matrix_free(B);
     gsl_matrix_free(V);
     gsl_vector_free(S);
-    gsl_vector_free(work);
     return good;
 }
 
