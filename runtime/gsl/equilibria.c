@@ -202,7 +202,10 @@ static int goes_on(struct search *s)
         *unknown(s, i) = at[i];
     }
     s->slack = slack;
-    return off <= 1e-4 && back < way / 4;
+    const int goes = off <= 1e-4 && back < way / 4;
+    for (size_t i = 0; i < s->n && !goes; i++) /* the root is known no better along there */
+        s->step[i] = step[i] / 100;
+    return goes;
 }
 
 static int is_positive(struct search *s)

@@ -134,7 +134,7 @@ def test_models_shipped_have_a_scale_that_holds(tmp_path, capsys, name: str) -> 
     for p in scales(found).values():
         assert 0.5 < p["measured"] / p["h"] < 2, p
     assert len(scales(found)) == 2
-    assert any("equilibria are not sought: with " in said for said in found["remarks"])
+    assert any("resonances, cycles and ghosts are not sought" in x for x in found["remarks"])
 
 
 def test_methods_that_a_model_refuses_are_named(tmp_path, capsys) -> None:

@@ -125,9 +125,23 @@ static void stretch(double *low, double *high, const double *x, size_t count)
     }
 }
 
+/* What of one kind does not move covers as much as the widest of it. */
+static void widen(double *box, size_t from, size_t to, double others)
+{
+    double widest = 0;
+    for (size_t i = from; i < to; i++)
+        widest = fmax(widest, box[i]);
+    for (size_t i = from; i < to; i++)
+        if (!(box[i] > 0))
+            box[i] = widest > 0 ? widest : others > 0 ? others : 1;
+}
+
 void stability_cover(struct pk_stability *s)
 {
     const size_t n = s->n, m = n - s->problem.system->n_first_order;
+    const size_t r = s->problem.system->n_rotations;
+    /* Coordinates, integrals of first-order variables, rates, body rates, quaternions, others. */
+    const size_t kinds[] = {0, m, n, n + m, n + m + 3 * r, n + m + 7 * r, 2 * n};
     double most = 0;
     enum pk_status status;
     if (s->box)
@@ -155,11 +169,10 @@ void stability_cover(struct pk_stability *s)
         const double a = low[i], b = high[i];
         low[i] = (a + b) / 2;
         high[i] = b - a > 1e-9 * fabs(a + b) ? b - a : fabs(a + b) / 2;
-        most = fmax(most, high[i]);
+        most = i < m || i >= n ? fmax(most, high[i]) : most;
     }
-    for (size_t i = 0; i < 2 * n; i++)
-        if (!(high[i] > 0))
-            high[i] = most > 0 ? most : 1;
+    for (size_t k = 0; k + 1 < sizeof kinds / sizeof *kinds; k++)
+        widen(high, kinds[k], kinds[k + 1], most);
 }
 
 static void begin(struct pk_stability *s)

@@ -72,6 +72,7 @@ class StabilityMap:
     cycle: Cycle | None = None  # that the motion is on in the end
     lost: tuple[cycles.Lost, ...] = ()
     ghosts: tuple[Ghost, ...] = ()
+    turned: range = range(0)  # quaternions among the rates
 
     def place(self, state: tuple[float, ...]) -> float:
         """Where a state, q and then v, lies on the axis of what is varied."""
@@ -105,6 +106,9 @@ def make(
     bound, turned = bool(model.rotations or model.constraints), _quaternions(compilation)
     cyclic = frozenset(i for i, c in enumerate(structure.cyclic) if c)
     primary = plan.nearest(rest, motion.q, cyclic)
+    going = any(v for i, v in enumerate(motion.v) if i not in turned)
+    if bound and primary is not None and (going or not rest.equilibria[primary].stable):
+        primary = None  # it is about none: the rates of a body that turns, of what rolls are its own
     at = plan.beside(rest, primary, motion.q, cyclic)
     if at is None and asked.axis.kind == "amplitude":
         asked = replace(asked, axis=plan.without_equilibrium(asked.axis, motion, turned))
@@ -119,7 +123,7 @@ def make(
 
     show(0.0, "methods")
     asked = _without_refused(asked, asker) if bound else asked
-    maps = {m.name: StepMap(m, asker, motion.by_norm) for m in asked.methods}
+    maps = {m.name: StepMap(m, asker, motion.by_norm, bound, bool(turned)) for m in asked.methods}
     moves = asked.axis.kind == "parameter" or any(cyclic)
     tries = 40 if moves else 100
 
@@ -145,7 +149,8 @@ def make(
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
     # About a stable equilibrium a method without limits is mapped over turns of its modes.
     scales = [] if at and at.stable else ["local"]
-    steps = {name: tuple(_steps(asked, predicted[name], scales, fastest, until)) for name in maps}
+    about = {name: [p for p in predicted[name] if at or p.equilibrium is None] for name in maps}
+    steps = {name: tuple(_steps(asked, about[name], scales, fastest, until)) for name in maps}
 
     _refuse_unjudged(started(x).motion() for x in asked.axis.values)
 
@@ -158,7 +163,7 @@ def make(
         found, moved, points = measure.row(here, steps, None if moves else rest, tries)
         # An amplitude is one about the same equilibrium, however far.
         place = at.q if at and asked.axis.kind == "amplitude" else moved.q
-        number = plan.nearest(found, place, cyclic)
+        number = plan.nearest(found, place, cyclic) if at or not bound else None
         rates_here = here.rates() if moves else ()
         lines = [
             p
@@ -205,7 +210,7 @@ def make(
         ]
         haunted = [
             pool.submit(counted, partial(ghosts, timed, name, steps[name], asked.quick))
-            for name in (maps if rest.status != "PK_REFUSED" else ())
+            for name in (maps if rest.status != "PK_REFUSED" and not bound else ())
         ]
         leaving = pool.submit(counted, partial(measure.growths, timed, rest, amplitude))
         every = [*rows, *checks, *haunted, leaving]
@@ -235,7 +240,7 @@ def make(
     told = flat, checked, tuple(growing), interrupted
     losses = tuple(one for one in lost.values() if one)
     seen = tuple(ghost for one in _kept(haunted) for ghost in one)
-    return StabilityMap(compilation, asked, *begun, found, steps, *told, cycle, losses, seen)
+    return StabilityMap(compilation, asked, *begun, found, steps, *told, cycle, losses, seen, turned)
 
 
 def _spread(count: int) -> list[int]:
@@ -330,7 +335,8 @@ def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
 def _quaternions(compilation: Compilation) -> range:
     """Their numbers among the rates."""
     count = len(compilation.model.rotations)
-    first = len(compilation.equations.coordinates) - compilation.equations.n_first_order + 3 * count
+    # The body rates before them are no first-order variables here.
+    first = len(compilation.equations.coordinates) - compilation.equations.n_first_order
     return range(first, first + 4 * count)
 
 

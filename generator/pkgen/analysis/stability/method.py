@@ -55,6 +55,8 @@ class StepMap:
     traits: ChartedMethod
     asker: Asker
     states: bool = False  # of a system with first-order variables, stepped as u' = lambda u is
+    bound: bool = False  # by rotations or constraints
+    turning: bool = False  # with rotations
     _found: dict[tuple[str, float], float | None] = field(default_factory=dict)
     _angles: tuple[list[float], list[float]] | None = None
 
@@ -85,10 +87,20 @@ class StepMap:
         )
         return 0.0 if found is not None and found < FIRST_GROWTH else found
 
+    @property
+    def _partitioned(self) -> bool:
+        """Of implicit ones: first-order variables are stepped otherwise than coordinates."""
+        return self.traits.real != self.traits.imaginary
+
+    @property
+    def tells(self) -> bool:
+        """The oscillator tells of it: attitudes are first-order variables, but not on the group."""
+        apart = self.traits.implicit and self._partitioned and "group" not in self.traits.flags
+        return not (self.turning and apart)
+
     def pole(self) -> float | None:
         """None where no step up to FURTHEST is without a solution."""
-        partitioned = self.traits.real != self.traits.imaginary  # another step for these variables
-        if not self.traits.implicit or (self.states and partitioned):
+        if not self.traits.implicit or (self.states and self._partitioned):
             return None
         return self._once("pole", 0.0, self._pole)
 

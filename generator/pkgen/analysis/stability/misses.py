@@ -155,12 +155,8 @@ def unpredicted(made: StabilityMap) -> str | None:
 
 def unsought(made: StabilityMap) -> str:
     """Why no equilibria are."""
-    model = made.compilation.model
-    bound = [
-        s for s, of in (("rotations", model.rotations), ("constraints", model.constraints)) if of
-    ]
-    if bound:
-        return f"with {' and '.join(bound)} none are; what is predicted is the scale of the motion"
+    if made.compilation.structure.autonomous:
+        return "it has too many coordinates for the derivatives that a search needs"
     return "the equations depend on time or on inputs"
 
 

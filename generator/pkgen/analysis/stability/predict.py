@@ -138,14 +138,14 @@ def predictions(
     step: StepMap, rest: Rest, primary: int | None, rates: Iterable[Mode] = ()
 ) -> list[Prediction]:
     """The limits at all stable equilibria, resonances at the one about which the motion is (none of
-    first-order variables, which turn in no plane of their own), branches at the unstable ones; of
+    first-order variables and of what is bound, which turn in no plane of their own), branches at the unstable ones; of
     equilibria with the same modes, mirror images, at one. Then the scale of the motion's `rates`.
     """
     split = "fast" in step.traits.requires
     found: list[Prediction] = []
     seen: set[tuple[str, str]] = set()
     order = sorted(range(len(rest.equilibria)), key=lambda k: k != primary)
-    for number in order:
+    for number in order if step.tells else ():
         at = rest.equilibria[number]
         one = (impulses if split else limit if at.stable else branch)(step, number, at)
         if one is None:
@@ -154,7 +154,7 @@ def predictions(
         if (one.kind, f"{rate:.9g}") not in seen:
             seen.add((one.kind, f"{rate:.9g}"))
             found.append(one)
-        if number == primary and at.stable and not (step.states or split):
+        if number == primary and at.stable and not (step.states or step.bound or split):
             found += resonances(step, number, at)
     along = None if split else local(step, rates)
     if along and not any(_says(p, along) for p in found if p.equilibrium == primary):

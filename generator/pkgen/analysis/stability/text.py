@@ -29,12 +29,19 @@ def _unknowns(made: StabilityMap) -> list[tuple[str, bool]]:
     ]
 
 
+def _shown(made: StabilityMap) -> list[tuple[int, tuple[str, bool]]]:
+    """These with their numbers, but for rates of bodies, which do not turn there."""
+    first = made.turned.start - 3 * len(made.turned) // 4
+    still = range(first, made.turned.start)
+    return [(i, one) for i, one in enumerate(_unknowns(made)) if i not in still]
+
+
 def place(made: StabilityMap, at: Equilibrium) -> str:
     """`theta1 = 0, theta2 = 3.14159`; a cyclic coordinate by the rate at which it goes on."""
     of_q = _sizes([made.motion.q, *(e.q for e in made.rest.equilibria)])
     of_v = _sizes([made.motion.v, *(e.v for e in made.rest.equilibria)])
     said = []
-    for i, (name, by_rate) in enumerate(_unknowns(made)):
+    for i, (name, by_rate) in _shown(made):
         x, size = (at.v[i], of_v[i]) if by_rate else (at.q[i], of_q[i])
         said.append(f"{name} = {_short(x, size)}")
     return ", ".join(said[:6]) + (", ..." if len(said) > 6 else "")
@@ -156,10 +163,13 @@ def counts(made: StabilityMap) -> Table:
 
 def searched(made: StabilityMap) -> str:
     """How many equilibria were found, and where they were sought."""
-    rest, names = made.rest, _unknowns(made)
+    rest, names, turned = made.rest, _shown(made), made.turned
     parts = []
-    for i, (name, by_rate) in enumerate(names[:6]):
-        if rest.turns and rest.turns[i] and not by_rate:
+    for i, (name, by_rate) in names[:6]:
+        if i in turned:
+            if (i - turned.start) % 4 == 0:
+                parts.append(f"{name.rpartition('.')[0]} all around")
+        elif rest.turns and rest.turns[i] and not by_rate:
             parts.append(f"{name} all around")
         else:
             low, high = rest.middle[i] - rest.box[i], rest.middle[i] + rest.box[i]
@@ -177,6 +187,19 @@ def remarks(made: StabilityMap) -> list[str]:
     rest = made.rest
     if rest.status == "PK_REFUSED":
         found.append(f"equilibria are not sought: {unsought(made)}")
+    model = made.compilation.model
+    bound = [
+        s for s, of in (("rotations", model.rotations), ("constraints", model.constraints)) if of
+    ]
+    if bound:
+        found.append(f"with {' and '.join(bound)} resonances, cycles and ghosts are not sought")
+    going = [str(k + 1) for k, e in enumerate(rest.equilibria) if e.slack]
+    if going:
+        many = len(going) > 1
+        found.append(
+            f"equilibri{'a' if many else 'um'} {', '.join(going)} {'are each' if many else 'is'} "
+            "one of a continuum, along which nothing pulls back"
+        )
     if any(made.compilation.structure.cyclic):
         found.append(
             "cyclic coordinates do not rest: equilibria are relative, at the momenta of the start"
