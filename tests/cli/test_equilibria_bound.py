@@ -95,9 +95,7 @@ start omega(R) = [0.3, 0.1, 1]
 
 def rates(rest: Rest) -> list[list[tuple[float, float]]]:
     """Of each equilibrium what grows and turns, without what is neutral."""
-    return [
-        sorted((m.growth, m.frequency) for m in e.modes if m.rate > 0) for e in rest.equilibria
-    ]
+    return [sorted((m.growth, m.frequency) for m in e.modes if m.rate > 0) for e in rest.equilibria]
 
 
 def twice(of: list[list[tuple[float, float]]]) -> list[list[tuple[float, float]]]:
@@ -161,7 +159,10 @@ def test_what_goes_round_keeps_its_momentum(seed: int) -> None:
     there = [e for e in known.equilibria if e.q[0] > 0]
     assert [e.q[0] for e in here] == [pytest.approx(at)] == [e.q[0] for e in there]
     assert here[0].v[2] == pytest.approx(there[0].v[1])
-    same(rates(replace(found, equilibria=tuple(here))), rates(replace(known, equilibria=tuple(there))))
+    same(
+        rates(replace(found, equilibria=tuple(here))),
+        rates(replace(known, equilibria=tuple(there))),
+    )
 
 
 def test_a_free_body_rests_anywhere() -> None:
@@ -172,7 +173,9 @@ def test_a_free_body_rests_anywhere() -> None:
 
 
 def test_a_degenerate_place_is_no_continuum() -> None:
-    text = "model flat\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\nstart x = 0.5, y = 0.0625\n"
+    text = (
+        "model flat\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential y\nstart x = 0.5, y = 0.0625\n"
+    )
     (e,) = asker(text + "constraint wire: y = x^4\n").rest().equilibria
     assert e.slack == 0 and e.verdict == "not decided by the linear terms"
 

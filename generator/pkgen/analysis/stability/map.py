@@ -108,7 +108,9 @@ def make(
     primary = plan.nearest(rest, motion.q, cyclic)
     going = any(v for i, v in enumerate(motion.v) if i not in turned)
     if bound and primary is not None and (going or not rest.equilibria[primary].stable):
-        primary = None  # it is about none: the rates of a body that turns, of what rolls are its own
+        primary = (
+            None  # it is about none: the rates of a body that turns, of what rolls are its own
+        )
     at = plan.beside(rest, primary, motion.q, cyclic)
     if at is None and asked.axis.kind == "amplitude":
         asked = replace(asked, axis=plan.without_equilibrium(asked.axis, motion, turned))
@@ -240,7 +242,9 @@ def make(
     told = flat, checked, tuple(growing), interrupted
     losses = tuple(one for one in lost.values() if one)
     seen = tuple(ghost for one in _kept(haunted) for ghost in one)
-    return StabilityMap(compilation, asked, *begun, found, steps, *told, cycle, losses, seen, turned)
+    return StabilityMap(
+        compilation, asked, *begun, found, steps, *told, cycle, losses, seen, turned
+    )
 
 
 def _spread(count: int) -> list[int]:

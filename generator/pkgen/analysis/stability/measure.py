@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 
 from ...record import record
 from .ask import Asker, Motion, Point, Rest
-from .method import FURTHEST, combined, first_change
+from .method import FURTHEST, LEAP, combined, first_change
 from .predict import RESONANCES, Prediction
 
 SMALL = 1e-6  # of the size of the motion
@@ -26,7 +26,6 @@ FAR = 1e3
 LOOKS = 16  # points of the first look for where something begins
 FINE = 1e-6  # relative: how well it is known then
 RESPONDS = 1.3  # growth at a resonance over that beside it, from which it is seen
-LEAP = 4  # steps that are to resolve the motion
 LOST = 0.5  # of the range of v.p, by which energy is off once the motion is lost
 FAILED = (
     "growing",

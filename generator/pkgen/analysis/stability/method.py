@@ -14,6 +14,7 @@ pole     the first y at which a step on q'' = +q has no solution: an implicit me
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -25,6 +26,7 @@ from .ask import Asker, made
 
 FURTHEST = 30.0  # y up to which limits and poles are sought
 COARSE = 600  # points of the first look
+LEAP = 4  # steps that are to resolve a motion
 OUTSIDE = 1e-9  # what counts as outside of the unit circle
 FIRST_GROWTH = 0.05  # a limit below this y is none: it grows at any step
 TWO_PI = 2 * math.pi
@@ -123,6 +125,24 @@ class StepMap:
             for i, y in enumerate(ys)
         )
         return pole if abs(pole / edge - 1) < 1e-3 else None
+
+    def resolves(self, grows: bool) -> float | None:
+        """The first y at which LEAP steps on the oscillator are off by half of what it covers; or on
+        what grows as fast, by half of what it has become. None: nowhere up to FURTHEST."""
+        return self._once("resolves", float(grows), self._unresolved)
+
+    def _unresolved(self, grows: float) -> float | None:
+        def off(y: float) -> bool:
+            step = self.map(y, -1.0 if grows else 1.0)
+            if step.growth is None or step.trace is None:
+                return True
+            if grows:
+                return not abs((step.growth / math.exp(y)) ** LEAP - 1) < 0.5
+            cosine = max(-1.0, min(step.trace / (2 * step.growth), 1.0))
+            made = (step.growth * cmath.exp(1j * math.acos(cosine))) ** LEAP
+            return abs(made - cmath.exp(1j * LEAP * y)) >= 1  # it covers twice its amplitude
+
+        return first_change(off, 0.0, FURTHEST, close=1e-9)
 
     def angles(self) -> tuple[list[float], list[float]]:
         """y and the angle a step, from 0 to where the map stops being a rotation (or FURTHEST)."""

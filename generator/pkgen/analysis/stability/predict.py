@@ -116,7 +116,8 @@ def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
     oscillates as fast; E. Hairer, S. P. Norsett, G. Wanner, Solving ODE I, I.10 (the logarithmic
     norm), II, IV.2. Of implicit methods without a limit it is the pole, but for
     first-order variables, which pass it where nothing grows for long. None of methods without
-    either, or that grow at any step."""
+    either, or that grow at any step. Of what is bound, whose energy does not tell, it is measured
+    whether some steps resolve the motion, and predicted is that: StepMap.resolves()."""
     best: tuple[float, float] | None = None
     for mode in rates:
         if (mode.on_group and "group" not in step.traits.flags) or (
@@ -124,7 +125,10 @@ def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
         ):
             continue
         ratio = round(-mode.growth / mode.rate, 2)
-        y = step.limit(max(0.0, ratio))
+        if step.bound and ratio <= 0 and not mode.on_group:
+            y = step.resolves(-ratio > math.sqrt(0.5))
+        else:
+            y = step.limit(max(0.0, ratio))
         if y is None and (ratio < 0 or mode.on_group) and not step.states:
             y = step.pole()
         if y and (best is None or y / mode.rate < best[0]):
