@@ -21,7 +21,7 @@
 #include "halton.h"
 #include "rates.h"
 
-static const double BESIDE = 1e-2; /* of a reach, to look along a continuum */
+static const double BESIDE = 1e-2;                /* of a reach, to look along a continuum */
 enum { ITERATIONS = 200, POLISH = 60, MORE = 8 }; /* starts for each root */
 
 static int open_search(struct search *s, const struct pk_problem *problem)
@@ -46,9 +46,9 @@ static int open_search(struct search *s, const struct pk_problem *problem)
     if ((is_bound(s) && (!s->A || !s->C)) || !x || !s->turns || !s->primes)
         return 0;
     primes(s->primes, n + 1);
-    double **const vectors[] = {&s->q,    &s->v,     &s->kept, &s->box,   &s->middle,
-                                &s->p,    &s->pdot,  &s->pivot,
-                                &s->step, &s->slope, &s->rest, &s->r_t,   &s->along};
+    double **const vectors[] = {&s->q,    &s->v,    &s->kept,  &s->box,  &s->middle,
+                                &s->p,    &s->pdot, &s->pivot, &s->step, &s->slope,
+                                &s->rest, &s->r_t,  &s->along};
     double **const equations_of[] = {&s->F, &s->scale};
     double **const matrices[] = {&s->M, &s->p_q, &s->F_q, &s->F_v, &s->J};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
@@ -214,110 +214,6 @@ static int is_positive(struct search *s)
     return is_bound(s) || pk_ldl_factor(s->J, s->n) == 0;
 }
 
-static double energy(const struct search *s, const double *q, const double *v)
-{
-    const struct pk_system *system = s->problem->system;
-    return system->energy ? system->energy(s->problem->params, 0, q, v, NULL) : 0;
-}
-
-/* Whether the state is of the continuum that known root k is of: energy is one all along it, or
- * with rolling, which leaves fewer ways than places, all rates of the linearised equations are. */
-static int is_continued(struct search *s, double h, double size, const struct pk_equilibria *found,
-                        size_t k)
-{
-    const struct pk_part_constraints *kept = &s->problem->system->constraints;
-    const double *q = found->q + k * s->n, *v = found->v + k * s->n;
-    if (fabs(h - energy(s, q, v)) <= 1e-9 * size)
-        return 1;
-    if (kept->n == kept->n_holonomic)
-        return 0;
-    double *const here = s->p_q, *const there = s->F_q, most = 0; /* 4 n each, sorted apart */
-    size_t count, other;
-    if (pk_gsl_rates(s->problem, 0, s->q, s->v, here, here + 2 * s->n, &count) != PK_DONE ||
-        pk_gsl_rates(s->problem, 0, q, v, there, there + 2 * s->n, &other) != PK_DONE)
-        return 0;
-    double apart = 0;
-    for (size_t power = 2; power <= 8; power += 2) { /* sums of |lambda|^power */
-        double a = 0, b = 0;
-        for (size_t i = 0; i < count; i++)
-            a += pow(hypot(here[i], here[2 * s->n + i]), (double)power);
-        for (size_t i = 0; i < other; i++)
-            b += pow(hypot(there[i], there[2 * s->n + i]), (double)power);
-        most = fmax(most, fmax(a, b));
-        apart = fmax(apart, fabs(a - b) / fmax(fmax(a, b), 1e-300));
-    }
-    return apart <= 1e-5 || !(most > 0);
-}
-
-static int is_known(struct search *s, const struct pk_equilibria *found)
-{
-    const double h = energy(s, s->q, s->v);
-    double size = fmax(fabs(h), s->energy);
-    for (size_t k = 0; k < found->count; k++)
-        size = fmax(size, fabs(energy(s, found->q + k * s->n, found->v + k * s->n)));
-    for (size_t k = 0; k < found->count; k++) {
-        int same = 1;
-        if (s->slack && found->slack && found->slack[k] && is_continued(s, h, size, found, k))
-            return 1;
-        for (size_t r = 0; r < s->problem->system->n_rotations; r++) { /* Q and -Q are the same */
-            const size_t i = quaternions(s) + 4 * r;
-            same = same && turned(s->v + i, found->v + k * s->n + i) <= 1e-8;
-        }
-        for (size_t i = 0; i < s->n && same; i++) {
-            if (i >= quaternions(s) && i < quaternions(s) + 4 * s->problem->system->n_rotations)
-                continue;
-            const int c = is_by_rate(s, i);
-            double d = c ? s->v[i] - found->v[k * s->n + i] : s->q[i] - found->q[k * s->n + i];
-            if (!c && s->turns[i])
-                d = remainder(d, TWO_PI);
-            same = fabs(d) <= 1e-4 * reach(s, i);
-        }
-        if (same)
-            return 1;
-    }
-    return 0;
-}
-
-/* Puts the state where its energy belongs; equal ones stay in the order in which they came. */
-static void insert(struct search *s, struct pk_equilibria *found)
-{
-    const size_t n = s->n;
-    for (size_t i = 0; i < n; i++)
-        if (s->turns[i] && !is_by_rate(s, i)) {
-            s->q[i] = remainder(s->q[i], TWO_PI);
-            if (s->q[i] < -TWO_PI / 2 * (1 - 1e-7))
-                s->q[i] += TWO_PI;
-        }
-    for (size_t r = 0; r < s->problem->system->n_rotations; r++) {
-        double *Q = s->v + quaternions(s) + 4 * r;
-        size_t first = 0;
-        while (first < 3 && fabs(Q[first]) < 1e-9)
-            first++;
-        for (size_t i = 4; i-- > 0;)
-            Q[i] *= Q[first] < 0 && i != first ? -1 : 1;
-        Q[first] = fabs(Q[first]);
-    }
-    const double h = energy(s, s->q, s->v);
-    size_t at = found->count;
-    while (at > 0 &&
-           h < energy(s, found->q + (at - 1) * n, found->v + (at - 1) * n) - 1e-9 * fabs(h))
-        at--;
-    double *const lists[] = {found->q, found->v, found->doubt};
-    const double *const one[] = {s->q, s->v, s->step};
-    for (size_t k = 0; k < 3; k++)
-        if (lists[k]) {
-            double *const place = lists[k] + at * n;
-            memmove(place + n, place, (found->count - at) * n * sizeof *place);
-            memcpy(place, one[k], n * sizeof *place);
-        }
-    if (found->slack) {
-        memmove(found->slack + at + 1, found->slack + at,
-                (found->count - at) * sizeof *found->slack);
-        found->slack[at] = s->slack;
-    }
-    found->count++;
-}
-
 /* The last step was round-off. Equations are no measure: beside a pole in the box all are small. */
 static int arrived(struct search *s, const gsl_vector *step)
 {
@@ -347,9 +243,9 @@ static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vecto
         found->failed += !again;
     else if (!is_positive(s))
         found->singular += !again;
-    else if (s->slack = goes_on(s) ? s->slack : 0, !is_known(s, found)) {
+    else if (s->slack = goes_on(s) ? s->slack : 0, !pk_equilibria_known(s, found)) {
         if (found->count < found->most) {
-            insert(s, found);
+            pk_equilibria_insert(s, found);
             return 1;
         }
         found->more = 1;
@@ -393,7 +289,7 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
         (!system->n_first_order || pk_gsl_unread(problem, q0, v0, s.unread) == PK_DONE)) {
         gsl_multiroot_function_fdf function = {gsl_f, gsl_df, gsl_fdf, n, &s};
         status = PK_DONE;
-        s.energy = fabs(energy(&s, q0, v0));
+        s.energy = fabs(pk_equilibria_energy(&s, q0, v0));
         pk_equilibria_box(&s, q0, v0);
         if (found->turns)
             memcpy(found->turns, s.turns, n);

@@ -30,7 +30,8 @@ void pk_equilibria_place(struct search *s, size_t k)
         const double x = k ? 2 * halton(k, s->primes[i + 1]) - 1 : 0;
         *unknown(s, i) = is_body_rate(s, i) ? 0 : s->middle[i] + wide * s->box[i] * x;
     }
-    for (size_t i = quaternions(s); k && i < quaternions(s) + 4 * s->problem->system->n_rotations; i++)
+    for (size_t i = quaternions(s); k && i < quaternions(s) + 4 * s->problem->system->n_rotations;
+         i++)
         s->v[i] -= s->middle[i]; /* any attitude */
     pk_equilibria_normalise(s);
 }
@@ -160,8 +161,8 @@ void pk_equilibria_box(struct search *s, const double *q0, const double *v0)
 {
     const struct pk_problem *problem = s->problem;
     const size_t n = s->n;
-    (is_bound(s) ? problem->system->unconstrained : problem->system->canonical)(
-        problem->params, 0, q0, v0, NULL, s->kept, s->pdot);
+    (is_bound(s) ? problem->system->unconstrained
+                 : problem->system->canonical)(problem->params, 0, q0, v0, NULL, s->kept, s->pdot);
     memcpy(s->middle, q0, n * sizeof *q0);
     for (size_t i = 0; i < n; i++)
         s->turns[i] = (unsigned char)is_turn(s, i);

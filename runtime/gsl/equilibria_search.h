@@ -33,10 +33,10 @@ struct search {
     double *M, *p_q, *F_q, *F_v; /* rows by n, of which n by n are used */
     double *J;                   /* rows by n */
     gsl_matrix *A, *C;           /* with rotations or constraints: pk/rates.h; else NULL */
-    unsigned char *turns;              /* q_i + 2 pi is the same place */
-    unsigned char *unread;             /* a first-order variable that no rate depends on */
-    size_t *primes;                    /* n + 1, the bases of Halton's points */
-    double *slope;                     /* of the factor of deflation, by each unknown */
+    unsigned char *turns;        /* q_i + 2 pi is the same place */
+    unsigned char *unread;       /* a first-order variable that no rate depends on */
+    size_t *primes;              /* n + 1, the bases of Halton's points */
+    double *slope;               /* of the factor of deflation, by each unknown */
     const struct pk_equilibria *known; /* roots to keep away from; NULL: none */
 };
 
@@ -122,5 +122,12 @@ void pk_equilibria_place(struct search *s, size_t k);
 /* prod (1 + 1/|z - z_k|^2) over the known roots, in reaches, infinite at one; its logarithm's
  * derivative by each unknown into s->slope. */
 double pk_equilibria_deflated(struct search *s);
+
+/* The energy at q and v, or 0 without one. */
+double pk_equilibria_energy(const struct search *s, const double *q, const double *v);
+/* Whether the state is one of those found, or of the continuum of one. */
+int pk_equilibria_known(struct search *s, const struct pk_equilibria *found);
+/* Puts it where its energy belongs; equal ones stay in the order in which they came. */
+void pk_equilibria_insert(struct search *s, struct pk_equilibria *found);
 
 #endif

@@ -41,10 +41,9 @@ static void fill(const struct pk_problem *problem, const double *v, const double
         gsl_matrix_set(C, to, j, row[j]);
     for (size_t r = 0; r < system->n_rotations; r++) {
         const double *Q = v + first + 4 * r, *d = row + m + 3 * r;
-        const double by[4] = {-Q[1] * d[0] - Q[2] * d[1] - Q[3] * d[2],
-                              Q[0] * d[0] - Q[3] * d[1] + Q[2] * d[2],
-                              Q[3] * d[0] + Q[0] * d[1] - Q[1] * d[2],
-                              -Q[2] * d[0] + Q[1] * d[1] + Q[0] * d[2]};
+        const double by[4] = {
+            -Q[1] * d[0] - Q[2] * d[1] - Q[3] * d[2], Q[0] * d[0] - Q[3] * d[1] + Q[2] * d[2],
+            Q[3] * d[0] + Q[0] * d[1] - Q[1] * d[2], -Q[2] * d[0] + Q[1] * d[1] + Q[0] * d[2]};
         for (size_t i = 0; i < 4; i++)
             gsl_matrix_set(C, to, first + 4 * r + i, 2 * by[i]);
     }

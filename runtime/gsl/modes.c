@@ -234,7 +234,8 @@ static enum pk_status first_order_modes(struct pencil *x, const struct pk_proble
     const size_t n = x->n, coordinates = pk_system_coordinates(problem->system, problem->params);
     const size_t N = x->m + coordinates, cyclic = n - x->m;
     size_t left = 0, *const among = (size_t *)calloc(N, sizeof *among);
-    gsl_matrix *all = gsl_matrix_alloc(n + coordinates, n + coordinates), *A = gsl_matrix_alloc(N, N), *T = NULL;
+    gsl_matrix *all = gsl_matrix_alloc(n + coordinates, n + coordinates),
+               *A = gsl_matrix_alloc(N, N), *T = NULL;
     enum pk_status status = PK_NO_MEMORY;
     if (all && A && among)
         status = pk_gsl_linearised(problem, 0, q, v, all);

@@ -1,5 +1,5 @@
-"""Equilibria with rotations and constraints, their modes, and limits there: beside the same systems in
-coordinates of their own, which have neither."""
+"""Equilibria with rotations and constraints, their modes, and limits there: beside the same systems
+in coordinates of their own, which have neither."""
 
 from __future__ import annotations
 

@@ -127,8 +127,8 @@ class StepMap:
         return pole if abs(pole / edge - 1) < 1e-3 else None
 
     def resolves(self, grows: bool) -> float | None:
-        """The first y at which LEAP steps on the oscillator are off by half of what it covers; or on
-        what grows as fast, by half of what it has become. None: nowhere up to FURTHEST."""
+        """The first y at which LEAP steps on the oscillator are off by half of what it covers; or
+        on what grows as fast, by half of what it has become. None: nowhere up to FURTHEST."""
         return self._once("resolves", float(grows), self._unresolved)
 
     def _unresolved(self, grows: float) -> float | None:

@@ -142,8 +142,9 @@ def predictions(
     step: StepMap, rest: Rest, primary: int | None, rates: Iterable[Mode] = ()
 ) -> list[Prediction]:
     """The limits at all stable equilibria, resonances at the one about which the motion is (none of
-    first-order variables and of what is bound, which turn in no plane of their own), branches at the unstable ones; of
-    equilibria with the same modes, mirror images, at one. Then the scale of the motion's `rates`.
+    first-order variables and of what is bound, which turn in no plane of their own), branches at
+    the unstable ones; of equilibria with the same modes, mirror images, at one. Then the scale of
+    the motion's `rates`.
     """
     split = "fast" in step.traits.requires
     found: list[Prediction] = []
