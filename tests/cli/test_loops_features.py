@@ -111,14 +111,17 @@ def chain(dice: random.Random, coordinates: bool = True) -> str:
         if dice.random() < 0.5:
             text += f"dissipation sum({of(number(), 'u[i]^2')}*q[i]'^2/20, i = 1..N)\n"
         if dice.random() < 0.5:
-            pull = of("s", "u[i]", "sin(t)")
+            pull = of("s", "u[i]", "sin(t)", f"sum(sin({near} - q[j]), j = {of('1..N', '1..i')})/N")
             text += f"force q[i = {of('1..N', '2..N-1', '3..3')}] = {pull}*w[i]/4\n"
     mixed = ("s", "k*w[i]", f"sin({near})", "exp(-u[i]^2)*cos(t)", *(["q[i]'"] * coordinates))
+    over = of("1..N", "i+1..N", "2..N-1")
+    all_ = of("", f" + k*sum(w[j]*sin(u[j] - u[i]) + {near}*u[j], j = {over})/N")
     spread = of("1", "w[i]") + "*(u[i-1] - 2*u[i] + u[i+1])"
     first = of("", f"rate u[1] = -u[1] + {of('s', 'sin(t)')}\n")
     begin = 2 if first else 1
-    text += first + f"rate u[i = {begin}..N] = {spread} - u[i]^3 + {of(*mixed)}\n"
-    text += f"rate s = -s*{number()} + {of('sin(t)', 'u[2]', *(['X', 'q[1]'] * coordinates))}\n"
+    text += first + f"rate u[i = {begin}..N] = {spread} - u[i]^3 + {of(*mixed)}{all_}\n"
+    felt = ("sin(t)", "u[2]", "sum(w[i]*u[i]^2, i = 1..N)/N", *(["X", "q[1]"] * coordinates))
+    text += f"rate s = -s*{number()} + {of(*felt)}\n"
     text += "start u[i = 1..N] = cos(i)\nstart s = 0.4\n"
     text += "start q[i = 1..N] = 0.3*sin(2*i)\nstart q[2]' = 0.5\n" if coordinates else ""
     text += "observe total = sum(u[i]^2, i = 1..N) + s*t\n"

@@ -189,7 +189,10 @@ def _rows_of(write: Writer, form: str, states: bool) -> list[EquationLine]:
 
 
 def pair_lines(write: Writer, pair: PairForce) -> list[EquationLine]:
-    sides = [(f"f[{n}[{write.i}]]", node) for n, node in pair.by_row]
+    sides = [
+        (("{}'" if write.groups[n].is_state else "f[{}]").format(f"{n}[{write.i}]"), node)
+        for n, node in pair.by_row
+    ]
     sides += [(f"f[{n}[{write.j}]]", node) for n, node in pair.by_other]
     sides += [(f"f[{n}]", node) for n, node in pair.by_scalar]
     return [EquationLine(left, write.text([(node, M)])) for left, node in sides]

@@ -14,7 +14,7 @@ from .bodies import Gathered
 from .expand import LoopExpander, size_values
 from .facts import facts_of, total_nodes
 from .loops import Band, Limit, LoopEquations, Row, Unrolled, Vector
-from .rows import APPLIED, Gather
+from .rows import Gather
 from .singularities import singularities_of
 from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
 from .terms import Term, terms
@@ -106,15 +106,11 @@ def _forces(x: LoopExpander, gather: Gather) -> None:
     """Forces, and the rates of states."""
     for item in (*x.model.forces, *x.model.rates):
         lo, hi, loop = x.over(item.range, item.index)
-        node = x.scalar(item.value, loop)
-        gather.found.limits += x.limits_over(lo, hi)
         group = x.coordinates[item.name]
         if lo is not None:
             gather.found.limits += [Limit(lo - group.lo, hi - lo), Limit(group.hi - hi, hi - lo)]
-        if group.is_state:
-            gather.add(APPLIED, item.name, lo, hi, node)
-        else:
-            gather.force(item.name, lo, hi, node)
+        for term in terms(x, item.value, loop):
+            gather.applied_term(group, lo, hi, term)
     for group in x.coordinates.values():
         if group.is_state:
             gather.state(group)

@@ -26,7 +26,26 @@ def pair_ranges(term: Term) -> tuple[Affine, Affine, Affine, Affine]:
 def pair_body(x: LoopExpander, term: Term, limits: list[Limit]) -> Node:
     x.members.clear()
     body = term.at(x, M, J)
-    lo, hi, first, last = pair_ranges(term)
+    _in_reach(x, body, pair_ranges(term), limits)
+    return body
+
+
+def pair_row(
+    x: LoopExpander, name: str, lo: Affine, hi: Affine, term: Term, limits: list[Limit]
+) -> PairForce:
+    """A sum over j in what each member m of a family is given."""
+    (_, first, last) = term.ranges[0]
+    over = lo, hi, first, last
+    x.members.clear()
+    body = term.at(x, J)
+    _in_reach(x, body, over, limits)
+    return PairForce(*over, ((name, body),), (), ())
+
+
+def _in_reach(
+    x: LoopExpander, body: Node, over: tuple[Affine, Affine, Affine, Affine], limits: list[Limit]
+) -> None:
+    lo, hi, first, last = over
     # A pair is met where both ranges are not empty; the extremes over m are for those.
     at = {OTHER: (first, last), ROW: (lo, hi)}
     limits += x.limits_of(hi - lo, at)
@@ -39,7 +58,6 @@ def pair_body(x: LoopExpander, term: Term, limits: list[Limit]) -> Node:
         low, high = (lo, hi) if slot.at == M else (first, last)
         for needs in (low - group.lo, group.hi - high):
             limits.append(Limit(extremes(needs, {ROW: (lo, hi)})[0], hi - lo))
-    return body
 
 
 def pair_force(

@@ -11,7 +11,7 @@ from ..motion import degree
 from .bodies import Bodies, Gathered
 from .expand import LoopExpander
 from .loops import Group, PairPart, Part, Slot, Total, Unrolled
-from .pairs import RATES, STATE, M, pair_body, pair_force, pair_ranges, signed
+from .pairs import RATES, STATE, M, pair_body, pair_force, pair_ranges, pair_row, signed
 from .terms import Term
 
 APPLIED = ("pdot", "force")  # what a generalized force is in
@@ -85,12 +85,26 @@ class Gather:
         for name in self.bodies.scalars(body):
             self._enter(APPLIED, name, term, None, self._by(by, "v", name, None))
 
-    def force(self, name: str, lo: Affine | None, hi: Affine | None, node: Node) -> None:
-        """Adds a generalized force along the members lo..hi."""
-        self.applied |= node != ZERO
-        self.add(APPLIED, name, lo, hi, node)
+    def applied_term(self, group: Group, lo: Affine | None, hi: Affine | None, term: Term) -> None:
+        """Adds a generalized force along the members lo..hi, or the rate of states."""
+        x, found, name = self.x, self.found, group.name
+        if term.ranges and lo is not None:
+            if len(term.ranges) == 2:
+                raise Unrolled("a sum over two indices stands in what each member is given")
+            found.drags.append(pair_row(x, name, lo, hi, term, found.limits))
+            self.applied |= not group.is_state
+            return
+        if term.ranges:
+            node = self.bodies.at_row(term)
+            for what in APPLIED:
+                found.totals[what, name] = self._with(found.totals[what, name], term, node)
+        else:
+            node = term.at(x)
+            found.limits += x.limits_over(lo, hi)
+            self._add_over(APPLIED, name, lo, hi, node)
+        self.applied |= node != ZERO and not group.is_state
 
-    def add(
+    def _add_over(
         self, whats: tuple[str, ...], name: str, lo: Affine | None, hi: Affine | None, node: Node
     ) -> None:
         """Adds to what the members lo..hi have, or a scalar coordinate."""
@@ -108,7 +122,7 @@ class Gather:
         """In C a state is the rate of a coordinate, with inertia 1: its own momentum."""
         at = M if group.is_family else None
         own = self.x.slots.node("s", group.name, at)
-        self.add(("momenta",), group.name, group.lo, group.hi, own)
+        self._add_over(("momenta",), group.name, group.lo, group.hi, own)
         if group.is_family:
             self.found.entries[group.name, group.name, 0].append(Part(group.lo, group.hi, ONE, ONE))
         else:

@@ -62,8 +62,9 @@ class _Within:
         return replace(self, factors=(*self.factors, *factors))
 
 
-def terms(x: LoopExpander, expr: Expr) -> list[Term]:
-    return list(_terms(x, expr, _Within((), dict(x.sizes))))
+def terms(x: LoopExpander, expr: Expr, loop: Loop | None = None) -> list[Term]:
+    """`loop` is what names of indices stand for where the expression is one member's."""
+    return list(_terms(x, expr, _Within((), dict(loop or x.sizes))))
 
 
 def _terms(x: LoopExpander, expr: Expr, at: _Within) -> Iterator[Term]:
