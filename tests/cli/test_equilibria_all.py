@@ -10,7 +10,10 @@ from pathlib import Path
 
 import pytest
 from pkgen.__main__ import parser_of
+from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability.ask import Asker, Rest
+from pkgen.analysis.stability.method import StepMap
+from pkgen.analysis.stability.predict import MOST, predictions
 from pkgen.cli.compilation import compile_within_limits
 from pkgen.run.build import build_library
 from pkgen.scenes import asked as parsing
@@ -37,12 +40,16 @@ def wells(seed: int, n: int) -> tuple[str, list[float]]:
 
 
 def sought(folder: Path, text: str, tries: int = 100) -> Rest:
+    return asker_of(folder, text).rest(tries)
+
+
+def asker_of(folder: Path, text: str) -> Asker:
     model = folder / "model.lag"
     model.write_text(text)
     options = parser_of("chart").parse_args([str(model)])
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     library = build_library(compilation.files, compilation.model.name)
-    return Asker(library, parsing.settings(options, compilation)).rest(tries)
+    return Asker(library, parsing.settings(options, compilation))
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])
@@ -60,6 +67,19 @@ def test_every_well_and_saddle_is_found(seed: int, n: int, tmp_path: Path) -> No
     assert len(places) == len(near) == 3**n
     # Without deflation some four of nine are.
     assert len(sought(tmp_path, text, 5).equilibria) >= 3**n * 3 // 4
+
+
+def test_of_many_saddles_the_shortest_steps_are_told(tmp_path: Path) -> None:
+    text, _ = wells(0, 3)
+    asker = asker_of(tmp_path, text)
+    rest = asker.rest()
+    gauss1 = next(m for m in methods(None) if m.name == "gauss1")
+    step = StepMap(gauss1, asker)
+    primary = next(k for k, e in enumerate(rest.equilibria) if e.stable)
+    grow = sorted(max(m.growth for m in e.modes) for e in rest.equilibria if not e.stable)
+    assert len({round(g, 6) for g in grow}) > 2 * MOST
+    told = [p.h for p in predictions(step, rest, primary) if p.kind == "branch"]
+    assert len(told) == MOST and min(told) == pytest.approx(2 / grow[-1], rel=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,11 @@ from ..analysis.chart.chart import methods as all_methods
 from ..analysis.stability import budget, plan, text
 from ..analysis.stability import map as maps
 from ..analysis.stability.cycles import Cycle
-from ..analysis.stability.map import MapOptions, StabilityMap
+from ..analysis.stability.map import StabilityMap
 from ..analysis.stability.misses import misses, unpredicted
 from ..analysis.stability.orbits import Orbit
+from ..analysis.stability.predict import Prediction
+from ..analysis.stability.steps import MapOptions
 from ..compiler import Compilation
 from ..own.given import given
 from ..plot.style import Look
@@ -131,6 +133,10 @@ def orbit(one: Orbit) -> dict[str, object]:
     return {"h": one.h, "states": one.states, "multipliers": multipliers}
 
 
+def prediction(one: Prediction) -> dict[str, object]:
+    return {name: x for name, x in asdict(one).items() if name != "known"}
+
+
 def cycle(one: Cycle | None) -> dict[str, object] | None:
     return one and {"period": one.period, "driven": one.driven, **orbit(one.orbit)}
 
@@ -144,7 +150,7 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
         "equilibria": [{**asdict(e), "verdict": e.verdict} for e in made.rest.equilibria],
         "primary": made.primary,
         "predictions": [
-            {**asdict(m.prediction), "measured": m.h, "how": m.how, "response": m.response}
+            {**prediction(m.prediction), "measured": m.h, "how": m.how, "response": m.response}
             for m in made.measured
         ],
         "rows": [
@@ -154,7 +160,7 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
                 "motion": row.motion.status,
                 "condition": row.motion.condition,
                 "horizon": row.motion.horizon,
-                "predictions": [asdict(p) for p in row.predictions],
+                "predictions": [prediction(p) for p in row.predictions],
             }
             for row in made.rows
         ],

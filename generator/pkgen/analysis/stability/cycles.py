@@ -94,7 +94,8 @@ def predictions(cycle: Cycle | None, lost: Lost | None) -> list[Prediction]:
     if cycle is None or lost is None or not lost.sharp:
         return []
     y = None if lost.h is None else 2 * math.pi * lost.h / cycle.period
-    return [Prediction("cycle", lost.method, None, None, None, lost.h, y)]
+    known = lost.measured, lost.how
+    return [Prediction("cycle", lost.method, None, None, None, lost.h, y, known=known)]
 
 
 class _Search:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import replace
@@ -14,11 +13,9 @@ from typing import TypeVar
 from ...compiler import Compilation
 from ...record import record
 from ...run.build import build_library
-from ...run.settings import Settings
 from ...system import children
 from ...system.exits import UsageError
 from ...system.progress import Show, unseen
-from ..chart.points import ChartedMethod
 from . import budget, cycles, measure, orbits, plan
 from .ask import Asker, Equilibrium, Motion, Rest, TimeUp
 from .budget import ROWS, SERIAL, Clock, Cut
@@ -26,31 +23,12 @@ from .cycles import Cycle
 from .ghosts import Ghost, ghosts
 from .measure import Growth, Measured, Row
 from .method import StepMap
-from .plan import Axis
 from .predict import PAIRS, RESONANCES, Prediction, predictions
+from .steps import MapOptions, refuse_unjudged, steps_over
 
-MARGIN = 1.25  # of a map beyond the limit predicted
-TURNS_UNLIMITED = 1.25  # of the fastest mode a step, where there is no limit
-MOST_STEPS = 2_000_000  # of a point
 LEAST_ROWS = 2  # of a map that is interrupted
 REFUSED = "PK_REFUSED"
 Made = TypeVar("Made")
-
-
-@record
-class MapOptions:
-    """What the options say, read."""
-
-    settings: Settings
-    axis: Axis
-    across: int  # steps
-    methods: tuple[ChartedMethod, ...]
-    left: tuple[str, ...]  # why others are not mapped
-    steps: tuple[float, float] | None
-    until: float | None
-    period: float | None  # of what drives the model
-    quick: bool
-    seconds: float
 
 
 @record
@@ -152,9 +130,9 @@ def make(
     # About a stable equilibrium a method without limits is mapped over turns of its modes.
     scales = [] if at and at.stable else ["local"]
     about = {name: [p for p in predicted[name] if at or p.equilibrium is None] for name in maps}
-    steps = {name: tuple(_steps(asked, about[name], scales, fastest, until)) for name in maps}
+    steps = {name: tuple(steps_over(asked, about[name], scales, fastest, until)) for name in maps}
 
-    _refuse_unjudged(started(x).motion() for x in asked.axis.values)
+    refuse_unjudged(started(x).motion() for x in asked.axis.values)
 
     show(0.0, "what a point takes")
     asked, steps = _reduced(asked, steps, started, clock)
@@ -207,8 +185,7 @@ def make(
         ]
         of = size, amplitude, effort, bound
         checks = [
-            pool.submit(counted, partial(_measured, timed, rest, p, lost.get(p.method), of))
-            for p in flat
+            pool.submit(counted, partial(measure.measured, timed, rest, p, *of)) for p in flat
         ]
         haunted = [
             pool.submit(counted, partial(ghosts, timed, name, steps[name], asked.quick))
@@ -276,34 +253,6 @@ def _cycle(
     return cycle if cycle and cycle.stays else None
 
 
-def _measured(
-    asker: Asker, rest: Rest, p: Prediction, lost: cycles.Lost | None, of: tuple
-) -> Measured:
-    if p.kind == "cycle" and lost:
-        return Measured(p, lost.measured, lost.how)
-    return measure.measured(asker, rest, p, *of)
-
-
-def _refuse_unjudged(motions: Iterable[Motion]) -> None:
-    """A map needs a motion that stays, in a row at least."""
-    first = None
-    for motion in motions:
-        if motion.judges:
-            return
-        first = first or motion
-    if first and first.leaves:
-        raise UsageError(
-            f"the motion itself leaves: at t = {first.t:.6g} it is still going away and nothing of "
-            "it comes back, so no method can be told by whether it stays. Give a start that "
-            "stays by --start, or a longer --until if it comes back later"
-        )
-    if first:
-        raise UsageError(
-            f"the motion itself ends at t = {first.t:.6g}: {first.status}. Give a shorter --until, "
-            "or another start by --start"
-        )
-
-
 def _reduced(
     asked: MapOptions, steps: dict, started: Callable[[float], Asker], clock: Clock
 ) -> tuple[MapOptions, dict[str, tuple[float, ...]]]:
@@ -348,41 +297,3 @@ def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> 
     """The largest displacement of the start from its equilibrium."""
     apart = (abs(a - b) for a, b in zip(at.q, start, strict=True))
     return max((x for i, x in enumerate(apart) if i not in cyclic), default=0.0)
-
-
-def _steps(
-    asked: MapOptions,
-    predicted: list[Prediction],
-    scales: list[str],
-    fastest: float,
-    until: float,
-) -> list[float]:
-    """Evenly from the shortest to somewhat beyond what is predicted."""
-    count = asked.across
-    if asked.steps:
-        low, high = asked.steps
-        _refuse_too_many(low, until)
-        return [low + (high - low) * k / (count - 1) for k in range(count)]
-    limits = [p.h for p in predicted if p.kind == "limit" and p.h]
-    limits += [p.h for p in predicted if p.kind == "cycle" and p.h]
-    limits = limits or [2 * p.h for p in predicted if p.kind in scales and p.h]
-    branches = [p.h for p in predicted if p.kind == "branch" and p.h]
-    if limits:
-        high = MARGIN * max(limits)
-    elif fastest > 0:
-        high = max(TURNS_UNLIMITED * 2 * math.pi / fastest, *(MARGIN * b for b in branches), 0.0)
-    else:
-        raise UsageError(
-            "no mode oscillates or grows by the linear terms, nor anything along the motion by a "
-            "rate of its own, so no step stands out: give --steps LO..HI"
-        )
-    _refuse_too_many(high / count, until)
-    return [high * (k + 1) / count for k in range(count)]
-
-
-def _refuse_too_many(shortest: float, until: float) -> None:
-    if until / shortest > MOST_STEPS:
-        raise UsageError(
-            f"the shortest steps, {shortest:.3g}, would be {until / shortest:.3g} in all, above "
-            f"{MOST_STEPS}: give a shorter --until, or longer --steps LO..HI"
-        )

@@ -119,6 +119,8 @@ def measured(
 ) -> Measured:
     """What the model does of what is predicted; `size` is the start's displacement, `amplitude`
     that of small motions; `bound` says that the model has rotations or constraints."""
+    if prediction.known:
+        return Measured(prediction, *prediction.known)
     if prediction.equilibrium is None:
         return _local(asker, prediction, bound)
     asker = asker.at(at.equilibria[prediction.equilibrium])

@@ -13,7 +13,9 @@ from .orbits import ROUNDED, closed
 SAME = 0.1  # relative: a scale this near to a sharp limit adds nothing to it
 TURNS = 2.1 * math.pi  # of the fastest mode, up to which the limit of impulses is sought
 LOOKS = 4000  # on the way: steps grow where forces are nearly in tune alone
-MOST = 4  # modes, the fastest, and pairs, the nearest to 1:2, of which resonances are told
+# Equilibria elsewhere that are told of; modes, the fastest, and pairs, the nearest to 1:2, of which
+# resonances are.
+MOST = 4
 # Turns of so many steps. The last two are of methods that turn by more than half a turn a step.
 RESONANCES = {
     "1:3": 2 * math.pi / 3,
@@ -39,6 +41,7 @@ class Prediction:
     h: float | None
     y: float | None
     sharp: bool = True
+    known: tuple[float | None, str] | None = None  # where it happened and how, if that was measured
 
 
 def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
@@ -143,8 +146,9 @@ def predictions(
 ) -> list[Prediction]:
     """The limits at all stable equilibria, resonances at the one about which the motion is (none of
     first-order variables and of what is bound, which turn in no plane of their own), branches at
-    the unstable ones; of equilibria with the same modes, mirror images, at one. Then the scale of
-    the motion's `rates`.
+    the unstable ones; of equilibria with the same modes, mirror images, at one, and of those that
+    the motion is not about where steps are shortest: a chain has any number. Then the scale of the
+    motion's `rates`.
     """
     split = "fast" in step.traits.requires
     found: list[Prediction] = []
@@ -161,6 +165,9 @@ def predictions(
             found.append(one)
         if number == primary and at.stable and not (step.states or step.bound or split):
             found += resonances(step, number, at)
+    elsewhere = [p for p in found if p.equilibrium != primary]
+    least = sorted(elsewhere, key=lambda p: math.inf if p.h is None else p.h)[:MOST]
+    found = [p for p in found if p.equilibrium == primary or p in least]
     along = None if split else local(step, rates)
     if along and not any(_says(p, along) for p in found if p.equilibrium == primary):
         found.insert(0, along)

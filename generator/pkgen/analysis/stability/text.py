@@ -12,6 +12,7 @@ from .map import StabilityMap
 from .misses import difference, misses, name_mode, unpredicted, unsought
 from .predict import Prediction
 
+MODES = 6  # of an equilibrium, that are told
 FAR = ("rise", "away", "exchange", "moved", "follows")  # columns
 Table = tuple[list[str], list[list[str]]]
 
@@ -73,7 +74,7 @@ def equilibria(made: StabilityMap) -> Table:
     for k, at in enumerate(made.rest.equilibria):
         mark = " (the motion's)" if k == made.primary else ""
         modes = [m for m in at.modes if not (m.growth < 0 and m.frequency == 0 and not at.stable)]
-        said = "; ".join(map(rate, modes))
+        said = "; ".join([*map(rate, modes[:MODES]), *(["..."] if len(modes) > MODES else [])])
         energy_of = [] if by_norm else [_short(at.energy, energy)]
         rows.append([f"{k + 1}{mark}", place(made, at), *energy_of, at.verdict, said])
     return ["", "equilibrium", *([] if by_norm else ["energy"]), "", "modes, fastest first"], rows

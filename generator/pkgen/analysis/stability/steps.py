@@ -1,0 +1,92 @@
+"""What a map is asked for, which steps it goes over, and what is refused at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from ...record import record
+from ...run.settings import Settings
+from ...system.exits import UsageError
+from ..chart.points import ChartedMethod
+from .ask import Motion
+from .plan import Axis
+from .predict import Prediction
+
+MARGIN = 1.25  # of a map beyond the limit predicted
+TURNS_UNLIMITED = 1.25  # of the fastest mode a step, where there is no limit
+MOST_STEPS = 2_000_000  # of a point
+
+
+@record
+class MapOptions:
+    """What the options say, read."""
+
+    settings: Settings
+    axis: Axis
+    across: int  # steps
+    methods: tuple[ChartedMethod, ...]
+    left: tuple[str, ...]  # why others are not mapped
+    steps: tuple[float, float] | None
+    until: float | None
+    period: float | None  # of what drives the model
+    quick: bool
+    seconds: float
+
+
+def refuse_unjudged(motions: Iterable[Motion]) -> None:
+    """A map needs a motion that stays, in a row at least."""
+    first = None
+    for motion in motions:
+        if motion.judges:
+            return
+        first = first or motion
+    if first and first.leaves:
+        raise UsageError(
+            f"the motion itself leaves: at t = {first.t:.6g} it is still going away and nothing of "
+            "it comes back, so no method can be told by whether it stays. Give a start that "
+            "stays by --start, or a longer --until if it comes back later"
+        )
+    if first:
+        raise UsageError(
+            f"the motion itself ends at t = {first.t:.6g}: {first.status}. Give a shorter --until, "
+            "or another start by --start"
+        )
+
+
+def steps_over(
+    asked: MapOptions,
+    predicted: list[Prediction],
+    scales: list[str],
+    fastest: float,
+    until: float,
+) -> list[float]:
+    """Evenly from the shortest to somewhat beyond what is predicted."""
+    count = asked.across
+    if asked.steps:
+        low, high = asked.steps
+        _refuse_too_many(low, until)
+        return [low + (high - low) * k / (count - 1) for k in range(count)]
+    limits = [p.h for p in predicted if p.kind == "limit" and p.h]
+    limits += [p.h for p in predicted if p.kind == "cycle" and p.h]
+    limits = limits or [2 * p.h for p in predicted if p.kind in scales and p.h]
+    branches = [p.h for p in predicted if p.kind == "branch" and p.h]
+    if limits:
+        high = MARGIN * max(limits)
+    elif fastest > 0:
+        high = max(TURNS_UNLIMITED * 2 * math.pi / fastest, *(MARGIN * b for b in branches), 0.0)
+    else:
+        raise UsageError(
+            "no mode oscillates or grows by the linear terms, nor anything along the motion by a "
+            "rate of its own, so no step stands out: give --steps LO..HI"
+        )
+    _refuse_too_many(high / count, until)
+    return [high * (k + 1) / count for k in range(count)]
+
+
+def _refuse_too_many(shortest: float, until: float) -> None:
+    if until / shortest > MOST_STEPS:
+        raise UsageError(
+            f"the shortest steps, {shortest:.3g}, would be {until / shortest:.3g} in all, above "
+            f"{MOST_STEPS}: give a shorter --until, or longer --steps LO..HI"
+        )
