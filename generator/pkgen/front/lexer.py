@@ -16,6 +16,7 @@ from lark.lexer import Token
 from .. import limits
 from ..source import Diagnostic, Source, Span
 from ..tree import COMPONENTS
+from .joints import CLAUSES, KIND_AT, MEMBERS
 from .lexed import Lexed, description
 from .shapes import shapes_of, unknown_shape
 from .stray_characters import stray_character
@@ -42,8 +43,9 @@ _OPERATORS = {
     ",": "_COMMA", ":": "COLON", "=": "EQUAL", "'": "PRIME", "<": "LESS", ">": "GREATER",
     "..": "DOTS",
 }  # fmt: skip
-_VALUE_ENDS = frozenset(["NAME", "NUMBER", "PRIME", "COMPONENT", "RPAREN", "RBRACKET", "UNIT"])
+_VALUE_ENDS = frozenset(["NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "RPAREN", "RBRACKET", "UNIT"])
 _DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.syntax == "draw")
+_OF_BODIES = ("BODY", "JOINT")
 _CLOSERS = {"(": ")", "[": "]"}
 _AXES = {f".{name}": axis for axis, name in enumerate(COMPONENTS)}
 _TOKENS = 4 * limits.NODES  # enough for so many nodes; more would only cost memory
@@ -126,11 +128,13 @@ class _Lexer:
                 f"a name of {len(name)} characters; the limit is {limits.NAME_LENGTH}", at, end
             )
             name = name[: limits.NAME_LENGTH]
+        first = self.now.tokens[0].type if self.now.tokens else ""
+        if first in _OF_BODIES and not self.open and self._is_clause(name):
+            return self._add("WORD", name, at, end)
         if name in STATEMENTS and not (STATEMENTS[name].soft and self.now.tokens):
             if self.at_line_start and self.open:
                 self._end_statement(f"'{name}' starts a new statement")
             return self._add(name.upper(), name, at, end)
-        first = self.now.tokens[0].type if self.now.tokens else ""
         if first in _DRAWN and not self.open and (kind := self._word_of_drawing(name, at, end)):
             return kind
         called = self._next_is_bracket(end)
@@ -167,6 +171,13 @@ class _Lexer:
         if more[-1].type in _VALUE_ENDS or (len(more) == 1 and bare and name in shape.parts):
             return self._add("WORD", name, at, end)
         return 0
+
+    def _is_clause(self, name: str) -> bool:
+        """Whether a name in `body` or `joint` is a word: behind what is complete, and behind the
+        kind of a joint, which may have no axis."""
+        before = self.now.tokens[-1]
+        kind = before.type == "WORD" and len(self.now.tokens) == KIND_AT
+        return before.type in _VALUE_ENDS or (kind and name in CLAUSES["joint"])
 
     def _next_is_bracket(self, at: int) -> bool:
         text = self.text
@@ -217,6 +228,8 @@ class _Lexer:
         end = at + len(spelt)
         if spelt in _AXES:
             return self._add("COMPONENT", _AXES[spelt], at, end)
+        if spelt[1:] in MEMBERS:
+            return self._add("POINT" if spelt == ".point" else "MEMBER", spelt, at, end)
         return self._error(f"'{spelt}' is not a component", at, end, "a vector has .x, .y and .z")
 
     def _operator(self, spelt: str, at: int) -> int:

@@ -54,6 +54,16 @@ class Build(Transformer):
     def component(self, of, axis):
         return tree.Component(of, axis.value, _over(of, axis))
 
+    def member(self, name, which):
+        """`upper.com`: what a body has is named so."""
+        return tree.Name(f"{name}{which}", None, _over(name, which))
+
+    def point(self, name, point, _, place, close):
+        """`upper.point(r)`, that is upper.origin + upper.R*r."""
+        at = _over(name, close)
+        origin, turn = (tree.Name(f"{name}.{m}", None, _over(name, point)) for m in ("origin", "R"))
+        return tree.Add((origin, tree.Multiply((turn, place), (1, 1), at)), (1, 1), at)
+
     def negate(self, sign, of):
         return tree.Negate(of, _over(sign, of))
 
@@ -160,6 +170,19 @@ class Build(Transformer):
         last = also or (given[-1][2] if given else value) or shape
         shown = (str(word), str(shape), value, axis, tuple(given), also, self.comment)
         return st.Draw(*shown, _span(shape), _over(word, last))
+
+    def clause(self, word, *items):
+        return str(word), _span(word), items
+
+    def body(self, word, name, *clauses):
+        last = clauses[-1][2][-1] if clauses else name
+        said = clauses, self.comment, _over(word, last)
+        return st.Body(str(name), _span(name), *said)
+
+    def joint(self, word, name, _, parent, to, child, kind, axis, *clauses):
+        last = clauses[-1][2][-1] if clauses else axis or kind
+        words = tuple((str(w), _span(w)) for w in (name, parent, to, child, kind))
+        return st.Joint(*words, axis, clauses, self.comment, _over(word, last))
 
     def start_at(self, word, *items):
         return st.StartAt(items, _over(word, items[-1].value))

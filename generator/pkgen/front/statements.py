@@ -151,6 +151,36 @@ class Draw:
     span: Span
 
 
+Clauses = tuple[tuple[str, Span, tuple[Expr, ...]], ...]  # a word, where it is, what it takes
+Word = tuple[str, Span]
+
+
+@record
+class Body:
+    keyword: ClassVar[str] = "body"
+    name: str
+    name_span: Span
+    clauses: Clauses
+    description: str
+    span: Span
+
+
+@record
+class Joint:
+    """`joint NAME: PARENT to CHILD KIND AXIS`; `to` as it was written."""
+
+    keyword: ClassVar[str] = "joint"
+    name: Word
+    parent: Word
+    to: Word
+    child: Word
+    kind: Word
+    axis: Expr | None
+    clauses: Clauses
+    description: str
+    span: Span
+
+
 @record
 class StartItem:
     """`function` is "omega" in `start omega(R) = [..]`, else empty; `order` counts primes."""
@@ -240,6 +270,8 @@ Statement = (
     | Equation
     | Event
     | Draw
+    | Body
+    | Joint
     | Method
     | StartAt
     | Scene

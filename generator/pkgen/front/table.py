@@ -23,6 +23,8 @@ SYNTAX = {
     "equation": "left COLON item EQUAL item",
     "event": "NAME COLON item [direction] [STOP]",
     "draw": "SHAPE [drawn] part* [_COMMA also]",
+    "body": "NAME clause*",
+    "joint": "NAME COLON NAME WORD NAME WORD [item] clause*",
     "start_at": "start_item (_COMMA start_item)*",
     "method": "NAME [TABLEAU FILE] [STEP item] [RTOL item]",
     "record": "item (_COMMA item)* [every] [at]",
@@ -57,12 +59,17 @@ force       define   dynamics.force      forces      -     -      COORDINATE = E
 constraint  equation constraints.equation constraints -    energy NAME: A = B
 rolling     equation constraints.equation constraints -    power  NAME: A = B
 event       event    dynamics.event      events      first -      NAME: EXPRESSION rising
+body        body     bodies.body         definitions first -      NAME mass m inertia [Ixx, Iyy, Izz] at [0, 0, -l/2]
+joint       joint    bodies.joint        definitions first -      NAME: ground to BODY revolute [0, 1, 0] at O
+gravity     single   bodies.gravity      definitions -     -      [0, 0, -g]
 draw        draw     drawings.draw       drawings    -     -      bob P radius 0.1 [m]
 view        draw     drawings.view       views       -     -      plane xy width 2 [m]
 method      method   methods.declare     methods     -     -      NAME tableau FILE
 start       start_at dynamics.start      starts      -     -      a = VALUE, a' = VALUE
 scene       head     scenes.head         scenes      first -      NAME
 """
+# Words at the start of a statement alone, elsewhere names.
+_SOFT = frozenset(("draw", "view", "fast", "body", "joint", "gravity"))
 # word  syntax  check  how many a scene may have of it  form
 _SCENE = """
 start    start_at     given.start    many a = VALUE, a' = VALUE
@@ -88,11 +95,7 @@ class Statement:
     fills: str = ""  # the field of the Model
     needs: str = ""  # the dimension of its expression: "energy", "power"
     once: bool = False  # a scene has one of it
-
-    @property
-    def soft(self) -> bool:
-        """Its word is one at the start of a statement alone, and else a name."""
-        return self.syntax == "draw" or self.fills == "fast"
+    soft: bool = False  # its word is one at the start of a statement alone, and else a name
 
     @property
     def stands_in(self) -> str:
@@ -105,6 +108,7 @@ def _statements() -> dict[str, Statement]:
         word, syntax, check, fills, declares, needs, form = line.split(maxsplit=6)
         rows[word] = {"syntax": syntax, "check": check, "fills": fills, "form": f"{word} {form}"}
         rows[word] |= {"declares": declares.strip("-"), "needs": needs.strip("-")}
+        rows[word] |= {"soft": word in _SOFT}
     for line in _SCENE.strip().split("\n"):
         word, syntax, clause, count, *form = line.split(maxsplit=4)
         own = {"syntax": syntax, "clause": clause, "form": " ".join([word, *form])}

@@ -15,9 +15,11 @@ from ... import limits
 from ... import model as m
 from ...source import Diagnostic, ModelError, Source, Span
 from .. import statements as st
+from ..joints import SHOWN, joint_names
 from ..parse import parse_all
 from ..table import STATEMENTS
 from ..units import NONE, UnitError, over, parse_unit, si_text
+from .bodies import Bodies
 from .constraints import Constraints
 from .coordinates import Coordinates
 from .definitions import Definitions
@@ -94,6 +96,7 @@ class _Checker:
         self.expressions = Expressions(*about, lagrangian=lagrangian)
         self.shared = Shared(self.expressions, self.report, self.names, self.given)
         self.states, self.dynamics = States(self.shared), Dynamics(self.shared)
+        self.bodies = Bodies(self.shared, self._check)
         self.methods = Methods(self.shared, file.source)
         self.scenes = Scenes(self.shared, self.dynamics, self.methods)
         self.checks = {
@@ -102,6 +105,7 @@ class _Checker:
             "coordinates": Coordinates(self.shared, self.states, self.dynamics.rotations),
             "dynamics": self.dynamics,
             "constraints": Constraints(self.shared),
+            "bodies": self.bodies,
             "drawings": Drawings(self.shared),
             "methods": self.methods,
             "scenes": self.scenes,
@@ -113,6 +117,8 @@ class _Checker:
     def run(self) -> m.Model:
         for statement in self.file.statements:
             self._check(statement)
+        if not self.broken & {"", "body", "joint"}:
+            self.bodies.finish()
         for statement in self.file.statements:
             if isinstance(statement, st.Scene):  # when all names are known
                 self.scenes.check(statement)
@@ -128,7 +134,7 @@ class _Checker:
             self.expressions.sizes,
             self.report,
         )
-        if not self.broken & {"", "let", "coord", *_INERTIA}:
+        if not self.broken & {"", "let", "coord", "body", "joint", *_INERTIA}:
             required.inertia()
         if not self.report.errors and not self.file.diagnostics:
             self._unused()
@@ -192,7 +198,12 @@ _UNUSED = ("parameter", "constant", "size", "input", "definition")
 
 def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]:
     """The names that `coord`, `state` or `rotation` declares anywhere."""
-    return frozenset(item.name for s in statements if s.keyword == keyword for item in s.items)
+    found = {item.name for s in statements if s.keyword == keyword for item in s.items}
+    joints = [s for s in statements if isinstance(s, st.Joint)]
+    for name, what in (pair for joint in joints for pair in joint_names(joint)):
+        if keyword == ("rotation" if what == "rotation" else "coord"):
+            found.add(name)
+    return frozenset(found)
 
 
 def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span]]:
@@ -205,6 +216,12 @@ def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, S
                 yield left.name, left.span
             case st.Declare(items=items):
                 yield from ((item.name, item.name_span) for item in items)
+            case st.Body(name=name, name_span=span):
+                yield name, span
+            case st.Joint(name=(name, span), child=(child, _)):
+                yield name, span
+                yield from ((coordinate, span) for coordinate, _ in joint_names(statement))
+                yield from ((f"{child}.{member}", span) for member in SHOWN)
             case st.Event(name=name, name_span=span):
                 yield name, span
             case st.Equation(left=left):

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 from ... import model as m
 from ...source import Span
-from ...tree import AXES, Expr, Multiply, Name, Number, Range, Vector, replaced
+from ...tree import AXES, Expr, Multiply, Name, Number, Range, Vector
 from .. import shapes
 from .. import statements as st
 from ..units import LENGTH, NONE, Dimension, described, over, si_text
@@ -17,8 +17,6 @@ from .expr import Target
 from .scope import PLACES, Scope
 from .shared import Checks, Shared
 from .vectors import applied, component
-
-ORIGIN = "O"
 
 
 class Drawings(Checks):
@@ -159,7 +157,7 @@ class Drawings(Checks):
     # what they are
 
     def _place(self, value: Expr, scope: Scope) -> tuple[Expr, ...]:
-        value = self._origin(value)
+        value = self.shared.origin(value)
         before = len(self.report.errors)
         if self.length is None:
             found, facts = self.expressions.check(value, scope)
@@ -187,7 +185,7 @@ class Drawings(Checks):
         return Target(length, f"{needs}{shown}", bare=True)
 
     def _number(self, value: Expr, scope: Scope, what: str, target: Target) -> tuple[Expr, ...]:
-        found, facts = self.expressions.wanted(self._origin(value), scope, target)
+        found, facts = self.expressions.wanted(self.shared.origin(value), scope, target)
         self.shared.use_inputs(facts)
         if facts.known and facts.value is not None and facts.value < 0 and what != "a ground":
             self.report.error(f"{what} is not negative", value.span)
@@ -281,18 +279,6 @@ class Drawings(Checks):
                 self.report.error(message, value.span, help)
         self.shared.use_inputs(facts)
         return (found,)
-
-    def _origin(self, value: Expr) -> Expr:
-        """With O written out, unless the model has a name of its own that is O."""
-        if ORIGIN in self.names.table or ORIGIN in self.names.later:
-            return value
-
-        def zero(part: Expr) -> Expr | None:
-            if isinstance(part, Name) and part.id == ORIGIN and part.index is None:
-                return Vector((Number(Fraction(0), part.span),) * len(AXES), part.span)
-            return None
-
-        return replaced(value, zero)
 
 
 _A = {

@@ -155,6 +155,8 @@ KIND_TEXT = {
     "output": "an output",
     "scene": "a scene",
     "event": "an event",
+    "body": "a body",
+    "joint": "a joint",
     "loop variable": "a loop variable",
     "poisoned": "a name with an error",
     "time": "the time",

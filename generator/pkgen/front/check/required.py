@@ -35,7 +35,7 @@ class Required:
         if "" in broken:  # a line that starts with no known word may have been any of these
             return
         names = self.shared.names
-        if not names.moving | names.states and not broken & {"coord", "state", "rotation"}:
+        if not names.moving | names.states and not broken & {"coord", "state", "rotation", "joint"}:
             self.report.error("the model has no coordinates", at, "e.g. coord x [m]")
         has_energy = parts["kinetic"] or parts["lagrangian"]
         if names.states and not names.moving and not broken & {"coord", "rotation"}:
@@ -43,10 +43,14 @@ class Required:
             return
         if has_energy:
             return
-        if not broken & {"kinetic", "lagrangian"}:
+        if not broken & {"kinetic", "lagrangian", "body", "joint"} and not self._bodies():
             self.report.error(
                 "the model has no kinetic energy", at, "add 'kinetic …' or 'lagrangian …'"
             )
+
+    def _bodies(self) -> bool:
+        """Whether there are bodies, whose energies are made where they are without errors."""
+        return any(isinstance(s, st.Body) for s in self.file.statements)
 
     def _states_alone(self) -> None:
         """There is no Lagrangian where nothing has a second derivative."""

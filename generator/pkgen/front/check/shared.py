@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from difflib import get_close_matches
+from fractions import Fraction
 
 from ...indices import integer
 from ...record import record
 from ...source import Span
-from ...tree import Expr, Name, Quantity, Range
+from ...tree import AXES, Expr, Name, Number, Quantity, Range, Vector, replaced
 from .. import statements as st
 from .. import units
 from ..table import STATEMENTS
@@ -16,6 +17,8 @@ from ..units import NONE, Dimension, si_text
 from .expr import Expressions, Target
 from .names import KIND_TEXT, UNKNOWN, Entry, Facts, Members, Names, Report
 from .scope import PLACES, Scope
+
+ORIGIN = "O"
 
 
 @record
@@ -58,6 +61,18 @@ class Shared:
         """Kinds of names that have starts, and families with ends."""
         others = {"state": self.names.states, "rotation": self.names.rotations}
         return ("coordinate", *(kind for kind, names in others.items() if names))
+
+    def origin(self, value: Expr) -> Expr:
+        """With O written out, unless the model has a name of its own that is O."""
+        if ORIGIN in self.names.table or ORIGIN in self.names.later:
+            return value
+
+        def zero(part: Expr) -> Expr | None:
+            if isinstance(part, Name) and part.id == ORIGIN and part.index is None:
+                return Vector((Number(Fraction(0), part.span),) * len(AXES), part.span)
+            return None
+
+        return replaced(value, zero)
 
     def use_inputs(self, facts: Facts) -> None:
         for name, order in facts.inputs.items():

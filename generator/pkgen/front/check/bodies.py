@@ -1,0 +1,289 @@
+"""`body`, `joint` and `gravity`: a tree of bodies as the coordinates, definitions and energies that
+it stands for. What is made of it is text of the language, so that all that comes later sees an
+ordinary model; whatever is said of it points at the author's statement.
+
+Velocities are those of each body's own frame, passed on from parent to child, so that the second
+derivatives of L can be pushed down the tree (graph/pushed.py). Reference: R. Featherstone, Rigid
+Body Dynamics Algorithms, Springer 2008, chapters 4 and 7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import fields, replace
+from difflib import get_close_matches
+
+from ...source import Source, Span
+from ...tree import Expr
+from .. import statements as st
+from ..joints import CLAUSES, GROUND, KINDS, SHOWN, Kind, joint_names
+from ..parse import parse_all
+from ..units import ACCELERATION
+from .body_parts import BodyParts
+from .names import UNKNOWN, Entry
+from .plane import across
+from .shared import Shared
+
+_IDENTITY = "rot([0, 0, 1], 0)"
+_REST = "[0, 0, 0]"
+_LOOP = "what hangs on two bodies closes a loop: keep one joint and add a 'constraint'"
+
+
+class Bodies(BodyParts):
+    """`run` checks a statement that is made."""
+
+    def __init__(self, shared: Shared, run: Callable[[st.Statement], None]) -> None:
+        super().__init__(shared)
+        self.run = run
+        self.bodies: dict[str, st.Body] = {}
+        self.joints: dict[str, st.Joint] = {}  # by the body that hangs on it
+        self.texts: dict[str, list[str]] = {}  # by the joint: its axis if it has one, its turning
+        self.waiting: list[st.Joint] = []  # for a body that is declared later
+        self.placed: list[str] = []
+        self.bad: set[str] = set()  # bodies that have an error, or hang on one
+        self.gravity_at: Span | None = None
+
+    # statements
+
+    def body(self, statement: st.Body) -> None:
+        name, before = statement.name, len(self.report.errors)
+        if name == GROUND:
+            message = f"'{GROUND}' is what stands still, and no body"
+            self.report.error(message, statement.name_span, "choose another name")
+        elif self.names.declare(Entry(name, "body", UNKNOWN, statement.name_span, used=True)):
+            self.bodies[name] = statement
+        given = self.clauses(statement, CLAUSES["body"], f"the body '{name}'")
+        if "mass" not in given:
+            message = f"the body '{name}' has no mass"
+            help = f"e.g. body {name} mass 1 [kg]; of one that only carries others: mass 0"
+            self.report.error(message, statement.name_span, help)
+        else:
+            self.mass(name, given["mass"])
+        self.place(name, given.get("at"), statement)
+        self.inertia(name, given.get("inertia"))
+        if len(self.report.errors) > before:
+            self.bad.add(name)
+        self._advance()
+
+    def gravity(self, statement: st.Single) -> None:
+        if self.gravity_at is not None:
+            line = self.names.line_of(self.gravity_at)
+            self.report.error(f"there is gravity already, in line {line}", statement.span)
+            return
+        self.gravity_at = statement.span
+        needs = "gravity is a vector of an acceleration [m/s^2]"
+        self.given("gravity.field", statement.value, needs, ACCELERATION, place="joint")
+
+    def joint(self, statement: st.Joint) -> None:
+        before = len(self.report.errors)
+        (name, at), (child, child_at) = statement.name, statement.child
+        kind = self._kind(statement)
+        if child == GROUND:
+            help = f"write it first: joint {name}: ground to {statement.parent[0]} …"
+            self.report.error("the ground hangs on no joint", child_at, help)
+        elif (other := self.joints.get(child)) is not None:
+            where = f"the joint '{other.name[0]}' in line {self.names.line_of(other.span)}"
+            self.report.error(f"'{child}' hangs on {where} already", child_at, _LOOP)
+        if kind is not None:
+            self._coordinates(statement, kind)
+            self._parts(statement, kind)
+        if len(self.report.errors) > before:
+            self.bad.add(child)
+        self.joints.setdefault(child, statement)
+        self.waiting.append(statement)
+        self._advance()
+
+    def _kind(self, statement: st.Joint) -> Kind | None:
+        word, span = statement.kind
+        kind, axis = KINDS.get(word), statement.axis
+        if statement.to[0] != "to":
+            message = f"'to' stands between two bodies, not '{statement.to[0]}'"
+            help = f"joint {statement.name[0]}: {statement.parent[0]} to {statement.child[0]} {word}"
+            self.report.error(message, statement.to[1], help)
+        if kind is None:
+            near = get_close_matches(word, KINDS, 1, 0.6)
+            help = f"did you mean '{near[0]}'?" if near else f"kinds: {', '.join(KINDS)}"
+            self.report.error(f"there is no joint '{word}'", span, help)
+        elif kind.axis and axis is None:
+            help = f"e.g. joint {statement.name[0]}: … {word} [0, 1, 0] at O"
+            self.report.error(f"a {word} joint has an axis", span, help)
+        elif axis is not None and not kind.axis:
+            self.report.error(f"a {word} joint has no axis", axis.span, "leave it out")
+        else:
+            return kind
+        return None
+
+    def _coordinates(self, statement: st.Joint, kind: Kind) -> None:
+        given = [e for word, _, items in statement.clauses if word == "coord" for e in items]
+        pairs = joint_names(statement)
+        if given and len(given) != len(kind.coordinates):
+            wanted = {0: "no coordinate", 1: "one coordinate"}
+            many = wanted.get(len(pairs), f"{len(pairs)} coordinates")
+            message = f"a {statement.kind[0]} joint has {many}, not {len(given)}"
+            self.report.error(message, given[0].span)
+        name, at = statement.name
+        if name not in (coordinate for coordinate, _ in pairs):
+            self.names.declare(Entry(name, "joint", UNKNOWN, at, used=True))
+        spans = [e.span for e in given] if len(given) == len(pairs) else [at] * len(pairs)
+        for (coordinate, what), span in zip(pairs, spans, strict=True):
+            text = {"angle": "rad", "length": "m"}.get(what) if self.united else None
+            unit = st.UnitText(text, span) if text else None
+            item = st.Declared(coordinate, None, None, unit, span, span)
+            word = "rotation" if what == "rotation" else "coord"
+            said = statement.description or f"of the joint {name}"
+            self.run(st.Declare(word, (item,), said, span))
+
+    def _parts(self, statement: st.Joint, kind: Kind) -> None:
+        name = statement.name[0]
+        given = self.clauses(statement, CLAUSES["joint"], f"the joint '{name}'")
+        self.texts[name] = texts = ["", "", "", ""]  # axis, turning, what spans the plane across
+        if statement.axis is not None:
+            values = self.axis(name, statement.axis)
+            if None in values and len(kind.coordinates) > 1:
+                message = "the axis of a planar joint is written in numbers"
+                self.report.error(message, statement.axis.span, "turn the joint by 'turned'")
+            elif len(kind.coordinates) > 1:
+                texts[2:] = across(values)
+            texts[0] = f"{name}.axis"
+        if "turned" in given:
+            texts[1] = f"{name}.turn" if self.turning(name, given["turned"]) else ""
+        self.moving_place(name, given.get("at"), statement)
+
+    # what is made of them
+
+    def _advance(self) -> None:
+        """Places all that hangs on what is placed."""
+        ready = True
+        while ready:
+            known = {GROUND, *self.placed}
+            ready = [j for j in self.waiting if j.parent[0] in known and j.child[0] in self.bodies]
+            self.waiting = [j for j in self.waiting if j not in ready]
+            for joint in ready:
+                self._place(joint)
+
+    def _place(self, joint: st.Joint) -> None:
+        child, parent = joint.child[0], joint.parent[0]
+        if child in self.placed:
+            return
+        self.placed.append(child)
+        if self.bad & {child, parent}:
+            self.bad.add(child)
+            self._poison(child)
+            return
+        for member, text in self._members(joint, child, parent):
+            self._say(f"{child}.{member}", text, joint.span)
+
+    def _members(self, joint: st.Joint, child: str, parent: str) -> Iterator[tuple[str, str]]:
+        """What the child has by its joint, as text."""
+        kind, name = KINDS[joint.kind[0]], joint.name[0]
+        axis, turned, e, f = self.texts[name]
+        words = dict(a=axis, u=f"{axis}/norm({axis})", e=e, f=f)
+        numbers = ["", *(coordinate for coordinate, _ in joint_names(joint))]
+        turn, shift, rates, velocity = (
+            text.format(*numbers, **words)
+            for text in (kind.turn, kind.shift, kind.rates, kind.velocity)
+        )
+        still = parent == GROUND
+        q = "*".join(filter(None, (turned, turn))) or _IDENTITY
+        place = f"{name}.at"
+        r = f"{place} + {turned}*({shift})" if shift and turned else f"{place} + {shift}"
+        r = r if shift else place
+        yield "R", q if still else f"{parent}.R*{q}"
+        yield "origin", r if still else f"{parent}.origin + {parent}.R*({r})"
+        yield "com", f"{child}.origin + {child}.R*{child}.at"
+        passed = [] if still else [f"inverse({q})*{parent}.omega"]
+        yield "omega", self._sum(*passed, rates)
+        carried = [] if still else [f"{parent}.velocity", f"cross({parent}.omega, {r})"]
+        if self.names.table[place].facts.moves:
+            carried.append(f"{place}'")
+        passed = [f"inverse({q})*({self._sum(*carried)})"] if carried else []
+        yield "velocity", self._sum(*passed, velocity)
+        yield "speed", f"{child}.velocity + cross({child}.omega, {child}.at)"  # of its centre
+
+    @staticmethod
+    def _sum(*terms: str) -> str:
+        return " + ".join(filter(None, terms)) or _REST
+
+    def finish(self) -> None:
+        """What is wrong with the tree as a whole, and the energies."""
+        self._tree()
+        if self.gravity_at is not None and not self.bodies:
+            self.report.error("gravity acts on bodies, and there is none", self.gravity_at)
+        if self.report.errors:
+            return
+        parents = {joint.parent[0] for joint in self.joints.values()}
+        for name in self.placed:
+            joint = self.joints[name]
+            alone = name not in parents and joint.parent[0] == GROUND
+            slides = alone and bool(KINDS[joint.kind[0]].shift)
+            for what, text in self._energies(name, slides):
+                self._say(what, text, self.bodies[name].span)
+
+    def _energies(self, name: str, slides: bool) -> Iterator[tuple[str, str]]:
+        """`slides`: it is carried by none and carries none, and its coordinates are of space: so
+        its mass is best constant there."""
+        if self.massive(name):
+            speed = f"{name}.com'" if slides else f"{name}.speed"
+            yield "kinetic", f"{name}.mass/2*dot({speed}, {speed})"
+            if self.gravity_at is not None:
+                yield "potential", f"-{name}.mass*dot(gravity.field, {name}.com)"
+        for term in self.turning_energy(name):
+            yield "kinetic", term
+
+    def _say(self, what: str, text: str, span: Span) -> None:
+        """Adds to an energy, or defines a name."""
+        made = parse_all.__wrapped__(Source("", f"let made = {text}\n")).statements
+        value = _moved(made[0].value, span)
+        if what in ("kinetic", "potential"):
+            self.run(st.Single(what, value, span))
+            return
+        self.run(st.Define("let", st.Left(what, None, None, span), value, "", span))
+        self.names.table[what].used = True
+
+    def _poison(self, child: str) -> None:
+        for member in SHOWN:
+            name = f"{child}.{member}"
+            self.names.table.setdefault(name, Entry(name, "poisoned", UNKNOWN, Span(0, 0)))
+
+    # what is wrong with the tree
+
+    def _tree(self) -> None:
+        names = [*self.bodies]
+        broken = False
+        for joint in self.joints.values():
+            for name, span in (joint.parent, joint.child):
+                if name in self.bodies or name == GROUND:
+                    continue
+                broken = True
+                near = get_close_matches(name, [*names, GROUND], 1, 0.6)
+                help = f"did you mean '{near[0]}'?" if near else f"declare it: body {name} mass …"
+                self.report.error(f"unknown body '{name}'", span, help)
+        for name, body in self.bodies.items():
+            if name not in self.joints and not broken:
+                message = f"the body '{name}' hangs on no joint"
+                help = f"joint NAME: ground to {name} revolute [0, 1, 0] at O; or free, or fixed"
+                self.report.error(message, body.name_span, help)
+                broken = True
+        if self.waiting and not broken:
+            names = [joint.name[0] for joint in self._circle()]
+            message = f"the joints {', '.join(names)} go round in a circle, without the ground"
+            self.report.error(message, self.waiting[0].span, _LOOP)
+
+    def _circle(self) -> list[st.Joint]:
+        found: list[st.Joint] = []
+        joint = self.waiting[0]
+        while joint not in found:
+            found.append(joint)
+            joint = self.joints[joint.parent[0]]
+        return found[found.index(joint) :]
+
+
+def _moved(part: object, span: Span) -> object:
+    """An expression, or a part of it, all of whose places are one."""
+    if isinstance(part, Span):
+        return span
+    if isinstance(part, tuple):
+        return tuple(_moved(item, span) for item in part)
+    if isinstance(part, Expr):
+        return replace(part, **{f.name: _moved(getattr(part, f.name), span) for f in fields(part)})
+    return part

@@ -1,0 +1,190 @@
+"""What `body` and `joint` take: masses, inertias, places, axes, each checked and kept as a hidden
+definition, so that numbers without units are in SI where they are used."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from difflib import get_close_matches
+from fractions import Fraction
+
+from ... import model as m
+from ...source import Span
+from ...tree import AXES, Expr, Number, Quantity, Vector
+from .. import statements as st
+from ..units import INERTIA, LENGTH, MASS, NONE, Dimension, si_text
+from .expr import Target
+from .names import Entry, Facts
+from .scope import PLACES, Scope
+from .shared import Checks, Shared
+
+Value = Fraction | float | None  # of what is known while compiling
+
+_INERTIAS = "[Ixx, Iyy, Izz], [Ixx, Iyy, Izz, Ixy, Ixz, Iyz] or three rows of three"
+
+
+class BodyParts(Checks):
+    def __init__(self, shared: Shared) -> None:
+        super().__init__(shared)
+        self.united = self.expressions.time_dimension != NONE
+        self.masses: dict[str, Value] = {}
+        self.inertias: dict[str, tuple[Value, ...]] = {}  # elements that may not be zero
+
+    def clauses(
+        self, statement: st.Body | st.Joint, words: tuple[str, ...], what: str
+    ) -> dict[str, Expr]:
+        """By the word what stands behind it, the first of what `coord` has."""
+        found: dict[str, Expr] = {}
+        for word, span, items in statement.clauses:
+            if word not in words:
+                near = get_close_matches(word, words, 1, 0.6)
+                have = ", ".join(f"'{w}'" for w in words)
+                help = f"did you mean '{near[0]}'?" if near else f"there are {have}"
+                self.report.error(f"{what} has no part '{word}'", span, help)
+            elif word in found:
+                self.report.error(f"'{word}' is given twice", span)
+            elif len(items) > 1 and word != "coord":
+                self.report.error(f"'{word}' takes one value", items[1].span)
+            found.setdefault(word, items[0])
+        return found
+
+    def mass(self, name: str, value: Expr) -> None:
+        values = self.given(f"{name}.mass", value, "a mass needs [kg]", MASS, vector=False)
+        self.masses[name] = values[0]
+        if values[0] is not None and values[0] < 0:
+            self.report.error("a mass is not negative", value.span)
+
+    def place(self, name: str, value: Expr | None, of: st.Body) -> None:
+        """Of the centre of mass, in the frame of the body."""
+        self.given(f"{name}.at", value or _zero(of.name_span), "a place needs [m]", LENGTH)
+
+    def moving_place(self, name: str, value: Expr | None, of: st.Joint) -> None:
+        value = value or _zero(of.name[1])
+        self.given(f"{name}.at", value, "a place needs [m]", LENGTH, place="joint")
+
+    def inertia(self, name: str, value: Expr | None) -> None:
+        """The elements of the tensor about the centre of mass, those off the diagonal as they
+        stand in it."""
+        self.inertias[name] = ()
+        if value is None:
+            return
+        items = self._elements(value)
+        needs = "an inertia needs [kg*m^2]"
+        if items is None:  # the name of a vector
+            self.given(f"{name}.inertia", value, needs, INERTIA)
+            self.inertias[name] = (None,) * len(AXES)
+            return
+        if len(items) not in (3, 6):
+            help = f"write {_INERTIAS}"
+            self.report.error(f"an inertia has no {len(items)} elements", value.span, help)
+            return
+        values: tuple[Value, ...] = ()
+        for member, k in (("inertia", 0), ("products", 3)):
+            part = items[k : k + 3]
+            if part:
+                span = part[0].span.to(part[-1].span)
+                values += self.given(f"{name}.{member}", Vector(part, span), needs, INERTIA)
+        for item, found in zip(items[:3], values, strict=False):
+            if found is not None and found < 0:
+                self.report.error("a moment of inertia is not negative", item.span)
+        self.inertias[name] = values
+
+    def _elements(self, value: Expr) -> tuple[Expr, ...] | None:
+        """Those that are written out, each with the unit behind all."""
+        if isinstance(value, Quantity):
+            inner = self._elements(value.of)
+            unit = value.unit, value.unit_span
+            return inner and tuple(Quantity(item, *unit, item.span) for item in inner)
+        if not isinstance(value, Vector):
+            return None
+        rows = [self._elements(item) for item in value.items]
+        if None in rows or [len(row) for row in rows] != [3, 3, 3]:
+            return value.items
+        (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rows
+        text = self.expressions.mismatch.text
+        for a, b in ((xy, yx), (xz, zx), (yz, zy)):
+            if text(a) != text(b):
+                message = f"a tensor of inertia is symmetric, and {text(b)} is not {text(a)}"
+                self.report.error(message, b.span)
+        return xx, yy, zz, xy, xz, yz
+
+    def axis(self, name: str, value: Expr) -> tuple[Value, ...]:
+        needs = "an axis is a vector of numbers"
+        values = self.given(f"{name}.axis", value, needs, NONE)
+        if values and all(found == 0 for found in values):
+            self.report.error("the zero vector is no axis", value.span, "e.g. [0, 1, 0]")
+            return ()
+        return values or (None,)
+
+    def turning(self, name: str, value: Expr) -> bool:
+        """`turned rot(...)`, as the definition NAME.turn; whether it is one."""
+        _, facts = self.expressions.factor(value, Scope(PLACES["body"]))
+        if facts.known and not facts.turns:
+            text = self.expressions.mismatch.text(value)
+            help = "e.g. turned rot([1, 0, 0], pi/2)"
+            self.report.error(f"{text} is no rotation", value.span, help)
+        if not (facts.known and facts.turns) or not self._stands(facts, value.span):
+            return False
+        own = f"{name}.turn"
+        self.names.declare(Entry(own, "definition", facts, value.span, used=True))
+        return True
+
+    def _stands(self, facts: Facts, span: Span) -> bool:
+        if facts.moves:
+            help = "it takes numbers, constants and parameters; what moves is a joint of its own"
+            self.report.error("this part of a body or of a joint does not move", span, help)
+        return not facts.moves
+
+    def given(
+        self,
+        name: str,
+        value: Expr,
+        needs: str,
+        dimension: Dimension,
+        vector: bool = True,
+        place: str = "body",
+    ) -> tuple[Value, ...]:
+        """The value as a definition of this name; what is known of its numbers, () after an
+        error."""
+        dimension = dimension if self.united else NONE
+        target, scope = Target(dimension, needs, bare=True), Scope(PLACES[place])
+        before = len(self.report.errors)
+        value = self.shared.origin(value)
+        wanted = self.expressions.wanted_vector if vector else self.expressions.wanted
+        found, facts = wanted(value, scope, target)
+        if len(self.report.errors) == before and place == "body":
+            self._stands(facts, value.span)
+        self.shared.use_inputs(facts)
+        own = replace(facts, dimension=dimension, vector=vector, value=None, bare=False)
+        self.names.declare(Entry(name, "definition", own, value.span, used=True))
+        unit = si_text(dimension)
+        definition = m.Definition(name, None, None, found, unit, "", value.span)
+        self.parts["definitions"].append(definition)
+        if len(self.report.errors) > before:
+            return ()
+        items = value.items if isinstance(value, Vector) else (value,)
+        if vector and not isinstance(value, Vector):
+            return (None,) * len(AXES)
+        return tuple(self.expressions.check(item, scope)[1].value for item in items)
+
+    # energies
+
+    def massive(self, name: str) -> bool:
+        return self.masses[name] != 0
+
+    def turning_energy(self, name: str) -> Iterator[str]:
+        """Half of w.I.w, a term an element that is not zero."""
+        elements = zip(
+            self.inertias[name],
+            ("inertia.x", "inertia.y", "inertia.z", "products.x", "products.y", "products.z"),
+            ("x", "y", "z", "xy", "xz", "yz"),
+            strict=False,
+        )
+        for value, element, axes in elements:
+            if value != 0:
+                a, b, half = axes[0], axes[-1], "/2" * (len(axes) == 1)
+                yield f"{name}.{element}{half}*{name}.omega.{a}*{name}.omega.{b}"
+
+
+def _zero(span: Span) -> Vector:
+    return Vector((Number(Fraction(0), span),) * len(AXES), span)
