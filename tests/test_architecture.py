@@ -23,7 +23,7 @@ record
 system source limits functions version
 tree methods
 model indices front
-graph own
+graph own robots
 equations front/check
 middle middle/points
 middle/expand middle/analyze

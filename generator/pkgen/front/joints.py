@@ -12,6 +12,7 @@ Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapt
 from __future__ import annotations
 
 from ..record import record
+from ..tree import Name
 
 GROUND = "ground"
 KIND_AT = 7  # so many words and signs are before what stands behind the kind of a joint
@@ -57,9 +58,9 @@ def joint_names(joint) -> tuple[tuple[str, str], ...]:
     if kind is None:
         return ()
     given = [e for word, _, items in joint.clauses if word == "coord" for e in items]
-    names = [getattr(e, "id", "") for e in given]
+    names = [e.id for e in given if isinstance(e, Name)]
     own = [joint.name[0] + suffix for suffix, _ in kind.coordinates]
     return tuple(
         (name, what)
-        for name, (_, what) in zip(names if len(names) == len(own) else own, kind.coordinates)
+        for name, (_, what) in zip(names if len(names) == len(own) else own, kind.coordinates, strict=True)
     )

@@ -14,7 +14,7 @@ from dataclasses import fields, replace
 from difflib import get_close_matches
 
 from ...source import Source, Span
-from ...tree import Expr
+from ...tree import Expr, Name
 from .. import statements as st
 from ..joints import CLAUSES, GROUND, KINDS, SHOWN, Kind, joint_names
 from ..parse import parse_all
@@ -121,6 +121,10 @@ class Bodies(BodyParts):
             many = wanted.get(len(pairs), f"{len(pairs)} coordinates")
             message = f"a {statement.kind[0]} joint has {many}, not {len(given)}"
             self.report.error(message, given[0].span)
+        for e in given:
+            if not isinstance(e, Name):
+                text = self.expressions.mismatch.text(e)
+                self.report.error(f"'coord' takes names of coordinates, not {text}", e.span)
         name, at = statement.name
         if name not in (coordinate for coordinate, _ in pairs):
             self.names.declare(Entry(name, "joint", UNKNOWN, at, used=True))
@@ -251,6 +255,7 @@ class Bodies(BodyParts):
         names = [*self.bodies]
         broken = False
         for joint in self.joints.values():
+            broken |= joint.child[0] == GROUND  # said where it stands
             for name, span in (joint.parent, joint.child):
                 if name in self.bodies or name == GROUND:
                     continue

@@ -50,8 +50,8 @@ class BodyParts(Checks):
 
     def mass(self, name: str, value: Expr) -> None:
         values = self.given(f"{name}.mass", value, "a mass needs [kg]", MASS, vector=False)
-        self.masses[name] = values[0]
-        if values[0] is not None and values[0] < 0:
+        self.masses[name] = found = values[0] if values else None
+        if found is not None and found < 0:
             self.report.error("a mass is not negative", value.span)
 
     def place(self, name: str, value: Expr | None, of: st.Body) -> None:

@@ -4,6 +4,7 @@ dimension, which is that of the first."""
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from difflib import get_close_matches
 from fractions import Fraction
 
@@ -27,6 +28,7 @@ class Drawings(Checks):
 
     def draw(self, statement: st.Draw) -> None:
         scope: Scope | None = Scope(PLACES["drawing"])
+        statement = self._of_body(statement)
         members = statement.also if isinstance(statement.also, Range) else None
         if members is not None:
             scope = self.indices.enter((members,), scope)
@@ -54,6 +56,17 @@ class Drawings(Checks):
         form = next((word for word in given if word in shapes.FORMS), "")
         name = subject.id if isinstance(subject, Name) else ""
         self._add("drawings", statement, parts, axes, members, name, form)
+
+    def _of_body(self, statement: st.Draw) -> st.Draw:
+        """`draw body upper box [..]` of what `body upper` declares: as it is turned, where its
+        centre of mass is unless `at` says so."""
+        name = statement.subject.id if isinstance(statement.subject, Name) else ""
+        entry = self.names.table.get(name)
+        if statement.shape != "body" or entry is None or entry.kind != "body":
+            return statement
+        turn, com = (replace(statement.subject, id=f"{name}.{which}") for which in ("R", "com"))
+        at = () if any(word == "at" for word, *_ in statement.parts) else (("at", com.span, com),)
+        return replace(statement, subject=turn, parts=(*at, *statement.parts))
 
     def _part(self, what: str, word: str, value: Expr, scope: Scope) -> tuple[Expr, ...]:
         """Of what other parts say nothing is left: they are of the subject."""

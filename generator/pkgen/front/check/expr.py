@@ -188,6 +188,8 @@ class Expressions(Operators, Calls):
             help = f"it can be used in {', '.join(words[:-1])} and {words[-1]}"
         elif entry.kind == "multiplier":
             help = "it follows from the motion, and can be used in outputs and events"
+        elif entry.kind == "body":
+            help = f"its places are {expr.id}.com, {expr.id}.origin, {expr.id}.point([x, y, z])"
         elif entry.kind == "constraint":
             help = f"its multiplier is lambda_{expr.id}, in outputs and events"
         else:

@@ -285,6 +285,8 @@ class Names:
             return f"did you mean {product}? a product needs its *"
         if near:
             return f"did you mean '{near[0]}'?"
+        if "." in name:
+            return f"declare it: body {name.partition('.')[0]} mass …, and its joint"
         if called:
             return "functions: " + " ".join(sorted(callable_names() | {"sum"}))
         return (missing or self.missing).format(name=name)

@@ -1,0 +1,40 @@
+"""`pkgen import`: a robot's URDF or MJCF as a model."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from ..robots.read import imported
+from ..system.exits import DONE
+from ..system.files import replace
+
+MODEL = False  # it makes one
+USAGE = "pkgen import ROBOT.urdf|ROBOT.xml [-o FILE.lag] [options]"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("model", metavar="ROBOT", help="URDF, or the subset of MJCF that docs/bodies.md names")
+    add("-o", dest="output", metavar="FILE.lag", help="default: standard output")
+    add("--base", choices=("fixed", "free"), default="fixed", help="how the root is held")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write a robot as a .lag file of bodies and joints; say what is left out of it."""
+    text, robot = imported(options.model, options.base)
+    if options.output and options.output != "-":
+        replace({Path(options.output): text})
+    elif not options.json:
+        sys.stdout.write(text)
+    if options.json:
+        made = {"file": options.output, "bodies": len(robot.links), "joints": len(robot.joints)}
+        print(json.dumps(made | {"left_out": robot.left_out}))
+        return DONE
+    left = ", ".join(f"{what} ({count})" for what, count in robot.left_out.items())
+    print(f"{len(robot.links)} bodies, {len(robot.joints)} joints", file=sys.stderr)
+    if left:
+        print(f"left out: {left}", file=sys.stderr)
+    return DONE

@@ -1,0 +1,167 @@
+"""A subset of MJCF: bodies with <inertial>, their joints, positions and turns. What would change
+the motion and is not read is refused; sensors, actuators, geoms are left out, and said to be.
+Reference: mujoco.readthedocs.io, XML reference."""
+
+from __future__ import annotations
+
+import math
+
+from .robot import Joint, Link, Robot, is_inertia
+from .turns import (
+    UNIT, Matrix, Vector, about, added, applied, of_axis_angle, of_quaternion, product, seen_from,
+)  # fmt: skip
+from .xml import Element
+
+KINDS = {"hinge": "revolute", "slide": "prismatic", "ball": "spherical", "free": "free"}
+ZERO = (0.0, 0.0, 0.0)
+SEEN = ("worldbody", "compiler", "option", "default", "asset", "visual", "size", "statistic")
+REFUSED = ("equality", "tendon", "include", "extension", "deformable")
+# Of a joint: what changes its motion and is not read, but for what is said to be left out.
+SPRINGS = ("stiffness", "armature", "frictionloss", "springdamper", "springref", "ref")
+
+
+class _Reader:
+    def __init__(self, root: Element):
+        self.robot = Robot(root.attributes.get("model", ""), [], [])
+        compiler = root.first("compiler")
+        given = compiler.attributes if compiler else {}
+        self.angle = 1.0 if given.get("angle", "degree") == "radian" else math.pi / 180
+        self.sequence = given.get("eulerseq", "xyz")
+        if len(self.sequence) != 3 or any(c not in "xyz" for c in self.sequence):
+            raise compiler.wrong(f"eulerseq=\"{self.sequence[:10]}\" is not read", "e.g. xyz")
+        if given.get("coordinate", "local") != "local":
+            raise compiler.wrong("global coordinates are not read", 'coordinate="local"')
+        option = root.first("option")
+        if option is not None:
+            self.robot.gravity = option.numbers("gravity", 3, self.robot.gravity)
+        self.names: set[str] = set()
+
+    def placed(self, element: Element) -> tuple[Vector, Matrix]:
+        ways = [w for w in ("quat", "euler", "axisangle", "xyaxes", "zaxis") if
+                w in element.attributes]  # fmt: skip
+        at, turn = element.numbers("pos", 3, ZERO), UNIT
+        if ways == ["quat"]:
+            turn = of_quaternion(element.numbers("quat", 4))
+        elif ways == ["euler"]:
+            for letter, angle in zip(self.sequence, element.numbers("euler", 3), strict=True):
+                turn = product(turn, about("xyz".index(letter), angle * self.angle))
+        elif ways == ["axisangle"]:
+            *axis, angle = element.numbers("axisangle", 4)
+            turn = of_axis_angle(axis, angle * self.angle)
+        elif ways:
+            raise element.wrong(f"'{ways[-1]}' is not read", "write a quat")
+        if turn is None:
+            raise element.wrong("a turn about the zero vector")
+        return at, turn
+
+    def name(self, element: Element, other: str) -> str:
+        name = element.attributes.get("name") or other
+        while name in self.names and "name" not in element.attributes:
+            name += "_"
+        if name in self.names:
+            raise element.wrong(f"there are two bodies or joints '{name}'")
+        self.names.add(name)
+        return name
+
+    def body(self, element: Element, parent: str, before: Vector) -> tuple[str, Vector]:
+        """`before` is where the parent's frame of the language is in that of MJCF, likewise what
+        is returned: the frame of a body is at its last joint."""
+        if "childclass" in element.attributes:
+            raise element.wrong("classes of defaults are not read", "write the values out")
+        name = self.name(element, f"body{len(self.robot.links) + 1}")
+        at, turn = self.placed(element)
+        at = added(at, before, -1.0)
+        joints = [*element.all("joint"), *element.all("freejoint")]
+        anchor = ZERO
+        for k, joint in enumerate(joints):
+            last = k == len(joints) - 1
+            link = Link(name if last else self.name(joint, f"{name}_{k + 1}_of_{len(joints)}"))
+            self.robot.links.append(link)
+            own = self.joint(joint, f"{name}_joint" if last else f"{link.name}_joint")
+            new = joint.numbers("pos", 3, ZERO) if own[0] != "free" else ZERO
+            place = added(at, applied(turn, added(new, anchor, -1.0)))
+            self.robot.joints.append(Joint(own[1], own[0], parent, link.name, place, turn, *own[2:]))
+            parent, at, turn, anchor = link.name, ZERO, UNIT, new
+        if not joints:
+            self.robot.links.append(Link(name))
+            self.robot.joints.append(Joint(f"{name}_weld", "fixed", parent, name, at, turn, None))
+        self.inertial(element, self.robot.links[-1], anchor)
+        return name, anchor
+
+    def joint(self, element: Element, other: str):
+        """Its kind, name, axis, limits, damping."""
+        given = "free" if element.tag == "freejoint" else element.attributes.get("type", "hinge")
+        if given not in KINDS:
+            raise element.wrong(f"there is no joint type '{given}'", f"types: {', '.join(KINDS)}")
+        if "class" in element.attributes:
+            raise element.wrong("classes of defaults are not read", "write the values out")
+        axis = element.numbers("axis", 3, (0.0, 0.0, 1.0)) if given in ("hinge", "slide") else None
+        if axis is not None and not any(axis):
+            raise element.wrong("the axis of a joint is the zero vector")
+        for word in SPRINGS:
+            if any(element.numbers(word, len(element.attributes.get(word, "0").split()), (0.0,))):
+                raise element.wrong(f"'{word}' of a joint is not read", "take it out, add it by hand")
+        damping = element.number("damping", 0.0)
+        if damping and axis is None:
+            raise element.wrong("the damping of a ball is not read", "add it by 'force'")
+        low, high = element.numbers("range", 2, (0.0, 0.0))
+        scale = self.angle if given == "hinge" else 1.0
+        says = f"limits: lower {low * scale!r}, upper {high * scale!r}" if low < high else ""
+        return KINDS[given], self.name(element, other), axis, says, damping
+
+    def inertial(self, element: Element, link: Link, anchor: Vector) -> None:
+        found = element.first("inertial")
+        geoms = [*element.all("geom")]
+        if found is None and geoms:
+            help = "write <inertial pos mass diaginertia>"
+            raise element.wrong("masses are not taken from geoms: there is no <inertial>", help)
+        for geom in geoms:
+            mesh = geom.attributes.get("mesh")
+            if mesh:
+                link.meshes.append(mesh)
+        if found is None:
+            return
+        at, turn = self.placed(found)
+        link.mass, link.com = found.number("mass"), added(at, anchor, -1.0)
+        if link.mass < 0:
+            raise found.wrong("the mass is negative")
+        if "fullinertia" in found.attributes:
+            xx, yy, zz, xy, xz, yz = found.numbers("fullinertia", 6)
+            own = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+        else:
+            x, y, z = found.numbers("diaginertia", 3, ZERO)
+            own = ((x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z))
+        if not is_inertia(own):
+            raise found.wrong("the inertia has a negative principal moment")
+        link.inertia = seen_from(turn, own)
+
+
+def robot(root: Element, base: str) -> Robot:
+    """What hangs on the world by nothing is fixed to it there, or by `base` where that is free."""
+    for element in root.children:
+        if element.tag in REFUSED:
+            raise element.wrong(f"<{element.tag}> is not read, and would change the motion")
+    reader = _Reader(root)
+    for element in root.children:
+        if element.tag not in SEEN:
+            reader.robot.leave_out(f"<{element.tag}>")
+    for default in root.all("default"):
+        waiting = [default]
+        while waiting:
+            element = waiting.pop()
+            if element.tag in ("joint", "geom") and element.tag == "joint":
+                raise element.wrong("defaults of joints are not read", "write the values out")
+            waiting += element.children
+    worlds = [*root.all("worldbody")]
+    if not worlds or not any(world.first("body") for world in worlds):
+        raise root.wrong("there is no body in <worldbody>")
+    waiting = [(body, "", ZERO) for world in worlds for body in world.all("body")][::-1]
+    while waiting:
+        element, parent, before = waiting.pop()
+        name, anchor = reader.body(element, parent, before)
+        waiting += [(child, name, anchor) for child in element.all("body")][::-1]
+    if base == "free":
+        for joint in reader.robot.joints:
+            if joint.kind == "fixed" and not joint.parent:
+                joint.kind = "free"
+    return reader.robot

@@ -1,0 +1,135 @@
+"""A robot of links and joints, whatever it was written in, as text of the language."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from .. import limits
+from ..front.words import C_HEADERS, reserved, symbols_of
+from .turns import Matrix, Vector, axis_angle, inner
+
+TAKEN = ("g", "ground", "O", "energy", "T", "V", "L")
+# Names that a joint's coordinates take besides its own, by its kind.
+SUFFIXES = {"free": ("_x", "_y", "_z"), "planar": ("_1", "_2")}
+
+
+@dataclass
+class Link:
+    name: str
+    mass: float = 0.0
+    com: Vector = (0.0, 0.0, 0.0)
+    inertia: Matrix | None = None  # about the centre of mass, along the link's axes
+    meshes: list[str] = field(default_factory=list)
+
+
+@dataclass
+class Joint:
+    name: str
+    kind: str  # a key of front/joints.py KINDS
+    parent: str  # "": the ground
+    child: str
+    at: Vector
+    turn: Matrix
+    axis: Vector | None
+    says: str = ""  # limits
+    damping: float = 0.0
+
+
+@dataclass
+class Robot:
+    name: str
+    links: list[Link]
+    joints: list[Joint]  # a parent's before its children's
+    gravity: Vector = (0.0, 0.0, -9.81)
+    left_out: dict[str, int] = field(default_factory=dict)
+
+    def leave_out(self, what: str) -> None:
+        self.left_out[what] = self.left_out.get(what, 0) + 1
+
+
+class Names:
+    """Names of the language for those of a robot, each once."""
+
+    def __init__(self) -> None:
+        self.taken = set(TAKEN)
+
+    def new(self, name: str, suffixes: Iterable[str] = (), other: str = "") -> str:
+        base = re.sub(r"\W", "_", name, flags=re.ASCII)[: limits.NAME_LENGTH - 12] or "link"
+        base = base if base[0].isalpha() and not base.startswith("p_") else f"x_{base}"
+        forms = [base, f"{base}_{other}"] if other else [base]
+        forms += [f"{base}_{k}" for k in range(2, len(self.taken) + 3)]
+        for form in forms:
+            all_ = {form, *(form + suffix for suffix in suffixes)}
+            if not reserved(form) and not all_ & self.taken:
+                self.taken |= all_
+                return form
+        raise AssertionError("one of so many is free")
+
+
+def text(robot: Robot, file: str) -> str:
+    """A .lag file that compiles."""
+    names, model = Names(), re.sub(r"\W", "_", robot.name, flags=re.ASCII) or "robot"
+    if not model[0].isalpha() or reserved(model) or symbols_of(model) or model in C_HEADERS:
+        model = f"robot_{model}"
+    bodies = {link.name: names.new(link.name) for link in robot.links}
+    lines = [f"model {model[: limits.NAME_LENGTH - 12]}  # from {re.sub('[^ -~]', '?', file)}"]
+    lines += [f"# left out: {what} ({count})" for what, count in robot.left_out.items()]
+    lines += ["", f"gravity {_vector(robot.gravity)} [m/s^2]", ""]
+    lines += [_body(link, bodies[link.name]) for link in robot.links]
+    lines.append("")
+    damped = []
+    for joint in robot.joints:
+        name = names.new(joint.name, SUFFIXES.get(joint.kind, ()), "joint")
+        lines.append(_joint(joint, name, bodies))
+        if joint.damping:
+            unit = "N*m*s" if joint.kind == "revolute" else "N*s/m"
+            damped.append(f"dissipation ({joint.damping!r} [{unit}])/2*{name}'^2")
+    return "\n".join(lines + ([""] + damped if damped else [])) + "\n"
+
+
+def _body(link: Link, name: str) -> str:
+    parts = [f"body {name} mass {link.mass!r}" + (" [kg]" if link.mass else "")]
+    i = link.inertia
+    if i is not None and any(map(any, i)):
+        elements = [i[k][k] for k in range(3)]
+        across = [i[0][1], i[0][2], i[1][2]]
+        parts.append(f"inertia {_vector(elements + across * any(across))} [kg*m^2]")
+    if any(link.com):
+        parts.append(f"at {_vector(link.com)} [m]")
+    seen = ", ".join(re.sub("[^ -~]", "?", mesh)[:60] for mesh in link.meshes[:2])
+    return "  ".join(parts) + (f"  # mesh {seen}" if seen else "")
+
+
+def _joint(joint: Joint, name: str, bodies: dict[str, str]) -> str:
+    parent = bodies[joint.parent] if joint.parent else "ground"
+    parts = [f"joint {name}: {parent} to {bodies[joint.child]}  {joint.kind}"]
+    if joint.axis is not None:
+        parts[0] += f" {_vector(joint.axis)}"
+    if any(joint.at):
+        parts.append(f"at {_vector(joint.at)} [m]")
+    axis, angle = axis_angle(joint.turn)
+    if angle:
+        parts.append(f"turned rot({_vector(axis)}, {angle!r})")
+    return "  ".join(parts) + (f"  # {joint.says}" if joint.says else "")
+
+
+def _vector(v: Sequence[float]) -> str:
+    return "[" + ", ".join(f"{int(x)}" if x == int(x) and abs(x) < 1e6 else repr(x) for x in v) + "]"
+
+
+def is_inertia(i: Matrix) -> bool:
+    """Whether a rigid body may have it, but for rounding: no principal moment is negative."""
+    tiny = 1e-9 * max(i[k][k] for k in range(3))
+    minors = (i[a][a] * i[b][b] - i[a][b] ** 2 for a, b in ((0, 1), (0, 2), (1, 2)))
+    determinant = inner(i[0], _crossed(i[1], i[2]))
+    return (
+        all(i[k][k] >= 0 for k in range(3))
+        and all(m >= -tiny**2 for m in minors)
+        and determinant >= -(tiny**3) * 1e9
+    )
+
+
+def _crossed(a: Vector, b: Vector) -> Vector:
+    return tuple(a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3))

@@ -1,0 +1,97 @@
+"""XML as a tree of elements, each with its place. There is no document type, so no entity can be
+declared, grow or reach outside; depth and count are limited, and nothing recurses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from ..source import Diagnostic, ModelError, Source, Span
+
+DEEPEST = 200  # elements within elements
+MOST = 200_000
+
+
+@dataclass
+class Element:
+    source: Source
+    tag: str
+    attributes: dict[str, str]
+    span: Span
+    children: list[Element] = field(default_factory=list)
+
+    def all(self, tag: str) -> Iterator[Element]:
+        return (child for child in self.children if child.tag == tag)
+
+    def first(self, tag: str) -> Element | None:
+        return next(self.all(tag), None)
+
+    def wrong(self, message: str, help: str = "") -> ModelError:
+        return ModelError(self.source, [Diagnostic(message, self.span, help)])
+
+    def text(self, name: str) -> str:
+        """An attribute that must be there."""
+        if not self.attributes.get(name, "").strip():
+            raise self.wrong(f"<{self.tag}> has no '{name}'")
+        return self.attributes[name].strip()
+
+    def numbers(self, name: str, count: int, default: tuple[float, ...] = ()) -> tuple[float, ...]:
+        """Finite ones, `count` of them; without a default the attribute must be there."""
+        if default and name not in self.attributes:
+            return default
+        words = self.text(name).split()
+        try:
+            found = tuple(float(word) for word in words)
+        except ValueError:
+            raise self.wrong(f"{name}=\"{self.attributes[name][:40]}\" is no number") from None
+        if not all(abs(x) < 1e100 for x in found):
+            raise self.wrong(f"{name}=\"{self.attributes[name][:40]}\" is not finite")
+        if len(found) != count:
+            numbers = "one number" if count == 1 else f"{count} numbers"
+            raise self.wrong(f"'{name}' of <{self.tag}> is {numbers}, not {len(found)}")
+        return found
+
+    def number(self, name: str, *default: float) -> float:
+        return self.numbers(name, 1, default)[0]
+
+
+def tree(source: Source) -> Element:
+    """The root. Raises ModelError with the place of what is wrong."""
+    lines = [0]
+    lines += [k + 1 for k, c in enumerate(source.text) if c == "\n"]
+    parser = expat.ParserCreate("utf-8")
+    open_now: list[Element] = []
+    roots: list[Element] = []
+    count = 0
+
+    def here(length: int = 1) -> Span:
+        line = min(parser.CurrentLineNumber - 1, len(lines) - 1)
+        at = min(lines[line] + parser.CurrentColumnNumber, max(len(source.text) - 1, 0))
+        return Span(at, min(at + length, len(source.text)))
+
+    def stop(message: str, help: str = "") -> None:
+        raise ModelError(source, [Diagnostic(message, here(), help)])
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal count
+        count += 1
+        if count > MOST:
+            stop(f"more than {MOST} elements")
+        if len(open_now) >= DEEPEST:
+            stop(f"elements within elements, more than {DEEPEST} deep")
+        element = Element(source, tag, attributes, here(1 + len(tag)))
+        (open_now[-1].children if open_now else roots).append(element)
+        open_now.append(element)
+
+    def doctype(*_: object) -> None:
+        stop("a document type is refused: it can declare entities", "take the DOCTYPE out")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda _: open_now.pop()
+    parser.StartDoctypeDeclHandler = doctype
+    try:
+        parser.Parse(source.text.encode("utf-8"), True)
+    except expat.ExpatError as error:
+        stop(f"this is no XML: {expat.errors.messages.get(error.code, 'it is broken')}")
+    return roots[0]
