@@ -4,10 +4,12 @@ same model by hand, names, places."""
 from __future__ import annotations
 
 import random
+import re
 
 import numpy as np
 import pytest
 from conftest import long_but
+from pkgen.compiler import compile_model
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
@@ -81,3 +83,158 @@ def test_each_kind_alone_and_on_a_turning_body(kind, chained):
     links = random_tree(draw, ["revolute", kind] if chained else [kind])
     links[-1].parent = len(links) - 2
     compared(links, written(links, draw), draw)
+
+
+HAND = {
+    "revolute": (
+        "body b mass 2 [kg] inertia [0.1, 0.2, 0.3] at [0, 0, -0.5]\n"
+        "joint a: ground to b revolute [0, 1, 0]",
+        "coord a [rad]\nkinetic (2 [kg])/2*(0.25 [m^2])*a'^2 + (0.2 [kg*m^2])/2*a'^2\n"
+        "potential -(2 [kg])*(9.81 [m/s^2])*(0.5 [m])*cos(a)",
+    ),
+    "prismatic": (
+        "body b mass 2 [kg]\njoint a: ground to b prismatic [0, 3, 4]",
+        "coord a [m]\nkinetic (2 [kg])/2*a'^2\npotential (2 [kg])*(9.81 [m/s^2])*0.8*a",
+    ),
+    "planar": (
+        "body b mass 2 [kg] inertia [1, 1, 0.3] at [0.5, 0, 0]\njoint a: ground to b planar [0, 0, 1]",
+        "coord a_1, a_2 [m], a [rad]\n"
+        "let x = a_1 + (0.5 [m])*cos(a)\nlet y = a_2 + (0.5 [m])*sin(a)\n"
+        "kinetic (2 [kg])/2*(x'^2 + y'^2) + (0.3 [kg*m^2])/2*a'^2",
+    ),
+    "spherical": (
+        "body b mass 2 [kg] inertia [0.1, 0.2, 0.3] at [0, 0, 0.5]\njoint a: ground to b spherical",
+        "rotation a\nlet w = omega(a)\nkinetic (2 [kg])/2*(0.25 [m^2])*(w.x^2 + w.y^2)\n"
+        "kinetic (0.1 [kg*m^2])/2*w.x^2 + (0.2 [kg*m^2])/2*w.y^2 + (0.3 [kg*m^2])/2*w.z^2\n"
+        "potential (2 [kg])*(9.81 [m/s^2])*(a*[0, 0, 0.5 [m]]).z",
+    ),
+    "free": (
+        "body b mass 2 [kg] inertia [0.1, 0.2, 0.3]\njoint a: ground to b free",
+        "coord a_x, a_y, a_z [m]\nrotation a\nlet w = omega(a)\n"
+        "kinetic (2 [kg])/2*(a_x'^2 + a_y'^2 + a_z'^2)\npotential (2 [kg])*(9.81 [m/s^2])*a_z\n"
+        "kinetic (0.1 [kg*m^2])/2*w.x^2 + (0.2 [kg*m^2])/2*w.y^2 + (0.3 [kg*m^2])/2*w.z^2",
+    ),
+    "driven": (
+        "param W = 2 [rad/s]\nbody b mass 2 [kg] at [0, 0, -0.5]\n"
+        "joint a: ground to b revolute [0, 1, 0] at [(0.3 [m])*sin(W*t), 0, (0.1 [m/s^2])*t^2]",
+        "param W = 2 [rad/s]\ncoord a [rad]\nlet x = (0.3 [m])*sin(W*t) - (0.5 [m])*sin(a)\n"
+        "let z = (0.1 [m/s^2])*t^2 - (0.5 [m])*cos(a)\n"
+        "kinetic (2 [kg])/2*(x'^2 + z'^2)\npotential (2 [kg])*(9.81 [m/s^2])*z",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", HAND)
+def test_the_same_by_hand(case):
+    """Each alone, with units, and by the names that docs/bodies.md gives the coordinates."""
+    bodies, hand = HAND[case]
+    gravity = "gravity [0, 0, -9.81 [m/s^2]]\n" if case != "planar" else ""
+    models = [model_of(f"model m\n{text}\n") for text in (gravity + bodies, hand)]
+    assert [c.name for c in models[0].coordinates] == [c.name for c in models[1].coordinates]
+    assert [c.unit for c in models[0].coordinates] == [c.unit for c in models[1].coordinates]
+    symbols, _, _ = state_of(models[0], random.Random(case))
+    if case == "driven":
+        symbols[Symbol(Kind.PARAMETER, 0)] = 2.0
+    found = []
+    for model in models:
+        e = derive(model)
+        n = len(model.coordinates)
+        found.append(evaluate(e.graph, [*e.acceleration[:n], e.energy], symbols))
+    assert found[0] == pytest.approx(found[1], rel=1e-12, abs=1e-12)
+    assert max(map(abs, found[0])) > 0.1
+
+
+OWN = """model own
+param mass = 2 [kg]
+param inertia = 0.1 [kg*m^2]
+param ground = 0.3 [m]
+param gravity = 9.81 [m/s^2]
+param to = 1
+param revolute = 2
+param turned = 3 [m]
+coord joint [rad]
+coord body, prismatic [m]
+let com = [body, 0, ground]
+let top = joint + to*revolute
+kinetic mass/2*(body'^2 + prismatic'^2) + inertia/2*top'^2
+potential mass*gravity*body + (mass
+  *gravity*(prismatic + turned + com.z))
+draw body rot([0, 0, 1], joint) at com box [0.1, 0.1, 0.1]
+start joint = 1
+"""
+
+
+def test_the_words_are_names_elsewhere():
+    model = model_of(OWN)
+    assert [c.name for c in model.coordinates] == ["joint", "body", "prismatic"]
+    assert not warnings_of(OWN)
+
+
+def test_the_words_are_names_beside_bodies_too():
+    """A value may be a name that is a word, where a value is due."""
+    text = OWN.replace("coord body,", "coord") + (
+        "body body mass mass inertia [inertia, inertia, inertia] at [0, 0, turned]\n"
+        "joint spherical: ground to body spherical at [0, 0, ground]\ngravity [0, 0, -gravity]\n"
+    ).replace("body body", "body other").replace("to body", "to other")
+    text = (
+        text.replace("body'^2 + ", "").replace("*body +", "*prismatic +").replace("[body,", "[0,")
+    )
+    model = model_of(text.replace("let com = ", "let place = ").replace("com", "place"))
+    assert [r.name for r in model.rotations] == ["spherical"]
+
+
+def test_places_are_of_use_everywhere():
+    text = """model used
+gravity [0, 0, -9.81]
+body a mass 1 at [0, 0, -0.5]
+body b mass 1 [kg]
+joint one: ground to a revolute [0, 1, 0]
+joint two: a to b revolute [0, 1, 0] at [0, 0, -1] coord phi
+param k = 3 [N/m]
+potential k/2*dot(b.com, b.com)
+force phi = k*(1 [m])*b.point([1 [m], 0, 0]).x
+constraint pin: a.com.x + b.origin.x = 0
+event low: b.com.z falling
+observe turned = b.R*[0, 0, 1]
+observe spin = (b.R*b.omega).y
+observe pull = b.com''.z*b.mass
+draw body a box [0.1, 0.1, 1]
+draw body b at b.origin cylinder [0.1, 1]
+draw body b.R at a.com box [0.1, 0.1, 1]
+draw arrow b.omega at b.com scale 1 [m*s]
+start one = 0, phi = 0
+scene s
+  until 1 [s]
+  method gauss4 step 0.01
+  record a.com, b.omega, energy every 0.1
+  expect a.com.z < 1
+end
+"""
+    model = model_of(text)
+    assert len(model.drawings) == 4 and len(model.events) == 1
+    assert [name for name, _ in model.drawings[0].parts] == ["turn", "at", "sizes"]
+
+
+def test_the_order_of_statements_is_free():
+    text = (
+        "model m\njoint b: one to two revolute [0, 1, 0]\nbody two mass 1\n"
+        "joint a: ground to one revolute [0, 1, 0]\nbody one mass 1\n"
+    )
+    assert [c.name for c in model_of(text).coordinates] == ["b", "a"]
+
+
+@pytest.mark.parametrize("n, most", [(6, 1732), (12, 4826)])
+def test_an_arm_takes_no_more_than_by_places(n, most):
+    """Operations of an acceleration; the bounds are those of the same arm by hand, whose bodies
+    have one moment of inertia each (docs/architecture.md)."""
+    axes = ["[0,0,1]", "[0,1,0]", "[0,1,0]", "[1,0,0]", "[0,1,0]", "[1,0,0]", "[0,1,0]"]
+    text = "model arm\nparam g = 9.81 [m/s^2]\ngravity [0, 0, -g]\n"
+    for i in range(1, n + 1):
+        text += f"param m{i} = 1 [kg]\nparam I{i} = 0.02 [kg*m^2]\n"
+        text += f"body b{i} mass m{i} inertia [I{i}, 2*I{i}, 3*I{i}] at [0, 0, 0.15]\n"
+        parent, at = (f"b{i - 1}", 0.3) if i > 1 else ("ground", 0)
+        text += f"joint q{i}: {parent} to b{i} revolute {axes[(i - 1) % 7]} at [0, 0, {at}]\n"
+    out = compile_model(Source("arm.lag", text), kernels=frozenset(["acceleration"]))
+    header = out.files["arm.h"]
+    operations = int(re.search(r"acceleration +([0-9]+) operations", header)[1])
+    assert most // 3 < operations <= most

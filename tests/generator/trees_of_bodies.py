@@ -80,7 +80,7 @@ def written(links: list[Link], draw: random.Random, shuffled: bool = True) -> st
     for k, b in enumerate(links):
         i = b.inertia
         elements = [i[0, 0], i[1, 1], i[2, 2]]
-        full = elements + [i[0, 1], i[0, 2], i[1, 2]]
+        full = [*elements, i[0, 1], i[0, 2], i[1, 2]]
         form = vector(elements if np.allclose(i, np.diag(elements)) else full)
         if draw.random() < 0.2:
             form = "[" + ", ".join(vector(row) for row in i) + "]"
@@ -100,7 +100,8 @@ class Motion:
     """`values` has by name a number, of rotations a unit quaternion; `rates` by name a number, of
     rotations three in the frame of the body."""
 
-    def __init__(self, links: list[Link], values: dict, rates: dict):
+    def __init__(self, links: list[Link], values: dict, rates: dict, gravity=GRAVITY):
+        self.gravity = gravity
         self.links, self.values, self.rates = links, values, rates
         self.speeds = [(b, c) for b in links for c in b.coordinates]
         self.speeds += [(b, k) for b in links if b.rotation for k in range(3)]
@@ -172,7 +173,7 @@ class Motion:
             Jw = np.array([moved[k][2] for moved in along])
             Jv = np.array([moved[k][3] for moved in along])
             M += b.mass * Jv @ Jv.T + Jw @ inertia @ Jw.T
-            f -= b.mass * Jv @ (a - GRAVITY)
+            f -= b.mass * Jv @ (a - self.gravity)
             f -= Jw @ (inertia @ alpha + np.cross(w, inertia @ w))
         return np.linalg.solve(M, f)
 
@@ -180,5 +181,5 @@ class Motion:
         total = 0.0
         for b, (R, c, w, v) in zip(self.links, self.passed(self.rates, False), strict=True):
             total += b.mass / 2 * v @ v + (R.T @ w) @ b.inertia @ (R.T @ w) / 2
-            total -= b.mass * GRAVITY @ c
+            total -= b.mass * self.gravity @ c
         return total

@@ -31,10 +31,8 @@ def run(options: argparse.Namespace) -> int:
         sys.stdout.write(text)
     if options.json:
         made = {"file": options.output, "bodies": len(robot.links), "joints": len(robot.joints)}
-        print(json.dumps(made | {"left_out": robot.left_out}))
+        print(json.dumps(made | {"notes": robot.notes()}))
         return DONE
-    left = ", ".join(f"{what} ({count})" for what, count in robot.left_out.items())
-    print(f"{len(robot.links)} bodies, {len(robot.joints)} joints", file=sys.stderr)
-    if left:
-        print(f"left out: {left}", file=sys.stderr)
+    for line in (f"{len(robot.links)} bodies, {len(robot.joints)} joints", *robot.notes()):
+        print(line, file=sys.stderr)
     return DONE

@@ -1,11 +1,11 @@
 """Words of `body` and `joint`, and what each kind of joint is made of.
 
-They are words in these statements alone; a model may have a `mass` or a `ground` of its own. A joint
-is its place and turning in the parent's frame, and a row of KINDS, as text of the language: Q turns
-vectors of the child's frame to that of the joint, r is the child's origin there, w and v are what
-the joint adds to the angular velocity and to the velocity of the origin, both in the child's frame.
-In these {a} is the axis, {u} the unit vector along it, {1} the first coordinate, {e} and {f} what
-spans the plane across the axis.
+They are words in these statements alone; a model may have a `mass` or a `ground` of its own. A
+joint is its place and turning in the parent's frame, and a row of KINDS, as text of the language: Q
+turns vectors of the child's frame to that of the joint, r is the child's origin there, w and v are
+what the joint adds to the angular velocity and to the velocity of the origin, both in the child's
+frame. In these {a} is the axis, {u} the unit vector along it, {1} the first coordinate, {e} and {f}
+what spans the plane across the axis.
 Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 4.
 """
 
@@ -17,9 +17,11 @@ from ..tree import Name
 GROUND = "ground"
 KIND_AT = 7  # so many words and signs are before what stands behind the kind of a joint
 CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord")}
-# What a body has besides its name, `point` of a vector. The other members are of what is made of it.
+# What a body has, `point` of a vector. The other members are of what is made of it.
 SHOWN = ("com", "origin", "R", "omega", "mass", "point")
-MEMBERS = frozenset((*SHOWN, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field"))
+MEMBERS = frozenset(
+    (*SHOWN, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
+)
 
 # kind | axis | coordinates: what stands behind the joint's name, and what it is | Q | r | w | v
 _KINDS = """
@@ -62,5 +64,7 @@ def joint_names(joint) -> tuple[tuple[str, str], ...]:
     own = [joint.name[0] + suffix for suffix, _ in kind.coordinates]
     return tuple(
         (name, what)
-        for name, (_, what) in zip(names if len(names) == len(own) else own, kind.coordinates, strict=True)
+        for name, (_, what) in zip(
+            names if len(names) == len(own) else own, kind.coordinates, strict=True
+        )
     )

@@ -43,7 +43,9 @@ _OPERATORS = {
     ",": "_COMMA", ":": "COLON", "=": "EQUAL", "'": "PRIME", "<": "LESS", ">": "GREATER",
     "..": "DOTS",
 }  # fmt: skip
-_VALUE_ENDS = frozenset(["NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "RPAREN", "RBRACKET", "UNIT"])
+_VALUE_ENDS = frozenset(
+    ["NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "RPAREN", "RBRACKET", "UNIT"]
+)
 _DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.syntax == "draw")
 _OF_BODIES = ("BODY", "JOINT")
 _CLOSERS = {"(": ")", "[": "]"}

@@ -30,7 +30,9 @@ WHAT = {
     "RBRACKET": "']'", "NAME": "a name", "LEND": "'(' or '['", "REND": "')' or ']'",
 }  # fmt: skip
 _VALUE_STARTS = frozenset(("NAME", "NUMBER", "FUNCTION", "SUM", "LPAREN", "LVECTOR"))
-_VALUE_ENDS = frozenset(("NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "RPAREN", "RBRACKET", "UNIT"))
+_VALUE_ENDS = frozenset(
+    ("NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "RPAREN", "RBRACKET", "UNIT")
+)
 BINARY = frozenset(("PLUS", "MINUS", "TIMES", "OVER", "POWER"))
 _LISTS = frozenset(word for word, row in STATEMENTS.items() if "(_COMMA" in SYNTAX[row.syntax])
 

@@ -59,8 +59,8 @@ force       define   dynamics.force      forces      -     -      COORDINATE = E
 constraint  equation constraints.equation constraints -    energy NAME: A = B
 rolling     equation constraints.equation constraints -    power  NAME: A = B
 event       event    dynamics.event      events      first -      NAME: EXPRESSION rising
-body        body     bodies.body         definitions first -      NAME mass m inertia [Ixx, Iyy, Izz] at [0, 0, -l/2]
-joint       joint    bodies.joint        definitions first -      NAME: ground to BODY revolute [0, 1, 0] at O
+body        body     bodies.body         definitions first -      NAME mass m inertia [Ix, Iy, Iz]
+joint       joint    bodies.joint        definitions first -      NAME: A to B revolute [0, 1, 0]
 gravity     single   bodies.gravity      definitions -     -      [0, 0, -g]
 draw        draw     drawings.draw       drawings    -     -      bob P radius 0.1 [m]
 view        draw     drawings.view       views       -     -      plane xy width 2 [m]

@@ -20,9 +20,7 @@ def wording(g: Graph, node: Node, name: Callable[[Symbol], str]) -> str:
 Worded = tuple[str, int]
 
 
-def _worded(
-    g: Graph, node: Node, name: Callable[[Symbol], str], depth: int, known: dict
-) -> Worded:
+def _worded(g: Graph, node: Node, name: Callable[[Symbol], str], depth: int, known: dict) -> Worded:
     """Of what is shared once for each depth, and no more text than can be seen."""
     if (node, depth) not in known:
         text, tightness = _written(g, node, name, depth, known)

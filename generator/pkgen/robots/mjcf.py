@@ -6,10 +6,8 @@ from __future__ import annotations
 
 import math
 
-from .robot import Joint, Link, Robot, is_inertia
-from .turns import (
-    UNIT, Matrix, Vector, about, added, applied, of_axis_angle, of_quaternion, product, seen_from,
-)  # fmt: skip
+from .robot import Joint, Link, Robot
+from .turns import UNIT, Turns, Vector, added, applied, matrix, of_angles, of_quaternion
 from .xml import Element
 
 KINDS = {"hinge": "revolute", "slide": "prismatic", "ball": "spherical", "free": "free"}
@@ -28,39 +26,42 @@ class _Reader:
         self.angle = 1.0 if given.get("angle", "degree") == "radian" else math.pi / 180
         self.sequence = given.get("eulerseq", "xyz")
         if len(self.sequence) != 3 or any(c not in "xyz" for c in self.sequence):
-            raise compiler.wrong(f"eulerseq=\"{self.sequence[:10]}\" is not read", "e.g. xyz")
+            raise compiler.wrong(f'eulerseq="{self.sequence[:10]}" is not read', "e.g. xyz")
         if given.get("coordinate", "local") != "local":
             raise compiler.wrong("global coordinates are not read", 'coordinate="local"')
         option = root.first("option")
         if option is not None:
             self.robot.gravity = option.numbers("gravity", 3, self.robot.gravity)
-        self.names: set[str] = set()
+        self.names: set[tuple[str, str]] = set()
 
-    def placed(self, element: Element) -> tuple[Vector, Matrix]:
+    def placed(self, element: Element) -> tuple[Vector, Turns]:
         ways = [w for w in ("quat", "euler", "axisangle", "xyaxes", "zaxis") if
                 w in element.attributes]  # fmt: skip
-        at, turn = element.numbers("pos", 3, ZERO), UNIT
+        at = element.numbers("pos", 3, ZERO)
+        turn: Turns | None = ()
         if ways == ["quat"]:
             turn = of_quaternion(element.numbers("quat", 4))
         elif ways == ["euler"]:
-            for letter, angle in zip(self.sequence, element.numbers("euler", 3), strict=True):
-                turn = product(turn, about("xyz".index(letter), angle * self.angle))
+            angles = [angle * self.angle for angle in element.numbers("euler", 3)]
+            turn = of_angles([UNIT["xyz".index(letter)] for letter in self.sequence], angles)
         elif ways == ["axisangle"]:
             *axis, angle = element.numbers("axisangle", 4)
-            turn = of_axis_angle(axis, angle * self.angle)
+            turn = of_angles([tuple(axis)], [angle * self.angle]) if any(axis) else None
         elif ways:
             raise element.wrong(f"'{ways[-1]}' is not read", "write a quat")
         if turn is None:
             raise element.wrong("a turn about the zero vector")
         return at, turn
 
-    def name(self, element: Element, other: str) -> str:
-        name = element.attributes.get("name") or other
-        while name in self.names and "name" not in element.attributes:
+    def name(self, element: Element | None, kind: str, other: str) -> str:
+        """Of a body or a joint, `other` where it has none; each once of its kind."""
+        name = given = element.attributes.get("name", "") if element is not None else ""
+        name = name or other
+        while not given and (kind, name) in self.names:
             name += "_"
-        if name in self.names:
-            raise element.wrong(f"there are two bodies or joints '{name}'")
-        self.names.add(name)
+        if (kind, name) in self.names:
+            raise element.wrong(f"there are two of the name '{name}'")
+        self.names.add((kind, name))
         return name
 
     def body(self, element: Element, parent: str, before: Vector) -> tuple[str, Vector]:
@@ -68,20 +69,22 @@ class _Reader:
         is returned: the frame of a body is at its last joint."""
         if "childclass" in element.attributes:
             raise element.wrong("classes of defaults are not read", "write the values out")
-        name = self.name(element, f"body{len(self.robot.links) + 1}")
+        name = self.name(element, "body", f"body{len(self.robot.links) + 1}")
         at, turn = self.placed(element)
         at = added(at, before, -1.0)
         joints = [*element.all("joint"), *element.all("freejoint")]
         anchor = ZERO
         for k, joint in enumerate(joints):
             last = k == len(joints) - 1
-            link = Link(name if last else self.name(joint, f"{name}_{k + 1}_of_{len(joints)}"))
+            link = Link(name if last else self.name(None, "body", f"{name}_{k + 1}"))
             self.robot.links.append(link)
             own = self.joint(joint, f"{name}_joint" if last else f"{link.name}_joint")
             new = joint.numbers("pos", 3, ZERO) if own[0] != "free" else ZERO
-            place = added(at, applied(turn, added(new, anchor, -1.0)))
-            self.robot.joints.append(Joint(own[1], own[0], parent, link.name, place, turn, *own[2:]))
-            parent, at, turn, anchor = link.name, ZERO, UNIT, new
+            place = added(at, applied(matrix(turn), added(new, anchor, -1.0)))
+            self.robot.joints.append(
+                Joint(own[1], own[0], parent, link.name, place, turn, *own[2:])
+            )
+            parent, at, turn, anchor = link.name, ZERO, (), new
         if not joints:
             self.robot.links.append(Link(name))
             self.robot.joints.append(Joint(f"{name}_weld", "fixed", parent, name, at, turn, None))
@@ -100,14 +103,16 @@ class _Reader:
             raise element.wrong("the axis of a joint is the zero vector")
         for word in SPRINGS:
             if any(element.numbers(word, len(element.attributes.get(word, "0").split()), (0.0,))):
-                raise element.wrong(f"'{word}' of a joint is not read", "take it out, add it by hand")
+                raise element.wrong(
+                    f"'{word}' of a joint is not read", "take it out, add it by hand"
+                )
         damping = element.number("damping", 0.0)
         if damping and axis is None:
             raise element.wrong("the damping of a ball is not read", "add it by 'force'")
         low, high = element.numbers("range", 2, (0.0, 0.0))
         scale = self.angle if given == "hinge" else 1.0
         says = f"limits: lower {low * scale!r}, upper {high * scale!r}" if low < high else ""
-        return KINDS[given], self.name(element, other), axis, says, damping
+        return KINDS[given], self.name(element, "joint", other), axis, says, damping
 
     def inertial(self, element: Element, link: Link, anchor: Vector) -> None:
         found = element.first("inertial")
@@ -131,9 +136,7 @@ class _Reader:
         else:
             x, y, z = found.numbers("diaginertia", 3, ZERO)
             own = ((x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z))
-        if not is_inertia(own):
-            raise found.wrong("the inertia has a negative principal moment")
-        link.inertia = seen_from(turn, own)
+        self.robot.inertia(link, own, turn, found)
 
 
 def robot(root: Element, base: str) -> Robot:
@@ -149,7 +152,7 @@ def robot(root: Element, base: str) -> Robot:
         waiting = [default]
         while waiting:
             element = waiting.pop()
-            if element.tag in ("joint", "geom") and element.tag == "joint":
+            if element.tag == "joint":
                 raise element.wrong("defaults of joints are not read", "write the values out")
             waiting += element.children
     worlds = [*root.all("worldbody")]

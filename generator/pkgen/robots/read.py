@@ -21,4 +21,6 @@ def imported(path: str | os.PathLike[str], base: str = "fixed") -> tuple[str, Ro
         help = "URDF begins with <robot>, MJCF with <mujoco>"
         raise root.wrong(f"<{root.tag}> is neither URDF nor MJCF", help)
     robot = FORMATS[root.tag](root, base)
+    if all(joint.kind == "fixed" for joint in robot.joints):
+        raise root.wrong("nothing moves: every joint is fixed", "--base free lets the root go")
     return text(robot, os.path.basename(source.path)), robot

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 
 from .. import limits
 from ..front.words import C_HEADERS, reserved, symbols_of
-from .turns import Matrix, Vector, axis_angle, inner
+from .turns import Matrix, Turns, Vector, inner, right_angles, seen_from
+from .xml import Element
 
 TAKEN = ("g", "ground", "O", "energy", "T", "V", "L")
 # Names that a joint's coordinates take besides its own, by its kind.
@@ -31,7 +32,7 @@ class Joint:
     parent: str  # "": the ground
     child: str
     at: Vector
-    turn: Matrix
+    turn: Turns
     axis: Vector | None
     says: str = ""  # limits
     damping: float = 0.0
@@ -44,6 +45,20 @@ class Robot:
     joints: list[Joint]  # a parent's before its children's
     gravity: Vector = (0.0, 0.0, -9.81)
     left_out: dict[str, int] = field(default_factory=dict)
+    doubts: list[str] = field(default_factory=list)
+
+    def inertia(self, link: Link, own: Matrix, turn: Turns, at: Element) -> None:
+        """The tensor of a link, in axes of its own. One that no rigid body has is kept and said."""
+        if any(own[k][k] < 0 for k in range(3)):
+            raise at.wrong(f"the inertia of '{link.name}' has a negative moment")
+        if not _is_inertia(own):
+            self.doubts.append(f"the inertia of '{link.name}' has a negative principal moment")
+        link.inertia = seen_from(turn, own)
+
+    def notes(self) -> list[str]:
+        """For people: what was not taken along, and what is doubtful."""
+        left = [f"{what} ({count})" for what, count in self.left_out.items()]
+        return (["left out: " + ", ".join(left)] if left else []) + self.doubts
 
     def leave_out(self, what: str) -> None:
         self.left_out[what] = self.left_out.get(what, 0) + 1
@@ -75,7 +90,7 @@ def text(robot: Robot, file: str) -> str:
         model = f"robot_{model}"
     bodies = {link.name: names.new(link.name) for link in robot.links}
     lines = [f"model {model[: limits.NAME_LENGTH - 12]}  # from {re.sub('[^ -~]', '?', file)}"]
-    lines += [f"# left out: {what} ({count})" for what, count in robot.left_out.items()]
+    lines += [f"# {re.sub('[^ -~]', '?', note)}" for note in robot.notes()]
     lines += ["", f"gravity {_vector(robot.gravity)} [m/s^2]", ""]
     lines += [_body(link, bodies[link.name]) for link in robot.links]
     lines.append("")
@@ -86,7 +101,7 @@ def text(robot: Robot, file: str) -> str:
         if joint.damping:
             unit = "N*m*s" if joint.kind == "revolute" else "N*s/m"
             damped.append(f"dissipation ({joint.damping!r} [{unit}])/2*{name}'^2")
-    return "\n".join(lines + ([""] + damped if damped else [])) + "\n"
+    return "\n".join([*lines, *([""] if damped else []), *damped]) + "\n"
 
 
 def _body(link: Link, name: str) -> str:
@@ -109,24 +124,33 @@ def _joint(joint: Joint, name: str, bodies: dict[str, str]) -> str:
         parts[0] += f" {_vector(joint.axis)}"
     if any(joint.at):
         parts.append(f"at {_vector(joint.at)} [m]")
-    axis, angle = axis_angle(joint.turn)
-    if angle:
-        parts.append(f"turned rot({_vector(axis)}, {angle!r})")
+    turns = [f"rot({_vector(axis)}, {_angle(angle)})" for axis, angle in joint.turn]
+    if turns:
+        parts.append(f"turned {'*'.join(turns)}")
     return "  ".join(parts) + (f"  # {joint.says}" if joint.says else "")
 
 
+def _angle(angle: float) -> str:
+    right = right_angles(angle)
+    if right is None:
+        return repr(angle)
+    return {1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(right, f"{right}*pi/2")
+
+
 def _vector(v: Sequence[float]) -> str:
-    return "[" + ", ".join(f"{int(x)}" if x == int(x) and abs(x) < 1e6 else repr(x) for x in v) + "]"
+    return (
+        "[" + ", ".join(f"{int(x)}" if x == int(x) and abs(x) < 1e6 else repr(x) for x in v) + "]"
+    )
 
 
-def is_inertia(i: Matrix) -> bool:
+def _is_inertia(i: Matrix) -> bool:
     """Whether a rigid body may have it, but for rounding: no principal moment is negative."""
     tiny = 1e-9 * max(i[k][k] for k in range(3))
     minors = (i[a][a] * i[b][b] - i[a][b] ** 2 for a, b in ((0, 1), (0, 2), (1, 2)))
     determinant = inner(i[0], _crossed(i[1], i[2]))
     return (
         all(i[k][k] >= 0 for k in range(3))
-        and all(m >= -tiny**2 for m in minors)
+        and all(m >= -(tiny**2) for m in minors)
         and determinant >= -(tiny**3) * 1e9
     )
 

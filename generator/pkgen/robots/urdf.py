@@ -3,8 +3,8 @@ and the like are left out, and said to be. Reference: wiki.ros.org/urdf/XML."""
 
 from __future__ import annotations
 
-from .robot import Joint, Link, Robot, is_inertia
-from .turns import UNIT, of_roll_pitch_yaw, seen_from
+from .robot import Joint, Link, Robot
+from .turns import of_roll_pitch_yaw
 from .xml import Element
 
 KINDS = {
@@ -32,7 +32,7 @@ def robot(root: Element, base: str) -> Robot:
             if name in links:
                 raise element.wrong(f"there are two links '{name}'")
             links[name] = element
-            found.links.append(_link(element, name))
+            found.links.append(_link(element, name, found))
     hung: dict[str, Joint] = {}
     names: set[str] = set()
     for element in root.all("joint"):
@@ -54,7 +54,7 @@ def robot(root: Element, base: str) -> Robot:
     children: dict[str, list[Joint]] = {}
     for joint in hung.values():
         children.setdefault(joint.parent, []).append(joint)
-    waiting = [Joint("base", base, "", name, ZERO, UNIT, None) for name in roots]
+    waiting = [Joint("base", base, "", name, ZERO, (), None) for name in roots]
     while waiting:
         joint = waiting.pop()
         found.joints.append(joint)
@@ -66,7 +66,7 @@ def robot(root: Element, base: str) -> Robot:
     return found
 
 
-def _link(element: Element, name: str) -> Link:
+def _link(element: Element, name: str, robot: Robot) -> Link:
     link = Link(name)
     for shape in (*element.all("visual"), *element.all("collision")):
         geometry = shape.first("geometry")
@@ -88,16 +88,14 @@ def _link(element: Element, name: str) -> Link:
         xx, yy, zz = (tensor.number(key) for key in ("ixx", "iyy", "izz"))
         xy, xz, yz = (tensor.number(key, 0.0) for key in ("ixy", "ixz", "iyz"))
         own = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-        if not is_inertia(own):
-            raise tensor.wrong(f"the inertia of '{name}' has a negative principal moment")
-        link.inertia = seen_from(turn, own)
+        robot.inertia(link, own, turn, tensor)
     return link
 
 
 def _origin(element: Element):
     origin = element.first("origin")
     if origin is None:
-        return ZERO, UNIT
+        return ZERO, ()
     return origin.numbers("xyz", 3, ZERO), of_roll_pitch_yaw(origin.numbers("rpy", 3, ZERO))
 
 

@@ -7,10 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
+from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
-
-DEEPEST = 200  # elements within elements
-MOST = 200_000
 
 
 @dataclass
@@ -44,9 +42,9 @@ class Element:
         try:
             found = tuple(float(word) for word in words)
         except ValueError:
-            raise self.wrong(f"{name}=\"{self.attributes[name][:40]}\" is no number") from None
+            raise self.wrong(f'{name}="{self.attributes[name][:40]}" is no number') from None
         if not all(abs(x) < 1e100 for x in found):
-            raise self.wrong(f"{name}=\"{self.attributes[name][:40]}\" is not finite")
+            raise self.wrong(f'{name}="{self.attributes[name][:40]}" is not finite')
         if len(found) != count:
             numbers = "one number" if count == 1 else f"{count} numbers"
             raise self.wrong(f"'{name}' of <{self.tag}> is {numbers}, not {len(found)}")
@@ -76,10 +74,10 @@ def tree(source: Source) -> Element:
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal count
         count += 1
-        if count > MOST:
-            stop(f"more than {MOST} elements")
-        if len(open_now) >= DEEPEST:
-            stop(f"elements within elements, more than {DEEPEST} deep")
+        if count > limits.XML_ELEMENTS:
+            stop(f"more than {limits.XML_ELEMENTS} elements")
+        if len(open_now) >= limits.XML_DEPTH:
+            stop(f"elements within elements, more than {limits.XML_DEPTH} deep")
         element = Element(source, tag, attributes, here(1 + len(tag)))
         (open_now[-1].children if open_now else roots).append(element)
         open_now.append(element)

@@ -76,7 +76,7 @@ class Bodies(BodyParts):
 
     def joint(self, statement: st.Joint) -> None:
         before = len(self.report.errors)
-        (name, at), (child, child_at) = statement.name, statement.child
+        name, (child, child_at) = statement.name[0], statement.child
         kind = self._kind(statement)
         if child == GROUND:
             help = f"write it first: joint {name}: ground to {statement.parent[0]} …"
@@ -98,7 +98,9 @@ class Bodies(BodyParts):
         kind, axis = KINDS.get(word), statement.axis
         if statement.to[0] != "to":
             message = f"'to' stands between two bodies, not '{statement.to[0]}'"
-            help = f"joint {statement.name[0]}: {statement.parent[0]} to {statement.child[0]} {word}"
+            help = (
+                f"joint {statement.name[0]}: {statement.parent[0]} to {statement.child[0]} {word}"
+            )
             self.report.error(message, statement.to[1], help)
         if kind is None:
             near = get_close_matches(word, KINDS, 1, 0.6)

@@ -1,0 +1,301 @@
+"""`pkgen import`: what it writes moves as the robot that was read; what is wrong or hostile in a
+file is a message with its place."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+from pkgen.front.check.check import check_text
+from pkgen.graph.evaluate import evaluate
+from pkgen.middle.derive.derive import derive
+from pkgen.robots.read import imported
+from pkgen.robots.turns import matrix as matrix_of
+from pkgen.robots.turns import of_quaternion, of_roll_pitch_yaw
+from pkgen.source import ModelError, Source
+from test_bodies import state_of
+from trees_of_bodies import Link, Motion, turn
+from trees_of_bodies import of_quaternion as quaternion
+
+ARM = """<robot name="two-link">
+<link name="base"/>
+<link name="upper arm"><visual><geometry><mesh filename="package://x/upper.stl"/></geometry></visual>
+<inertial><origin xyz="0 0.1 -0.25" rpy="0.1 0.3 0.4"/><mass value="1.5"/>
+<inertia ixx="0.03" iyy="0.03" izz="0.002" ixy="0.001" ixz="0" iyz="0"/></inertial></link>
+<link name="fore"><inertial><origin xyz="0 0 -0.2"/><mass value="1"/>
+<inertia ixx="0.02" iyy="0.02" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="int"/>
+<joint name="shoulder" type="revolute"><parent link="base"/><child link="upper arm"/>
+<origin xyz="0 0 1" rpy="0.3 0.2 0.5"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="5"/>
+<dynamics damping="0.3" friction="0.1"/></joint>
+<joint name="elbow" type="continuous"><parent link="upper arm"/><child link="fore"/>
+<origin xyz="0.1 0 -0.5" rpy="1.5707963267948966 0 0"/><mimic joint="shoulder"/></joint>
+<joint name="fore" type="fixed"><parent link="fore"/><child link="int"/></joint>
+<transmission name="t"/>
+</robot>"""
+G = np.array([0, 0, -9.81])
+
+
+def roll_pitch_yaw(r: float, p: float, y: float) -> list:
+    return [((0, 0, 1), y), ((0, 1, 0), p), ((1, 0, 0), r)]
+
+
+def matrix(turns) -> np.ndarray:
+    found = np.eye(3)
+    for axis, angle in turns:
+        found = found @ turn(axis, angle)
+    return found
+
+
+def text_of(tmp_path, xml: str, base: str = "fixed") -> str:
+    file = tmp_path / "robot.xml"
+    file.write_text(xml, encoding="utf-8")
+    return imported(file, base)[0]
+
+
+def accelerations(text: str, links: list[Link], seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    model = check_text(Source("robot.lag", text))[0]
+    e = derive(model)
+    symbols, values, rates = state_of(model, random.Random(seed))
+    motion = Motion(links, values, rates, G)
+    names = [c.name for c in model.coordinates]
+    turns = {r.name: r.turns for r in model.rotations}
+    order = [
+        names.index(w if isinstance(w, str) else turns[b.rotation][w]) for b, w in motion.speeds
+    ]
+    found = np.array(evaluate(e.graph, e.acceleration[: len(names)], symbols))[order]
+    return found, motion.accelerations()
+
+
+def test_a_urdf_moves_as_it_says(tmp_path):
+    xml = ARM.replace('damping="0.3"', 'damping="0"')
+    c = matrix(roll_pitch_yaw(0.1, 0.3, 0.4))
+    own = np.array([[0.03, 0.001, 0], [0.001, 0.03, 0], [0, 0, 0.002]])
+    upper = (np.array([0, 0, 1]), roll_pitch_yaw(0.3, 0.2, 0.5), 1.5, np.array([0, 0.1, -0.25]))
+    fore = (np.array([0.1, 0, -0.5]), roll_pitch_yaw(np.pi / 2, 0, 0), 1, np.array([0, 0, -0.2]))
+    tensor = np.diag([0.02, 0.02, 0.001])
+    links = [
+        Link("upper", -1, "revolute", np.array([0, 1, 0]), *upper, c @ own @ c.T, ["shoulder"]),
+        Link("fore", 0, "revolute", np.array([1, 0, 0]), *fore, tensor, ["elbow"]),
+    ]
+    found, wanted = accelerations(text_of(tmp_path, xml), links)
+    assert abs(found - wanted).max() < 1e-10 * abs(wanted).max()
+    assert abs(wanted).min() > 0.1
+
+
+def test_what_it_writes(tmp_path):
+    text = text_of(tmp_path, ARM)
+    left = "# left out: <transmission> (1), friction of a joint (1), <mimic> (1)"
+    assert left in text and "# mesh package://x/upper.stl" in text
+    assert "limits: lower -2.0, upper 2.0, effort 5.0" in text
+    assert "dissipation (0.3 [N*m*s])/2*shoulder'^2" in text
+    assert "joint fore_joint: fore to x_int" in text or "joint fore_joint: fore to int_2" in text
+    model, warnings = check_text(Source("arm.lag", text))
+    assert not warnings and [c.name for c in model.coordinates] == ["shoulder", "elbow"]
+    free = check_text(Source("arm.lag", text_of(tmp_path, ARM, "free").replace("base mass 0.0",
+        "base mass 1")))[0]  # fmt: skip
+    assert len(free.coordinates) == 8 and len(free.rotations) == 1
+
+
+MJCF = """<mujoco model="m"><compiler angle="radian"/><option gravity="0 0 -9.81"/>
+<worldbody><geom type="plane"/><body name="a" pos="0.1 0.2 0.3" quat="0.8 0.6 0 0">
+<inertial pos="0.1 0 0.2" mass="1.2" diaginertia="0.3 0.2 0.1" quat="0.6 0 0.8 0"/>
+<joint name="h" type="hinge" axis="0 1 0" pos="0 0 0.1" range="-1 1"/>
+<joint name="s" type="slide" axis="1 0 0"/><geom size="1"/>
+<body name="b" pos="0 0 0.5" euler="0.1 0.2 0.3"><inertial pos="0 0.1 0" mass="0.7"
+ fullinertia="0.2 0.3 0.4 0.01 0.02 0.03"/><joint name="r" type="ball" pos="0.1 0 0"/></body>
+</body></worldbody><actuator/></mujoco>"""
+
+
+def test_mjcf_moves_as_it_says(tmp_path):
+    """Frames of the language are at the joints, those of MJCF are not."""
+    q = np.array([[1, 0, 0], [0, 0.28, -0.96], [0, 0.96, 0.28]])  # of 0.8, 0.6, 0, 0
+    own = matrix([((0, 1, 0), 2 * np.arctan2(0.8, 0.6))])
+    zero, full = np.zeros(3), np.array([[0.2, 0.01, 0.02], [0.01, 0.3, 0.03], [0.02, 0.03, 0.4]])
+    about_x = [((1, 0, 0), 2 * np.arctan2(0.6, 0.8))]
+    at = np.array([0.1, 0.2, 0.3]) + q @ [0, 0, 0.1]
+    links = [
+        Link("h", -1, "revolute", np.eye(3)[1], at, about_x, 0, zero, 0 * full, ["h"]),
+        Link("s", 0, "prismatic", np.eye(3)[0], np.array([0, 0, -0.1]), [], 1.2,
+             np.array([0.1, 0, 0.2]), own @ np.diag([0.3, 0.2, 0.1]) @ own.T, ["s"]),
+    ]  # fmt: skip
+    euler = [((1, 0, 0), 0.1), ((0, 1, 0), 0.2), ((0, 0, 1), 0.3)]
+    at = np.array([0, 0, 0.5]) + matrix(euler) @ [0.1, 0, 0]
+    com = np.array([-0.1, 0.1, 0])
+    links.append(Link("b", 1, "spherical", zero, at, euler, 0.7, com, full, [], "r"))
+    found, wanted = accelerations(text_of(tmp_path, MJCF), links)
+    assert abs(found - wanted).max() < 1e-10 * abs(wanted).max()
+    assert abs(wanted).min() > 1e-2
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_turns(seed):
+    draw = random.Random(seed)
+    angles = [draw.choice((draw.uniform(-4, 4), np.pi / 2, -np.pi, 0)) for _ in range(3)]
+    wanted = matrix(roll_pitch_yaw(*angles))
+    assert abs(np.array(matrix_of(of_roll_pitch_yaw(angles))) - wanted).max() < 1e-14
+    q = np.array([draw.gauss(0, 1) for _ in range(4)])
+    found = np.array(matrix_of(of_quaternion(tuple(3 * q))))
+    assert abs(found - quaternion(q / np.linalg.norm(q))).max() < 1e-14
+
+
+def test_right_angles_are_exact(tmp_path):
+    """Sines and cosines are 0 and 1 in the C too; of what is written with fewer digits they are
+    what is written."""
+    assert "turned rot([1, 0, 0], pi/2)" in text_of(tmp_path, ARM)
+    short = text_of(tmp_path, ARM.replace("1.5707963267948966", "1.5707963268"))
+    assert "rot([1, 0, 0], 1.5707963268)" in short
+
+
+def link(name: str = "a", inside: str = "") -> str:
+    return f'<link name="{name}">{inside}</link>'
+
+
+def joint(name: str, parent: str, child: str, kind: str = "revolute", inside: str = "") -> str:
+    ends = f'<parent link="{parent}"/><child link="{child}"/>'
+    return f'<joint name="{name}" type="{kind}">{ends}{inside}</joint>'
+
+
+def heavy(mass: str, ixx: str = "1") -> str:
+    others = 'iyy="1" izz="1"'
+    return f'<inertial><mass value="{mass}"/><inertia ixx="{ixx}" {others}/></inertial>'
+
+
+LAUGHS = "".join(f'<!ENTITY l{k} "{f"&l{k - 1};" * 10}">' for k in range(1, 10))
+HOSTILE = {
+    "laughs": f'<!DOCTYPE r [<!ENTITY l0 "ha">{LAUGHS}]><robot name="&l9;"/>',
+    "outside": '<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]><robot name="&x;"/>',
+    "remote": '<!DOCTYPE robot SYSTEM "http://example.org/x.dtd"><robot/>',
+    "parameter entity": '<!DOCTYPE r [<!ENTITY % p SYSTEM "file:///dev/zero"> %p;]><robot/>',
+    "unknown entity": '<robot name="&x;"/>',
+    "deep": "<robot>" + "<a>" * 100_000,
+    "many": "<robot>" + "<a/>" * 240_000 + "</robot>",
+    "empty": "",
+    "text": "model pendulum",
+    "unclosed": "<robot><link name='a'>",
+    "html": "<html></html>",
+    "encoding": '<?xml version="1.0" encoding="utf-16"?><robot name="a"/>',
+}
+WRONG = {
+    "no link": ("<robot/>", "no link"),
+    "no name": ("<robot><link/></robot>", "no 'name'"),
+    "number": (link(inside=heavy("heavy")), "is no number"),
+    "nan": (link(inside=heavy("nan")), "is not finite"),
+    "inf": (link(inside=heavy("1e999")), "is not finite"),
+    "two numbers": (link(inside=heavy("1 2")), "is one number, not 2"),
+    "negative mass": (link(inside=heavy("-1")), "the mass of 'a' is negative"),
+    "negative inertia": (link(inside=heavy("1", "-1")), "has a negative moment"),
+    "no mass": (link(inside="<inertial/>"), "has no mass"),
+    "twice": (link() + link(), "two links 'a'"),
+    "nothing moves": (link() + link("b") + joint("j", "a", "b", "fixed"), "nothing moves"),
+    "two roots": (link() + link("b"), "2 links hang on no joint"),
+    "unknown link": (link() + joint("j", "a", "c"), "no link 'c'"),
+    "no child": (link() + '<joint name="j" type="fixed"><parent link="a"/></joint>', "no <child>"),
+    "type": (link() + link("b") + joint("j", "a", "b", "hinge"), "no joint type 'hinge'"),
+    "axis": (
+        link() + link("b") + joint("j", "a", "b", inside='<axis xyz="0 0 0"/>'),
+        "the zero vector",
+    ),
+    "short axis": (
+        link() + link("b") + joint("j", "a", "b", inside='<axis xyz="0 1"/>'),
+        "is 3 numbers, not 2",
+    ),
+    "circle": (
+        link() + link("b") + link("c") + joint("i", "b", "c") + joint("j", "c", "b"),
+        "go round in a circle",
+    ),
+    "nothing but a circle": (
+        link("b") + link("c") + joint("i", "b", "c") + joint("j", "c", "b"),
+        "go round in a circle",
+    ),
+    "two parents": (
+        link() + link("b") + joint("i", "a", "b") + joint("j", "a", "b"),
+        "hangs on the joint 'i' already",
+    ),
+    "itself": (link() + link("b") + joint("i", "b", "b"), "go round in a circle"),
+    "damping": (
+        link() + link("b") + joint("j", "a", "b", inside='<dynamics damping="-1"/>'),
+        "damping of 'j' is negative",
+    ),
+    "xacro": ("<xacro:include/>", "is xacro"),
+}
+BODY = '<body name="b">{}<inertial mass="1" diaginertia="1 1 1"/></body>'
+MJCF_WRONG = {
+    "none": ("", "no body"),
+    "geoms": ('<worldbody><body><geom size="1"/></body></worldbody>', "no <inertial>"),
+    "equality": ("<equality/>", "would change the motion"),
+    "include": ('<include file="/etc/passwd"/>', "would change the motion"),
+    "defaults": ("<default><default><joint/></default></default>", "defaults of joints"),
+    "armature": ('<joint armature="1"/>', "'armature' of a joint"),
+    "stiffness": ('<joint stiffness="1"/>', "'stiffness' of a joint"),
+    "class": ('<joint class="x"/>', "classes of defaults"),
+    "type": ('<joint type="x"/>', "no joint type 'x'"),
+    "axis": ('<joint axis="0 0 0"/>', "the zero vector"),
+    "quat": ('<body quat="0 0 0 0"/>', "the zero vector"),
+}
+
+
+def refused(tmp_path, xml: str) -> str:
+    with pytest.raises(ModelError) as caught:
+        text_of(tmp_path, xml)
+    (found,) = caught.value.diagnostics
+    assert 0 <= found.span.start <= found.span.end <= max(len(xml), 1)
+    return found.message
+
+
+@pytest.mark.parametrize("case", HOSTILE)
+def test_hostile_xml_is_refused(tmp_path, case):
+    said = refused(tmp_path, HOSTILE[case])
+    wanted = {"deep": "deep", "many": "more than", "html": "neither URDF nor MJCF"}
+    doctype = "document type" if "DOCTYPE" in HOSTILE[case] else "this is no XML"
+    if case == "encoding":
+        doctype = "no link"  # it is read as what it is
+    assert wanted.get(case, doctype) in said
+
+
+def test_a_huge_file_is_refused(tmp_path):
+    with pytest.raises(ModelError, match="1 finding"):
+        text_of(tmp_path, "<robot>" + " " * 20_000_000 + "</robot>")
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_wrong_robots(tmp_path, case):
+    inside, said = WRONG[case]
+    xml = inside if inside.startswith("<robot") else f"<robot name='r'>{inside}</robot>"
+    assert said in refused(tmp_path, xml)
+
+
+@pytest.mark.parametrize("case", MJCF_WRONG)
+def test_wrong_mjcf(tmp_path, case):
+    inside, said = MJCF_WRONG[case]
+    if inside.startswith(("<joint", "<body q")):
+        inside = f"<worldbody>{BODY.format(inside)}</worldbody>"
+    assert said in refused(tmp_path, f"<mujoco>{inside}</mujoco>")
+
+
+def test_hostile_names(tmp_path):
+    """Whatever links are called, what is written is a model, and nothing leaves its comment."""
+    names = ["a\nb", "mass", "1", "é", "for", "p_a", "g", "ground", "x" * 500, "a b", "a-b", "#"]
+    links = "".join(link(n.replace("\n", "&#10;")) for n in names)
+    mesh = '<visual><geometry><mesh filename="a&#10;let x = 1"/></geometry></visual>'
+    links += link("last", mesh + heavy("1"))
+    joints = "".join(joint(n.replace("\n", "&#10;"), "a&#10;b", m, "fixed")
+                     for n, m in zip(names[1:], names[1:], strict=True))  # fmt: skip
+    joints += joint("turn", "mass", "last")
+    xml = f"<robot name='pk_ &#10;let y = 2'>{links}{joints}</robot>"
+    model, _ = check_text(Source("r.lag", text_of(tmp_path, xml)))
+    assert len(model.coordinates) == 1 and "x" not in {d.name for d in model.definitions}
+
+
+def test_the_command(pkgen, tmp_path):
+    robot = tmp_path / "arm.urdf"
+    robot.write_text(ARM)
+    done = pkgen("import", robot, "-o", tmp_path / "arm.lag")
+    assert done.returncode == 0 and "<mimic> (1)" in done.stderr
+    ran = pkgen("run", tmp_path / "arm.lag", "--until", "0.1", "--start", "shoulder=1")
+    assert ran.returncode == 0 and "elbow" in ran.stdout
+    robot.write_text("<robot><link/></robot>")
+    done = pkgen("import", robot)
+    assert done.returncode == 1 and "arm.urdf:1:8: error" in done.stderr and not done.stdout
+    assert pkgen("import", tmp_path / "none.urdf").returncode == 2
