@@ -97,7 +97,8 @@ HAND = {
         "coord a [m]\nkinetic (2 [kg])/2*a'^2\npotential (2 [kg])*(9.81 [m/s^2])*0.8*a",
     ),
     "planar": (
-        "body b mass 2 [kg] inertia [1, 1, 0.3] at [0.5, 0, 0]\njoint a: ground to b planar [0, 0, 1]",
+        "body b mass 2 [kg] inertia [1, 1, 0.3] at [0.5, 0, 0]\n"
+        "joint a: ground to b planar [0, 0, 1]",
         "coord a_1, a_2 [m], a [rad]\n"
         "let x = a_1 + (0.5 [m])*cos(a)\nlet y = a_2 + (0.5 [m])*sin(a)\n"
         "kinetic (2 [kg])/2*(x'^2 + y'^2) + (0.3 [kg*m^2])/2*a'^2",

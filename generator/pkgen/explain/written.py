@@ -11,6 +11,7 @@ from fractions import Fraction
 from ..front import parse
 from ..front import statements as st
 from ..model import Model, multipliers
+from ..source import Span
 from ..tree import (
     COMPONENTS,
     Add,
@@ -52,6 +53,7 @@ class Written:
 
     def __init__(self, model: Model):
         self.statements = parse.parse_all(model.source).statements
+        self.text = model.source.text
         rotations = [r.name for r in model.rotations]
         self.lone = rotations[0] if len(rotations) == 1 else ""
         self.kinds = dict.fromkeys(rotations, TURN)
@@ -71,13 +73,25 @@ class Written:
     # -- statements ---------------------------------------------------------------------------
 
     def energies(self) -> list[Line]:
-        """T, V, L and D, each the sum of its statements."""
+        """T, V, L and D, each the sum of its statements; bodies as they are written, and of T and
+        V what is theirs by that name."""
         found: dict[str, list[str]] = {}
+        bodies = [s for s in self.statements if s.keyword in ("body", "joint", "gravity")]
+        said: list[Line] = []
+        if bodies:
+            said = [([mathml.words(self._as_written(s.span))], "") for s in bodies]
+            found = {letter: [mathml.name(f"{letter}_bodies")] for letter in "TV"}
         for s in self.statements:
-            if isinstance(s, st.Single):
+            if isinstance(s, st.Single) and s not in bodies:
                 terms = found.setdefault(_ENERGIES[s.keyword], [])
                 terms += self._terms(s.value, first=not terms)
-        return [(_equation(mathml.name(name), terms), "") for name, terms in found.items()]
+        sums = [(_equation(mathml.name(name), terms), "") for name, terms in found.items()]
+        return said + (
+            sums if any(len(terms) > 1 for terms in found.values()) or not bodies else []
+        )
+
+    def _as_written(self, span: Span) -> str:
+        return " ".join(self.text[span.start : span.end].split())
 
     def parameters(self) -> list[st.Param]:
         return [s for s in self.statements if isinstance(s, st.Param)]

@@ -166,6 +166,10 @@ class _Reader:
                 self.errors.append(explain(self.source, lexed, error))
             return None
         self.nodes, wrong = measure(statement, self.nodes)
+        left = getattr(statement, "left", None)
+        if left is not None and "." in left.name:
+            help = "what a body has is made by its joint"
+            wrong = Diagnostic(f"'{left.name}' is no name of your own", left.span, help)
         if wrong is not None:
             self.errors.append(wrong)
             return None

@@ -105,6 +105,9 @@ class Build(Transformer):
         one, many = (None, index) if isinstance(index, Range) else (index, None)
         return st.Left(str(name), one, many, _over(name, close or name))
 
+    def left_member(self, name, member):
+        return st.Left(f"{name}{member}", None, None, _over(name, member))
+
     def declared(self, name, bracket, lo, _, hi, close, unit):
         text = None if unit is None else st.UnitText(str(unit), _span(unit))
         return st.Declared(str(name), lo, hi, text, _over(name, close or name), _span(name))
