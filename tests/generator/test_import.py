@@ -4,6 +4,8 @@ file is a message with its place."""
 from __future__ import annotations
 
 import random
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -299,3 +301,43 @@ def test_the_command(pkgen, tmp_path):
     done = pkgen("import", robot)
     assert done.returncode == 1 and "arm.urdf:1:8: error" in done.stderr and not done.stdout
     assert pkgen("import", tmp_path / "none.urdf").returncode == 2
+
+
+def test_places_on_the_command_line_and_on_pages(pkgen, tmp_path):
+    """--record takes a body's places; pages show bodies as they are written."""
+    (tmp_path / "arm.urdf").write_text(ARM)
+    model = tmp_path / "arm.lag"
+    assert pkgen("import", tmp_path / "arm.urdf", "-o", model).returncode == 0
+    columns = "fore.com,upper_arm.omega,fore.com.x'"
+    ran = pkgen("run", model, "--until", "0.1", "--every", "0.1", "--record", columns)
+    vectors = [f"{name}.{axis}" for name in ("fore.com", "upper_arm.omega") for axis in "xyz"]
+    assert ran.stdout.splitlines()[0].split(",")[:7] == ["t", *vectors], ran.stderr
+    page = tmp_path / "arm.html"
+    assert pkgen("explain", model, "--html", page).returncode == 0
+    assert "joint shoulder: base to upper_arm revolute" in page.read_text()
+
+
+SHARED = "cmeel.prefix/share/example-robot-data/robots"
+ROBOTS = ("ur_description/urdf/ur5_robot", "panda_description/urdf/panda")
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_robots_of_others_as_pinocchio_has_them(robot):
+    """Where `pip install pin example-robot-data` was done."""
+    pinocchio = pytest.importorskip("pinocchio")
+    found = [p for folder in sys.path if (p := Path(folder) / SHARED / f"{robot}.urdf").is_file()]
+    if not found:
+        pytest.skip("no robots here")
+    own = pinocchio.buildModelFromUrdf(str(found[0]))
+    text = "\n".join(s for s in imported(found[0])[0].split("\n") if "dissipation" not in s)
+    model = check_text(Source("robot.lag", text))[0]
+    names = [c.name for c in model.coordinates]
+    e = derive(model)
+    symbols, values, rates = state_of(model, random.Random(robot))
+    order = [own.joints[own.getJointId(name)].idx_v for name in names]
+    q, v = np.zeros(own.nq), np.zeros(own.nv)
+    for name, k in zip(names, order, strict=True):
+        q[k], v[k] = values[name], rates[name]
+    wanted = pinocchio.aba(own, own.createData(), q, v, np.zeros(own.nv))[order]
+    found = np.array(evaluate(e.graph, e.acceleration, symbols))
+    assert abs(found - wanted).max() < 1e-12 * abs(wanted).max()

@@ -25,6 +25,13 @@ def is_motion(text: str) -> bool:
     return bool(re.search(r"\bt\b", re.sub(r"\[[^\]]*\]", "", value)))
 
 
+def _stems(column: str) -> set[str]:
+    """What the name of a column may be of, with and without a component: of `leg.com.x'` both
+    `leg.com.x` and `leg.com`."""
+    name = re.split(r"[\[']", column)[0]
+    return {name, name.rpartition(".")[0]}
+
+
 def numbers(options: argparse.Namespace) -> list[str]:
     """`--set`, but what has become part of the model."""
     return [text for text in options.set if not is_motion(text)]
@@ -36,7 +43,7 @@ def with_options(options: argparse.Namespace, columns: Iterable[str]) -> Callabl
 
     def declared(model: Model) -> Model:
         lets = {item.name for item in (*model.definitions, *model.inputs)}
-        named = [c for c in columns if re.split(r"[\[.']", c)[0] in lets or _ACCELERATION.match(c)]
+        named = [c for c in columns if lets & _stems(c) or _ACCELERATION.match(c)]
         clauses = [f"set {text}" for text in options.set if is_motion(text)]
         clauses += [f"record {', '.join(named)}"] if named else []
         source = model.source
