@@ -79,6 +79,7 @@ BENCH_OPTIONS = $(if $(QUICK),--quick) $(if $(DOCS),--docs) $(if $(MODELS),--mod
 bench: $(STAMP)
 	@$(PYTHON) bench/environment.py
 	@build/bench/venv/bin/python -m bench $(BENCH_OPTIONS)
+	@build/bench/venv/bin/python -m bench arms $(if $(QUICK),--quick) $(if $(DOCS),--docs)
 
 # docs/ and models/ as a site in build/site, which needs no server (docs/site.md); three minutes.
 site: $(STAMP)

@@ -6,6 +6,7 @@
 `python -m bench systems [--docs]` runs every scene of every model: systems.py
 `python -m bench side_by_side [--docs]` beside physicskit at its published settings: side_by_side.py
 `python -m bench rotations [--docs]` what rotations and constraints cost: rotations.py
+`python -m bench arms [--quick] [--docs]` arms beside Pinocchio and MuJoCo: arms.py
 `python -m bench show [--docs]` opens the live page of every model: show.py
 `python -m bench published [--docs]` problems that others publish: published.py
 `python -m bench bodies [--docs]` residuals and drifts over a million steps: bodies.py
@@ -55,6 +56,7 @@ ALONE = (
     "systems",
     "side_by_side",
     "rotations",
+    "arms",
     "bodies",
     "show",
     "published",

@@ -23,24 +23,40 @@ PEERS = (
     "scikit-sundae",
     "mechanicsdsl-core",
     "physicskit",
+    "pin",
+    "cmeel-eigen",
+    "mujoco",
 )
-TROUBLES = OUTPUT / "environment.json"
+KNOWN = OUTPUT / "environment-installed.json"  # by package why it could not be, or nothing
 
 
 def main() -> int:
     python = VENV / "bin" / "python"
-    if not TROUBLES.exists():
+    known = json.loads(KNOWN.read_text()) if KNOWN.exists() else {}
+    if not known:
         OUTPUT.mkdir(parents=True, exist_ok=True)
         subprocess.run([sys.executable, "-m", "venv", "--clear", VENV], check=True)
-        found = {name: _install(python, name) for name in (*NEEDED, *PEERS)}
-        missing = [name for name in NEEDED if found[name]]
-        if missing:
-            print(f"bench: cannot install {', '.join(missing)}: {found[missing[0]]}")
-            return 1
-        TROUBLES.write_text(json.dumps({n: w for n, w in found.items() if w}, indent=1))
-    for name, why in json.loads(TROUBLES.read_text()).items():
-        print(f"bench: {name} could not be installed: {why}", file=sys.stderr)
+    for name in (*NEEDED, *PEERS):
+        if name not in known:
+            known[name] = _install(python, name)
+            KNOWN.write_text(json.dumps(known, indent=1))
+    missing = [name for name in NEEDED if known[name]]
+    if missing:
+        KNOWN.unlink()
+        print(f"bench: cannot install {', '.join(missing)}: {known[missing[0]]}")
+        return 1
+    for name, why in known.items():
+        if why:
+            print(f"bench: {name} could not be installed: {why}", file=sys.stderr)
     return 0
+
+
+def with_peers(command: str, words: list[str]) -> int:
+    """`python -m bench COMMAND` in the Python that has the peers."""
+    if main():
+        return 1
+    again = [VENV / "bin" / "python", "-m", "bench", command, *words]
+    return subprocess.run(again, cwd=OUTPUT.parent.parent, check=False).returncode
 
 
 def _install(python: Path, name: str) -> str:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 from .machine import Machine
 from .measure import Effort
 from .models import ROOT
 
 PAGE = ROOT / "docs" / "benchmarks.md"
-# From here on the page is that of another command: `make bench` leaves it.
-APART = "<!-- python -m bench rotations --docs -->\n"
+# Behind such a mark stands what another command writes: `make bench` leaves it.
+MARK = "<!-- python -m bench {} --docs -->\n"
+APART = re.compile(MARK.format(r"(\w+)"))
 HOW = """# Accuracy against cost
 
 Written by `make bench DOCS=1`; not to be edited. One run, everything interleaved.
@@ -39,11 +42,21 @@ def write_docs(parts: dict[str, str], machine: Machine, effort: Effort) -> None:
     how = HOW.format(rounds=effort.rounds, starts=effort.starts)
     said = "\n".join(machine.lines())
     sections = "\n\n".join(f"## {title}\n\n{text}" for title, text in parts.items())
-    _, mark, apart = PAGE.read_text().partition(APART)
-    PAGE.write_text(f"{how}\n{said}\n\n{sections}\n{mark and chr(10)}{mark}{apart}")
+    _write(f"{how}\n{said}\n\n{sections}\n", _blocks()[1])
 
 
-def write_block(text: str) -> None:
-    """What stands behind the mark."""
-    before, _, _ = PAGE.read_text().partition(APART)
-    PAGE.write_text(f"{before.rstrip()}\n\n{APART}\n{text}")
+def write_block(command: str, text: str) -> None:
+    """What that command writes, behind a mark of its own; other blocks stay as they are."""
+    own, blocks = _blocks()
+    _write(own, {**blocks, command: f"\n{text}"})
+
+
+def _blocks() -> tuple[str, dict[str, str]]:
+    """The page up to the first mark, and what stands behind each."""
+    own, *apart = APART.split(PAGE.read_text())
+    return own, dict(zip(apart[::2], apart[1::2], strict=True))
+
+
+def _write(own: str, blocks: dict[str, str]) -> None:
+    parts = [f"{MARK.format(command)}\n{text.strip()}\n" for command, text in blocks.items()]
+    PAGE.write_text("\n".join([f"{own.rstrip()}\n", *parts]))

@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import math
 import statistics
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -34,7 +33,7 @@ from .builds import BUILDS, OUTPUT, Broken
 from .chosen import chosen
 from .measure import Comparison, Effort, Track
 from .peers import forms, quaternion
-from .rotation_cases import CASES, ROOT, Case
+from .rotation_cases import CASES, Case
 
 ERRORS = (1e-6, 1e-9, 1e-12)
 SMALL, ROUNDED = 1e-2, 1e-11  # between these errors an order shows
@@ -61,7 +60,7 @@ def main(words: list[str]) -> int:
     parser.add_argument("--docs", action="store_true", help="write docs/benchmarks.md")
     arguments = parser.parse_args(words)
     if Path(sys.prefix) != environment.VENV:
-        return with_peers(words)
+        return environment.with_peers("rotations", words)
     OUTPUT.mkdir(parents=True, exist_ok=True)
     here = machine.describe()
     effort = QUICK if arguments.quick else FULL
@@ -74,18 +73,12 @@ def main(words: list[str]) -> int:
     if arguments.docs:
         how = HOW.format(rounds=effort.rounds, starts=effort.starts)
         said = "\n".join(here.lines())
-        report.write_block(f"## Rotations and constraints\n\n{how}\n\n{said}\n\n{sections}\n")
+        report.write_block(
+            "rotations", f"## Rotations and constraints\n\n{how}\n\n{said}\n\n{sections}\n"
+        )
     for why in failed:
         _say(f"bench: failed: {why}")
     return 1 if failed else 0
-
-
-def with_peers(words: list[str]) -> int:
-    """The same in the Python that has the peers."""
-    if environment.main():
-        return 1
-    command = [environment.VENV / "bin" / "python", "-m", "bench", "rotations", *words]
-    return subprocess.run(command, cwd=ROOT, check=False).returncode
 
 
 def part(case: Case, effort: Effort) -> tuple[str, list[str]]:

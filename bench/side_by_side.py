@@ -108,26 +108,16 @@ def main(words: list[str]) -> int:
     parser.add_argument("--docs", action="store_true", help="write docs/models.md")
     arguments = parser.parse_args(words)
     if importlib.util.find_spec("physicskit") is None:
-        return with_peers(words)
+        if Path(sys.prefix) == environment.VENV:
+            print("bench: physicskit cannot be had here", file=sys.stderr)
+            return 1
+        return environment.with_peers("side_by_side", words)
     rows = [row(case) for case in chosen(CASES, arguments.only, lambda case: case.name)]
     text = tables.table(HEAD, (row.cells() for row in rows)) + "\n"
     print(text)
     if arguments.docs:
         write(text)
     return 0
-
-
-def with_peers(words: list[str]) -> int:
-    """The same in the Python that has physicskit."""
-    if environment.main():
-        return 1
-    python = environment.VENV / "bin" / "python"
-    there = subprocess.run([python, "-c", "import physicskit"], capture_output=True, check=False)
-    if there.returncode:
-        print("bench: physicskit cannot be had here", file=sys.stderr)
-        return 1
-    command = [python, "-m", "bench", "side_by_side", *words]
-    return subprocess.run(command, cwd=ROOT, check=False).returncode
 
 
 def row(case: Case) -> Row:

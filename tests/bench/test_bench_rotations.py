@@ -147,11 +147,15 @@ def test_each_command_leaves_what_the_other_wrote(tmp_path, monkeypatch) -> None
     page.write_text("# Old\n\nfigures\n")
     monkeypatch.setattr(report, "PAGE", page)
     here = SimpleNamespace(lines=lambda: ["here"])
-    report.write_block("## Rotations\n\nfirst\n")
-    assert page.read_text() == f"# Old\n\nfigures\n\n{report.APART}\n## Rotations\n\nfirst\n"
+    report.write_block("rotations", "## Rotations\n\nfirst\n")
+    turned = f"{report.MARK.format('rotations')}\n## Rotations\n\nfirst\n"
+    assert page.read_text() == f"# Old\n\nfigures\n\n{turned}"
     report.write_docs({"Figures to reach": "new"}, here, QUICK)
     text = page.read_text()
     assert "figures\n\n" not in text and "## Figures to reach\n\nnew\n" in text
-    assert text.endswith(f"\n\n{report.APART}\n## Rotations\n\nfirst\n")
-    report.write_block("## Rotations\n\nsecond\n")
-    assert "first" not in page.read_text() and page.read_text().startswith(text.split("##")[0])
+    assert text.endswith(f"\n\n{turned}")
+    report.write_block("arms", "## Arms\n\nthird\n")
+    armed = f"\n{report.MARK.format('arms')}\n## Arms\n\nthird\n"
+    assert page.read_text() == text + armed
+    report.write_block("rotations", "## Rotations\n\nsecond\n")
+    assert page.read_text() == (text + armed).replace("first", "second")

@@ -14,7 +14,8 @@ from ..graph.count import operations
 from ..graph.differentiate import Columns, Forward, gradient, reachable
 from ..graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from ..graph.pushed import pushed
-from ..graph.solve import Solution, solve
+from ..graph.residues import Residues
+from ..graph.solve import UNROLLED_OPERATIONS, Solution, elimination_order, solve
 from ..record import record
 from .attitudes import gyroscopic, slopes
 from .quantities import symbols
@@ -115,10 +116,10 @@ def _symmetric_matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
 
 
 def shortest(
-    g: Graph, lagrangian: Node, motion: Motion, wanted: Wanted
+    g: Graph, lagrangian: Node, motion: Motion, wanted: Wanted, mass_read: bool = False
 ) -> tuple[Motion, Solution | None]:
     """The same in the form of fewest operations, with M a = f solved if that is wanted: by M, or
-    from L itself where that costs less."""
+    from L itself where that costs less. `mass_read`: whether M is part of what is solved later."""
     n = len(motion.force)
     triangle = [motion.mass[i][j] for i in range(n) for j in range(i, n)]
     outputs = [*triangle, *motion.force]
@@ -131,17 +132,23 @@ def shortest(
             canonical = fewest(g, settled(g, canonical))
         if wanted("gradient"):
             slope = fewest(g, settled(g, slope))
-    found = []
-    for form in forms(g, outputs, thorough, short_kept=not thorough):
-        mass, force = _symmetric(form, n), tuple(form[-n:])
-        solution = solve(g, mass, force) if wanted("acceleration", "singularity") else None
-        cost = operations(g, [*form, *(solution.accelerations if solution else ())])
-        found.append((cost, len(found), mass, force, solution))
-    _, _, mass, force, solution = min(found)
-    if wanted("acceleration", "singularity"):
-        along = pushed(g, lagrangian, symbols(g, Kind.RATE, n), force)
-        if along is not None and _operations(g, along, mass) < _operations(g, solution, mass):
-            solution = along
+    mass, force = _symmetric(outputs, n), tuple(outputs[-n:])
+    solved = wanted("acceleration", "singularity")
+    solution = None
+    if solved and not mass_read and not wanted("mass", "canonical") and not wanted.linear(n):
+        solution = _without_mass(g, lagrangian, mass, force)
+    if solution is None:
+        found = []
+        for form in forms(g, outputs, thorough, short_kept=not thorough):
+            mass, force = _symmetric(form, n), tuple(form[-n:])
+            solution = solve(g, mass, force) if solved else None
+            cost = operations(g, [*form, *(solution.accelerations if solution else ())])
+            found.append((cost, len(found), mass, force, solution))
+        _, _, mass, force, solution = min(found)
+        if solved:
+            along = pushed(g, lagrangian, symbols(g, Kind.RATE, n), force)
+            if along is not None and _operations(g, along, mass) < _operations(g, solution, mass):
+                solution = along
     if solution is not None and thorough:
         shorter = fewest(g, [*solution.accelerations, *solution.pivots], thorough=False)
         solution = Solution(tuple(shorter[:n]), tuple(shorter[n:]), solution.sizes)
@@ -155,13 +162,32 @@ def shortest(
     ), solution
 
 
+def _without_mass(g: Graph, lagrangian: Node, mass: Matrix, force: Row) -> Solution | None:
+    """From L, where that costs less than a loop over M, whatever M itself costs: then proofs alone
+    read M, and its form may be long. A pivot that vanishes is left to M, which says why."""
+    n = len(force)
+    if elimination_order(g, mass)[1] <= UNROLLED_OPERATIONS:
+        return None
+    found = pushed(g, lagrangian, symbols(g, Kind.RATE, n), force)
+    if found is None or _operations(g, found, mass) >= _looped(n) // 2:
+        return None
+    residues = Residues(g)
+    residues.learn(found.pivots)
+    return found if all(map(residues, found.pivots)) else None
+
+
 def _operations(g: Graph, solution: Solution | None, mass: Matrix) -> int:
     """With what the pivots are judged by; where M a = f is left to a loop, whose operations take
     half the time, half of its."""
     if solution is None:
-        return (operations(g, [x for row in mass for x in row]) + len(mass) ** 3 // 3) // 2
+        return (operations(g, [x for row in mass for x in row]) + _looped(len(mass))) // 2
     sizes = solution.sizes or (row[i] for i, row in enumerate(mass))
     return operations(g, [*solution.accelerations, *solution.pivots, *sizes])
+
+
+def _looped(n: int) -> int:
+    """Operations of a loop that solves M a = f."""
+    return n**3 // 3
 
 
 def _symmetric(triangle: list[Node], n: int) -> Matrix:

@@ -86,7 +86,8 @@ def derived(
     """
     raw = motion_of(g, energies, forces, rate_of, attitudes)
     check(raw)
-    motion, solution = shortest(g, energies.lagrangian, raw, wanted)
+    bound = bool(states) or rows is not None
+    motion, solution = shortest(g, energies.lagrangian, raw, wanted, bound)
     check(motion)
     free, constraints = motion, None
     if rows is not None:
