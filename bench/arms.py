@@ -37,16 +37,18 @@ from .turns import Runner, Timing, take_turns
 FOLDER = SOURCES / "arms"
 SIZES = (3, 6, 12, 20, 40, 100)
 GOALS = {6: 0.3, 20: 0.5, 100: 1.0}  # of Pinocchio's time
+WHAT = ("acceleration", "mass", "force")
+WITH_MASS = 20  # joints: of more, C that writes M is long
 AGREE = 1e-10  # of the largest number of a state
 OWN, ABA, FORWARD = "pkgen", "Pinocchio's aba()", "MuJoCo's mj_forward()"
 ABA_WORLD = f"{ABA}, world frames"
 IN_PYTHON = ", called from Python"
 HOW = """Written by `python -m bench arms --docs`. An arm of N revolute joints in space, each link
-.3 m long, with a centre of mass and one moment of inertia: µs of its accelerations at given q, q' and no
-torque, of 64 states in turn, medians of {rounds} rounds in which all take turns, each way's fastest
-build. Ratios are formed round by round: median [quartiles]. In the same run the accelerations, M
-(`crba()`, `mj_fullM()`) and f (`rnea()`, `qfrc_bias`) of three states agree within {agree} of the
-largest number of each.
+.3 m long, with a centre of mass and one moment of inertia: µs of its accelerations at given q, q'
+and no torque, of 64 states in turn, medians of {rounds} rounds in which all take turns, each way's
+fastest build. Ratios are formed round by round: median [quartiles]. In the same run the
+accelerations of three states, and of up to {most} joints M (`crba()`, `mj_fullM()`) and f
+(`rnea()`, `qfrc_bias`), agree within {agree} of the largest number of each.
 
 All are called from C or C++ in the same loop. Pinocchio's templates are compiled here, from the
 headers of its wheel `pin`, by g++ and clang++ with the flags that pkgen's C has and by g++ -O3
@@ -77,7 +79,7 @@ def main(words: list[str]) -> int:
     text = "\n\n".join([times(found), ratios(found), *missing_of(refused)])
     print(text)
     if options.docs:
-        how = HOW.format(rounds=rounds, agree=f"{AGREE:g}", empty=empty())
+        how = HOW.format(rounds=rounds, agree=f"{AGREE:g}", most=WITH_MASS, empty=empty())
         said = "\n".join(here.lines())
         report.write_block("arms", f"## Serial arms\n\n{how}\n\n{said}\n\n{text}\n")
     broken = [f"{name}: {why}" for name, why in refused.items() if isinstance(why, Broken)]
@@ -135,13 +137,20 @@ def _ways(n: int) -> dict[str, Callable]:
     }
 
 
+def _what(n: int) -> tuple[str, ...]:
+    """What is compared."""
+    return WHAT if n <= WITH_MASS else WHAT[:1]
+
+
 def _own(n: int, title: str, builds: Sequence[Build], seconds: float) -> list[Runner]:
     """The accelerations; M and f are of another build, with their kernels alone."""
-    kernels = ("acceleration", "mass,force")
-    programs = [each_build(tuple(builds), partial(_compiled, n, kernel)) for kernel in kernels]
+    kernels = dict.fromkeys(_what(n), "mass,force") | {WHAT[0]: WHAT[0]}
+    programs = {k: each_build(tuple(builds), partial(_compiled, n, k)) for k in kernels.values()}
     return [
-        _runner(title, str(build), {"acceleration": a, "mass": b, "force": b}, n, "-", "-", seconds)
-        for build, a, b in zip(builds, *programs, strict=True)
+        _runner(
+            title, str(b), {w: programs[k][i] for w, k in kernels.items()}, n, "-", "-", seconds
+        )
+        for i, b in enumerate(builds)
     ]
 
 
@@ -185,7 +194,7 @@ def _pinocchio(n: int, frames: str, title: str, _: object, seconds: float) -> li
 
     paths = each_build(dynamics.PINOCCHIO_BUILDS, make)
     return [
-        _runner(title, str(build), dict.fromkeys(WHAT, path), n, str(arm), frames, seconds)
+        _runner(title, str(build), dict.fromkeys(_what(n), path), n, str(arm), frames, seconds)
         for build, path in zip(dynamics.PINOCCHIO_BUILDS, paths, strict=True)
     ]
 
@@ -205,10 +214,7 @@ def _mujoco(n: int, title: str, builds: Sequence[Build], seconds: float) -> list
         ("-std=c11", "-isystem", str(headers)),
         (str(library), f"-Wl,-rpath,{library.parent}"),
     )
-    return [_runner(title, "its wheel", dict.fromkeys(WHAT, path), n, str(model), "-", seconds)]
-
-
-WHAT = ("acceleration", "mass", "force")
+    return [_runner(title, "its wheel", dict.fromkeys(_what(n), path), n, str(model), "-", seconds)]
 
 
 def _runner(
@@ -217,7 +223,7 @@ def _runner(
     checked: list[list[float]] = []
 
     def run() -> tuple[float, list]:
-        for what in WHAT[1:] if not checked else ():
+        for what in _what(n)[1:] if not checked else ():
             checked.append(_said(programs[what], what, n, file, word, 0.0)[1])
         nanoseconds, numbers = _said(programs[WHAT[0]], WHAT[0], n, file, word, seconds)
         return nanoseconds, [numbers, *checked]

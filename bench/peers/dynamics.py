@@ -1,7 +1,8 @@
 """Pinocchio and MuJoCo, of which an arm's dynamics are asked: from C++ and C, and from Python.
 
 Pinocchio's templates are compiled here, from the headers of its wheel and of Eigen's, so that it
-has the compilers and flags of all others; the wheel's own build, which Python calls, is measured too.
+has the compilers and flags of all others; the wheel's own build, which Python calls, is measured
+too.
 """
 
 from __future__ import annotations
