@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .graph.graph import Graph, Node
+from .graph.solve import Pivots
 from .model import Model
 from .record import record
 from .source import Span
@@ -90,7 +91,7 @@ class Hamiltonian:
     by_p: Row
     by_q: Row
     applied: Row  # Q - dD/dv there
-    pivots: Row  # of M, which is solved for v
+    pivots: Pivots  # of M, which is solved for v
 
 
 @record
@@ -162,7 +163,7 @@ class Constraints:
     rows: Matrix  # J
     residual: Row  # J v + j0
     multipliers: Row
-    pivots: tuple[tuple[Node, Node], ...]  # of S = J M^-1 J^T, each beside its diagonal entry
+    pivots: Pivots  # of S = J M^-1 J^T, each beside its diagonal entry
     free_applied: Row
     free_pdot: Row
     free_force: Row
@@ -218,8 +219,7 @@ class Equations:
     mass: Matrix
     force: Row  # f
     acceleration: Row | None  # None: not asked for, or too large: solve M a = f in a loop
-    pivots: Row | None  # D of M = L D L^T by coordinate, in whatever order eliminated
-    sizes: Row | None  # what a pivot is small beside; None: M's diagonal
+    pivots: Pivots | None  # D of M = L D L^T by coordinate, in whatever order eliminated
     p_q: Matrix | None  # None, like the next two, where the kernel is not asked for
     pdot_q: Matrix | None
     pdot_v: Matrix | None

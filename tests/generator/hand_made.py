@@ -166,7 +166,6 @@ def make(
         force=force,
         acceleration=solution and solution.accelerations,
         pivots=solution and solution.pivots,
-        sizes=None,
         p_q=jacobian(momenta, world.q, Kind.COORDINATE),
         pdot_q=jacobian(slope, world.q, Kind.COORDINATE),
         pdot_v=jacobian(slope, world.v, Kind.RATE),

@@ -9,10 +9,12 @@ import random
 import numpy as np
 import pytest
 from conftest import long_but
+from pkgen.compiler import compile_model
 from pkgen.front.check.check import check_text
+from pkgen.graph.differentiate import Columns, Forward, gradient
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.frames import DEEP
-from pkgen.graph.graph import Kind, Symbol
+from pkgen.graph.graph import BIT, ONE, ZERO, Kind, Symbol
 from pkgen.graph.pushed import pushed
 from pkgen.middle.derive.derive import derive
 from pkgen.middle.quantities import symbols
@@ -75,8 +77,12 @@ def state(draw: random.Random, n: int) -> dict[Symbol, float]:
 
 
 def kernels(e) -> list:
-    rows = [e.momenta, e.pdot, e.force, e.acceleration, e.pivots, (e.energy,)]
+    rows = [e.momenta, e.pdot, e.force, e.acceleration, (e.energy,)]
     return [*rows, *e.mass, *e.p_q, *e.pdot_q, *e.pdot_v]
+
+
+def pivots(of) -> list:
+    return [pivot for pivot, _ in of.pivots]
 
 
 @pytest.mark.parametrize("seed", long_but(range(3), range(12)))
@@ -92,13 +98,12 @@ def test_whole_chains_are_their_pieces(seed):
     for _ in range(3):
         values = state(draw, links)
         for a, b in zip(kernels(whole), kernels(pieces), strict=True):
-            if a is whole.pivots:  # of whatever order of elimination: the determinant
-                continue
             left = np.array(evaluate(whole.graph, a, values))
             right = np.array(evaluate(pieces.graph, b, values))
             scale = max(1, abs(right).max(initial=0))
             assert abs(left - right).max(initial=0) < 1e-9 * scale
-        both = [np.prod(evaluate(e.graph, e.pivots, values)) for e in (whole, pieces)]
+        # Of whatever order of elimination: the determinant.
+        both = [np.prod(evaluate(e.graph, pivots(e), values)) for e in (whole, pieces)]
         assert math.isclose(*both, rel_tol=1e-8) and both[0] > 0
 
 
@@ -116,7 +121,7 @@ def test_pushing_solves_for_the_accelerations(seed):
         f = np.array(evaluate(g, e.force, values))
         a = np.array(evaluate(g, found.accelerations, values))
         assert abs(M @ a - f).max() < 1e-9 * max(1, abs(f).max()) and abs(f).max() > 1e-3
-        d = evaluate(g, found.pivots, values)
+        d = evaluate(g, pivots(found), values)
         assert min(d) > 0 and math.isclose(np.prod(d), np.linalg.det(M), rel_tol=1e-8)
 
 
@@ -133,11 +138,47 @@ def test_a_pivot_that_cancels_is_small_beside_its_size():
     values = state(random.Random(1), 4)
 
     def least() -> float:
-        pairs = zip(
-            evaluate(g, found.pivots, values), evaluate(g, found.sizes, values), strict=True
-        )
+        pairs = (evaluate(g, pair, values) for pair in found.pivots)
         return min(pivot / size for pivot, size in pairs)
 
     assert 1e-3 < least() < 1.1
     values[Symbol(Kind.COORDINATE, 1)] = 1e-9
     assert abs(least()) < 1e-15
+
+
+def test_parameters_in_axes_and_fixed_angles_are_no_constants_of_derivatives_by_them():
+    chain = "rot([0, 0, 1], q1)*rot([a, b, 1], q2)*rot([1, 0, 0], a)*rot([0, 1, 0], q3)"
+    text = HEAD + "coord q1\ncoord q2\ncoord q3\n" + f"let d = {chain}*[1, 2, 3]\n"
+    text += "kinetic q1'^2 + q2'^2 + q3'^2\npotential m*(d.x + d.y*d.z)\n"
+    e = equations(text)
+    g, by, mask = e.graph, Symbol(Kind.PARAMETER, 0), BIT[Kind.PARAMETER]
+    assert g.frames.entries
+    values = state(random.Random(3), 3)
+    moved = [values | {by: values[by] + h} for h in (1e-5, -1e-5)]
+    up, down = (evaluate(g, [e.potential], v)[0] for v in moved)
+    slope = (up - down) / 2e-5
+    symbol = g.symbol(by)
+    ways = [
+        gradient(g, e.potential, mask)[symbol],
+        Columns(g, [e.potential], mask).column(symbol)[e.potential],
+        Forward(g, mask, lambda node: ONE if node == symbol else ZERO)(e.potential),
+    ]
+    assert abs(slope) > 0.1
+    assert evaluate(g, ways, values) == pytest.approx([slope] * 3, rel=1e-8)
+
+
+def test_masses_may_depend_on_a_state():
+    """What a pivot is small beside is then a function of the state too."""
+    links = range(1, 15)
+    text = "model arm\nstate s [1]\nrate s = -0.3*s\nstart s = 1\n"
+    text += "".join(f"coord q{k}\n" for k in links) + "let p0 = [0, 0, 0]\n"
+    chain = ""
+    for k in links:
+        chain += f"rot({AXES[k % 3]}, q{k})*"
+        text += f"let p{k} = p{k - 1} + {chain}[0.1, 0, 0.3]\n"
+        text += f"kinetic (1 + s^2)/2*dot(p{k}', p{k}') + q{k}'^2/10\npotential 9.81*p{k}.z\n"
+    made = compile_model(Source("arm.lag", text), kernels=frozenset({"acceleration"}))
+    known = made.program.equations.pivots
+    g = made.program.equations.graph
+    sizes = [size for _, size in known if g.depends[size] & BIT[Kind.RATE]]
+    assert len(sizes) == 14 and not any(g.depends[x] & BIT[Kind.STATE] for x in sizes)

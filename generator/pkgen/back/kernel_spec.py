@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from ..equations import Equations, Matrix, Row
 from ..graph.graph import ZERO, Graph, Node, Op
+from ..graph.solve import Pivots
 from ..record import record
 from .targets import CHECK, FILL, STORE, Output, Target
 
@@ -31,7 +32,7 @@ class KernelSpec:
     def hints(self, equations: Equations) -> Iterator[Hint]:
         """Names for values that mean something to a reader, if they become locals."""
         if self.name == "acceleration":
-            yield from _named("D", equations.pivots or ())
+            yield from _named("D", tuple(pivot for pivot, _ in equations.pivots or ()))
         if equations.mass:
             for i, row in enumerate(equations.mass):
                 for j in range(i + 1):
@@ -49,18 +50,16 @@ def stores(name: str, row: Row) -> list[Target]:
     return [Target(STORE, f"{name}[{i}]", (node,)) for i, node in enumerate(row)]
 
 
-def _pivot_checks(
-    graph: Graph, failure: str, pivots: Iterable[tuple[Node, Node]]
-) -> Iterator[Target]:
-    """That each pivot is positive beside its diagonal entry, where that is not known."""
+def pivot_checks(graph: Graph, failure: str, pivots: Pivots) -> Iterator[Target]:
+    """That each pivot is positive beside what it is small beside, where that is not known."""
     checked: set[tuple[Node, Node]] = set()
-    for number, (pivot, diagonal) in enumerate(pivots):
+    for number, (pivot, beside) in enumerate(pivots):
         positive = graph.op[pivot] is Op.NUMBER and graph.data[pivot] > 0  # type: ignore[operator]
-        if positive or (pivot, diagonal) in checked:
+        if positive or (pivot, beside) in checked:
             continue
-        checked.add((pivot, diagonal))
-        nodes = (pivot,) if pivot == diagonal else (pivot, diagonal)
-        text = "{0} > 0" if pivot == diagonal else "{0} > PK_PIVOT_MIN * {1}"
+        checked.add((pivot, beside))
+        nodes = (pivot,) if pivot == beside else (pivot, beside)
+        text = "{0} > 0" if pivot == beside else "{0} > PK_PIVOT_MIN * {1}"
         yield Target(
             CHECK,
             f"PK_FAILED(PK_FAILURE_{failure}, {number})",
@@ -68,13 +67,6 @@ def _pivot_checks(
             text,
             operations=("*",) if len(nodes) > 1 else (),
         )
-
-
-def pivot_checks(equations: Equations, pivots: Row, sizes: Row | None) -> list[Target]:
-    mass = equations.inertia or equations.mass
-    sizes = sizes or tuple(row[i] for i, row in enumerate(mass))
-    pairs = list(zip(pivots, sizes, strict=False))
-    return list(_pivot_checks(equations.graph, "MASS", pairs))
 
 
 def vectors(
@@ -139,4 +131,4 @@ def row_checks(equations: Equations) -> list[Target]:
     """That the rows of constraints do not depend on each other."""
     if equations.constraints is None:
         return []
-    return list(_pivot_checks(equations.graph, "CONSTRAINT", equations.constraints.pivots))
+    return list(pivot_checks(equations.graph, "CONSTRAINT", equations.constraints.pivots))

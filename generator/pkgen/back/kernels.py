@@ -70,7 +70,7 @@ def _acceleration_targets(equations: Equations) -> list[Target]:
     """Every pivot is tested before anything is written."""
     if equations.acceleration is None:
         return []
-    checks = pivot_checks(equations, equations.pivots or (), equations.sizes)
+    checks = [*pivot_checks(equations.graph, "MASS", equations.pivots or ())]
     checks += row_checks(equations)
     return checks + stores("a", equations.acceleration)
 
@@ -122,7 +122,7 @@ _SPECS = (
         lambda e: (Output("a", len(e.coordinates), 1),),
         _acceleration_targets,
         "int",
-        kept=lambda e: [*(e.pivots or ()), *e.force],
+        kept=lambda e: [*(pivot for pivot, _ in e.pivots or ()), *e.force],
     ),
     symmetric("mass", "M = dp/dv", lambda e: e.mass),
     vector("force", "f = pdot - (dp/dq) v - dp/dt", "f", lambda e: e.force),

@@ -17,7 +17,7 @@ def _canonical(name: str, says: str, rows: Callable[[Hamiltonian], dict[str, Row
 
     def targets(e: Equations) -> list[Target]:
         written = (stores(where, row) for where, row in rows(e.hamiltonian).items())
-        return sum(written, pivot_checks(e, e.hamiltonian.pivots, None))
+        return sum(written, [*pivot_checks(e.graph, "MASS", e.hamiltonian.pivots)])
 
     def exists(e: Equations) -> bool:
         return e.hamiltonian is not None and any(

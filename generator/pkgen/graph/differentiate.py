@@ -75,7 +75,7 @@ class Forward:
 
     def __call__(self, output: Node) -> Node:
         g, known, mask = self.graph, self.known, self.mask
-        entries = g.frames.entries
+        entries = g.frames.turning(mask)
         stack = [output]
         while stack:
             node = stack[-1]
@@ -131,6 +131,7 @@ class Columns:
     def __init__(self, g: Graph, outputs: Iterable[Node], mask: int):
         self.graph = g
         outputs = list(outputs)
+        self.entries = g.frames.turning(mask)
         self.order = reachable(g, outputs, mask)
         self.users: dict[Node, list[Node]] = {node: [] for node in self.order}
         for node in self.order:
@@ -163,7 +164,7 @@ class Columns:
         known = {symbol: ONE}
         influenced.remove(symbol)
         args, get = g.args, known.get
-        turning, entries = Turning(g, lambda angle: get(angle, ZERO)), g.frames.entries
+        turning, entries = Turning(g, lambda angle: get(angle, ZERO)), self.entries
         for node in sorted(influenced):
             if node in entries:
                 known[node] = turning(node)
@@ -176,7 +177,7 @@ def gradient(g: Graph, output: Node, mask: int) -> dict[Node, Node]:
     """One reverse sweep: the derivatives of a scalar by every symbol in the mask."""
     adjoint: dict[Node, Node] = {output: ONE}
     result: dict[Node, Node] = {}
-    torques, entries = Torques(g), g.frames.entries
+    torques, entries = Torques(g), g.frames.turning(mask)
     for node in reversed(reachable(g, [output], mask)):
         for angle, slope in torques.angles(node):
             adjoint[angle] = g.add(adjoint.get(angle, ZERO), slope)

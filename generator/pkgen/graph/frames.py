@@ -11,115 +11,85 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..record import record
-from .nodes import ONE, ZERO, Node, Nodes
+from .frame_table import ROOT, Frame, Turn, Vector3
+from .graph import ONE, ZERO, Graph, Node
 
-Vector3 = tuple[Node, Node, Node]
-Turn = tuple[Vector3, Node]  # a unit vector fixed in the frame before, and an angle
 DEEP = 3  # turns; of fewer the entries are short themselves
-ROOT = -1  # what does not turn
 UNITS: tuple[Vector3, ...] = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 
 
-@record
-class Frame:
-    """`axis` is that of the last turn, as seen from outside all; `first` the least of the entries
-    that are its own, not those of a frame before."""
-
-    parent: int
-    axis: Vector3
-    angle: Node
-    first: Node
-
-
-def cross(g: Nodes, a: Vector3, b: Vector3) -> Vector3:
+def cross(g: Graph, a: Vector3, b: Vector3) -> Vector3:
     return tuple(
         g.subtract(g.multiply(a[i], b[j]), g.multiply(a[j], b[i]))
         for i, j in ((1, 2), (2, 0), (0, 1))
     )
 
 
-def dot(g: Nodes, a: Vector3, b: Vector3) -> Node:
+def dot(g: Graph, a: Vector3, b: Vector3) -> Node:
     return g.sum(g.multiply(i, j) for i, j in zip(a, b, strict=True))
 
 
-def added(g: Nodes, a: Vector3, b: Vector3) -> Vector3:
+def added(g: Graph, a: Vector3, b: Vector3) -> Vector3:
     return tuple(g.add(i, j) for i, j in zip(a, b, strict=True))
 
 
-def combined(g: Nodes, columns: tuple[Vector3, ...], a: Vector3) -> Vector3:
+def combined(g: Graph, columns: tuple[Vector3, ...], a: Vector3) -> Vector3:
     """The vector whose components along the columns are those of a."""
     rows = zip(*columns, strict=True)
     return tuple(g.sum(g.multiply(c, i) for c, i in zip(row, a, strict=True)) for row in rows)
 
 
-class Frames:
-    """Those of a graph; `entries` has by node its frame, a vector fixed in that, and which of its
-    components the node is."""
+def columns(
+    g: Graph, turns: tuple[Turn, ...], turned: Callable[..., Vector3]
+) -> tuple[Vector3, ...]:
+    """Those of the product of the turns; `turned` is that of a vector by one of them."""
+    frame: int | None = ROOT
+    found, known = UNITS, g.frames.known
+    for k, (axis, angle) in enumerate(turns):
+        key = turns[: k + 1]
+        if key not in known:
+            local = tuple(turned(g, axis, angle, unit) for unit in UNITS)
+            made = tuple(combined(g, found, a) for a in local)
+            if frame is not None:
+                frame = _frame(g, frame, combined(g, found, axis), angle, made, k)
+            known[key] = frame, made
+        frame, found = known[key]
+    return found
 
-    def __init__(self) -> None:
-        self.all: list[Frame] = []
-        self.entries: dict[Node, tuple[int, Vector3, int]] = {}
-        self.own: set[Node] = set()
-        self.known: dict[tuple[Turn, ...], tuple[int | None, tuple[Vector3, ...]]] = {}
 
-    def copy(self) -> Frames:
-        result = Frames()
-        for name, value in vars(self).items():
-            setattr(result, name, value.copy())
-        return result
-
-    def columns(
-        self, g: Nodes, turns: tuple[Turn, ...], turned: Callable[..., Vector3]
-    ) -> tuple[Vector3, ...]:
-        """Those of the product of the turns; `turned` is that of a vector by one of them."""
-        frame: int | None = ROOT
-        columns = UNITS
-        for k, (axis, angle) in enumerate(turns):
-            key = turns[: k + 1]
-            if key not in self.known:
-                local = tuple(turned(g, axis, angle, unit) for unit in UNITS)
-                made = tuple(combined(g, columns, a) for a in local)
-                if frame is not None:
-                    frame = self._frame(g, frame, combined(g, columns, axis), angle, made, k)
-                self.known[key] = frame, made
-            frame, columns = self.known[key]
-        return columns
-
-    def _frame(
-        self,
-        g: Nodes,
-        parent: int,
-        axis: Vector3,
-        angle: Node,
-        columns: tuple[Vector3, ...],
-        before: int,
-    ) -> int | None:
-        """That of the last turn, the parent's where its angle is constant; None where a gradient
-        could not be swept frame by frame, since an entry stood there before."""
-        fixed = g.is_constant(angle)
-        places = {
-            node: (parent if fixed else len(self.all), column, i)
-            for column in columns
-            for i, node in enumerate(column)
-            if not g.is_constant(node) and node not in self.own
-        }
-        lowest = max(angle, ZERO if parent == ROOT else self.all[parent].first)
-        if not fixed and (not places or min(places) <= lowest):
-            return None
-        self.own.update(places)
-        if before + 1 >= DEEP:
-            self.entries.update(places)
-        if fixed:
-            return parent
-        self.all.append(Frame(parent, axis, angle, min(places)))
-        return len(self.all) - 1
+def _frame(
+    g: Graph,
+    parent: int,
+    axis: Vector3,
+    angle: Node,
+    columns: tuple[Vector3, ...],
+    before: int,
+) -> int | None:
+    """That of the last turn, the parent's where its angle is constant; None where a gradient
+    could not be swept frame by frame, since an entry stood there before."""
+    frames, fixed = g.frames, g.is_constant(angle)
+    places = {
+        node: (parent if fixed else len(frames.all), column, i)
+        for column in columns
+        for i, node in enumerate(column)
+        if not g.is_constant(node) and node not in frames.own
+    }
+    lowest = max(angle, ZERO if parent == ROOT else frames.all[parent].first)
+    if not fixed and (not places or min(places) <= lowest):
+        return None
+    frames.own.update(places)
+    if before + 1 >= DEEP:
+        frames.entries.update(places)
+    if fixed:
+        return parent
+    frames.all.append(Frame(parent, axis, angle, min(places)))
+    return len(frames.all) - 1
 
 
 class Turning:
     """How frames turn along one direction, given the changes of their angles."""
 
-    def __init__(self, g: Nodes, change: Callable[[Node], Node]):
+    def __init__(self, g: Graph, change: Callable[[Node], Node]):
         self.graph = g
         self.change = change
         self.known: dict[int, Vector3] = {ROOT: (ZERO, ZERO, ZERO)}
@@ -147,7 +117,7 @@ class Turning:
 class Torques:
     """A gradient's parts by the entries of frames, which are swept from the deepest."""
 
-    def __init__(self, g: Nodes):
+    def __init__(self, g: Graph):
         self.graph = g
         self.pulls: dict[int, dict[Vector3, list[Node]]] = {}
         self.torque: dict[int, Vector3] = {}

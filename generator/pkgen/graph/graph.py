@@ -20,7 +20,7 @@ from functools import reduce
 
 from ..functions import FUNCTIONS
 from .constants import fits, raised, square_part
-from .frames import Frames
+from .frame_table import Frames
 from .like_terms import merge
 from .monomials import merged, without_reciprocals
 from .nodes import (

@@ -105,8 +105,7 @@ def pushed(g: Graph, lagrangian: Node, rates: Row, force: Row) -> Solution | Non
         form.push(rate, value)
     steps: list[_Eliminated] = []
     most = len(g) + NODES * len(rates)
-    pivots: dict[Node, Node] = {}
-    sizes: dict[Node, Node] = {}
+    pivots: dict[Node, tuple[Node, Node]] = {}
     for node in _from_the_leaves(g, order):
         if len(g) > most:
             return None
@@ -116,10 +115,9 @@ def pushed(g: Graph, lagrangian: Node, rates: Row, force: Row) -> Solution | Non
         pivot = form.rows.get(node, {}).get(node, ZERO)
         if pivot == ZERO:
             return None
-        pivots[node], sizes[node] = pivot, form.sizes.pop(node, ZERO)
+        pivots[node] = pivot, form.sizes.pop(node, ZERO)
         steps.append(form.eliminate(node, pivot, g.power(pivot, -1)))
-    accelerations = _backward(g, steps, rates)
-    return Solution(accelerations, *(tuple(x[rate] for rate in rates) for x in (pivots, sizes)))
+    return Solution(_backward(g, steps, rates), tuple(pivots[rate] for rate in rates))
 
 
 def _from_the_leaves(g: Graph, order: list[Node]) -> Iterator[Node]:

@@ -14,6 +14,7 @@ from .graph import ZERO, Graph, Node
 from .residues import PRIME, Residues
 
 Row = tuple[Node, ...]
+Pivots = tuple[tuple[Node, Node], ...]  # each beside what it is small beside: M's diagonal, say
 
 # Up to 20 coordinates with a dense M. There the loop in C is as fast for one state, but unrolled
 # code takes lanes several times as fast; beyond, it compiles for too long.
@@ -30,11 +31,10 @@ class SingularMass(Exception):
 
 @record
 class Solution:
-    """By coordinate; `sizes` are what a pivot is small beside, None where that is M's diagonal."""
+    """By coordinate."""
 
     accelerations: Row
-    pivots: Row
-    sizes: Row | None = None
+    pivots: Pivots
 
 
 @record
@@ -56,6 +56,11 @@ class Factors:
             found.append(entry)
         return found
 
+    def beside(self, mass: tuple[Row, ...]) -> Pivots:
+        """The pivots by coordinate, each beside its entry of the diagonal of M."""
+        pivots = dict(zip(self.order, self.pivots, strict=True))
+        return tuple((pivots[i], row[i]) for i, row in enumerate(mass))
+
     def backward(self, g: Graph, z: list[Node]) -> Row:
         """a with D L^T a = z, by coordinate."""
         result: list[Node] = [ZERO] * len(z)
@@ -76,10 +81,7 @@ def solve(g: Graph, mass: tuple[Row, ...], force: Row) -> Solution | None:
     found = factors(g, mass, order)
     if found is None:
         return None
-    pivots: list[Node] = [ZERO] * len(force)
-    for row, pivot in zip(order, found.pivots, strict=True):
-        pivots[row] = pivot
-    return Solution(found.backward(g, found.forward(g, force)), tuple(pivots))
+    return Solution(found.backward(g, found.forward(g, force)), found.beside(mass))
 
 
 def factors(g: Graph, mass: tuple[Row, ...], order: list[int]) -> Factors | None:

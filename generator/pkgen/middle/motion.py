@@ -150,8 +150,9 @@ def shortest(
             if along is not None and _operations(g, along, mass) < _operations(g, solution, mass):
                 solution = along
     if solution is not None and thorough:
-        shorter = fewest(g, [*solution.accelerations, *solution.pivots], thorough=False)
-        solution = Solution(tuple(shorter[:n]), tuple(shorter[n:]), solution.sizes)
+        pivots, sizes = zip(*solution.pivots, strict=True)
+        shorter = fewest(g, [*solution.accelerations, *pivots], thorough=False)
+        solution = Solution(tuple(shorter[:n]), tuple(zip(shorter[n:], sizes, strict=True)))
     return Motion(
         momenta=tuple(canonical[:n]),
         gradient=tuple(slope),
@@ -172,8 +173,9 @@ def _without_mass(g: Graph, lagrangian: Node, mass: Matrix, force: Row) -> Solut
     if found is None or _operations(g, found, mass) >= _looped(n) // 2:
         return None
     residues = Residues(g)
-    residues.learn(found.pivots)
-    return found if all(map(residues, found.pivots)) else None
+    pivots = [pivot for pivot, _ in found.pivots]
+    residues.learn(pivots)
+    return found if all(map(residues, pivots)) else None
 
 
 def _operations(g: Graph, solution: Solution | None, mass: Matrix) -> int:
@@ -181,8 +183,7 @@ def _operations(g: Graph, solution: Solution | None, mass: Matrix) -> int:
     half the time, half of its."""
     if solution is None:
         return (operations(g, [x for row in mass for x in row]) + _looped(len(mass))) // 2
-    sizes = solution.sizes or (row[i] for i, row in enumerate(mass))
-    return operations(g, [*solution.accelerations, *solution.pivots, *sizes])
+    return operations(g, [*solution.accelerations, *sum(solution.pivots, ())])
 
 
 def _looped(n: int) -> int:

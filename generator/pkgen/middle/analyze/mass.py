@@ -24,7 +24,7 @@ def definite(equations: Equations) -> bool:
     pivots = equations.pivots
     if pivots is not None:
         normal = Normal(g, work=WORK)
-        if all(_positive(g, ranges, normal, pivot) for pivot in pivots):
+        if all(_positive(g, ranges, normal, pivot) for pivot, _ in pivots):
             return True
     return _by_squares(g, ranges, equations)
 

@@ -21,7 +21,15 @@ from ...equations import Constraints, Matrix, Row, Rows
 from ...graph.differentiate import Forward, gradient
 from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node
 from ...graph.normal import Normal
-from ...graph.solve import Factors, SingularMass, Solution, elimination_order, factors, solve
+from ...graph.solve import (
+    Factors,
+    Pivots,
+    SingularMass,
+    Solution,
+    elimination_order,
+    factors,
+    solve,
+)
 from ..motion import RATES, Motion
 from ..quantities import symbols
 
@@ -133,7 +141,7 @@ def _row(g: Graph, rows: Rows, k: int, v: Row) -> Row:
 
 def _solved(
     g: Graph, motion: Motion, factored: Factors, J: Matrix, gamma: list[Node], more: Matrix
-) -> tuple[Row, Solution, tuple[tuple[Node, Node], ...], Matrix]:
+) -> tuple[Row, Solution, Pivots, Matrix]:
     """The multipliers, the accelerations with the pivots of M, the pivots of S, and what `more`
     rows are as sums of these."""
     columns = [factored.forward(g, row) for row in J]
@@ -179,13 +187,8 @@ def _solved(
         g.add(f, g.sum(map(g.multiply, (column[i] for column in columns), multipliers)))
         for i, f in enumerate(force)
     ]
-    pivots: list[Node] = [ZERO] * len(force)
-    for row, pivot in zip(factored.order, factored.pivots, strict=True):
-        pivots[row] = pivot
-    diagonal = (S[k][k] for k in range(count))
-    beside = tuple(zip(found.pivots, diagonal, strict=True))
-    solution = Solution(factored.backward(g, z), tuple(pivots))
-    return multipliers, solution, beside, tuple(shares)
+    solution = Solution(factored.backward(g, z), factored.beside(motion.mass))
+    return multipliers, solution, found.pivots, tuple(shares)
 
 
 def _workless(g: Graph, rows: Rows, J: Matrix, v: Row) -> bool:

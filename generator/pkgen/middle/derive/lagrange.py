@@ -60,7 +60,6 @@ class Derived:
             "energy": self.energy,
             "acceleration": found and found.accelerations,
             "pivots": found and found.pivots,
-            "sizes": found and found.sizes,
             "linear": self.linear,
             "state_rates": self.state_rates,
             "constraints": self.constraints,
@@ -127,9 +126,8 @@ def singularities(
         acceleration = solution.accelerations
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
-    return singularities_of(
-        g, e.parameters, motion.mass, outputs, solution and solution.pivots, naming(e)
-    )
+    pivots = [pivot for pivot, _ in solution.pivots] if solution else ()
+    return singularities_of(g, e.parameters, motion.mass, outputs, pivots, naming(e))
 
 
 def located(equations: Equations) -> Equations:

@@ -115,7 +115,7 @@ def as_rates(
         **vars(motion),
         **jacobians,
         acceleration=acceleration,
-        pivots=None if e.pivots is None else (*there(e.pivots), *[ONE] * count),
+        pivots=None if e.pivots is None else (*map(there, e.pivots), *[(ONE, ONE)] * count),
         inertia=_with_unit(_matrix(e.mass, there), count) if solved or own else None,
         linear=linear_of(g, motion) if wanted.linear(n + count) else None,
         singularities=tuple(replace(x, node=there([x.node])[0]) for x in e.singularities),
@@ -191,7 +191,7 @@ def _constraints(constraints: Constraints | None, there, count: int) -> Constrai
         rows=tuple((*there(row), *(ZERO,) * count) for row in c.rows),
         residual=there(c.residual),
         multipliers=there(c.multipliers),
-        pivots=tuple((*there(pair),) for pair in c.pivots),
+        pivots=tuple(map(there, c.pivots)),
         redundant=more
         and replace(more, positions=there(more.positions), residual=there(more.residual)),
         redundant_rows=tuple((*there(row), *(ZERO,) * count) for row in c.redundant_rows),

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from ... import limits
 from ...functions import FUNCTIONS
-from ...graph.frames import DEEP, combined, cross, dot
+from ...graph.frames import DEEP, columns, combined, cross, dot
 from ...graph.graph import ONE, ZERO, Graph, Node
 from ...indices import assignments
 from ...tree import (
@@ -123,7 +123,7 @@ def _turned(x: Names, expr: Call, loop: Loop) -> Vector3:
         inner = inner.arguments[2]
     vector = x.value(inner, loop)
     if len(turns) >= DEEP and all(g.is_constant(i) for axis, _ in turns for i in axis):
-        return combined(g, g.frames.columns(g, tuple(turns), _rotate), vector)
+        return combined(g, columns(g, tuple(turns), _rotate), vector)
     for axis, angle in reversed(turns):
         vector = _rotate(g, axis, angle, vector)
     return vector

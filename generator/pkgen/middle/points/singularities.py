@@ -14,7 +14,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterable, Iterator
 
-from ...equations import Matrix, ParameterSlot, Quantity, Row, Singularity
+from ...equations import Matrix, ParameterSlot, Quantity, Singularity
 from ...functions import FUNCTIONS
 from ...functions.interval import INF, Range
 from ...functions.row import COORDINATES, DIVISOR, ROOT
@@ -37,12 +37,12 @@ def singularities_of(
     parameters: tuple[ParameterSlot, ...],
     mass: Matrix,
     outputs: Iterable[Node],
-    pivots: Row | None,
+    pivots: Iterable[Node],
     name: Callable[[Symbol], str],
 ) -> tuple[Singularity, ...]:
     """The singularities of the equations that `outputs` are; those of the chart first."""
     ranges = Ranges(g, [bounds_of(g, slot) for slot in parameters])
-    of_mass = {i: p for i, p in enumerate(pivots or ()) if g.depends[p] & VARIABLE}
+    of_mass = {i: p for i, p in enumerate(pivots) if g.depends[p] & VARIABLE}
     charts: dict[Node, None] = {}
     motions: dict[Node, str] = {}
     unsure: dict[Node, int] = {}
