@@ -12,13 +12,16 @@ from pathlib import Path
 
 import pytest
 from building import expression, links, model
+from pkgen.front.check.check import check_text
 from pkgen.graph.count import operations
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import BIT, MINUS_ONE, ZERO, Kind, Op, Symbol
 from pkgen.middle.derive.derive import derive
 from pkgen.middle.quantities import per_second
+from pkgen.source import ModelError, Source
 
 MASS_AND_FORCE = frozenset({"mass", "force"})
+A = frozenset({"acceleration"})
 
 
 def cost(equations) -> int:
@@ -114,6 +117,38 @@ def test_along_a_tree_the_work_grows_with_its_links(count):
     """Some 60 operations a link of a pendulum, however many there are."""
     e = derive(links(count), MASS_AND_FORCE | {"acceleration"})
     assert 40 * count < operations(e.graph, e.acceleration) < 65 * count
+
+
+def test_m_that_only_proofs_read_is_the_same_matrix_in_a_longer_form():
+    read, unread = (
+        derive(links(30), kernels) for kernels in (MASS_AND_FORCE | {"acceleration"}, A)
+    )
+    assert cost(read) < cost(unread) and read.acceleration and unread.acceleration
+    draw = random.Random(30)
+    values = {
+        Symbol(kind, i): draw.uniform(0.5, 1.5)
+        for kind in (Kind.COORDINATE, Kind.RATE, Kind.PARAMETER)
+        for i in range(61)
+    }
+    for rows in ("mass", "force", "acceleration"):
+        found = []
+        for e in (read, unread):
+            of = getattr(e, rows)
+            nodes = [x for row in of for x in row] if rows == "mass" else list(of)
+            found.append(evaluate(e.graph, nodes, values))
+        assert found[1] == pytest.approx(found[0], rel=1e-9, abs=1e-9) and max(found[0]) > 0.1
+
+
+def test_m_that_nobody_reads_is_seen_to_be_singular():
+    """Where the sum that two rates are in is one combination of them, by an identity alone."""
+    text = "model both\nparam m = 1.5\ncoord x, y, q[1..24]\nsize N = 24\n"
+    text += "let p[0] = 0\nlet p[i = 1..N] = p[i-1] + sin(q[i])\n"
+    text += "let z[0] = 0\nlet z[i = 1..N] = z[i-1] + cos(q[i])\n"
+    text += "kinetic sum(p[i]'^2 + z[i]'^2, i = 1..N)\n"
+    text += "kinetic ((m^2 - 1)*x' + (m - 1)*y')*((m + 1)*x' + y')\n"
+    with pytest.raises(ModelError) as wrong:
+        derive(check_text(Source("both.lag", text))[0], A)
+    assert "has no inertia of its own" in wrong.value.diagnostics[0].message
 
 
 def test_kernels_not_asked_for_are_skipped():
