@@ -119,11 +119,13 @@ def test_along_a_tree_the_work_grows_with_its_links(count):
     assert 40 * count < operations(e.graph, e.acceleration) < 65 * count
 
 
-def test_m_that_only_proofs_read_is_the_same_matrix_in_a_longer_form():
+def test_m_that_only_proofs_read_is_the_same_matrix_with_less_work():
     read, unread = (
         derive(links(30), kernels) for kernels in (MASS_AND_FORCE | {"acceleration"}, A)
     )
-    assert cost(read) < cost(unread) and read.acceleration and unread.acceleration
+    assert len(unread.graph) < len(read.graph)
+    few, same = (operations(e.graph, e.acceleration) for e in (read, unread))
+    assert 1000 < same <= few
     draw = random.Random(30)
     values = {
         Symbol(kind, i): draw.uniform(0.5, 1.5)

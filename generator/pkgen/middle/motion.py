@@ -136,7 +136,7 @@ def shortest(
     solved = wanted("acceleration", "singularity")
     solution = None
     if solved and not mass_read and not wanted("mass", "canonical") and not wanted.linear(n):
-        solution = _without_mass(g, lagrangian, mass, force)
+        solution, force = _without_mass(g, lagrangian, mass, force)
     if solution is None:
         found = []
         for form in forms(g, outputs, thorough, short_kept=not thorough):
@@ -150,9 +150,11 @@ def shortest(
             if along is not None and _operations(g, along, mass) < _operations(g, solution, mass):
                 solution = along
     if solution is not None and thorough:
-        pivots, sizes = zip(*solution.pivots, strict=True)
-        shorter = fewest(g, [*solution.accelerations, *pivots], thorough=False)
-        solution = Solution(tuple(shorter[:n]), tuple(zip(shorter[n:], sizes, strict=True)))
+        of = solution.pivots
+        outputs = [*solution.accelerations, *(pivot for pivot, _ in of)]
+        shorter = fewest(g, outputs, thorough=False)
+        pivots = zip(shorter[n:], (size for _, size in of), strict=True)
+        solution = Solution(tuple(shorter[:n]), tuple(pivots))
     return Motion(
         momenta=tuple(canonical[:n]),
         gradient=tuple(slope),
@@ -163,19 +165,22 @@ def shortest(
     ), solution
 
 
-def _without_mass(g: Graph, lagrangian: Node, mass: Matrix, force: Row) -> Solution | None:
+def _without_mass(
+    g: Graph, lagrangian: Node, mass: Matrix, force: Row
+) -> tuple[Solution | None, Row]:
     """From L, where that costs less than a loop over M, whatever M itself costs: then proofs alone
     read M, and its form may be long. A pivot that vanishes is left to M, which says why."""
     n = len(force)
     if elimination_order(g, mass)[1] <= UNROLLED_OPERATIONS:
-        return None
-    found = pushed(g, lagrangian, symbols(g, Kind.RATE, n), force)
+        return None, force
+    short = tuple(min(forms(g, list(force), False, True), key=lambda form: operations(g, form)))
+    found = pushed(g, lagrangian, symbols(g, Kind.RATE, n), short)
     if found is None or _operations(g, found, mass) >= _looped(n) // 2:
-        return None
+        return None, force
     residues = Residues(g)
     pivots = [pivot for pivot, _ in found.pivots]
     residues.learn(pivots)
-    return found if all(map(residues, pivots)) else None
+    return (found, short) if all(map(residues, pivots)) else (None, force)
 
 
 def _operations(g: Graph, solution: Solution | None, mass: Matrix) -> int:
