@@ -16,6 +16,7 @@ from pkgen.front.check.check import check_text
 from pkgen.graph.count import operations
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import BIT, MINUS_ONE, ZERO, Kind, Op, Symbol
+from pkgen.middle import motion
 from pkgen.middle.derive.derive import derive
 from pkgen.middle.quantities import per_second
 from pkgen.source import ModelError, Source
@@ -119,11 +120,10 @@ def test_along_a_tree_the_work_grows_with_its_links(count):
     assert 40 * count < operations(e.graph, e.acceleration) < 65 * count
 
 
-def test_m_that_only_proofs_read_is_the_same_matrix_with_less_work():
-    read, unread = (
-        derive(links(30), kernels) for kernels in (MASS_AND_FORCE | {"acceleration"}, A)
-    )
-    assert len(unread.graph) < len(read.graph)
+def test_m_that_only_proofs_read_is_the_same_matrix_with_less_work(monkeypatch):
+    read = derive(links(30), MASS_AND_FORCE | A)
+    monkeypatch.setattr(motion, "solve", None)  # nor is it solved
+    unread = derive(links(30), A)
     few, same = (operations(e.graph, e.acceleration) for e in (read, unread))
     assert 1000 < same <= few
     draw = random.Random(30)
