@@ -78,11 +78,11 @@ def main(words: list[str]) -> int:
         refused |= missing
     text = "\n\n".join([times(found), ratios(found), *missing_of(refused)])
     print(text)
-    if options.docs:
+    broken = [f"{name}: {why}" for name, why in refused.items() if isinstance(why, Broken)]
+    if options.docs and not broken:
         how = HOW.format(rounds=rounds, agree=f"{AGREE:g}", most=WITH_MASS, empty=empty())
         said = "\n".join(here.lines())
         report.write_block("arms", f"## Serial arms\n\n{how}\n\n{said}\n\n{text}\n")
-    broken = [f"{name}: {why}" for name, why in refused.items() if isinstance(why, Broken)]
     for why in broken:
         _say(f"bench: failed: {why}")
     return 1 if broken else 0
@@ -288,7 +288,7 @@ def ratios(found: dict[int, dict[str, Timing]]) -> str:
         cells = []
         for n, timings in found.items():
             there = [timings[title] for title in peers if title in timings]
-            if not there:
+            if not there or OWN not in timings:
                 cells.append("-")
                 continue
             best = min(there, key=lambda x: x.median)

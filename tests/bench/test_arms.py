@@ -4,7 +4,6 @@ of the links; the forms that other packages read beside the model. No time is as
 from __future__ import annotations
 
 import xml.etree.ElementTree as Xml
-from functools import partial
 
 import numpy as np
 import pytest
@@ -116,9 +115,12 @@ def test_who_is_not_installed_is_left_out_with_a_word(monkeypatch) -> None:
     def missing(*_):
         raise builds.Unavailable("pin is not installed")
 
-    monkeypatch.setattr(arms, "_ways", lambda n: {arms.OWN: partial(fake), arms.ABA: missing})
+    monkeypatch.setattr(arms, "_ways", lambda n: {arms.OWN: fake, arms.ABA: missing})
     found, refused = arms.measured(6, [BUILD], 3, 0.0)
     assert arms.missing_of(refused) == [f"- {arms.ABA}: pin is not installed"]
+    assert arms.ratios({6: found}).splitlines()[2].split("|")[2].strip() == "-"
+    monkeypatch.setattr(arms, "_ways", lambda n: {arms.OWN: missing, arms.ABA: fake})
+    found, _ = arms.measured(6, [BUILD], 3, 0.0)
     assert arms.ratios({6: found}).splitlines()[2].split("|")[2].strip() == "-"
 
 
