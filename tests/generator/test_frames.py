@@ -16,6 +16,7 @@ from pkgen.graph.evaluate import evaluate
 from pkgen.graph.frames import DEEP
 from pkgen.graph.graph import BIT, ONE, ZERO, Kind, Symbol
 from pkgen.graph.pushed import pushed
+from pkgen.middle import motion
 from pkgen.middle.derive.derive import derive
 from pkgen.middle.quantities import symbols
 from pkgen.source import Source
@@ -24,8 +25,8 @@ AXES = ["[0, 0, 1]", "[0, 1, 0]", "[1, 0, 0]", "[1, 2, 2]", "[0, 3, -4]", "[a, b
 HEAD = "model tree\nparam a = 0.4\nparam b = -0.7\nparam m = 1.3 in (0, inf)\n"
 
 
-def equations(text: str):
-    return derive(check_text(Source("tree.lag", text))[0])
+def equations(text: str, *kernels: str):
+    return derive(check_text(Source("tree.lag", text))[0], frozenset(kernels) or None)
 
 
 def angle(draw: random.Random, k: int) -> str:
@@ -36,15 +37,15 @@ def angle(draw: random.Random, k: int) -> str:
     return draw.choice(forms)
 
 
-def tree(draw: random.Random, links: int, whole: bool) -> str:
+def tree(draw: random.Random, links: int, whole: bool, arm: bool = False) -> str:
     """Links, each on a random earlier one. Where chains are not `whole`, a vector is turned by two
-    of their turns at a time."""
+    of their turns at a time. An `arm` is one chain, each turn by a coordinate of its own."""
     text = HEAD + "".join(f"coord q{k}\n" for k in range(1, links + 1))
     chains: list[list[str]] = [[]]
     text += "let w0 = [0, 0, 0]\nlet p0 = [0, 0, 0]\n"
     for k in range(1, links + 1):
-        on = draw.randint(max(0, k - 2), k - 1)
-        axis, turn = draw.choice(AXES), angle(draw, k)
+        on = k - 1 if arm else draw.randint(max(0, k - 2), k - 1)
+        axis, turn = draw.choice(AXES), f"q{k}" if arm else angle(draw, k)
         before = chains[on]
         chain = [*before, f"rot({axis}, {turn})"]
         chains.append(chain)
@@ -123,6 +124,28 @@ def test_pushing_solves_for_the_accelerations(seed):
         assert abs(M @ a - f).max() < 1e-9 * max(1, abs(f).max()) and abs(f).max() > 1e-3
         d = evaluate(g, pivots(found), values)
         assert min(d) > 0 and math.isclose(np.prod(d), np.linalg.det(M), rel_tol=1e-8)
+
+
+@pytest.mark.parametrize("seed", long_but(range(1), range(5)))
+def test_of_many_links_that_no_kernel_has_m_of(seed, monkeypatch):
+    """The accelerations by L alone; M, which proofs read, and f are those of all kernels."""
+    draw = random.Random(200 + seed)
+    links = draw.randint(22, 26)
+    text = tree(draw, links, True, arm=True)
+    read = equations(text, "mass", "force")
+    monkeypatch.setattr(motion, "_looped", lambda n: 10**9)  # as of twice as many
+    monkeypatch.setattr(motion, "solve", None)
+    e = equations(text, "acceleration")
+    for _ in range(2):
+        values = state(draw, links)
+        M, same = (np.array([evaluate(x.graph, row, values) for row in x.mass]) for x in (e, read))
+        f, again = (np.array(evaluate(x.graph, x.force, values)) for x in (e, read))
+        a = np.array(evaluate(e.graph, e.acceleration, values))
+        assert abs(M - same).max() < 1e-10 * abs(M).max()
+        assert abs(f - again).max() < 1e-9 * abs(f).max()
+        assert abs(M @ a - f).max() < 1e-8 * abs(f).max() and abs(f).max() > 1
+        d = evaluate(e.graph, pivots(e), values)
+        assert min(d) > 0 and math.isclose(np.prod(d), np.linalg.det(M), rel_tol=1e-6)
 
 
 def test_a_pivot_that_cancels_is_small_beside_its_size():

@@ -21,7 +21,7 @@ from .graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
 from .solve import Row, Solution
 
 RATES = BIT[Kind.RATE]
-NODES = 1000  # new ones a rate: a link in space takes some 300, what couples densely far more
+NODES = 2000  # new ones a rate: a link in space takes 300 to 1,300, what couples densely far more
 
 
 @record

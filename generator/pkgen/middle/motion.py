@@ -180,7 +180,7 @@ def _without_mass(
     residues = Residues(g)
     pivots = [pivot for pivot, _ in found.pivots]
     residues.learn(pivots)
-    return (found, short) if all(map(residues, pivots)) else (None, force)
+    return (None, force) if 0 in map(residues, pivots) else (found, short)
 
 
 def _operations(g: Graph, solution: Solution | None, mass: Matrix) -> int:
