@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import random
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -183,8 +184,10 @@ WRONG = {
     "no link": ("<robot/>", "no link"),
     "no name": ("<robot><link/></robot>", "no 'name'"),
     "number": (link(inside=heavy("heavy")), "is no number"),
-    "nan": (link(inside=heavy("nan")), "is not finite"),
-    "inf": (link(inside=heavy("1e999")), "is not finite"),
+    "nan": (link(inside=heavy("nan")), "is no number"),
+    "inf": (link(inside=heavy("1e999")), "is too large"),
+    "underscore": (link(inside=heavy("1_0")), "is no number"),
+    "other digits": (link(inside=heavy("\u0661")), "is no number"),
     "two numbers": (link(inside=heavy("1 2")), "is one number, not 2"),
     "negative mass": (link(inside=heavy("-1")), "the mass of 'a' is negative"),
     "negative inertia": (link(inside=heavy("1", "-1")), "has a negative moment"),
@@ -341,3 +344,16 @@ def test_robots_of_others_as_pinocchio_has_them(robot):
     wanted = pinocchio.aba(own, own.createData(), q, v, np.zeros(own.nv))[order]
     found = np.array(evaluate(e.graph, e.acceleration, symbols))
     assert abs(found - wanted).max() < 1e-12 * abs(wanted).max()
+
+
+def test_many_names_that_are_one(tmp_path):
+    """Links whose names are one once they are of the language: no time is lost on them."""
+    many = range(4000)
+    links = "".join(link(f"{chr(0x4E00 + k)}") for k in many)
+    inside = heavy("1")
+    xml = f"<robot name='r'>{links}{link('last', inside)}"
+    xml += "".join(joint(f"{chr(0x4E00 + k)}", chr(0x4E00), chr(0x4E00 + k), "fixed")
+                   for k in many[1:])  # fmt: skip
+    began = time.process_time()
+    text = text_of(tmp_path, xml + joint("j", chr(0x4E00), "last") + "</robot>")
+    assert text.count("\nbody ") == 4001 and time.process_time() - began < 10

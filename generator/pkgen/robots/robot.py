@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import count
 
 from .. import limits
 from ..front.words import C_HEADERS, reserved, symbols_of
@@ -69,18 +70,19 @@ class Names:
 
     def __init__(self) -> None:
         self.taken = set(TAKEN)
+        self.numbers: dict[str, count[int]] = {}  # the next one behind a name that is taken
 
     def new(self, name: str, suffixes: Iterable[str] = (), other: str = "") -> str:
         base = re.sub(r"\W", "_", name, flags=re.ASCII)[: limits.NAME_LENGTH - 12] or "link"
         base = base if base[0].isalpha() and not base.startswith("p_") else f"x_{base}"
-        forms = [base, f"{base}_{other}"] if other else [base]
-        forms += [f"{base}_{k}" for k in range(2, len(self.taken) + 3)]
-        for form in forms:
+        form = base
+        while True:
             all_ = {form, *(form + suffix for suffix in suffixes)}
             if not reserved(form) and not all_ & self.taken:
                 self.taken |= all_
                 return form
-        raise AssertionError("one of so many is free")
+            form = f"{base}_{other or next(self.numbers.setdefault(base, count(2)))}"
+            other = ""
 
 
 def text(robot: Robot, file: str) -> str:

@@ -3,12 +3,16 @@ declared, grow or reach outside; depth and count are limited, and nothing recurs
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
+
+LARGEST = 1e100
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 @dataclass
@@ -39,12 +43,12 @@ class Element:
         if default and name not in self.attributes:
             return default
         words = self.text(name).split()
-        try:
-            found = tuple(float(word) for word in words)
-        except ValueError:
-            raise self.wrong(f'{name}="{self.attributes[name][:40]}" is no number') from None
-        if not all(abs(x) < 1e100 for x in found):
-            raise self.wrong(f'{name}="{self.attributes[name][:40]}" is not finite')
+        shown = self.attributes[name][:40]
+        if not all(_NUMBER.fullmatch(word) for word in words):
+            raise self.wrong(f'{name}="{shown}" is no number')
+        found = tuple(float(word) for word in words)
+        if not all(abs(x) < LARGEST for x in found):
+            raise self.wrong(f'{name}="{shown}" is too large')
         if len(found) != count:
             numbers = "one number" if count == 1 else f"{count} numbers"
             raise self.wrong(f"'{name}' of <{self.tag}> is {numbers}, not {len(found)}")
