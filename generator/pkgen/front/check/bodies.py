@@ -273,7 +273,8 @@ class Bodies(BodyParts):
                 broken = True
         if self.waiting and not broken:
             names = [joint.name[0] for joint in self._circle()]
-            message = f"the joints {', '.join(names)} go round in a circle, without the ground"
+            shown = ", ".join(names[:8]) + ", …" * (len(names) > 8)
+            message = f"the joints {shown} go round in a circle, without the ground"
             self.report.error(message, self.waiting[0].span, _LOOP)
 
     def _circle(self) -> list[st.Joint]:
