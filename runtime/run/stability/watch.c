@@ -23,7 +23,7 @@ void stability_watch_begin(struct pk_stability *s, struct watched *w)
 {
     struct memory *memory = &s->run->memory;
     const size_t size = pk_monitor_size(&s->problem);
-    *w = (struct watched){.lost = HUGE_VAL, .exchange = NAN, .moved = NAN, .follows = NAN};
+    *w = (struct watched){.lost = HUGE_VAL, .exchange = (double)NAN, .moved = (double)NAN, .follows = (double)NAN};
     w->share = memory_take(memory, 2 * s->n, sizeof *w->share);
     w->swift = w->share + s->n;
     w->block = memory_take(memory, size + 1, 1);

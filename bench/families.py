@@ -1,0 +1,161 @@
+"""`python -m bench families [--docs]`: what families kept as loops can do, beside their members
+written out.
+
+A row a feature: the model with a few members as loops and as straight-line code, the largest
+difference of a recorded number relative to the largest of its kind (integrators that choose their
+steps by rounding are held to a tolerance of 1e-13); and with many members the time of a run, a
+member and an evaluation of the accelerations (a tolerance of LOOSE). Exit code 4 if a difference is above SAME.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import machine, tables
+from .systems import ROOT
+
+PAGE = ROOT / "docs" / "families.md"
+BEGIN = "<!-- python -m bench families --docs -->\n"
+END = "<!-- end of families -->\n"
+SAME = 1e-11
+HEAD = ("feature", "members", "off", "members", "method", "evaluations", "ns a member", "seconds")
+LOOSE = "1e-8"
+TIGHT = ("--method", "dop853", "--rtol", "1e-13")
+# Up to how many coordinates members are written out.
+RUN = "import sys; from pkgen.scenes import lengths; lengths.UNROLL = lengths.UNROLL_MEMBERS = {}\n"
+RUN += "from pkgen.__main__ import main; sys.exit(main(sys.argv[1:]))"
+
+FPUT = """\
+param k = 1
+coord q[1..N]
+fixed q[0] = 0, q[N+1] = 0
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum(k*(q[i+1] - q[i])^2/2 + (q[i+1] - q[i])^3/12, i = 0..N)
+start q[i = 1..N] = sin(pi*i/(N + 1))
+"""
+PENDULUMS = """\
+coord q[1..N]
+fixed q[0] = 0, q[N+1] = 2*pi
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum((q[i+1] - q[i])^2/2, i = 0..N) + sum(0.01*(1 - cos(q[i])), i = 1..N)
+start q[i = 1..N] = 4*atan(exp(0.1*(i - N/2)))
+"""
+HEAT = """\
+state u[1..N]
+fixed u[0] = cos(t)
+free u[N+1]
+rate u[i = 1..N] = u[i-1] - 2*u[i] + u[i+1] - u[i]^3
+start u[i = 1..N] = sin(i)
+"""
+DASHPOTS = """\
+coord q[1..N]
+state e[1..N]
+fixed q[0] = 0
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum((q[i] - q[i-1])^2/2 + (q[i] - q[i-1] - e[i])^2/4, i = 1..N)
+rate e[i = 1..N] = q[i] - q[i-1] - e[i]
+start q[N] = 1
+"""
+KURAMOTO = """\
+param w[i = 1..N] = 0.5*sin(7*i)
+state a[1..N]
+rate a[i = 1..N] = w[i] + 1.5/N*sum(sin(a[j] - a[i]), j = 1..N)
+start a[i = 1..N] = 3*cos(5*i)
+"""
+MEMBERS = "k,q[1]\n" + "".join(f"{1 + k / 100},{k / 50}\n" for k in range(50))
+
+
+@dataclass(frozen=True)
+class Case:
+    feature: str
+    text: str
+    many: int
+    until: float
+    words: tuple[str, ...] = TIGHT
+    members: str = ""
+
+
+CASES = (
+    Case("a few members recorded", FPUT, 100_000, 20, (*TIGHT, "--record", "q[1],q[N]',energy")),
+    Case("events of members and sums", FPUT + "event half: q[3] falling\n", 100_000, 20),
+    Case("ensembles", FPUT, 1000, 20, ("--method", "verlet", "--step", "0.01"), MEMBERS),
+    Case("states alone", HEAT, 100_000, 5),
+    Case("states beside coordinates", DASHPOTS, 100_000, 5),
+    Case("sums over all in rates", KURAMOTO, 1000, 2),
+    Case("gauss", PENDULUMS, 10_000, 20, ("--method", "gauss", "--rtol", "1e-13")),
+)
+FEW = 20
+
+
+def ran(case: Case, size: int, unrolled: int, folder: Path) -> tuple[list[list[float]], dict]:
+    """Rows at ten times, and the report."""
+    model, out = folder / "model.lag", folder / "rows.csv"
+    model.write_text(f"model family\nsize N = {size}\n{case.text}")
+    # Of many members differences of neighbours are rounded by more than a tight tolerance.
+    words = [word.replace("[N]", f"[{size}]") for word in case.words]
+    words = [LOOSE if size > FEW and word == "1e-13" else word for word in words]
+    if case.members:
+        (folder / "members.csv").write_text(case.members)
+        words += ["--ensemble", folder / "members.csv", "--threads", 1]
+    if size > FEW and "--record" not in words:
+        words += ["--record", re.search(r"(?:coord|state) (\w+)", case.text)[1] + "[1]"]
+    words += ["--until", case.until, "--every", case.until / 10, "--json", "-o", out]
+    command = [sys.executable, "-c", RUN.format(unrolled), "run", model, *words]
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"bench: {case.feature}: {done.stdout}{done.stderr}")
+    with out.open() as file:
+        rows = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
+    return rows, json.loads(done.stdout)["report"]
+
+
+def judged(case: Case) -> tuple[float, tuple[str, ...]]:
+    """How far loops are from members written out; the row."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        loops, written = (ran(case, FEW, n, folder)[0] for n in (0, 10**6))
+        size = max(abs(x) for row in written for x in row[1 + bool(case.members) :])
+        off = max(
+            abs(x - y) / size
+            for one, other in zip(loops, written, strict=True)
+            for x, y in zip(one, other, strict=True)
+        )
+        report = ran(case, case.many, 0, folder)[1]
+    if case.members:  # of steps of Verlet, one evaluation each
+        steps = round(case.until / 0.01) * report["members"]
+        calls, method = steps, report["method"]
+    else:
+        calls, method = report["evaluations"], report["method"]
+    each = report["seconds"] / calls / case.many * 1e9
+    return off, (
+        *(case.feature, f"{FEW}", f"{off:.1e}", f"{case.many:,}", method, f"{calls:,}"),
+        *(f"{each:.2g}", f"{report['seconds']:.2g}"),
+    )
+
+
+def main(arguments: list[str]) -> int:
+    parser = argparse.ArgumentParser(prog="python -m bench families", description=__doc__)
+    parser.add_argument("--docs", action="store_true")
+    options = parser.parse_args(arguments)
+    found = []
+    for case in CASES:
+        found.append(judged(case))
+        print(" | ".join(found[-1][1]), flush=True)
+    text = tables.table(HEAD, [row for _, row in found])
+    print(text)
+    if options.docs:
+        before, mark, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
+        if not mark:
+            raise SystemExit(f"bench: {PAGE} has no line {BEGIN}")
+        here = "; ".join(machine.describe().lines())
+        after = rest.partition(END)[2]
+        PAGE.write_text(f"{before}{BEGIN}\n{here}.\n\n{text}\n{END}{after}", encoding="utf-8")
+    return 4 if any(off > SAME for off, _ in found) else 0
