@@ -4,7 +4,8 @@ written out.
 A row a feature: the model with a few members as loops and as straight-line code, the largest
 difference of a recorded number relative to the largest of its kind (integrators that choose their
 steps by rounding are held to a tolerance of 1e-13); and with many members the time of a run, a
-member and an evaluation of the accelerations (a tolerance of LOOSE). Exit code 4 if a difference is above SAME.
+member and an evaluation of the accelerations (a tolerance of LOOSE). Exit code 4 if a difference is
+above SAME.
 """
 
 from __future__ import annotations
