@@ -105,7 +105,7 @@ MJCF = """<mujoco model="m"><compiler angle="radian"/><option gravity="0 0 -9.81
 <worldbody><geom type="plane"/><body name="a" pos="0.1 0.2 0.3" quat="0.8 0.6 0 0">
 <inertial pos="0.1 0 0.2" mass="1.2" diaginertia="0.3 0.2 0.1" quat="0.6 0 0.8 0"/>
 <joint name="h" type="hinge" axis="0 1 0" pos="0 0 0.1" range="-1 1"/>
-<joint name="s" type="slide" axis="1 0 0"/><geom size="1"/>
+<joint name="s" type="slide" axis="1 0 0" pos="0.2 0 0"/><geom size="1"/>
 <body name="b" pos="0 0 0.5" euler="0.1 0.2 0.3"><inertial pos="0 0.1 0" mass="0.7"
  fullinertia="0.2 0.3 0.4 0.01 0.02 0.03"/><joint name="r" type="ball" pos="0.1 0 0"/></body>
 </body></worldbody><actuator/></mujoco>"""
@@ -120,11 +120,11 @@ def test_mjcf_moves_as_it_says(tmp_path):
     at = np.array([0.1, 0.2, 0.3]) + q @ [0, 0, 0.1]
     links = [
         Link("h", -1, "revolute", np.eye(3)[1], at, about_x, 0, zero, 0 * full, ["h"]),
-        Link("s", 0, "prismatic", np.eye(3)[0], np.array([0, 0, -0.1]), [], 1.2,
-             np.array([0.1, 0, 0.2]), own @ np.diag([0.3, 0.2, 0.1]) @ own.T, ["s"]),
+        Link("s", 0, "prismatic", np.eye(3)[0], np.array([0.2, 0, -0.1]), [], 1.2,
+             np.array([-0.1, 0, 0.2]), own @ np.diag([0.3, 0.2, 0.1]) @ own.T, ["s"]),
     ]  # fmt: skip
     euler = [((1, 0, 0), 0.1), ((0, 1, 0), 0.2), ((0, 0, 1), 0.3)]
-    at = np.array([0, 0, 0.5]) + matrix(euler) @ [0.1, 0, 0]
+    at = np.array([-0.2, 0, 0.5]) + matrix(euler) @ [0.1, 0, 0]
     com = np.array([-0.1, 0.1, 0])
     links.append(Link("b", 1, "spherical", zero, at, euler, 0.7, com, full, [], "r"))
     found, wanted = accelerations(text_of(tmp_path, MJCF), links)

@@ -168,6 +168,22 @@ def test_wording_reads_as_written(text):
     assert len(wording(g, g.power(g.sum([node] * 3), 7), lambda s: "long_name" * 9)) == 60
 
 
+def test_a_wording_of_what_is_shared_takes_no_time():
+    """Each node of the tower uses the one below it twice: as a tree it has 2^50 leaves."""
+    g = Graph()
+    node = g.symbol(Symbol(Kind.COORDINATE, 0))
+    for _ in range(50):
+        node = g.add(g.call("sin", node), g.call("cos", node))
+    asked = 0
+
+    def name(symbol: Symbol) -> str:
+        nonlocal asked
+        asked += 1
+        return "x"
+
+    assert wording(g, node, name).endswith("...") and asked < 10
+
+
 def test_a_parameter_as_exponent_is_a_singularity_where_it_is_negative():
     equations, _ = read_text("model m\nparam n = 2\ncoord x\nkinetic x'^2/2\npotential x^n/2\n")
     ((singularity),) = equations.singularities
