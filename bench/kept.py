@@ -118,7 +118,7 @@ def _judged(case: Case, path: str, options: Sequence[str], charted: bool) -> Jud
         code = command(words)
     found = Judged(case.name, case.kind, UNKNOWN, 0.0)
     if code not in (0, 4):
-        return replace(found, why=err.getvalue().strip()[-200:])
+        return replace(found, why=(err.getvalue() or out.getvalue()).strip()[-200:])
     if code == 4:
         return replace(found, verdict=ENDS, why=err.getvalue().strip().splitlines()[-1][-200:])
     said = json.loads(out.getvalue())["accuracy"]

@@ -199,11 +199,11 @@ CASES = (
     Case("circuit", "circuit.lag", "until 50; accuracy 1e-8; record a, b every 0.1"),
     Case("decay", "decay.lag", "until 10; accuracy 1e-10; record q, q' every 0.5", quick=True),
     # stiff
-    Case("van der pol", "van_der_pol.lag", "until 30; accuracy 1e-6; record q every 0.1"),
+    Case("van der pol", "van_der_pol.lag", "until 30; accuracy 1e-6; record x every 0.1"),
     Case(
         "van der pol stiff",
         "van_der_pol.lag",
-        "set mu = 1000; until 1500; accuracy 1e-4; record q every 10",
+        "set mu = 1000; until 1500; accuracy 1e-4; record x every 10",
     ),
     Case("follow", "follow.lag", "until 10; accuracy 1e-6; record q every 0.1"),
     Case("stiff pair", "stiff_pair.lag", "until 10; accuracy 1e-5; record a every 0.1"),
