@@ -252,3 +252,13 @@ def test_every_model_is_described_and_has_its_drawing(path: Path) -> None:
     assert not found["drawing"]["default"] and found["drawing"]["shapes"]
     again = run_pkgen("describe", path, "--json")
     assert again.stdout == done.stdout
+
+
+def test_bodies_without_a_drawing_are_bobs_at_their_centres(pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "swing.lag"
+    body = "body b mass 1 at [0, 0, -1]\njoint j: ground to b revolute [0, 1, 0]\n"
+    model.write_text(f"model swing\ngravity [0, 0, -9.81]\n{body}")
+    done = pkgen("describe", model, "--json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)["drawing"]
+    assert found["shapes"][0]["kind"] == "bob"

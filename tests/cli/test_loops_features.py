@@ -162,3 +162,35 @@ def test_states_and_events_of_loops_are_those_of_members_written_out(seed: int, 
         assert one == pytest.approx(other, rel=1e-9, abs=1e-10), text
     for one, other in zip(told["events"], said["events"], strict=True):
         assert one["times"] == pytest.approx(other["times"], abs=1e-8), text
+
+
+FOLLOWING = """\
+model following
+size N = {size}
+param w[i = 1..N] = i
+param M = w[2]
+param m[i = 1..N] = w[i] + M
+coord q[1..N]
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum(w[i]*q[i]^2*m[i], i = 1..N)
+observe s = m[2] + 100*m[1] + 10000*m[4]
+"""
+
+
+@pytest.mark.parametrize("size", [16, 20])
+def test_members_that_follow_given_members_follow_them(size: int, pkgen, tmp_path: Path) -> None:
+    """w[2] is given, and so is another member of m, which follows w by M and by itself."""
+    model = tmp_path / "following.lag"
+    model.write_text(FOLLOWING.format(size=size))
+    words = ("--until", 1, "--every", 1, "--record", "s", "--method", "rk4", "--step", 0.1)
+    done = pkgen("run", model, *words, "--set", "w[2]=3", "--set", "m[4]=7")
+    assert rows(done.stdout)[-1][1] == 6 + 100 * 4 + 10000 * 7, done.stderr
+
+
+def test_jumping_rates_are_written_out(pkgen, tmp_path: Path) -> None:
+    """Their switches are located, which loops do not: rk4 would chatter about 0 in silence."""
+    model = tmp_path / "jumps.lag"
+    rest = "rate u[i = 1..N] = -sign(u[i])\nstart u[i = 1..N] = sin(i)\n"
+    model.write_text(f"model jumps\nsize N = 20\nstate u[1..N]\n{rest}")
+    done = pkgen("run", model, "--until", 2, "--method", "rk4", "--step", 0.01)
+    assert done.returncode == 4 and "the motion stays on u[3] = 0" in done.stderr

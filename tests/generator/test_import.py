@@ -17,7 +17,7 @@ from pkgen.robots.read import imported
 from pkgen.robots.turns import matrix as matrix_of
 from pkgen.robots.turns import of_quaternion, of_roll_pitch_yaw
 from pkgen.source import ModelError, Source
-from test_bodies import state_of
+from test_body_statements import state_of
 from trees_of_bodies import Link, Motion, turn
 from trees_of_bodies import of_quaternion as quaternion
 
@@ -237,6 +237,14 @@ MJCF_WRONG = {
     "class": ('<joint class="x"/>', "classes of defaults"),
     "type": ('<joint type="x"/>', "no joint type 'x'"),
     "axis": ('<joint axis="0 0 0"/>', "the zero vector"),
+    "frame": (
+        "<worldbody><frame><body/></frame></worldbody>",
+        "<frame> in <worldbody> is not read",
+    ),
+    "composite": ('<body q=""><composite/></body>', "<composite> in <body> is not read"),
+    "weightless": ('<option><flag gravity="disable"/></option>', "'gravity' of <flag> is not read"),
+    "scaled": ('<compiler settotalmass="3"/>', "'settotalmass' of <compiler> is not read"),
+    "gaining": ('<joint damping="-2"/>', "the damping of a joint is negative"),
     "quat": ('<body quat="0 0 0 0"/>', "the zero vector"),
 }
 

@@ -82,6 +82,13 @@ def _refuse_unmapped(compilation: Compilation) -> None:
             f"{model.source.path}: the rates jump where {jolted[0].quantity.name} vanishes, and"
             " 'pkgen stability' locates no switches: 'pkgen chart' does"
         )
+    bound = getattr(compilation.equations, "constraints", None)
+    if bound is not None and bound.redundant is not None:
+        name = bound.redundant.names[0].name.removeprefix("lambda_")
+        raise UsageError(
+            f"{model.source.path}: '{name}' follows from other constraints, and 'pkgen stability' "
+            "takes none that do: leave it out"
+        )
 
 
 def _asked(options: argparse.Namespace, compilation: Compilation) -> MapOptions:

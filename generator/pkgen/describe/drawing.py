@@ -112,8 +112,16 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
     items: list[tuple[Name, tuple]] = []
     vectors: dict[tuple, dict[str, Span]] = {}
     used: dict[tuple, Definition] = {}
+    found: dict[str, Drawing] = {}
     for item in (*model.coordinates, *model.definitions, *model.observed):
         if item.name not in known or item.name[0].isdigit() or getattr(item, "rate", ""):
+            continue
+        stem, _, part = item.name.partition(".")
+        if part and part not in AXES:  # what a body or a joint has: its centre of mass is drawn
+            if part == "com":
+                whole = Name(item.name, None, item.span)
+                at = tuple(Component(whole, k, item.span) for k in range(3))
+                found[stem] = _bob(stem, at, item.span)
             continue
         for index in _members(model, item):
             if "." in item.name or _is_vector(item):
@@ -123,7 +131,6 @@ def _defaults(model: Model) -> tuple[Drawing, ...]:
                 continue
             at = None if index is None else Number(Fraction(index), item.span)
             items.append((Name(item.name, at, item.span), tuple(keys(item.name, index))))
-    found: dict[str, Drawing] = {}
     for (name, index), parts in vectors.items():
         span = used[name, index].span
         at = None if index is None else Number(Fraction(index), span)

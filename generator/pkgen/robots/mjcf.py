@@ -13,6 +13,14 @@ from .xml import Element
 KINDS = {"hinge": "revolute", "slide": "prismatic", "ball": "spherical", "free": "free"}
 ZERO = (0.0, 0.0, 0.0)
 SEEN = ("worldbody", "compiler", "option", "default", "asset", "visual", "size", "statistic")
+# In <worldbody> and in a body: what is read, and what has no part in a motion without contacts.
+IN_BODIES = ("body", "joint", "freejoint", "inertial", "geom", "site", "camera", "light")
+NOT_READ = {  # attributes that would change the motion
+    "compiler": ("settotalmass", "boundmass", "boundinertia", "inertiafromgeom"),
+    "option": ("density", "viscosity", "wind"),
+    "flag": ("gravity", "passive"),
+    "body": ("gravcomp", "mocap"),
+}
 REFUSED = ("equality", "tendon", "include", "extension", "deformable")
 # Of a joint: what changes its motion and is not read, but for what is said to be left out.
 SPRINGS = ("stiffness", "armature", "frictionloss", "springdamper", "springref", "ref")
@@ -107,6 +115,8 @@ class _Reader:
                     f"'{word}' of a joint is not read", "take it out, add it by hand"
                 )
         damping = element.number("damping", 0.0)
+        if damping < 0:
+            raise element.wrong("the damping of a joint is negative")
         if damping and axis is None:
             raise element.wrong("the damping of a ball is not read", "add it by 'force'")
         low, high = element.numbers("range", 2, (0.0, 0.0))
@@ -139,11 +149,33 @@ class _Reader:
         self.robot.inertia(link, own, turn, found)
 
 
+def _refuse_unread(root: Element) -> None:
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        for word in NOT_READ.get(element.tag, ()):
+            if element.attributes.get(word, "0") not in ("0", "false", "enable"):
+                raise element.wrong(
+                    f"'{word}' of <{element.tag}> is not read, and would change the motion"
+                )
+        if element.tag in ("worldbody", "body"):
+            for child in element.children:
+                if child.tag not in IN_BODIES:
+                    message = (
+                        f"<{child.tag}> in <{element.tag}> is not read, and would change the motion"
+                    )
+                    raise child.wrong(message)
+            if len([*element.all("inertial")]) > 1:
+                raise element.wrong("a body has one <inertial>")
+        waiting += element.children
+
+
 def robot(root: Element, base: str) -> Robot:
     """What hangs on the world by nothing is fixed to it there, or by `base` where that is free."""
     for element in root.children:
         if element.tag in REFUSED:
             raise element.wrong(f"<{element.tag}> is not read, and would change the motion")
+    _refuse_unread(root)
     reader = _Reader(root)
     for element in root.children:
         if element.tag not in SEEN:

@@ -128,8 +128,10 @@ def _joint(element: Element, robot: Robot, links: dict[str, Element]) -> Joint:
         joint.damping = dynamics.number("damping", 0.0)
         if joint.damping < 0:
             raise dynamics.wrong(f"the damping of '{name}' is negative")
-        if dynamics.number("friction", 0.0):
-            robot.leave_out("friction of a joint")
+    elif dynamics is not None and dynamics.number("damping", 0.0):
+        robot.leave_out(f"damping of a {kind} joint")
+    if dynamics is not None and dynamics.number("friction", 0.0):
+        robot.leave_out("friction of a joint")
     for tag in ("mimic", "safety_controller", "calibration"):
         if element.first(tag) is not None:
             robot.leave_out(f"<{tag}>")

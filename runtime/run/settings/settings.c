@@ -87,48 +87,57 @@ static struct pk_range range_of(const struct settings *s, size_t parameter)
     return range;
 }
 
-/* Sets parameters: single ones, or members of families. 0: there is none. */
-static int set(const struct settings *s, void *params, const struct pk_run_value *given,
-               size_t n_given, int members)
+static int is_given(const struct pk_run_value *given, size_t n_given, size_t parameter)
 {
+    for (size_t k = 0; k < n_given; k++)
+        if (given[k].index == parameter)
+            return 1;
+    return 0;
+}
+
+/* Sets a parameter, or what is given of a family's members. 0: there is no such member. */
+static int set(const struct settings *s, void *params, const struct pk_run_value *given,
+               size_t n_given, size_t parameter)
+{
+    const struct pk_range range = range_of(s, parameter);
+    void *const place = (char *)params + s->system->parameters[parameter].offset;
+    pk_real *values = place;
+    if (range.is_family)
+        memcpy(&values, place, sizeof values);
     for (size_t k = 0; k < n_given; k++) {
-        const struct pk_run_value x = given[k];
-        const pk_real value = (pk_real)x.value;
-        pk_real *values;
-        if (x.index >= s->system->n_parameters || !isfinite(x.value))
+        if (given[k].index != parameter)
+            continue;
+        if (given[k].member >= range.count)
             return 0;
-        const struct pk_range range = range_of(s, x.index);
-        void *const place = (char *)params + s->system->parameters[x.index].offset;
-        if (x.member >= range.count)
-            return 0;
-        memcpy(&values, place, range.is_family ? sizeof values : 0);
-        if (!range.is_family)
-            memcpy(place, &value, sizeof value);
-        else if (members)
-            values[x.member] = value;
+        values[given[k].member] = (pk_real)given[k].value;
     }
     return 1;
 }
 
 int settings_assign(struct settings *s, void *params, const struct pk_run_value *more,
-                        size_t n_more)
+                    size_t n_more)
 {
     const struct pk_system *system = s->system;
-    const struct pk_run_settings *x = &s->asked;
-    int families = 0;
-    if (!set(s, params, x->parameters, x->n_parameters, 0) || !set(s, params, more, n_more, 0))
-        return 0;
+    const struct pk_run_value *asked = s->asked.parameters;
+    const size_t n = s->asked.n_parameters;
+    for (size_t k = 0; k < n + n_more; k++) {
+        const struct pk_run_value x = k < n ? asked[k] : more[k - n];
+        if (x.index >= system->n_parameters || !isfinite(x.value))
+            return 0;
+    }
     memset(s->given, 0, system->n_parameters);
-    for (int pass = 0; pass < 2; pass++) /* of a family with members given the others follow first */
-        for (size_t k = 0; k < x->n_parameters + n_more; k++) {
-            const size_t at = (k < n_more ? more[k] : x->parameters[k - n_more]).index;
-            const int is_family = range_of(s, at).is_family;
-            if (pass == 1 && is_family && !families++) {
+    for (int families = 0; families < 2; families++)
+        for (size_t at = 0; at < system->n_parameters; at++) {
+            if (!is_given(asked, n, at) && !is_given(more, n_more, at))
+                continue;
+            if (range_of(s, at).is_family != families)
+                continue;
+            /* The other members follow first, also from members of families before. */
+            if (families)
                 system->derive(params, s->given);
-                set(s, params, x->parameters, x->n_parameters, 1);
-                set(s, params, more, n_more, 1);
-            }
-            s->given[at] |= is_family ? pass == 1 : 1;
+            if (!set(s, params, asked, n, at) || !set(s, params, more, n_more, at))
+                return 0;
+            s->given[at] = 1;
         }
     system->derive(params, s->given);
     return 1;

@@ -273,6 +273,7 @@ class Bodies(BodyParts):
                 broken = True
         if self.waiting and not broken:
             names = [joint.name[0] for joint in self._circle()]
+        if self.waiting and not broken and names:
             shown = ", ".join(names[:8]) + ", …" * (len(names) > 8)
             message = f"the joints {shown} go round in a circle, without the ground"
             self.report.error(message, self.waiting[0].span, _LOOP)
@@ -282,6 +283,8 @@ class Bodies(BodyParts):
         joint = self.waiting[0]
         while joint not in found:
             found.append(joint)
+            if joint.parent[0] not in self.joints:
+                return []  # hangs on what is no body, which has been told
             joint = self.joints[joint.parent[0]]
         return found[found.index(joint) :]
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ...graph.calls import jumps
+from ...graph.differentiate import reachable
 from ...graph.graph import ZERO
 from ...model import Model
 from ...source import Diagnostic, ModelError
@@ -12,7 +14,7 @@ from ..expand.names import entered
 from ..quantities import indexed, refuse_constant
 from .bodies import Gathered
 from .expand import LoopExpander, size_values
-from .facts import facts_of, total_nodes
+from .facts import facts_of, total_nodes, vector_nodes
 from .loops import Band, Limit, LoopEquations, Row, Unrolled, Vector
 from .rows import Gather
 from .singularities import singularities_of
@@ -178,6 +180,9 @@ def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
 
 def _check_jumps(x: LoopExpander, result: LoopEquations) -> None:
     """Impulses are of single coordinates: nobody locates the switches of loops."""
+    forces = vector_nodes(result.force)
+    if any(jumps(x.graph, node) for node in reachable(x.graph, forces)):
+        raise Unrolled("a force or a rate jumps, which is located of single members alone")
     ends = [node for values in result.given.values() for node in values[:2]]
     if arguments_of(x.graph, ends):
         raise Unrolled("the motion of a fixed end bends or jumps")
