@@ -263,7 +263,7 @@ def test_the_default_method(pkgen, tmp_path: Path) -> None:
     chain = tmp_path / "chain.lag"
     chain.write_text(
         "model chain\nsize N = 20\ncoord q[1..N]\nkinetic sum(q[i]'^2/2, i = 1..N)\n"
-        "potential sum(abs(q[i] - i), i = 1..N)\n"
+        "potential sum(max(q[i] - i, 0)^2, i = 1..N)\n"
     )
     assert method(chain) == "dop853"  # of a loop they are not
     done = pkgen("run", chain, "--method", "gauss")

@@ -194,3 +194,15 @@ def test_jumping_rates_are_written_out(pkgen, tmp_path: Path) -> None:
     model.write_text(f"model jumps\nsize N = 20\nstate u[1..N]\n{rest}")
     done = pkgen("run", model, "--until", 2, "--method", "rk4", "--step", 0.01)
     assert done.returncode == 4 and "the motion stays on u[3] = 0" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("potential", "looped"),
+    [("max(q[i] - i, 0)^2", True), ("abs(q[i])^3", True), ("abs(q[i])", False)],
+)
+def test_forces_that_bend_stay_loops_and_those_that_jump_do_not(
+    potential: str, looped: bool
+) -> None:
+    text = "model m\nsize N = 20\ncoord q[1..N]\nkinetic sum(q[i]'^2/2, i = 1..N)\n"
+    made = compile_model(Source("m.lag", f"{text}potential sum({potential}, i = 1..N)\n"))
+    assert made.looped == looped

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...graph.calls import jumps
-from ...graph.differentiate import reachable
 from ...graph.graph import ZERO
 from ...model import Model
 from ...source import Diagnostic, ModelError
@@ -179,18 +177,20 @@ def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
 
 
 def _check_jumps(x: LoopExpander, result: LoopEquations) -> None:
-    """Impulses are of single coordinates: nobody locates the switches of loops."""
-    forces = vector_nodes(result.force)
-    if any(jumps(x.graph, node) for node in reachable(x.graph, forces)):
-        raise Unrolled("a force or a rate jumps, which is located of single members alone")
+    """Nobody locates the switches of loops: what jumps, rates or their rates, is not for them."""
     ends = [node for values in result.given.values() for node in values[:2]]
     if arguments_of(x.graph, ends):
         raise Unrolled("the motion of a fixed end bends or jumps")
     bodies, across = [*total_nodes([result.lagrangian]), *(node for node, _ in x.primes)], None
-    for argument in arguments_of(x.graph, bodies):
-        across = across or Across(x.graph)
-        if any(across.jump(node, argument) != ZERO for node in bodies):
-            raise Unrolled("L jumps at a step, so that rates do")
+    kinds = {
+        "L jumps at a step, so that rates do": bodies,
+        "a force or a rate jumps": vector_nodes(result.force),
+    }
+    for why, nodes in kinds.items():
+        for argument in arguments_of(x.graph, nodes):
+            across = across or Across(x.graph)
+            if any(across.jump(node, argument) != ZERO for node in nodes):
+                raise Unrolled(why)
 
 
 def _check_points(x: LoopExpander, result: LoopEquations) -> None:
