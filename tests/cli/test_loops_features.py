@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from conftest import long_but
 from pkgen.__main__ import main
 from pkgen.compiler import compile_model
 from pkgen.scenes import lengths
@@ -151,7 +152,7 @@ def both(tmp_path: Path, capsys, monkeypatch) -> Callable[..., list[tuple[list, 
     return ran
 
 
-@pytest.mark.parametrize("seed", range(14))
+@pytest.mark.parametrize("seed", long_but(range(3, 8), range(14)))
 def test_states_and_events_of_loops_are_those_of_members_written_out(seed: int, both) -> None:
     dice = random.Random(seed)
     text = chain(dice, coordinates=seed % 4 != 3)

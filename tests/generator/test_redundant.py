@@ -8,6 +8,7 @@ import random
 import numpy
 import pkgen
 import pytest
+from conftest import long_but
 from pkgen.source import ModelError
 
 
@@ -142,7 +143,7 @@ CEASES = [
 
 
 @pytest.mark.parametrize(("what", "start"), CEASES)
-@pytest.mark.parametrize("k", [1.0, 1e-3, 1e-6])
+@pytest.mark.parametrize("k", long_but([1e-3], [1.0, 1e-3, 1e-6]))
 @pytest.mark.parametrize(
     "options",
     [{"method": "gauss"}, {"method": "rk4", "step": 0.01}, {"method": "rattle", "step": 0.01}],
