@@ -72,6 +72,7 @@ void add_ensemble(void);
 void add_advance(void);
 void add_adaptive_verlet(void);
 void add_linear(void);
+void add_band(void);
 void add_singularity(void);
 void add_singularity_families(void);
 void add_singularity_cause(void);

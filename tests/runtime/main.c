@@ -158,6 +158,7 @@ int main(int argc, char **argv)
     add_advance();
     add_adaptive_verlet();
     add_linear();
+    add_band();
     add_singularity();
     add_singularity_families();
     add_singularity_cause();
