@@ -16,7 +16,8 @@ static double noise(void)
 
 static struct pk_band shape(size_t rows, size_t below, size_t above, size_t border)
 {
-    struct pk_band b = {.rows = rows, .below = below, .above = above, .border = border};
+    struct pk_band b = {
+        .rows = rows, .below = below, .above = above, .border = border, .pivoting = 1};
     CU_ASSERT_FATAL(pk_band_lay_out(&b, NULL) <= MEMORY && rows + border <= MOST);
     pk_band_lay_out(&b, memory);
     pk_band_clear(&b);
@@ -54,7 +55,8 @@ static double solved(struct pk_band *b, double *error)
     double size = 0;
     for (size_t i = 0; i < m; i++)
         right[i] = x[i] = noise();
-    pk_band_multiply(b, x, y);
+    memset(y, 0, sizeof y);
+    pk_band_add_product(b, x, y);
     CU_ASSERT(residual(dense, m, x, y) < 1e-14);
     CU_ASSERT_FATAL(pk_band_factor(b));
     pk_band_solve(b, x);
@@ -108,7 +110,7 @@ static void band_alone_is_singular(void)
         set(&b, 12, 40, 1);
         set(&b, 40, 40, 0.5);
         CU_ASSERT(solved(&b, &error) < 1e-13);
-        CU_ASSERT(b.used == 2);
+        CU_ASSERT(*b.used == 2);
     }
     for (seed = 1; seed < 100; seed++) {
         const unsigned long long of = seed;
@@ -136,7 +138,41 @@ static void units_do_not_matter(void)
             if (pk_band_entry(&b, i, j))
                 set(&b, i, j, (noise() + (i == j ? 3 : 0)) * pow(10, 5. * (double)(j % 7)));
     CU_ASSERT(solved(&b, &error) < 1e-13);
-    CU_ASSERT(b.used == 2);
+    CU_ASSERT(*b.used == 2);
+}
+
+/* Masses that share inertia, the last ones with all. */
+static void definite(void)
+{
+    double worst = 0;
+    for (seed = 1; seed < 200; seed++) {
+        const unsigned long long of = seed;
+        const size_t rows[] = {0, 1, 2, 7, 40}, n = rows[of % 5], k = of / 5 % 3, m = n + k;
+        struct pk_band b = {.rows = n, .below = of / 15 % 4, .above = of / 15 % 4, .border = k};
+        double x[MOST], right[MOST];
+        pk_band_lay_out(&b, memory);
+        pk_band_clear(&b);
+        memset(dense, 0, sizeof dense);
+        for (size_t i = 0; i < m; i++)
+            for (size_t j = 0; j <= i; j++)
+                if (pk_band_entry(&b, i, j)) {
+                    set(&b, i, j, i == j ? 20 + noise() : noise());
+                    set(&b, j, i, dense[i * m + j]);
+                }
+        for (size_t i = 0; i < m; i++)
+            right[i] = x[i] = noise();
+        CU_ASSERT(pk_band_ldl_factor(&b) == 0);
+        pk_band_ldl_solve(&b, x);
+        worst = fmax(worst, residual(dense, m, x, right));
+        for (size_t i = m; i-- > 0;) { /* the pivot that fails is told */
+            pk_band_clear(&b);
+            for (size_t j = 0; j < m; j++)
+                set(&b, j, j, j < i);
+            CU_ASSERT(pk_band_ldl_factor(&b) == i + 1);
+        }
+        seed = of;
+    }
+    CU_ASSERT(worst > 0 && worst < 1e-14);
 }
 
 static void singular(void)
@@ -161,5 +197,6 @@ void add_band(void)
     CU_add_test(suite, "as dense LU", random_matrices);
     CU_add_test(suite, "the band alone is singular", band_alone_is_singular);
     CU_add_test(suite, "units do not matter", units_do_not_matter);
+    CU_add_test(suite, "positive definite ones", definite);
     CU_add_test(suite, "singular matrices", singular);
 }

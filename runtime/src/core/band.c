@@ -18,40 +18,47 @@
 /* A pivot this far below its column costs a quarter of the digits. */
 #define SMALL PK_F(sqrt)(PK_F(sqrt)(PK_EPS))
 
-static size_t width(const struct pk_band *b) { return 2 * b->below + b->above + 1; }
-static size_t most(const struct pk_band *b) { return b->border + PK_BAND_SPARE; }
+static size_t stride(const struct pk_band *b)
+{
+    return b->border + (b->pivoting && b->rows ? PK_BAND_SPARE : 0);
+}
 
 /* Row i, so that its column j is row(b, i)[j]. */
 static pk_real *row(const struct pk_band *b, size_t i)
 {
-    return b->entries + (ptrdiff_t)(i * width(b) + b->below) - (ptrdiff_t)i;
+    const size_t width = b->below + 1 + b->above + (b->pivoting ? b->below : 0);
+    return b->entries + (ptrdiff_t)(i * width + b->below) - (ptrdiff_t)i;
 }
 
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
+static size_t first(const struct pk_band *b, size_t i) { return i > b->below ? i - b->below : 0; }
+static size_t last(const struct pk_band *b, size_t i) { return least(b->rows, i + b->above + 1); }
 
 size_t pk_band_lay_out(struct pk_band *b, pk_real *base)
 {
-    const size_t n = b->rows, k = most(b);
-    const struct pk_slot slots[] = {
-        {&b->entries, n * width(b)}, {&b->right, n * k}, {&b->bottom, n * k}, {&b->corner, k * k},
-        {&b->pivot, n + k},          {&b->column, n},    {&b->rest, k}};
-    b->used = b->border;
+    const size_t n = b->rows, k = stride(b), more = b->pivoting ? 1 : 0;
+    const struct pk_slot slots[] = {{&b->entries, n * (b->below + 1 + b->above + more * b->below)},
+                                    {&b->right, n * k},
+                                    {&b->bottom, n * k},
+                                    {&b->corner, k * k},
+                                    {&b->pivot, more * (n + k)},
+                                    {&b->column, more * n},
+                                    {&b->rest, more * k},
+                                    {&b->used, more}};
     return PK_LAY_OUT(base, slots);
 }
 
-void pk_band_clear(struct pk_band *b)
+void pk_band_clear(const struct pk_band *b)
 {
-    const size_t n = b->rows, k = most(b);
-    memset(b->entries, 0, n * width(b) * sizeof *b->entries);
-    memset(b->right, 0, n * k * sizeof *b->right);
-    memset(b->bottom, 0, n * k * sizeof *b->bottom);
-    memset(b->corner, 0, k * k * sizeof *b->corner);
-    b->used = b->border;
+    memset(b->entries, 0, (size_t)(b->corner - b->entries) * sizeof *b->entries);
+    memset(b->corner, 0, stride(b) * stride(b) * sizeof *b->corner);
+    if (b->pivoting)
+        *b->used = (pk_real)b->border;
 }
 
 pk_real *pk_band_entry(const struct pk_band *b, size_t i, size_t j)
 {
-    const size_t n = b->rows, k = most(b);
+    const size_t n = b->rows, k = stride(b);
     if (i < n && j < n)
         return j + b->below >= i && j <= i + b->above ? row(b, i) + j : NULL;
     if (i < n)
@@ -59,31 +66,29 @@ pk_real *pk_band_entry(const struct pk_band *b, size_t i, size_t j)
     return j < n ? b->bottom + j * k + (i - n) : b->corner + (i - n) * k + (j - n);
 }
 
-void pk_band_multiply(const struct pk_band *b, const pk_real *x, pk_real *y)
-{
-    const size_t n = b->rows, k = most(b);
-    for (size_t c = 0; c < b->border; c++) {
-        y[n + c] = 0;
-        for (size_t d = 0; d < b->border; d++)
-            y[n + c] += b->corner[c * k + d] * x[n + d];
+#define ADD_PRODUCT(name, of)                                        \
+    void name(const struct pk_band *b, const pk_real *x, pk_real *y) \
+    {                                                                \
+        const size_t n = b->rows, k = stride(b);                     \
+        for (size_t c = 0; c < b->border; c++)                       \
+            for (size_t d = 0; d < b->border; d++)                   \
+                y[n + c] += of(b->corner[c * k + d]) * x[n + d];     \
+        for (size_t i = 0; i < n; i++) {                             \
+            for (size_t j = first(b, i); j < last(b, i); j++)        \
+                y[i] += of(row(b, i)[j]) * x[j];                     \
+            for (size_t c = 0; c < b->border; c++) {                 \
+                y[i] += of(b->right[i * k + c]) * x[n + c];          \
+                y[n + c] += of(b->bottom[i * k + c]) * x[i];         \
+            }                                                        \
+        }                                                            \
     }
-    for (size_t i = 0; i < n; i++) {
-        const pk_real *A = row(b, i);
-        const size_t end = least(n, i + b->above + 1);
-        y[i] = 0;
-        for (size_t j = i > b->below ? i - b->below : 0; j < end; j++)
-            y[i] += A[j] * x[j];
-        for (size_t c = 0; c < b->border; c++) {
-            y[i] += b->right[i * k + c] * x[n + c];
-            y[n + c] += b->bottom[i * k + c] * x[i];
-        }
-    }
-}
+ADD_PRODUCT(pk_band_add_product, )
+ADD_PRODUCT(pk_band_add_sizes, pk_abs)
 
 /* The largest entry of each column of the band, the border's rows among them. */
 static void measure_columns(const struct pk_band *b)
 {
-    const size_t n = b->rows, k = most(b);
+    const size_t n = b->rows, k = stride(b);
     for (size_t j = 0; j < n; j++) {
         b->column[j] = 0;
         for (size_t c = 0; c < b->border; c++)
@@ -91,8 +96,7 @@ static void measure_columns(const struct pk_band *b)
     }
     for (size_t i = 0; i < n; i++) {
         const pk_real *A = row(b, i);
-        const size_t end = least(n, i + b->above + 1);
-        for (size_t j = i > b->below ? i - b->below : 0; j < end; j++)
+        for (size_t j = first(b, i); j < last(b, i); j++)
             b->column[j] = pk_max(b->column[j], pk_abs(A[j]));
     }
 }
@@ -107,21 +111,23 @@ static void exchange(pk_real *x, pk_real *y, size_t count)
 }
 
 /* Gives column k a pivot that is as large as the column was. */
-static void mend(struct pk_band *b, size_t k)
+static void mend(const struct pk_band *b, size_t k)
 {
-    const size_t stride = most(b), z = b->used++;
+    const size_t width = stride(b), z = (size_t)*b->used;
     pk_real *pivot = row(b, k) + k;
-    const pk_real size = b->column[k] > 0 ? b->column[k] : 1, s = *pivot < 0 ? -size : size;
-    *pivot += s;
-    b->right[k * stride + z] = -1;
-    b->bottom[k * stride + z] = s;
-    b->corner[z * stride + z] = -1;
+    const pk_real size = b->column[k] > 0 ? b->column[k] : 1, pull = *pivot < 0 ? -size : size;
+    *pivot += pull;
+    *b->used += 1;
+    b->right[k * width + z] = -1;
+    b->bottom[k * width + z] = pull;
+    b->corner[z * width + z] = -1;
 }
 
-int pk_band_factor(struct pk_band *b)
+int pk_band_factor(const struct pk_band *b)
 {
-    const size_t n = b->rows, stride = most(b);
-    size_t filled = 0; /* no row so far reaches this column */
+    const size_t n = b->rows, width = stride(b);
+    size_t filled = 0, used = b->border; /* no row so far reaches column `filled` */
+    *b->used = (pk_real)used;
     measure_columns(b);
     for (size_t k = 0; k < n; k++) {
         const size_t end = least(n, k + b->below + 1);
@@ -130,16 +136,18 @@ int pk_band_factor(struct pk_band *b)
             if (pk_abs(row(b, i)[k]) > pk_abs(row(b, best)[k]))
                 best = i;
         b->pivot[k] = (pk_real)best; /* kept as a number, so that the work is one array */
-        const size_t reach = least(n, best + b->above + 1);
+        const size_t reach = last(b, best);
         filled = reach > filled ? reach : filled;
         if (best != k) {
             exchange(row(b, k) + k, row(b, best) + k, filled - k);
-            exchange(b->right + k * stride, b->right + best * stride, b->used);
+            exchange(b->right + k * width, b->right + best * width, used);
         }
-        if (!(pk_abs(row(b, k)[k]) > SMALL * b->column[k]) && b->used < stride)
+        if (!(pk_abs(row(b, k)[k]) > SMALL * b->column[k]) && used < width) {
             mend(b, k);
+            used++;
+        }
         const pk_real *U = row(b, k), d = U[k];
-        const pk_real *right = b->right + k * stride;
+        const pk_real *right = b->right + k * width;
         if (!(pk_abs(d) > 0) || !pk_finite(d))
             return 0;
         for (size_t i = k + 1; i < end; i++) {
@@ -148,28 +156,32 @@ int pk_band_factor(struct pk_band *b)
             A[k] = l;
             for (size_t j = k + 1; j < filled; j++)
                 A[j] -= l * U[j];
-            for (size_t c = 0; c < b->used; c++)
-                b->right[i * stride + c] -= l * right[c];
+            for (size_t c = 0; c < used; c++)
+                b->right[i * width + c] -= l * right[c];
         }
-        for (size_t c = 0; c < b->used; c++) {
-            const pk_real l = b->bottom[k * stride + c] / d;
-            b->bottom[k * stride + c] = l;
+        for (size_t c = 0; c < used; c++) {
+            const pk_real l = b->bottom[k * width + c] / d;
+            b->bottom[k * width + c] = l;
             for (size_t j = k + 1; j < filled; j++)
-                b->bottom[j * stride + c] -= l * U[j];
-            for (size_t e = 0; e < b->used; e++)
-                b->corner[c * stride + e] -= l * right[e];
+                b->bottom[j * width + c] -= l * U[j];
+            for (size_t e = 0; e < used; e++)
+                b->corner[c * width + e] -= l * right[e];
         }
     }
-    for (size_t c = 0; c < b->used; c++) /* from rows of `stride` to rows of `used` */
-        memmove(b->corner + c * b->used, b->corner + c * stride, b->used * sizeof *b->corner);
-    return pk_lu_factor(b->corner, b->pivot + n, b->used);
+    for (size_t c = 0; c < used && width > used; c++) /* shorter rows */
+        memmove(b->corner + c * used, b->corner + c * width, used * sizeof *b->corner);
+    return pk_lu_factor(b->corner, b->pivot + n, used);
 }
 
 void pk_band_solve(const struct pk_band *b, pk_real *x)
 {
-    const size_t n = b->rows, stride = most(b);
+    const size_t n = b->rows, width = stride(b), used = (size_t)*b->used;
     pk_real *y = b->rest;
-    for (size_t c = 0; c < b->used; c++)
+    if (!n) {
+        pk_lu_solve(b->corner, b->pivot, used, x);
+        return;
+    }
+    for (size_t c = 0; c < used; c++)
         y[c] = c < b->border ? x[n + c] : 0;
     for (size_t k = 0; k < n; k++) {
         const size_t best = (size_t)b->pivot[k], end = least(n, k + b->below + 1);
@@ -178,18 +190,71 @@ void pk_band_solve(const struct pk_band *b, pk_real *x)
         x[best] = swap;
         for (size_t i = k + 1; i < end; i++)
             x[i] -= row(b, i)[k] * x[k];
-        for (size_t c = 0; c < b->used; c++)
-            y[c] -= b->bottom[k * stride + c] * x[k];
+        for (size_t c = 0; c < used; c++)
+            y[c] -= b->bottom[k * width + c] * x[k];
     }
-    pk_lu_solve(b->corner, b->pivot + n, b->used, y);
+    pk_lu_solve(b->corner, b->pivot + n, used, y);
     memcpy(x + n, y, b->border * sizeof *x);
     for (size_t k = n; k-- > 0;) {
         const pk_real *U = row(b, k);
         const size_t end = least(n, k + b->below + b->above + 1);
-        for (size_t c = 0; c < b->used; c++)
-            x[k] -= b->right[k * stride + c] * y[c];
+        for (size_t c = 0; c < used; c++)
+            x[k] -= b->right[k * width + c] * y[c];
         for (size_t j = k + 1; j < end; j++)
             x[k] -= U[j] * x[j];
         x[k] /= U[k];
+    }
+}
+
+size_t pk_band_ldl_factor(const struct pk_band *b)
+{
+    const size_t n = b->rows, k = stride(b), all = n + b->border;
+    for (size_t i = 0; i < all; i++) {
+        /* Row i of L D first, then of L; entries of a row of the border are k apart. */
+        const size_t from = i < n ? first(b, i) : 0, to = least(i, n), step = i < n ? 1 : k;
+        pk_real *A = i < n ? row(b, i) : b->bottom + (i - n);
+        for (size_t j = from; j < to; j++) {
+            const pk_real *other = row(b, j);
+            const size_t start = first(b, j);
+            for (size_t l = start > from ? start : from; l < j; l++)
+                A[j * step] -= A[l * step] * other[l];
+        }
+        for (size_t c = 0; i >= n && c <= i - n; c++)
+            for (size_t j = 0; j < n; j++) {
+                /* The rows before are L already, this one is L D. */
+                const pk_real d = c < i - n ? 1 : 1 / row(b, j)[j];
+                b->corner[(i - n) * k + c] -= A[j * step] * b->bottom[j * k + c] * d;
+            }
+        const pk_real diagonal = i < n ? A[i] : 0;
+        for (size_t j = from; j < to; j++) {
+            const pk_real scaled = A[j * step];
+            A[j * step] = scaled / row(b, j)[j];
+            if (i < n)
+                A[i] -= scaled * A[j];
+        }
+        if (i < n && (!(A[i] > PK_PIVOT_MIN * diagonal) || !(A[i] > 0) || !pk_finite(A[i])))
+            return 1 + i;
+    }
+    const size_t failed = pk_ldl_factor(b->corner, b->border);
+    return failed ? n + failed : 0;
+}
+
+void pk_band_ldl_solve(const struct pk_band *b, pk_real *x)
+{
+    const size_t n = b->rows, k = stride(b);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t j = first(b, i); j < i; j++)
+            x[i] -= row(b, i)[j] * x[j];
+        for (size_t c = 0; c < b->border; c++)
+            x[n + c] -= b->bottom[i * k + c] * x[i];
+    }
+    pk_ldl_solve(b->corner, b->border, x + n);
+    for (size_t i = 0; i < n; i++)
+        x[i] /= row(b, i)[i];
+    for (size_t i = n; i-- > 0;) {
+        for (size_t c = 0; c < b->border; c++)
+            x[i] -= b->bottom[i * k + c] * x[n + c];
+        for (size_t j = first(b, i); j < i; j++)
+            x[j] -= row(b, i)[j] * x[i];
     }
 }
