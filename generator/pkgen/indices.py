@@ -54,11 +54,12 @@ def assignments(ranges: tuple[Range, ...], values: Mapping[str, int]) -> Iterato
 
 
 def indexed(name: str, index: int | None) -> str:
-    """A member of a family as it is written: q[3], of a component r.x of a vector r[3].x."""
+    """A member of a family as it is written: q[3], of a component r.x of a vector r[3].x, of a
+    body rate omega(R[3]).x."""
     if index is None:
         return name
-    family, dot, component = name.partition(".")
-    return f"{family}[{index}]{dot}{component}"
+    end = re.search(r"[.)]|$", name).start()
+    return f"{name[:end]}[{index}]{name[end:]}"
 
 
 def parted(name: str) -> tuple[str, int | None]:

@@ -68,11 +68,12 @@ class Coordinate:
 
 @record
 class Rotation:
-    """An attitude in SO(3). Its body rates are the rates of coordinates of their own, `turns`,
-    which stand behind all others; its unit quaternion w, x, y, z are states, before all others,
-    whose own rates have `per_time`."""
+    """An attitude in SO(3); with `range`, a family R[lo..hi]. Its body rates are the rates of
+    coordinates of their own, `turns`, which stand behind all others; its unit quaternion w, x, y, z
+    are states, before all others, whose own rates have `per_time`."""
 
     name: str
+    range: Range | None
     quaternion: tuple[str, ...]
     rates: tuple[str, ...]
     turns: tuple[str, ...]
@@ -136,7 +137,8 @@ class Rate(Given):
 class End:
     """What a family's coordinate outside its range means.
 
-    kind "fixed": NAME[index] has the value `value` (its rate is the value's time derivative);
+    kind "fixed": NAME[index] has the value `value` (its rate is the value's time derivative; of the
+    body rates of a rotation, which have None, the rate is that of its quaternion);
     "free": NAME[index] is its neighbour inside; "periodic": any index wraps around (index None).
     """
 

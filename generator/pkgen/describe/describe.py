@@ -11,6 +11,7 @@ from ..compiler import Compilation
 from ..front.check.scene_numbers import Values, WrongValue
 from ..indices import hidden, parted
 from ..methods import Method, known, provides
+from ..middle.quantities import single_rotations
 from ..model import Model, Parameter, Scene
 from ..run import named
 from ..run.build import own_methods, runtime_methods
@@ -204,7 +205,7 @@ def _states(compilation: Compilation, given: Given) -> Iterator[dict[str, object
 
 def _rotations(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
     indices = {q.name: k for k, *_, q in _flat(named.coordinates(compilation, rates=True))}
-    for r in compilation.declared.rotations:
+    for r in single_rotations(compilation.declared):
         found = [indices.get(name) for name in r.rates]
         yield {
             "name": r.name,

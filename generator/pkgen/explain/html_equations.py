@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..equations import Quantity
 from ..front.statements import Interval
 from ..graph.graph import ZERO, Node
+from ..middle.quantities import single_rotations
 from ..model import Event
 from ..tree import Expr, names
 from . import mathml
@@ -218,7 +219,7 @@ class EquationSections:
         if not e.states:
             return
         yield heading(rates_title(e))
-        for rotation in e.model.rotations:
+        for rotation in single_rotations(e.model):
             if e.quaternions:
                 yield from self._matrix(rotation.name, rotation.quaternion)
         rows = [

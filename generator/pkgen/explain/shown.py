@@ -12,6 +12,7 @@ from ..equations import Equations, Quantity
 from ..graph.differentiate import reachable
 from ..graph.graph import Graph, Kind, Node, Op, Symbol
 from ..middle.analyze.sympy_bridge import to_sympy
+from ..middle.quantities import single_rotations
 from ..record import record
 from ..tree import AXES
 from . import mathml
@@ -46,7 +47,7 @@ class Shown:
 
     def __init__(self, e: Equations):
         self.e = e
-        rotations = e.model.rotations
+        self.rotations = rotations = single_rotations(e.model)
         self.lone = rotations[0].name if len(rotations) == 1 else ""
         parameters = [slot.quantity for slot in e.parameters]
         self.names = {
@@ -103,7 +104,7 @@ class Shown:
         import sympy as sp
 
         made = expr
-        for rotation in self.e.model.rotations:
+        for rotation in self.rotations:
             quaternion = list(map(sp.Symbol, rotation.quaternion))
             if made.free_symbols.isdisjoint(quaternion) or not made.is_polynomial(*quaternion):
                 continue
@@ -118,7 +119,7 @@ class Shown:
         import sympy as sp
 
         found: dict[sympy.Expr, sympy.Expr] = {}
-        for rotation in self.e.model.rotations:
+        for rotation in self.rotations:
             known = {q.name for q in self.e.states}
             if not known.issuperset(rotation.quaternion):
                 continue

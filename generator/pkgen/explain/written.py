@@ -10,6 +10,7 @@ from fractions import Fraction
 
 from ..front import parse
 from ..front import statements as st
+from ..middle.quantities import single_rotations
 from ..model import Model, multipliers
 from ..source import Span
 from ..tree import (
@@ -55,7 +56,7 @@ class Written:
         self.statements = parse.parse_all(model.source).statements
         self.text = model.source.text
         rotations = [r.name for r in model.rotations]
-        self.lone = rotations[0] if len(rotations) == 1 else ""
+        self.lone = rotations[0] if rotations and len(single_rotations(model)) == 1 else ""
         self.kinds = dict.fromkeys(rotations, TURN)
         self.kinds |= {f"p_{r}": VECTOR for r in rotations}
         self.lets: dict[str, st.Define] = {}
@@ -267,8 +268,12 @@ class Written:
         if isinstance(of, Name) and of.index is None:
             return mathml.name(f"{of.id}.{axis}", self.lone)
         if isinstance(of, Call) and of.function == "omega" and isinstance(of.arguments[0], Name):
-            return mathml.name(f"omega({of.arguments[0].id}).{axis}", self.lone)
+            return self._body_rate(of.arguments[0], f".{axis}")
         return mathml.sub(mathml.fenced(self(of)), mathml.name(axis))
+
+    def _body_rate(self, rotation: Name, axis: str = "") -> str:
+        found = mathml.name(f"omega({rotation.id}){axis}", self.lone, bold=not axis)
+        return _indexed(found, self(rotation.index)) if rotation.index else found
 
     def _power(self, base: Expr, exponent: Expr) -> str:
         above = self._exponent(exponent)
@@ -299,8 +304,7 @@ class Written:
             case "inverse", [a]:
                 return mathml.sup(self._factor(arguments[0]), mathml.number("-1"))
             case "omega", [a] if isinstance(arguments[0], Name):
-                own = arguments[0].id
-                return mathml.name(f"omega({own})", self.lone, bold=True)
+                return self._body_rate(arguments[0])
         return function(name, shown, _bare(arguments))
 
 

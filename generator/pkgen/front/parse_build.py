@@ -122,8 +122,7 @@ class Build(Transformer):
         *primes, _, value = rest
         return st.StartItem(left, len(primes), "", value, _over(left, [left, *primes][-1]))
 
-    def start_function(self, function, _, name, close, __, value):
-        left = st.Left(str(name), None, None, _span(name))
+    def start_function(self, function, _, left, close, __, value):
         return st.StartItem(left, 0, str(function), value, _over(function, close))
 
     # statements; the first part is the keyword

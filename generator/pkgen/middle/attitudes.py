@@ -14,6 +14,7 @@ hold, and keep what they keep, for a Q of any length, as a method's stages have 
 from __future__ import annotations
 
 from ..equations import Attitude, Row
+from ..graph.frames import cross
 from ..graph.graph import ZERO, Graph, Kind, Node, Symbol
 
 # Of Q e_i: which number of Q stands in w, x, y, z, and with which sign.
@@ -42,11 +43,30 @@ def turned(g: Graph, quaternion: Row, axis: int) -> Row:
     )
 
 
+def quaternion_rates(g: Graph, quaternion: Row, w: Row) -> Row:
+    """Q' = Q (0, w)/2."""
+    along = [turned(g, quaternion, axis) for axis in range(3)]
+    return tuple(g.sum(map(g.multiply, w, each)) for each in zip(*along, strict=True))
+
+
+def body_rates(g: Graph, quaternion: Row, rates: Row) -> Row:
+    """The w with Q' = Q (0, w)/2, of a Q of length 1 and its rates."""
+    four = g.number(4)
+    return tuple(
+        g.multiply(four, g.sum(map(g.multiply, turned(g, quaternion, axis), rates)))
+        for axis in range(3)
+    )
+
+
 def rate_of_quaternion(g: Graph, at: Attitude, state: int) -> Node:
     """The rate of a state that is one of its numbers."""
-    quaternion, w = numbers(g, at), rates(g, at)
-    k = at.numbers.index(state)
-    return g.sum(g.multiply(w[i], turned(g, quaternion, i)[k]) for i in range(3))
+    return quaternion_rates(g, numbers(g, at), rates(g, at))[at.numbers.index(state)]
+
+
+def along_axes(g: Graph, quaternion: Row, by: Row) -> Row:
+    """X_i f by the derivatives of f by the numbers of Q."""
+    axes = (turned(g, quaternion, axis) for axis in range(3))
+    return tuple(g.sum(map(g.multiply, by, to)) for to in axes)
 
 
 def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> dict[int, Node]:
@@ -55,9 +75,11 @@ def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> d
     found = {}
     for at in attitudes:
         quaternion = numbers(g, at)
-        for i, rate in enumerate(at.rates):
-            along = zip(quaternion, turned(g, quaternion, i) if quaternion else (), strict=True)
-            found[rate] = g.sum(g.multiply(by.get(q, ZERO), to) for q, to in along)
+        if not quaternion:
+            found |= dict.fromkeys(at.rates, ZERO)
+            continue
+        own = tuple(by.get(q, ZERO) for q in quaternion)
+        found |= zip(at.rates, along_axes(g, quaternion, own), strict=True)
     return found
 
 
@@ -66,9 +88,8 @@ def gyroscopic(g: Graph, attitudes: tuple[Attitude, ...], momenta: Row) -> dict[
     all coordinates."""
     found = {}
     for at in attitudes:
-        w, p = rates(g, at), [momenta[i] for i in at.rates]
-        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            found[at.rate + i] = g.subtract(g.multiply(p[j], w[k]), g.multiply(p[k], w[j]))
+        p = tuple(momenta[i] for i in at.rates)
+        found |= zip(at.rates, cross(g, p, rates(g, at)), strict=True)
     return found
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from ..equations import Quantity
 from ..graph.graph import VARIABLE, Graph, Kind, Node, Symbol
 from ..indices import indexed, integer
-from ..model import Coordinate, Input, Model, Parameter, State
+from ..model import Coordinate, Input, Model, Parameter, Rotation, State
 from ..record import record
 from ..source import Diagnostic, ModelError, Span
 from ..tree import Range
@@ -15,13 +16,15 @@ from ..tree import Range
 
 @record
 class Family:
-    """A declared name: one scalar, or NAME[lo..hi]; `first` is the flat index of the first."""
+    """A declared name: one scalar, or NAME[lo..hi]; `first` is the flat index of the first, and
+    `step` from one to the next."""
 
     name: str
     first: int
     lo: int | None
     hi: int | None
     span: Span
+    step: int = 1
 
     @property
     def members(self) -> tuple[int | None, ...]:
@@ -32,7 +35,7 @@ class Family:
         return 1 if self.lo is None else self.hi - self.lo + 1
 
     def flat(self, index: int | None) -> int:
-        return self.first if self.lo is None else self.first + index - self.lo
+        return self.first if self.lo is None else self.first + self.step * (index - self.lo)
 
     def has(self, index: int | None) -> bool:
         if self.lo is None or index is None:
@@ -57,15 +60,37 @@ def sizes(model: Model) -> dict[str, int]:
 
 
 def families(
-    model: Model, declarations: tuple[Parameter | Coordinate | State, ...]
+    model: Model,
+    declarations: tuple[Parameter | Coordinate | State, ...],
+    side_by_side: bool = False,
 ) -> dict[str, Family]:
+    """By name, one after the other; or the numbers of each rotation `side_by_side`, members of a
+    family of rotations one after the other."""
+    parts = [names for r in model.rotations for names in (r.turns, r.quaternion)]
+    places = {n: (k, len(names)) for names in parts for k, n in enumerate(names) if side_by_side}
     result: dict[str, Family] = {}
     first = 0
     for item in declarations:
         lo, hi = ends(model, item.range)
-        result[item.name] = Family(item.name, first, lo, hi, item.span)
-        first += result[item.name].count
+        place, step = places.get(item.name, (0, 1))
+        made = Family(item.name, first + place, lo, hi, item.span, step)
+        first += made.count * step if place == step - 1 else 0
+        result[item.name] = made
     return result
+
+
+def single_rotations(model: Model) -> tuple[Rotation, ...]:
+    """Each rotation by itself, members of families by their own names."""
+    found = []
+    for r in model.rotations:
+        (family,) = families(model, (r,)).values()
+        for i in family.members:
+            parts = {k: tuple(indexed(n, i) for n in getattr(r, k)) for k in _NUMBERS}
+            found.append(replace(r, name=indexed(r.name, i), range=None, **parts))
+    return tuple(found)
+
+
+_NUMBERS = ("quaternion", "rates", "turns", "momenta")  # of a rotation, by name
 
 
 def ends(model: Model, range_: Range | None) -> tuple[int | None, int | None]:
@@ -84,15 +109,18 @@ def quantities(
 ) -> tuple[Quantity, ...]:
     """A quantity a coordinate or state; `form` makes its name, unless the field `own` has one; the
     field `unit` has its unit."""
-    return tuple(
-        Quantity(
-            (own and getattr(c, own)) or form.format(indexed(c.name, i)),
+    made = {
+        found[c.name].flat(i): Quantity(
+            indexed(getattr(c, own), i)
+            if own and getattr(c, own)
+            else form.format(indexed(c.name, i)),
             getattr(c, unit),
             c.description,
         )
         for c in declarations
         for i in found[c.name].members
-    )
+    }
+    return tuple(made[k] for k in sorted(made))
 
 
 def input_quantities(model: Model, orders: tuple[int, ...]) -> tuple[Quantity, ...]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ..compiler import Compilation
 from ..equations import Quantity
 from ..indices import indexed, parted
-from ..middle.quantities import families, input_quantities
+from ..middle.quantities import families, input_quantities, single_rotations
 from ..model import Model, Parameter, State
 from ..record import record
 
@@ -125,7 +125,7 @@ def places(compilation: Compilation) -> dict[str, tuple[int, int]]:
     for q, rate in zip(e.coordinates, e.rates, strict=True):
         start = spans[parted(q.name)[0]]
         found |= {q.name: (0, start), rate.name: (1, start)}
-    for rotation in model.rotations:
+    for rotation in single_rotations(model):
         found |= dict.fromkeys(rotation.quaternion, (0, rotation.span.start))
     return found
 

@@ -13,6 +13,7 @@ from ..front.check import options_text
 from ..front.check.options_text import OptionError
 from ..front.check.scene_numbers import within_bounds
 from ..indices import hidden, indexed, parted
+from ..middle.quantities import single_rotations
 from ..record import record
 from ..system.exits import UsageError
 from ..system.near import unknown
@@ -144,7 +145,7 @@ class Values:
 
     def _numbers_of_rotations(self) -> dict[str, tuple[str, ...]]:
         """What a rotation and its body rates are started by."""
-        rotations = self.compilation.declared.rotations
+        rotations = single_rotations(self.compilation.declared)
         return {r.name: r.quaternion for r in rotations} | {
             f"omega({r.name})": r.rates for r in rotations
         }

@@ -68,8 +68,8 @@ def written_out(
         except OptionError:
             found.append(text)  # reported where columns are looked up
             continue
-        if side.name in quaternions and not side.order and side.index is None:
-            found += quaternions[side.name]
+        if side.name in quaternions and not side.order:
+            found += (replace(side, name=name).text() for name in quaternions[side.name])
             continue
         parts = [f"{side.name}.{axis}" for axis in AXES]
         whole = side.name in known or not known.issuperset(parts)

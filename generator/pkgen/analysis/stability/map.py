@@ -11,6 +11,7 @@ from functools import partial
 from typing import TypeVar
 
 from ...compiler import Compilation
+from ...middle.quantities import single_rotations
 from ...record import record
 from ...run.build import build_library
 from ...system import children
@@ -287,7 +288,7 @@ def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
 
 def _quaternions(compilation: Compilation) -> range:
     """Their numbers among the rates."""
-    count = len(compilation.model.rotations)
+    count = len(single_rotations(compilation.model))
     # The body rates before them are no first-order variables here.
     first = len(compilation.equations.coordinates) - compilation.equations.n_first_order
     return range(first, first + 4 * count)

@@ -10,7 +10,7 @@ from .. import statements as st
 from .. import units
 from ..units import si_text
 from .names import KIND_TEXT, Entry, Facts
-from .rotation_statements import Rotations
+from .rotation_statements import Rotations, ends_of
 from .scope import PLACES, Scope
 from .shared import Checks, Shared, as_is
 from .states import States
@@ -19,6 +19,7 @@ from .states import States
 class Coordinates(Checks):
     def __init__(self, shared: Shared, states: States, rotations: Rotations) -> None:
         super().__init__(shared)
+        self.rotations = rotations
         self.declared = {
             "coord": self._coordinate,
             "state": states.declare,
@@ -80,13 +81,18 @@ class Coordinates(Checks):
             if left.range is not None:
                 self.report.error("an end is one index, not a range", left.span)
                 continue
-            if value is not None:
-                value = self._fixed_value(value, entry)
             self._end(keyword, left, entry, value, statement)
 
-    def _fixed_value(self, value: Expr, entry: Entry) -> Expr:
-        target = as_is(entry.name, entry.facts.dimension)
-        checked, facts = self.expressions.wanted(value, Scope(PLACES["fixed"]), target)
+    def _fixed_value(self, value: Expr | None, entry: Entry) -> Expr | tuple[Expr, ...] | None:
+        """What an end is given, of a rotation its quaternion; None of one that is free."""
+        if value is None:
+            return None
+        scope, target = Scope(PLACES["fixed"]), as_is(entry.name, entry.facts.dimension)
+        if entry.kind == "rotation":
+            example = f"fixed {entry.name}[0]"
+            checked, facts = self.rotations.numbers("an end", example, value, scope)
+        else:
+            checked, facts = self.expressions.wanted(value, scope, target)
         for kind, names in (("coordinate", facts.coordinates), ("state", facts.states)):
             if not names:
                 continue
@@ -99,6 +105,7 @@ class Coordinates(Checks):
         self, keyword: str, left: st.Left, entry: Entry, value: Expr | None, statement: st.Pairs
     ) -> None:
         lo, hi = self.shared.range_of(left.name)
+        given = self._fixed_value(value, entry)
         if keyword == "periodic":
             if left.index is not None:
                 self.report.error(
@@ -123,8 +130,10 @@ class Coordinates(Checks):
             at = [index]
         for index in at:
             if self._end_allowed(keyword, left, index, lo, hi):
-                end = m.End(keyword, left.name, index, value, statement.span, left.index)
-                self.parts["ends"].append(end)
+                turned = entry.kind == "rotation"
+                own = None if turned else given
+                end = m.End(keyword, left.name, index, own, statement.span, left.index)
+                self.parts["ends"] += ends_of(end, given) if turned else (end,)
                 if index is not None:
                     entry.members.add(index, index)
 

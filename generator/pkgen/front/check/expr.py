@@ -18,6 +18,7 @@ from .calls import Calls
 from .checking import Checked
 from .names import BUILT_IN, KIND_TEXT, UNKNOWN, Entry, Facts, Members, Wrong, joined
 from .operators import Operators
+from .rotations import attitude
 from .scope import Place, Scope
 from .vectors import EXAMPLE, output_vector
 
@@ -122,6 +123,9 @@ class Expressions(Operators, Calls):
             raise Wrong
         if entry.kind in ("output", "built-in", "multiplier") and entry.facts.vector:
             return output_vector(expr), entry.facts
+        if entry.kind == "rotation":
+            turn = attitude(expr.id, expr.index, expr.span)
+            return expr, replace(entry.facts, turns=(turn,))
         return expr, entry.facts
 
     def _entry(self, expr: Name, scope: Scope) -> Entry | None:

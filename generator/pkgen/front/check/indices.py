@@ -17,7 +17,7 @@ from ... import limits
 from ...indices import NotAnInteger, assignments, integer
 from ...source import Source, Span
 from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, within
-from .names import Entry, Names, Report
+from .names import MOVING, Entry, Names, Report
 from .scope import PLACES, Interval, Loop, Scope
 
 
@@ -141,7 +141,7 @@ class Indices:
             return False
         if not self.valid(expr.index, scope):
             return False
-        if entry.kind in ("coordinate", "state"):
+        if entry.kind in MOVING:
             self.waiting.append((expr, entry, scope))
         else:
             self._settle(expr, entry, scope)
@@ -198,7 +198,7 @@ class Indices:
     ) -> None:
         member, name = f"{expr.id}[{value}]", expr.id
         there = entry.members.text(name)
-        if entry.kind in ("coordinate", "state"):
+        if entry.kind in MOVING:
             lo, hi = entry.members.intervals[0][0], entry.members.intervals[-1][1]
             help = f"shorten the range, or say what lies there: 'fixed {member} = 0'"
             if value in (lo - 1, hi + 1):

@@ -34,12 +34,13 @@ def callable_names() -> frozenset[str]:
 @record
 class Turn:
     """A factor of a rotation: rot(axis, angle), or the attitude of a declared one, `quaternion`
-    of its numbers w, x, y, z. `name` is of one that stands as it is declared."""
+    of its numbers w, x, y, z. `name` and `index` are of one that stands as it is declared."""
 
     axis: Expr | None = None
     angle: Expr | None = None
     quaternion: Expr | None = None
     name: str = ""
+    index: Expr | None = None
 
 
 Turns = tuple[Turn, ...]
@@ -162,6 +163,7 @@ KIND_TEXT = {
     "time": "the time",
     "built-in": "built in",
 }
+MOVING = ("coordinate", "state", "rotation")  # kinds of which families have ends
 
 
 class Wrong(Exception):

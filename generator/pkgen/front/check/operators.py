@@ -69,12 +69,12 @@ class Operators(Checking):
 
     def _of_rotation(self, expr: Component, facts: Facts) -> Checked:
         """R.w, R.x, R.y, R.z: the quaternion of a rotation that is declared."""
-        name = facts.turns[0].name if len(facts.turns) == 1 else ""
-        if not name:
+        turn, *more = facts.turns
+        if more or not turn.name:
             message = f"{self.mismatch.text(expr.of)} is a rotation, which turns a vector"
             help = "of a declared one R there is the quaternion R.w, R.x, R.y, R.z"
             raise Wrong(message, help, expr.of.span)
-        new = Name(f"{name}.{COMPONENTS[expr.axis]}", None, expr.span)
+        new = Name(f"{turn.name}.{COMPONENTS[expr.axis]}", turn.index, expr.span)
         return new, replace(facts, vector=False, turns=(), united=True)
 
     def negate(self, expr: Negate, scope: Scope) -> Checked:

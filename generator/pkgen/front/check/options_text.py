@@ -104,7 +104,7 @@ def left_side(text: str, sizes: Mapping[str, int] = {}) -> LeftSide:
     start = _parsed(source, [Token("START", "start", start_pos=0, end_pos=0)], tail)
     item = start.items[0]
     if item.function == "omega" and len(start.items) == 1:
-        return LeftSide(f"omega({item.left.name})", None, item.order)
+        item = replace(item, function="", left=replace(item.left, name=f"omega({item.left.name})"))
     if len(start.items) > 1 or item.function or item.left.range is not None:
         message = "one coordinate or rate is needed here, e.g. theta, theta', q[1]'"
         raise OptionError(source, Diagnostic(message, item.span))

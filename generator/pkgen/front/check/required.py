@@ -83,11 +83,11 @@ class Required:
         with_rate = frozenset().union(*(f.rates for f in energies))
         for rotation in self.shared.parts["rotations"]:
             if rotation.name not in with_rate:
+                rate = f"omega({rotation.name}{'[i]' if rotation.range else ''})"
                 self.report.error(
                     f"the rotation '{rotation.name}' has no inertia: no energy contains its rates",
                     rotation.span,
-                    f"add a kinetic term, e.g. kinetic I/2*dot(omega({rotation.name}),"
-                    f" omega({rotation.name}))",
+                    f"add a kinetic term, e.g. kinetic I/2*dot({rate}, {rate})",
                 )
         for coordinate in self.shared.parts["coordinates"]:
             if coordinate.name not in with_rate:

@@ -7,57 +7,58 @@ states, its quaternion: see check/rotations.py. So a torque is three forces, and
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from fractions import Fraction
 
 from ... import model as m
-from ...tree import AXES, Number
+from ...tree import AXES, Expr, Number
 from .. import statements as st
 from .. import units
 from ..units import NONE, si_text
 from .expr import Target
 from .names import Entry, Facts
 from .rotations import attitude, quaternion_names, quaternion_of, rate_names, turn_names
-from .scope import PLACES, Scope
+from .scope import Scope
 from .shared import Checks
 from .vectors import component
 
-TURNS = 5  # of a start: more are more terms than anyone writes
+TURNS = 5  # of a start or an end: more are more terms than anyone writes
 
 
 class Rotations(Checks):
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
-        """`rotation NAME`; a unit or a range is reported, so that `unit` is of no use here."""
+        """`rotation NAME`; a unit is reported, so that `unit` is of no use here."""
         if item.unit is not None:
             self.report.error("a rotation has no unit", item.unit.span, f"rotation {item.name}")
-        if item.lo is not None:
-            self.report.error(
-                "a family of rotations cannot be compiled", item.span, "declare them one by one"
-            )
-        own, turns = frozenset((item.name,)), (attitude(item.name, item.span),)
+        own, turns = frozenset((item.name,)), (attitude(item.name, None, item.span),)
         facts = Facts(NONE, True, united=True, coordinates=own, turns=turns)
-        self.names.declare(Entry(item.name, "rotation", facts, item.name_span))
+        found = self.shared.declared(item, "rotation", facts)
+        if found is None:
+            return
         time, energy = self.expressions.time_dimension, self.expressions.energy_dimension
         per_time, action = units.over(NONE, time), units.times(energy, time)
         momenta = tuple(f"p_{item.name}.{axis}" for axis in AXES)
         names = *(f(item.name) for f in (quaternion_names, rate_names, turn_names)), momenta
         texts = si_text(per_time, 1 if time != NONE else 0), si_text(per_time), si_text(action)
-        rotation = m.Rotation(item.name, *names, *texts, description, item.span)
+        rotation = m.Rotation(item.name, found[0], *names, *texts, description, item.span)
         self.parts["rotations"].append(rotation)
 
     def force(self, statement: st.Define) -> Iterable[m.Force]:
         """A torque, in body components."""
-        left, scope = statement.left, Scope(PLACES["force"])
-        self._plain(left)
+        left = statement.left
+        found = self.shared.wanted_of(left, statement.value, "a force", ("rotation",), "force")
+        if found is None:
+            return ()
         needs = "a torque [N*m]" if self.expressions.energy_dimension != NONE else "numbers"
         target = Target(
             self.expressions.energy_dimension, f"the torque on {left.name} is a vector of {needs}"
         )
-        value, facts = self.expressions.wanted_vector(statement.value, scope, target)
+        value, facts = self.expressions.wanted_vector(statement.value, found[1], target)
         self.shared.use_inputs(facts)
         if not facts.vector:
             return ()
         return tuple(
-            m.Force(turn, None, None, component(value, k), statement.span)
+            m.Force(turn, left.index, left.range, component(value, k), statement.span)
             for k, turn in enumerate(turn_names(left.name))
         )
 
@@ -68,7 +69,6 @@ class Rotations(Checks):
         rates; None where that is wrong, said already."""
         left = item.left
         before = len(self.report.errors)
-        self._plain(left)
         if item.function not in ("", "omega"):
             self.report.error(
                 f"a start gives {left.name} or omega({left.name}), not {item.function}", item.span
@@ -79,13 +79,14 @@ class Rotations(Checks):
         elif item.order:
             help = f"start omega({left.name}) = [x, y, z]"
             self.report.error(f"the rates of a rotation are omega({left.name})", item.span, help)
+        scope = self.shared.member_scope(left, entry, around) or around
         of_rates = item.function or item.order  # R' gives rates, if under a wrong name
-        values = self._rates(item, around) if of_rates else self._attitude(item, around)
+        values = self._rates(item, scope) if of_rates else self._attitude(item, scope)
         if len(self.report.errors) > before or entry is None or not values:
             return None
         order, names = (1, turn_names) if item.function else (0, quaternion_names)
         return tuple(
-            m.Start(name, None, None, order, value, item.span)
+            m.Start(name, left.index, left.range, order, value, item.span)
             for name, value in zip(names(left.name), values, strict=True)
         )
 
@@ -96,23 +97,33 @@ class Rotations(Checks):
         return [component(value, k) for k in range(len(AXES))] if facts.vector else None
 
     def _attitude(self, item: st.StartItem, around: Scope):
-        _, facts = self.expressions.factor(item.value, around)
+        return self.numbers("a start", f"start {item.left.name}", item.value, around)[0]
+
+    def numbers(
+        self, what: str, example: str, value: Expr, around: Scope
+    ) -> tuple[tuple[Expr, ...] | None, Facts]:
+        """The quaternion of a product of rot(AXIS, ANGLE)s, None after an error; its facts."""
+        _, facts = self.expressions.factor(value, around)
         if not facts.turns:
             if facts.known:
-                message = f"{self.expressions.mismatch.text(item.value)} is no rotation"
-                help = f"e.g. start {item.left.name} = rot([1, 0, 0], 0.3)"
-                self.report.error(message, item.value.span, help)
-            return None
+                message = f"{self.expressions.mismatch.text(value)} is no rotation"
+                self.report.error(message, value.span, f"e.g. {example} = rot([1, 0, 0], 0.3)")
+            return None, facts
         if len(facts.turns) > TURNS:
-            self.report.error(f"a start of more than {TURNS} turns", item.value.span)
-            return None
+            self.report.error(f"{what} of more than {TURNS} turns", value.span)
+            return None, facts
         if any(turn.quaternion is not None for turn in facts.turns):
-            return None  # a rotation is no parameter: said already
-        return quaternion_of(facts.turns, item.value.span)
+            return None, facts  # a rotation is no parameter: said already
+        return quaternion_of(facts.turns, value.span), facts
 
-    def _plain(self, left: st.Left) -> None:
-        if left.index is not None or left.range is not None:
-            self.report.error(f"'{left.name}' is one rotation: it takes no index", left.span)
+
+def ends_of(end: m.End, numbers: tuple[Expr, ...] | None) -> Iterable[m.End]:
+    """The ends of what a family of rotations is made of; `numbers` are of a fixed one, whose body
+    rates follow from these."""
+    for k, number in enumerate(quaternion_names(end.name)):
+        yield replace(end, name=number, value=numbers and numbers[k])
+    for turn in turn_names(end.name):
+        yield replace(end, name=turn, value=None)
 
 
 def coordinates_of(rotation: m.Rotation) -> Iterable[m.Coordinate]:
@@ -121,17 +132,17 @@ def coordinates_of(rotation: m.Rotation) -> Iterable[m.Coordinate]:
     for k, axis in enumerate(AXES):
         says = rotation.description or f"body rate about {axis}"
         own = rotation.rates[k], rotation.momenta[k]
-        yield m.Coordinate(rotation.turns[k], None, *units_of, says, rotation.span, *own)
+        yield m.Coordinate(rotation.turns[k], rotation.range, *units_of, says, rotation.span, *own)
 
 
 def states_of(rotation: m.Rotation) -> Iterable[m.State]:
     """Four pure numbers w, x, y, z."""
     for number in rotation.quaternion:
         what = rotation.description or "of its unit quaternion, body to space"
-        yield m.State(number, None, "", rotation.per_time, what, rotation.span)
+        yield m.State(number, rotation.range, "", rotation.per_time, what, rotation.span)
 
 
 def identity(rotation: m.Rotation) -> m.Start:
     """What is started nowhere else."""
     one = Number(Fraction(1), rotation.span)
-    return m.Start(rotation.quaternion[0], None, None, 0, one, rotation.span)
+    return m.Start(rotation.quaternion[0], None, rotation.range, 0, one, rotation.span)

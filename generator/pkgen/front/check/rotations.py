@@ -36,10 +36,10 @@ def turn_names(rotation: str) -> tuple[str, ...]:
     return tuple(f"turn({rotation}).{axis}" for axis in AXES)
 
 
-def attitude(name: str, span: Span) -> Turn:
-    """A declared rotation as it stands."""
-    numbers = tuple(Name(number, None, span) for number in quaternion_names(name))
-    return Turn(quaternion=Vector(numbers, span), name=name)
+def attitude(name: str, index: Expr | None, span: Span) -> Turn:
+    """A declared rotation, or a member of a family of them, as it stands."""
+    numbers = tuple(Name(number, index, span) for number in quaternion_names(name))
+    return Turn(quaternion=Vector(numbers, span), name=name, index=index)
 
 
 def quaternion_of(turns: Turns, span: Span) -> tuple[Expr, ...]:
@@ -128,11 +128,11 @@ class RotationCalls(Checking):
 
     def _omega(self, expr: Call, facts: Facts) -> Checked:
         """The rates of the body frame, of a declared rotation alone."""
-        name = facts.turns[0].name if len(facts.turns) == 1 else ""
-        if not name:
+        turn, *more = facts.turns
+        if more or not turn.name:
             help, at = _of_no_name(facts.turns), expr.arguments[0].span
             raise Wrong("omega takes the name of a rotation", help, at)
-        names = tuple(Name(rate, None, expr.span) for rate in rate_names(name))
+        names = tuple(Name(rate, turn.index, expr.span) for rate in rate_names(turn.name))
         per_time, own = units.over(NONE, self.time_dimension), facts.coordinates
         facts = Facts(per_time, True, united=True, coordinates=own, rates=own)
         return Vector(names, expr.span), facts

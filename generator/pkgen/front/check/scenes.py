@@ -127,10 +127,12 @@ class _Scene(Given):
         """One, of a vector three, none after an error."""
         value, facts = self.expressions.factor(item, Scope(PLACES["record"]))
         if facts.turns and facts.turns[0].name and isinstance(item, Name):
-            numbers = quaternion_names(item.id)
+            at = None if item.index is None else integer(item.index, self.shared.sizes)
             return (
-                m.Definition(x, None, None, Name(x, None, item.span), "", "", item.span)
-                for x in numbers
+                m.Definition(
+                    indexed(x, at), None, None, Name(x, item.index, item.span), "", "", item.span
+                )
+                for x in quaternion_names(item.id)
             )
         value, facts = self.expressions.check(item, Scope(PLACES["record"]))
         inner, order, axis = item, 0, None
@@ -139,7 +141,8 @@ class _Scene(Given):
         if isinstance(inner, Component):
             inner, axis = inner.of, inner.axis
         if isinstance(inner, Call) and inner.function == "omega" and facts.known:
-            inner = Name(f"omega({min(facts.coordinates)})", None, inner.span)
+            (of,) = inner.arguments
+            inner = replace(of, id=f"omega({of.id})")
         if not isinstance(inner, Name):
             message = "a record takes names, not expressions"
             self.report.error(message, item.span, "give it a name: observe NAME = …")

@@ -15,7 +15,7 @@ from .. import units
 from ..table import STATEMENTS
 from ..units import NONE, Dimension, si_text
 from .expr import Expressions, Target
-from .names import KIND_TEXT, UNKNOWN, Entry, Facts, Members, Names, Report
+from .names import KIND_TEXT, MOVING, UNKNOWN, Entry, Facts, Members, Names, Report
 from .scope import PLACES, Scope
 
 ORIGIN = "O"
@@ -114,6 +114,22 @@ class Shared:
     ) -> Variable | None:
         """Declare a coordinate or a state; `own` is the member of its facts that has its name. None
         after an error."""
+        dimension = None if unit is None else unit.dimension
+        united = dimension is not None and unit is not units.ONE
+        facts = Facts(dimension, united=united, known=unit is not None, **own)
+        found = self.declared(item, kind, facts)
+        if found is None:
+            return None
+        unit = unit or units.ONE
+        per_time = units.over(unit.dimension, self.expressions.time_dimension)
+        return Variable(
+            found[0], unit.dimension, unit.shown, si_text(per_time, unit.angle), found[1]
+        )
+
+    def declared(
+        self, item: st.Declared, kind: str, facts: Facts
+    ) -> tuple[Range | None, bool] | None:
+        """Declare what moves: its family, and whether the name was free. None after an error."""
         ends = members = family = None
         if item.lo is not None:
             ends = self.indices.family(item.lo, item.hi, item.span, Scope(PLACES["size"]))
@@ -121,14 +137,8 @@ class Shared:
                 self.names.declare(Entry(item.name, "poisoned", UNKNOWN, item.name_span))
                 return None
             members, family = Members(ends), Range("i", item.lo, item.hi, item.span)
-        dimension = None if unit is None else unit.dimension
-        united = dimension is not None and unit is not units.ONE
-        facts = Facts(dimension, united=united, known=unit is not None, **own)
         new = self.names.declare(Entry(item.name, kind, facts, item.name_span, members, ends))
-        unit = unit or units.ONE
-        per_time = units.over(unit.dimension, self.expressions.time_dimension)
-        rate_unit = si_text(per_time, unit.angle)
-        return Variable(family, unit.dimension, unit.shown, rate_unit, new)
+        return family, new
 
     def members_of(self, left: st.Left) -> tuple[int, int] | None:
         """Which members a left side means; None of none, 0..0 of what is no family."""
@@ -187,16 +197,15 @@ class Shared:
         if entry is None or scope is None:
             return scope
         named = Name(left.name, index, left.span)
-        if entry.members is not None and entry.kind in ("coordinate", "state"):
+        if entry.members is not None and entry.kind in MOVING:
             entry = replace(entry, members=Members(self.range_of(left.name)), kind="member")
         before = len(self.report.errors)
         self.indices.member(named, entry, replace(scope, name="="))
         return scope if len(self.report.errors) == before else None
 
     def range_of(self, name: str) -> tuple[int, int]:
-        declared = (*self.parts["coordinates"], *self.parts["states"])
-        family = next(c.range for c in declared if c.name == name)
-
+        parts = (self.parts[f"{kind}s"] for kind in MOVING)
+        family = next(c.range for declared in parts for c in declared if c.name == name)
         return integer(family.lo, self.sizes), integer(family.hi, self.sizes)
 
     def no_vector(self, left: st.Left, kind: str) -> None:

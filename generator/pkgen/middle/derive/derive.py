@@ -229,7 +229,9 @@ def _check_inertia(x: Expander, motion: Motion) -> None:
             message = f"'{name}' has no inertia: L does not contain the square of {name}'"
             help = f"give it a kinetic energy, or make '{item.name}' a param or an input"
             if item.rate:
-                message = f"'{item.rate}' has no inertia: L does not contain its square"
+                message = (
+                    f"'{indexed(item.rate, index)}' has no inertia: L does not contain its square"
+                )
                 help = "a body has a moment of inertia about each of its axes"
             findings[item.name] = Diagnostic(message, item.span, help)
     if findings:
@@ -239,7 +241,7 @@ def _check_inertia(x: Expander, motion: Motion) -> None:
 def _singular(x: Expander, coordinate: int) -> ModelError:
     """Only a combination of the coordinates has inertia: (x' + y')^2."""
     item, index = x.members[coordinate]
-    name = item.rate or indexed(item.name, index)
+    name = indexed(item.rate or item.name, index)
     message = f"'{name}' has no inertia of its own: the mass matrix is singular"
     help = "the coordinates can move together without kinetic energy: leave one out"
     return error(x.model, message, item.span, help)

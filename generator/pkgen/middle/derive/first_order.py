@@ -37,7 +37,8 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
     try:
         found = resolved(g, tuple(rates))
     except Circular as circular:
-        names = [n for f in x.states.values() for n in (indexed(f.name, i) for i in f.members)]
+        of = {f.flat(i): indexed(f.name, i) for f in x.states.values() for i in f.members}
+        names = [of[k] for k in sorted(of)]
         first = circular.cycle[0]
         cycle = " needs ".join(f"{names[k]}'" for k in (*circular.cycle, first))
         raise error(

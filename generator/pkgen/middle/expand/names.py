@@ -16,10 +16,10 @@ from ...equations import Attitude
 from ...graph.differentiate import Forward
 from ...graph.graph import ONE, VARIABLE, Graph, Kind, Node, Symbol, TooLarge
 from ...indices import NotAnInteger, assignments, integer
-from ...model import Coordinate, End, Model
+from ...model import Coordinate, End, Model, Rotation
 from ...source import Span
 from ...tree import Expr, Name, Range
-from ..attitudes import rate_of_quaternion
+from ..attitudes import body_rates, rate_of_quaternion
 from ..quantities import Family, error, families, indexed, input_index, rate_of_state, sizes
 
 Vector3 = tuple[Node, ...]
@@ -75,19 +75,20 @@ class Names(ABC):
         self.orders = orders
         self.graph = Graph(limits.UNROLLED)
         self.sizes = sizes(model)
-        self.coordinates = families(model, model.coordinates)
-        self.states = families(model, model.states)
+        self.coordinates = families(model, model.coordinates, side_by_side=True)
+        self.states = families(model, model.states, side_by_side=True)
         self.parameters = families(model, model.parameters)
         self.inputs = {item.name: i for i, item in enumerate(model.inputs)}
         self.attitudes = tuple(
-            Attitude(self.coordinates[r.turns[0]].first, self.states[r.quaternion[0]].first)
+            Attitude(self.coordinates[r.turns[0]].flat(i), self.states[r.quaternion[0]].flat(i))
             for r in model.rotations
+            for i in self.coordinates[r.turns[0]].members
         )
         self._attitude_of = {k: a for a in self.attitudes for k in a.numbers}
         self._body_rates = {
-            rate: self.coordinates[turn].first
-            for r in model.rotations
-            for rate, turn in zip(r.rates, r.turns, strict=True)
+            rate: (rotation, axis)
+            for rotation in model.rotations
+            for axis, rate in enumerate(rotation.rates)
         }
         self.defined: dict[str, dict[int | None, Value]] = {}
         self.refusals: dict[tuple[str, int | None], tuple[str, str]] = {}
@@ -104,8 +105,12 @@ class Names(ABC):
     @property
     def members(self) -> list[tuple[Coordinate, int | None]]:
         """Each coordinate as it is declared, with its index in its family."""
-        declared = self.model.coordinates
-        return [(item, i) for item in declared for i in self.coordinates[item.name].members]
+        found = {
+            self.coordinates[item.name].flat(i): (item, i)
+            for item in self.model.coordinates
+            for i in self.coordinates[item.name].members
+        }
+        return [found[k] for k in sorted(found)]
 
     @property
     def state_count(self) -> int:
@@ -174,7 +179,7 @@ class Names(ABC):
         if index is None and name in loop:
             return self.graph.number(loop[name])
         if name in self._body_rates:
-            return self.graph.symbol(Symbol(Kind.RATE, self._body_rates[name]))
+            return self._body_rate(*self._body_rates[name], index, expr.span)
         if name in self.coordinates or name in self.states:
             return self.coordinate(name, index, expr.span)
         if name in self.parameters:
@@ -198,17 +203,30 @@ class Names(ABC):
     def coordinate(self, name: str, index: int | None, span: Span) -> Node:
         """A coordinate or a state, or what the model says about the ends of its family."""
         kind = Kind.STATE if name in self.states else Kind.COORDINATE
+        at = self._place(name, index, span)
+        return self.scalar(at.value) if isinstance(at, End) else self.graph.symbol(Symbol(kind, at))
+
+    def _body_rate(self, rotation: Rotation, axis: int, index: int | None, span: Span) -> Node:
+        """Of a fixed end it follows from the quaternion there."""
+        at = self._place(rotation.turns[axis], index, span)
+        if not isinstance(at, End):
+            return self.graph.symbol(Symbol(Kind.RATE, at))
+        numbers = tuple(self.coordinate(name, index, span) for name in rotation.quaternion)
+        return body_rates(self.graph, numbers, tuple(map(self.derivative, numbers)))[axis]
+
+    def _place(self, name: str, index: int | None, span: Span) -> int | End:
+        """The flat index of a coordinate or a state, or the fixed end that there is instead."""
         family = self.states[name] if name in self.states else self.coordinates[name]
         if not family.has(index) and index is not None:
             end = self._ends.get((name, index)) or self._ends.get((name, None))
             if end is not None and end.kind == "fixed":
-                return self.scalar(end.value)
+                return end
             if end is not None and end.kind == "periodic":
                 index = family.lo + (index - family.lo) % (family.hi - family.lo + 1)
             elif end is not None:
                 index = min(max(index, family.lo), family.hi)
         self._member(family, index, span, "say `fixed`, `free` or `periodic` about its ends")
-        return self.graph.symbol(Symbol(kind, family.flat(index)))
+        return family.flat(index)
 
     def _member(self, family: Family, index: int | None, span: Span, help: str = "") -> Family:
         if family.has(index):
