@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import long_but
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart.errors import KINDS, ErrorKind, Measure
 from pkgen.analysis.chart.exact import Exact
@@ -86,7 +87,7 @@ def charted(pkgen, folder: Path, *words: object) -> tuple[dict, list[dict[str, s
         return json.loads(done.stdout), list(csv.DictReader(file))
 
 
-@pytest.mark.parametrize("kind", EXPECTED)
+@pytest.mark.parametrize("kind", long_but(["energy", "max"], EXPECTED))
 def test_errors_are_those_of_closed_forms(kind: str, pkgen, tmp_path: Path) -> None:
     told, rows = charted(pkgen, tmp_path, "--error", kind)
     assert told["error"] == kind and told["starts"] == 1
