@@ -78,6 +78,15 @@ size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
  * the other rows and rotations have. */
 enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const pk_real *q,
                                     const pk_real *v, enum pk_status broken);
+/* Through positions where rows depend on each other for an instant: numbers needed; at a start, and
+ * after each step; whether the next step is to be made here, and then it->own->next_t; that step,
+ * into it->own->next; and the motion within it. */
+size_t pk_passage_size(const struct pk_system *system, size_t n);
+void pk_passage_forget(struct pk_integrator *it);
+void pk_passage_note(struct pk_integrator *it);
+int pk_passage_due(struct pk_integrator *it, pk_real limit);
+enum pk_status pk_passage_step(struct pk_integrator *it);
+void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size);
 
 #endif

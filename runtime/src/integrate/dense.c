@@ -8,12 +8,17 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
     const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
     if (!pk_ready(it))
         return it->status < 0 ? it->status : PK_BAD_ARGUMENT;
-    if (!it->method->dense || !(it->own->flags & PK_HAVE_STEP) || !(t >= lo && t <= hi))
+    if (!it->method->dense || !(it->own->crossed || it->own->flags & PK_HAVE_STEP) ||
+        !(t >= lo && t <= hi))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     int moved;
     if (!(t > it->t) && !(t < it->t)) { /* what the step says, to the bit */
         memcpy(q, it->q, it->n * sizeof *q);
         memcpy(v, it->v, it->n * sizeof *v);
+        return it->status = PK_DONE;
+    }
+    if (it->own->crossed) {
+        pk_passage_at(it, t, q, v);
         return it->status = PK_DONE;
     }
     it->status = it->method->dense(it, t, q, v);

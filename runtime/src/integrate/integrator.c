@@ -45,6 +45,7 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
         {&own->singularities, pk_singularity_size(singularities, n)},
         {&own->project, pk_project_size(system, n)},
         {&own->marks, pk_marks_size(system, n)},
+        {&own->passage, pk_passage_size(system, n)},
         {&own->params, pk_params_reals(system)},
     };
     own->n_singularities = singularities;
@@ -112,6 +113,8 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         it->own->singularities = NULL;
     if (!pk_project_size(system, it->n))
         it->own->project = NULL;
+    if (!system->constraints.n)
+        it->own->passage = NULL;
     if (!system->marks.n)
         it->own->marks = NULL;
     it->q = pk_part(it->own->state, it->n, PK_Q);
@@ -158,6 +161,7 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     if (it->status >= 0 && it->method->init)
         it->status = it->method->init(it);
     pk_singularity_start(it);
+    pk_passage_forget(it);
     it->own->ready = it->status >= 0;
     return it->status;
 }
@@ -257,7 +261,9 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     status = pk_singularity_here(it);
     if (status < 0)
         return stop(it, status);
-    status = advance(it, limit);
+    const int passes = pk_passage_due(it, limit);
+    it->own->crossed = it->own->crossed && passes;
+    status = passes ? pk_passage_step(it) : advance(it, limit);
     status = status < 0 ? pk_singularity_cause(it, status, fixed) : pk_singularity_step(it);
     if (status < 0)
         return stop(it, status);
@@ -268,6 +274,7 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
         pk_quadrature_accept(it);
     pk_step_made(it, fixed);
     pk_scale_step(it);
+    pk_passage_note(it);
     return it->status = status;
 }
 
@@ -290,6 +297,11 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     if (it->own->atol && side->own->atol)
         memcpy(side->own->atol, it->own->atol,
                pk_scale_size(it->method, n) * sizeof *it->own->atol);
+    if (it->own->crossed) {
+        pk_real *q = pk_part(side->own->next, n, PK_Q), *v = pk_part(side->own->next, n, PK_V);
+        pk_passage_at(it, t, q, v);
+        return pk_integrator_reset(side, t, q, v) < 0 ? it->status = side->status : PK_DONE;
+    }
     pk_integrator_reset(side, it->last_t, it->own->next, pk_part(it->own->next, n, PK_V));
     if (side->status >= 0) { /* what a start lacks of a state amid the motion */
         memcpy(pk_part(side->own->state, n, PK_P), pk_part(it->own->next, n, PK_P),

@@ -1,0 +1,323 @@
+/* The passage of a motion through a position where rows of constraints depend on each other for an
+ * instant: a parallelogram that lies flat. Branches of the motion meet there; which one is followed
+ * is told by continuity, for the equations are singular there, and next to it the errors of a
+ * step's stages, which are off the constraints, are magnified: steps may turn into another branch.
+ *
+ * sigma, the least part of a row that is not of those before it, in the metric of M and beside the
+ * largest that the row had, falls to 0 in proportion to time. Before it does a step of Gauss's is
+ * made over the place, whose stages are apart from it, and each put onto the constraints, from where
+ * the smooth motion leads, before its acceleration is taken. Its end, and the stages, must be next
+ * to the constraints before they are put there, within SURE of the way: branches that cross are
+ * farther apart. A step of this kind needs no method's history, so that it serves all.
+ *
+ * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1.2 (collocation).
+ */
+#include <string.h>
+
+#include "../core/project.h"
+#include "../core/tableau.h"
+
+enum { FEWEST = 4, MOST = 8, ROUNDS = 60 };
+#define NEAR PK_C(0.2)     /* sigma, below which it is watched to fall; of fixed steps twice that */
+#define AHEAD PK_C(2.0)    /* steps: what is so near is passed */
+#define LONG PK_C(1.25)    /* fixed steps: what is nearer than that is within the next, */
+#define MIDDLE PK_C(0.75)  /* and what is farther than that wants two */
+#define LITTLE PK_C(1e-4)  /* of the time left, for the slope of sigma */
+#define SURE PK_C(1e-3)    /* of the way: how far the constraints may be from where it leads */
+#define SETTLED PK_C(1e-9) /* what no longer shrinks below this is rounding */
+#define ROUND (64 * PK_EPS)
+
+struct passage {
+    pk_real sigma; /* the last one */
+    pk_real at;    /* when it vanishes, while it falls */
+    pk_real falls; /* whether it does */
+    pk_real t, h;  /* of the step over it */
+    pk_real stages;
+    pk_real passing; /* it is made, and its end is still to come */
+    pk_real skipped; /* fixed steps since sigma was looked at */
+};
+
+struct parts {
+    struct passage *is;
+    pk_real *most;      /* of each row, the largest square so far */
+    pk_real *q, *v;     /* where the step begins */
+    pk_real *Q, *V, *A; /* at its stages */
+    pk_real *q_here, *v_here;
+    pk_real c[MOST], b[MOST];
+};
+
+static size_t lay_out(struct parts *x, size_t n, size_t c, pk_real *base)
+{
+    pk_real *is = NULL;
+    const struct pk_slot slots[] = {{&is, PK_REALS_OF(struct passage)},
+                                    {&x->most, c},
+                                    {&x->q, n},
+                                    {&x->v, n},
+                                    {&x->Q, MOST * n},
+                                    {&x->V, MOST * n},
+                                    {&x->A, MOST * n},
+                                    {&x->q_here, n},
+                                    {&x->v_here, n}};
+    const size_t size = PK_LAY_OUT(base, slots);
+    x->is = (struct passage *)(void *)is;
+    return size;
+}
+
+size_t pk_passage_size(const struct pk_system *system, size_t n)
+{
+    struct parts x;
+    return system->constraints.n ? lay_out(&x, n, system->constraints.n, NULL) : 0;
+}
+
+static struct parts parts_of(const struct pk_integrator *it)
+{
+    struct parts x;
+    lay_out(&x, it->n, it->problem.system->constraints.n, it->own->passage);
+    if (x.is->stages > 0)
+        pk_gauss_nodes((int)x.is->stages, x.c, x.b);
+    return x;
+}
+
+/* sigma at (t, q, v); 1 where M is singular. */
+static pk_real least(struct pk_integrator *it, const struct parts *x, pk_real t, const pk_real *q,
+                     const pk_real *v)
+{
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    pk_real found = 1;
+    w.t = t;
+    w.u = pk_eval_input(it, t);
+    if (pk_project_inertia(&w, q, v))
+        return 1;
+    pk_project_rows(&w, q, v);
+    if (pk_project_factor(&w, w.c))
+        return 0;
+    for (size_t i = 0; i < w.c; i++) {
+        x->most[i] = pk_max(x->most[i], w.mu[i]);
+        found = pk_min(found, w.A[i * w.c + i] / x->most[i]);
+    }
+    return PK_F(sqrt)(pk_max(found, 0));
+}
+
+/* When sigma vanishes, by its slope along the motion. Roughly in `left`. */
+static enum pk_status aim(struct pk_integrator *it, const struct parts *x, pk_real left)
+{
+    struct passage *is = x->is;
+    const size_t n = it->n;
+    const pk_real little = LITTLE * left;
+    PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, x->A));
+    for (size_t i = 0; i < n; i++) {
+        x->q_here[i] = it->q[i] + little * it->v[i];
+        x->v_here[i] = it->v[i] + little * x->A[i];
+    }
+    const pk_real then = least(it, x, it->t + little, x->q_here, x->v_here);
+    is->falls = then < is->sigma;
+    is->at = it->t + is->sigma * little / (is->sigma - then);
+    return PK_DONE;
+}
+
+static void look(struct pk_integrator *it)
+{
+    enum { SELDOM = 8 };
+    const struct parts x = parts_of(it);
+    struct passage *is = x.is;
+    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const pk_real near = fixed ? 2 * NEAR : NEAR, was = is->sigma;
+    is->falls = 0;
+    if (fixed && was > 2 * near && is->skipped < SELDOM) {
+        is->skipped += 1;
+        return;
+    }
+    is->skipped = 0;
+    is->sigma = least(it, &x, it->t, it->q, it->v);
+    const pk_real way = it->t - it->last_t;
+    if (is->sigma < near && is->sigma < was && (way > 0 || way < 0))
+        if (aim(it, &x, way) < 0)
+            is->falls = 0;
+}
+
+void pk_passage_forget(struct pk_integrator *it)
+{
+    if (!it->own->passage)
+        return;
+    struct parts x;
+    lay_out(&x, it->n, it->problem.system->constraints.n, it->own->passage);
+    memset(x.is, 0, sizeof *x.is);
+    memset(x.most, 0, it->problem.system->constraints.n * sizeof *x.most);
+    x.is->sigma = 1;
+    it->own->crossed = 0;
+    if (it->status >= 0)
+        look(it);
+}
+
+void pk_passage_note(struct pk_integrator *it)
+{
+    if (it->own->passage && !(parts_of(it).is->passing > 0))
+        look(it);
+}
+
+int pk_passage_due(struct pk_integrator *it, pk_real limit)
+{
+    if (!it->own->passage)
+        return 0;
+    struct passage *is = parts_of(it).is;
+    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    if (!(is->passing > 0)) {
+        const pk_real left = is->at - it->t, h = fixed ? it->own->h : it->t - it->last_t;
+        if (it->z || !(is->falls > 0) || !(left / h > 0) || !(left / h < (fixed ? LONG : AHEAD)))
+            return 0;
+        is->t = it->t;
+        is->h = !fixed ? 2 * left : left / h > MIDDLE ? 2 * h : h;
+    }
+    const pk_real end = is->t + is->h;
+    if (!fixed)
+        it->own->next_t = pk_abs(end - it->t) < pk_abs(limit - it->t) ? end : limit;
+    return 1;
+}
+
+/* The weights of the stages for the integral up to x of the step. */
+static void weights(const struct parts *x, pk_real to, pk_real *w)
+{
+    const int s = (int)x->is->stages;
+    pk_real at[MOST + 1], P[MOST + 1], integral[MOST + 1];
+    pk_legendre(to, 1 - to, s, at, integral);
+    for (int j = 0; j < s; j++) {
+        pk_legendre(x->c[j], 1 - x->c[j], s, P, NULL);
+        w[j] = 0;
+        for (int k = 0; k < s; k++)
+            w[j] += x->b[j] * (pk_real)(2 * k + 1) * P[k] * integral[k];
+        w[j] *= x->is->h;
+    }
+}
+
+/* Where the stages lead. */
+static void along(const struct parts *x, size_t n, pk_real to, pk_real *q, pk_real *v)
+{
+    pk_real w[MOST];
+    weights(x, to, w);
+    for (size_t i = 0; i < n; i++) {
+        q[i] = x->q[i], v[i] = x->v[i];
+        for (size_t j = 0; j < (size_t)x->is->stages; j++) {
+            q[i] += w[j] * x->V[j * n + i];
+            v[i] += w[j] * x->A[j * n + i];
+        }
+    }
+}
+
+void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+{
+    const struct parts x = parts_of(it);
+    along(&x, it->n, (t - x.is->t) / x.is->h, q, v);
+}
+
+/* The largest of |a - b| beside that of |c - d|, in the metric of M's diagonal. */
+static pk_real beside(const struct pk_projection *w, const pk_real *a, const pk_real *b,
+                      const pk_real *c, const pk_real *d, size_t count)
+{
+    pk_real off = 0, way = PK_TINY;
+    for (size_t k = 0; k < count; k++) {
+        const pk_real root = PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k));
+        off = pk_max(off, root * pk_abs(a[k] - b[k]));
+        way = pk_max(way, root * pk_abs(d ? c[k] - d[k] : c[k]));
+    }
+    return off / way;
+}
+
+/* q and v onto the constraints; *off: how far that is. */
+static enum pk_status put(struct pk_integrator *it, const struct parts *x, pk_real t, pk_real *q,
+                          pk_real *v, pk_real *off)
+{
+    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    int moved;
+    memcpy(x->q_here, q, it->n * sizeof *q);
+    memcpy(x->v_here, v, it->n * sizeof *v);
+    PK_TRY(pk_project(it, t, q, v, NULL, NULL, &moved));
+    *off = pk_max(*off, beside(&w, q, x->q_here, q, x->q, w.rotation));
+    *off = pk_max(*off, beside(&w, v, x->v_here, v, NULL, w.m));
+    return PK_DONE;
+}
+
+/* As many stages as keep farthest from the place. */
+static void choose(struct parts *x)
+{
+    const pk_real place = (x->is->at - x->is->t) / x->is->h;
+    pk_real best = -1;
+    int stages = FEWEST;
+    for (int s = FEWEST; s <= MOST; s++) {
+        pk_real next = 1;
+        pk_gauss_nodes(s, x->c, x->b);
+        for (int j = 0; j < s; j++)
+            next = pk_min(next, pk_abs(x->c[j] - place));
+        if (next * (pk_real)s > best) /* more are nearer anyway, and of higher order */
+            best = next * (pk_real)s, stages = s;
+    }
+    x->is->stages = (pk_real)stages;
+    pk_gauss_nodes(stages, x->c, x->b);
+}
+
+/* The stages, by fixed-point iteration from a constant acceleration. */
+static enum pk_status solve(struct pk_integrator *it, struct parts *x, pk_real *off)
+{
+    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const size_t n = it->n, s = (size_t)x->is->stages;
+    pk_real before = PK_INFINITY;
+    memcpy(x->q, it->q, n * sizeof *x->q);
+    memcpy(x->v, it->v, n * sizeof *x->v);
+    PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, x->A));
+    for (size_t j = 0; j < s; j++) {
+        memmove(x->A + j * n, x->A, n * sizeof *x->A);
+        for (size_t i = 0; i < n; i++)
+            x->V[j * n + i] = x->v[i] + x->c[j] * x->is->h * x->A[i];
+    }
+    for (int round = 0; round < ROUNDS; round++) {
+        pk_real changed = 0;
+        *off = 0;
+        for (size_t j = 0; j < s; j++) {
+            const pk_real t = x->is->t + x->c[j] * x->is->h;
+            pk_real *q = x->Q + j * n, *v = pk_part(it->own->next, n, PK_V);
+            along(x, n, x->c[j], q, v);
+            PK_TRY(put(it, x, t, q, v, off));
+            changed = pk_max(changed, beside(&w, v, x->V + j * n, v, NULL, w.m));
+            memcpy(x->V + j * n, v, n * sizeof *v);
+            PK_TRY(pk_eval_acceleration(it, t, q, v, x->A + j * n));
+        }
+        if (changed <= ROUND || (changed <= SETTLED && changed >= before / 2))
+            return PK_DONE;
+        before = changed;
+    }
+    return PK_NO_CONVERGENCE;
+}
+
+enum pk_status pk_passage_step(struct pk_integrator *it)
+{
+    struct parts x = parts_of(it);
+    const size_t n = it->n;
+    const pk_real t = it->own->next_t, end = x.is->t + x.is->h;
+    const size_t told =
+        2 * (it->problem.system->constraints.n + it->problem.system->constraints.n_redundant) +
+        it->problem.system->n_rotations + 1;
+    pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V), off = 0;
+    memset(it->own->next, 0, PK_PARTS * n * sizeof *q);
+    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE | PK_HAVE_SERIES);
+    if (!(x.is->passing > 0)) {
+        it->own->next_t = it->t; /* no step's end: its error is not judged as one */
+        choose(&x);
+        const enum pk_status status = solve(it, &x, &off);
+        it->own->next_t = t;
+        if (status < 0 || !(off < SURE))
+            return pk_because(it, PK_NO_PROJECTION, told, x.is->at);
+    }
+    along(&x, n, (t - x.is->t) / x.is->h, q, v);
+    x.is->passing = pk_abs(end - t) > PK_C(1e-9) * pk_abs(x.is->h);
+    if (!(x.is->passing > 0)) {
+        it->own->next_t = it->t;
+        const enum pk_status status = put(it, &x, t, q, v, &off);
+        it->own->next_t = t;
+        if (status < 0 || !(off < SURE))
+            return pk_because(it, PK_NO_PROJECTION, told, x.is->at);
+        PK_TRY(pk_project_redundant(it, t, q, v, PK_NO_PROJECTION));
+    }
+    it->own->crossed = 1;
+    if (it->p)
+        pk_eval_canonical(it, t, q, v, pk_part(it->own->next, n, PK_P), it->own->project + n);
+    return PK_DONE;
+}
