@@ -17,12 +17,14 @@
 #include "../core/project.h"
 #include "../core/tableau.h"
 
-enum { FEWEST = 4, MOST = 8, ROUNDS = 60 };
+enum { FEWEST = 6, MOST = 8, ROUNDS = 60 };
 #define NEAR PK_C(0.2)     /* sigma, below which it is watched to fall; of fixed steps twice that */
 #define AHEAD PK_C(2.0)    /* steps: what is so near is passed */
 #define LONG PK_C(1.25)    /* fixed steps: what is nearer than that is within the next, */
 #define MIDDLE PK_C(0.75)  /* and what is farther than that wants two */
 #define LITTLE PK_C(1e-4)  /* of the time left, for the slope of sigma */
+#define FAR PK_C(0.9)      /* sigma, above which a fixed step meets no such place */
+#define TURN PK_C(0.3)     /* of its way: more between its ends than rates tell is no motion */
 #define SURE PK_C(1e-3)    /* of the way: how far the constraints may be from where it leads */
 #define SETTLED PK_C(1e-9) /* what no longer shrinks below this is rounding */
 #define ROUND (64 * PK_EPS)
@@ -42,7 +44,7 @@ struct parts {
     pk_real *most;      /* of each row, the largest square so far */
     pk_real *q, *v;     /* where the step begins */
     pk_real *Q, *V, *A; /* at its stages */
-    pk_real *q_here, *v_here;
+    pk_real *q_here, *v_here, *a_here;
     pk_real c[MOST], b[MOST];
 };
 
@@ -57,7 +59,8 @@ static size_t lay_out(struct parts *x, size_t n, size_t c, pk_real *base)
                                     {&x->V, MOST * n},
                                     {&x->A, MOST * n},
                                     {&x->q_here, n},
-                                    {&x->v_here, n}};
+                                    {&x->v_here, n},
+                                    {&x->a_here, n}};
     const size_t size = PK_LAY_OUT(base, slots);
     x->is = (struct passage *)(void *)is;
     return size;
@@ -104,10 +107,10 @@ static enum pk_status aim(struct pk_integrator *it, const struct parts *x, pk_re
     struct passage *is = x->is;
     const size_t n = it->n;
     const pk_real little = LITTLE * left;
-    PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, x->A));
+    PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, x->a_here));
     for (size_t i = 0; i < n; i++) {
         x->q_here[i] = it->q[i] + little * it->v[i];
-        x->v_here[i] = it->v[i] + little * x->A[i];
+        x->v_here[i] = it->v[i] + little * x->a_here[i];
     }
     const pk_real then = least(it, x, it->t + little, x->q_here, x->v_here);
     is->falls = then < is->sigma;
@@ -123,7 +126,7 @@ static void look(struct pk_integrator *it)
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     const pk_real near = fixed ? 2 * NEAR : NEAR, was = is->sigma;
     is->falls = 0;
-    if (fixed && was > 2 * near && is->skipped < SELDOM) {
+    if (fixed && was > FAR && is->skipped < SELDOM) {
         is->skipped += 1;
         return;
     }
@@ -203,12 +206,6 @@ static void along(const struct parts *x, size_t n, pk_real to, pk_real *q, pk_re
     }
 }
 
-void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
-{
-    const struct parts x = parts_of(it);
-    along(&x, it->n, (t - x.is->t) / x.is->h, q, v);
-}
-
 /* The largest of |a - b| beside that of |c - d|, in the metric of M's diagonal. */
 static pk_real beside(const struct pk_projection *w, const pk_real *a, const pk_real *b,
                       const pk_real *c, const pk_real *d, size_t count)
@@ -234,6 +231,19 @@ static enum pk_status put(struct pk_integrator *it, const struct parts *x, pk_re
     *off = pk_max(*off, beside(&w, q, x->q_here, q, x->q, w.rotation));
     *off = pk_max(*off, beside(&w, v, x->v_here, v, NULL, w.m));
     return PK_DONE;
+}
+
+void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
+{
+    const struct parts x = parts_of(it);
+    const size_t n = it->n;
+    const pk_real next_t = it->own->next_t;
+    pk_real off = 0;
+    along(&x, n, (t - x.is->t) / x.is->h, q, v);
+    it->own->next_t = it->t;
+    if (put(it, &x, t, q, v, &off) < 0 || !(off < SURE)) /* too near the place */
+        along(&x, n, (t - x.is->t) / x.is->h, q, v);
+    it->own->next_t = next_t;
 }
 
 /* As many stages as keep farthest from the place. */
@@ -287,14 +297,37 @@ static enum pk_status solve(struct pk_integrator *it, struct parts *x, pk_real *
     return PK_NO_CONVERGENCE;
 }
 
+/* it->where, of a branch that cannot be told. */
+static size_t told(const struct pk_integrator *it)
+{
+    const struct pk_part_constraints *c = &it->problem.system->constraints;
+    return 2 * (c->n + c->n_redundant) + it->problem.system->n_rotations + 1;
+}
+
+enum pk_status pk_passage_judge(struct pk_integrator *it)
+{
+    if (!it->own->passage || it->method->traits & PK_ADAPTIVE || it->own->crossed)
+        return PK_DONE;
+    const struct parts x = parts_of(it);
+    if (!(x.is->sigma < FAR))
+        return PK_DONE;
+    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const pk_real *q = it->own->next, *v = pk_part(it->own->next, it->n, PK_V);
+    const pk_real h = it->own->next_t - it->t;
+    pk_real off = 0, way = PK_TINY;
+    for (size_t k = 0; k < w.rotation; k++) {
+        const pk_real root = PK_F(sqrt)(pk_ldl_diagonal(w.M, w.m, k));
+        off = pk_max(off, root * pk_abs(q[k] - it->q[k] - h / 2 * (v[k] + it->v[k])));
+        way = pk_max(way, root * pk_abs(h) * pk_max(pk_abs(v[k]), pk_abs(it->v[k])));
+    }
+    return off < TURN * way ? PK_DONE : pk_because(it, PK_NO_PROJECTION, told(it), it->t + h / 2);
+}
+
 enum pk_status pk_passage_step(struct pk_integrator *it)
 {
     struct parts x = parts_of(it);
     const size_t n = it->n;
     const pk_real t = it->own->next_t, end = x.is->t + x.is->h;
-    const size_t told =
-        2 * (it->problem.system->constraints.n + it->problem.system->constraints.n_redundant) +
-        it->problem.system->n_rotations + 1;
     pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V), off = 0;
     memset(it->own->next, 0, PK_PARTS * n * sizeof *q);
     it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE | PK_HAVE_SERIES);
@@ -304,7 +337,7 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
         const enum pk_status status = solve(it, &x, &off);
         it->own->next_t = t;
         if (status < 0 || !(off < SURE))
-            return pk_because(it, PK_NO_PROJECTION, told, x.is->at);
+            return pk_because(it, PK_NO_PROJECTION, told(it), x.is->at);
     }
     along(&x, n, (t - x.is->t) / x.is->h, q, v);
     x.is->passing = pk_abs(end - t) > PK_C(1e-9) * pk_abs(x.is->h);
@@ -313,7 +346,7 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
         const enum pk_status status = put(it, &x, t, q, v, &off);
         it->own->next_t = t;
         if (status < 0 || !(off < SURE))
-            return pk_because(it, PK_NO_PROJECTION, told, x.is->at);
+            return pk_because(it, PK_NO_PROJECTION, told(it), x.is->at);
         PK_TRY(pk_project_redundant(it, t, q, v, PK_NO_PROJECTION));
     }
     it->own->crossed = 1;

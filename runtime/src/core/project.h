@@ -84,6 +84,8 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
 size_t pk_passage_size(const struct pk_system *system, size_t n);
 void pk_passage_forget(struct pk_integrator *it);
 void pk_passage_note(struct pk_integrator *it);
+/* Of the step in it->own->next, by a fixed step: whether it may have turned into another branch. */
+enum pk_status pk_passage_judge(struct pk_integrator *it);
 int pk_passage_due(struct pk_integrator *it, pk_real limit);
 enum pk_status pk_passage_step(struct pk_integrator *it);
 void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);

@@ -264,6 +264,8 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     const int passes = pk_passage_due(it, limit);
     it->own->crossed = it->own->crossed && passes;
     status = passes ? pk_passage_step(it) : advance(it, limit);
+    if (status >= 0 && !passes)
+        status = pk_passage_judge(it);
     status = status < 0 ? pk_singularity_cause(it, status, fixed) : pk_singularity_step(it);
     if (status < 0)
         return stop(it, status);

@@ -1,0 +1,102 @@
+"""Through positions where branches of a motion meet: a parallelogram that lies flat stays one, an
+antiparallelogram too, by each family of methods; or the run ends and says so."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import numpy
+import pkgen
+import pytest
+
+FOUR_BAR = """\
+model four_bar
+param m1 = {m1}
+param m2 = {m2}
+param J = {J}
+param L = {L}
+param r = {r}
+coord a, b, c
+kinetic m1*r^2/6*a'^2 + m2*r^2/2*b'^2 + J/2*c'^2
+potential {g}*(m1*r/2*sin(a) + m2*r*sin(b))
+constraint across: r*cos(a) + L*cos(c) = L + r*cos(b)
+constraint up: r*sin(a) + L*sin(c) = r*sin(b)
+start a = {a}, b = {b}, c = {c}, a' = {va}, b' = {vb}, c' = {vc}
+"""
+METHODS = [
+    {"method": "dop853"},
+    {"method": "dopri5", "rtol": 1e-6},
+    {"method": "gauss"},
+    {"method": "gauss", "rtol": 1e-4},
+    {"method": "radau"},
+    {"method": "rk4", "step": 0.01},
+    {"method": "gauss4", "step": 0.02},
+    {"method": "rattle", "step": 0.01},
+    {"method": "lie_midpoint4", "step": 0.02},
+    {"method": "rk4", "step": 0.1},
+    {"method": "gauss4", "step": 0.1},
+]
+
+
+def closed(a: float, L: float, r: float) -> tuple[float, float]:
+    """b and c of the crossed branch."""
+    far = numpy.array([r * math.cos(a) - L, r * math.sin(a)])  # from the second pivot to the joint
+    d = math.hypot(*far)
+    cosine = (r * r + d * d - L * L) / (2 * r * d)
+    candidates = []
+    for sign in (1, -1):
+        b = math.atan2(far[1], far[0]) + sign * math.acos(cosine)
+        x, y = L + r * math.cos(b) - r * math.cos(a), r * math.sin(b) - r * math.sin(a)
+        candidates.append((b, math.atan2(y, x)))
+    return max(candidates, key=lambda bc: abs(math.remainder(bc[0] - a, 2 * math.pi)))
+
+
+def mechanism(seed: int, crossed: bool, tmp_path):
+    draw = random.Random(seed)
+    of = {x: draw.uniform(0.5, 2) for x in ("m1", "m2", "J")}
+    of |= {"L": draw.uniform(1, 1.5), "r": draw.uniform(0.4, 0.8), "g": draw.choice((0, 2))}
+    a, va = draw.uniform(0.4, 1.2), draw.uniform(3, 6) * draw.choice((-1, 1))
+    if crossed:
+        h = 1e-6
+        b, c = closed(a, of["L"], of["r"])
+        (bp, cp), (bm, cm) = (closed(a + x, of["L"], of["r"]) for x in (h, -h))
+        L, r = of["L"], of["r"]
+        J = [[-r * math.sin(a), r * math.sin(b), -L * math.sin(c)],
+             [r * math.cos(a), -r * math.cos(b), L * math.cos(c)]]  # fmt: skip
+        rows = numpy.array(J)
+        vb, vc = (float(x) for x in numpy.linalg.solve(rows[:, 1:], -rows[:, 0] * va))
+        assert abs(vb / va - (bp - bm) / (2 * h)) < 1e-4 and abs(vc / va - (cp - cm) / (2 * h)) < 1e-4
+    else:
+        b, c, vb, vc = a, 0.0, va, 0.0
+    path = tmp_path / "four_bar.lag"
+    path.write_text(FOUR_BAR.format(**of, a=a, b=b, c=c, va=va, vb=vb, vc=vc))
+    return pkgen.load(str(path)), of
+
+
+def off_branch(rows, of, crossed: bool) -> float:
+    """By which relation each branch has: b = a, and tan(a/2) / tan(b/2) constant, of the crossed one."""
+    a, b = rows["a"], rows["b"]
+    if not crossed:
+        return float(numpy.abs(b - a).max())
+    k = (of["L"] - of["r"]) / (of["L"] + of["r"])
+    one, other = numpy.sin(a / 2) * numpy.cos(b / 2), numpy.cos(a / 2) * numpy.sin(b / 2)
+    return float(min(numpy.abs(one - x * other).max() for x in (k, -k, 1 / k, -1 / k)))
+
+
+@pytest.mark.parametrize("crossed", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_a_branch_is_kept_or_the_run_ends(seed, crossed, tmp_path):
+    model, of = mechanism(seed, crossed, tmp_path)
+    arrived = 0
+    for options in METHODS:
+        try:
+            rows = model.run(until=6, every=0.05, record=["a", "b", "energy"], **options)
+        except pkgen.RunError as ended:
+            assert "last valid time" in str(ended), options
+            continue
+        arrived += 1
+        turns = numpy.sin(rows["a"])
+        assert (turns[1:] * turns[:-1] < 0).sum() > 2  # it does lie flat on the way
+        assert off_branch(rows, of, crossed) < 1e-5, options
+    assert arrived >= len(METHODS) - 2
