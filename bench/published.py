@@ -119,6 +119,18 @@ def pendulum(t: float) -> Row:
         return [float(2 * half * sign), float(2 * half**2 - 1)]
 
 
+def four_bars(t: float) -> Row:
+    """x, y of the first joint of ten windows whose cranks turn alike: a pendulum that goes round. Half
+    its angle from upright, phi, has sin(phi) = k' sd(E t), cos(phi) = cd(E t)."""
+    n = 10
+    with mpmath.workdps(30):
+        speed = mpmath.mpf("9.81") * (mpmath.mpf(n + 1) / 2 + n) / (mpmath.mpf(n + 1) / 3 + n)
+        square = mpmath.mpf(1) / 4 + speed
+        m, u = speed / square, mpmath.mpf(t) * mpmath.sqrt(square)
+        sine = mpmath.sqrt(1 - m) * mpmath.ellipfun("sd", u, m=m)
+        return [float(2 * sine * mpmath.ellipfun("cd", u, m=m)), float(1 - 2 * sine**2)]
+
+
 PLEIADES = (
     0.3706139143970502, 3.237284092057233, -3.222559032418324, 0.6597091455775310,
     0.3425581707156584, 1.562172101400631, -0.7003092922212495, -3.943437585517392,
@@ -144,6 +156,8 @@ PROBLEMS = (
     Problem("Andrews' squeezer, A03", "andrews", "a03", 1e-9),
     Problem("slider crank", "crank", "published", 1e-8, published=CRANK, each=True),
     Problem("pendulum, A01", "pendulum", "published", 1e-8, closed=pendulum, rows=400),
+    Problem("N-four-bar, A02", "four_bars", "published", 1e-7, closed=four_bars, rows=10),
+    Problem("Bricard's mechanism, A04", "bricard", "published", 1e-7, rows=10),
     Problem("flyball governor, A05", "governor", "published", 1e-8, rows=10),
     *(
         Problem(f"DETEST D{k}", "orbits", f"D{k}", 2e-12, closed=kepler(e))
