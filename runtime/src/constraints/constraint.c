@@ -170,11 +170,14 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
                       "here: %sit is broken by %.3g",
                       what, name, behind < r ? "" : "as rates go, ", (double)it->detail);
     }
-    if (it->where == 2 * (c + r) + system->n_rotations + 1)
+    const size_t whole = 2 * (c + r) + system->n_rotations;
+    if (it->where > whole && it->where <= whole + c) {
+        pk_constraint_name(system, it->where - whole - 1, name, sizeof name);
         return pk_say(it, text, size,
-                      "%s: at t = %.9g they depend on each other, and behind it the branch of the "
-                      "motion cannot be told",
-                      what, (double)it->detail);
+                      "%s: at t = %.9g %s ends or depends on others, and behind it the branch of "
+                      "the motion cannot be told",
+                      what, (double)it->detail, name);
+    }
     if (it->where >= 2 * c + system->n_rotations)
         return pk_say(it, text, size, "%s", what);
     if (it->where >= 2 * c) {

@@ -36,7 +36,7 @@ struct passage {
     pk_real t, h;  /* of the step over it */
     pk_real stages;
     pk_real passing; /* it is made, and its end is still to come */
-    pk_real skipped; /* fixed steps since sigma was looked at */
+    pk_real row;     /* which of them has the last sigma */
 };
 
 struct parts {
@@ -92,11 +92,15 @@ static pk_real least(struct pk_integrator *it, const struct parts *x, pk_real t,
     if (pk_project_inertia(&w, q, v))
         return 1;
     pk_project_rows(&w, q, v);
-    if (pk_project_factor(&w, w.c))
+    const size_t depends = pk_project_factor(&w, w.c);
+    if (depends) {
+        x->is->row = (pk_real)(depends - 1);
         return 0;
+    }
     for (size_t i = 0; i < w.c; i++) {
         x->most[i] = pk_max(x->most[i], w.mu[i]);
-        found = pk_min(found, w.A[i * w.c + i] / x->most[i]);
+        if (w.A[i * w.c + i] / x->most[i] <= found)
+            found = w.A[i * w.c + i] / x->most[i], x->is->row = (pk_real)i;
     }
     return PK_F(sqrt)(pk_max(found, 0));
 }
@@ -120,17 +124,11 @@ static enum pk_status aim(struct pk_integrator *it, const struct parts *x, pk_re
 
 static void look(struct pk_integrator *it)
 {
-    enum { SELDOM = 8 };
     const struct parts x = parts_of(it);
     struct passage *is = x.is;
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     const pk_real near = fixed ? 2 * NEAR : NEAR, was = is->sigma;
     is->falls = 0;
-    if (fixed && was > FAR && is->skipped < SELDOM) {
-        is->skipped += 1;
-        return;
-    }
-    is->skipped = 0;
     is->sigma = least(it, &x, it->t, it->q, it->v);
     const pk_real way = it->t - it->last_t;
     if (is->sigma < near && is->sigma < was && (way > 0 || way < 0))
@@ -297,11 +295,12 @@ static enum pk_status solve(struct pk_integrator *it, struct parts *x, pk_real *
     return PK_NO_CONVERGENCE;
 }
 
-/* it->where, of a branch that cannot be told. */
+/* it->where, of a branch that cannot be told: behind all else, and which row. */
 static size_t told(const struct pk_integrator *it)
 {
     const struct pk_part_constraints *c = &it->problem.system->constraints;
-    return 2 * (c->n + c->n_redundant) + it->problem.system->n_rotations + 1;
+    return 2 * (c->n + c->n_redundant) + it->problem.system->n_rotations + 1 +
+           (size_t)parts_of(it).is->row;
 }
 
 enum pk_status pk_passage_judge(struct pk_integrator *it)
