@@ -66,7 +66,9 @@ def mechanism(seed: int, crossed: bool, tmp_path):
              [r * math.cos(a), -r * math.cos(b), L * math.cos(c)]]  # fmt: skip
         rows = numpy.array(J)
         vb, vc = (float(x) for x in numpy.linalg.solve(rows[:, 1:], -rows[:, 0] * va))
-        assert abs(vb / va - (bp - bm) / (2 * h)) < 1e-4 and abs(vc / va - (cp - cm) / (2 * h)) < 1e-4
+        assert (
+            abs(vb / va - (bp - bm) / (2 * h)) < 1e-4 and abs(vc / va - (cp - cm) / (2 * h)) < 1e-4
+        )
     else:
         b, c, vb, vc = a, 0.0, va, 0.0
     path = tmp_path / "four_bar.lag"
