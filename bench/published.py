@@ -120,8 +120,8 @@ def pendulum(t: float) -> Row:
 
 
 def four_bars(t: float) -> Row:
-    """x, y of the first joint of ten windows whose cranks turn alike: a pendulum that goes round. Half
-    its angle from upright, phi, has sin(phi) = k' sd(E t), cos(phi) = cd(E t)."""
+    """x, y of the first joint of ten windows whose cranks turn alike: a pendulum that goes round.
+    Half its angle from upright, phi, has sin(phi) = k' sd(E t), cos(phi) = cd(E t)."""
     n = 10
     with mpmath.workdps(30):
         speed = mpmath.mpf("9.81") * (mpmath.mpf(n + 1) / 2 + n) / (mpmath.mpf(n + 1) / 3 + n)
