@@ -77,7 +77,7 @@ def mechanism(seed: int, crossed: bool, tmp_path):
 
 
 def off_branch(rows, of, crossed: bool) -> float:
-    """By which relation each branch has: b = a; tan(a/2) / tan(b/2) constant, of the crossed one."""
+    """By the relation each branch has: b = a; tan(a/2) / tan(b/2) constant, of the crossed one."""
     a, b = rows["a"], rows["b"]
     if not crossed:
         return float(numpy.abs(b - a).max())
