@@ -17,7 +17,7 @@
 #include "../core/project.h"
 #include "../core/tableau.h"
 
-enum { FEWEST = 6, MOST = 8, ROUNDS = 60 };
+enum { FEWEST = 6, MOST = 8, ROUNDS = 60, SELDOM = 64 };
 #define NEAR PK_C(0.2)     /* sigma, below which it is watched to fall; of fixed steps twice that */
 #define AHEAD PK_C(2.0)    /* steps: what is so near is passed */
 #define LONG PK_C(1.25)    /* fixed steps: what is nearer than that is within the next, */
@@ -37,22 +37,21 @@ struct passage {
     pk_real stages;
     pk_real passing; /* it is made, and its end is still to come */
     pk_real row;     /* which of them has the last sigma */
+    pk_real unknown; /* steps since it was known */
 };
 
 struct parts {
     struct passage *is;
-    pk_real *most;      /* of each row, the largest square so far */
     pk_real *q, *v;     /* where the step begins */
     pk_real *Q, *V, *A; /* at its stages */
     pk_real *q_here, *v_here, *a_here;
     pk_real c[MOST], b[MOST];
 };
 
-static size_t lay_out(struct parts *x, size_t n, size_t c, pk_real *base)
+static size_t lay_out(struct parts *x, size_t n, pk_real *base)
 {
     pk_real *is = NULL;
     const struct pk_slot slots[] = {{&is, PK_REALS_OF(struct passage)},
-                                    {&x->most, c},
                                     {&x->q, n},
                                     {&x->v, n},
                                     {&x->Q, MOST * n},
@@ -69,22 +68,39 @@ static size_t lay_out(struct parts *x, size_t n, size_t c, pk_real *base)
 size_t pk_passage_size(const struct pk_system *system, size_t n)
 {
     struct parts x;
-    return system->constraints.n ? lay_out(&x, n, system->constraints.n, NULL) : 0;
+    return system->constraints.n ? lay_out(&x, n, NULL) : 0;
 }
 
 static struct parts parts_of(const struct pk_integrator *it)
 {
     struct parts x;
-    lay_out(&x, it->n, it->problem.system->constraints.n, it->own->passage);
+    lay_out(&x, it->n, it->own->passage);
     if (x.is->stages > 0)
         pk_gauss_nodes((int)x.is->stages, x.c, x.b);
     return x;
 }
 
-/* sigma at (t, q, v); 1 where M is singular. */
-static pk_real least(struct pk_integrator *it, const struct parts *x, pk_real t, const pk_real *q,
-                     const pk_real *v)
+static struct passage *passage_of(const struct pk_integrator *it)
 {
+    return (struct passage *)(void *)it->own->passage; /* lay_out() has it first */
+}
+
+void pk_passage_seen(struct pk_integrator *it, const struct pk_projection *w)
+{
+    const pk_real low = 4 * NEAR * NEAR, far = FAR * FAR;
+    int seen = PK_SEEN;
+    for (size_t i = 0; i < w->c; i++) {
+        const pk_real pivot = w->A[i * w->c + i];
+        w->most[i] = pk_max(w->most[i], w->norms[i]);
+        seen |= (pivot < low * w->most[i] ? PK_SEEN_LOW : 0) | (pivot < far * w->most[i] ? PK_SEEN_DIPS : 0);
+    }
+    it->own->seen = seen;
+}
+
+/* sigma at (t, q, v); 1 where M is singular. */
+static pk_real least(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v)
+{
+    struct passage *is = passage_of(it);
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     pk_real found = 1;
     w.t = t;
@@ -94,13 +110,13 @@ static pk_real least(struct pk_integrator *it, const struct parts *x, pk_real t,
     pk_project_rows(&w, q, v);
     const size_t depends = pk_project_factor(&w, w.c);
     if (depends) {
-        x->is->row = (pk_real)(depends - 1);
+        is->row = (pk_real)(depends - 1);
         return 0;
     }
     for (size_t i = 0; i < w.c; i++) {
-        x->most[i] = pk_max(x->most[i], w.mu[i]);
-        if (w.A[i * w.c + i] / x->most[i] <= found)
-            found = w.A[i * w.c + i] / x->most[i], x->is->row = (pk_real)i;
+        w.most[i] = pk_max(w.most[i], w.norms[i]);
+        if (w.A[i * w.c + i] / w.most[i] <= found)
+            found = w.A[i * w.c + i] / w.most[i], is->row = (pk_real)i;
     }
     return PK_F(sqrt)(pk_max(found, 0));
 }
@@ -116,7 +132,7 @@ static enum pk_status aim(struct pk_integrator *it, const struct parts *x, pk_re
         x->q_here[i] = it->q[i] + little * it->v[i];
         x->v_here[i] = it->v[i] + little * x->a_here[i];
     }
-    const pk_real then = least(it, x, it->t + little, x->q_here, x->v_here);
+    const pk_real then = least(it, it->t + little, x->q_here, x->v_here);
     is->falls = then < is->sigma;
     is->at = it->t + is->sigma * little / (is->sigma - then);
     return PK_DONE;
@@ -129,7 +145,7 @@ static void look(struct pk_integrator *it)
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     const pk_real near = fixed ? 2 * NEAR : NEAR, was = is->sigma;
     is->falls = 0;
-    is->sigma = least(it, &x, it->t, it->q, it->v);
+    is->sigma = least(it, it->t, it->q, it->v);
     const pk_real way = it->t - it->last_t;
     if (is->sigma < near && is->sigma < was && (way > 0 || way < 0))
         if (aim(it, &x, way) < 0)
@@ -140,31 +156,41 @@ void pk_passage_forget(struct pk_integrator *it)
 {
     if (!it->own->passage)
         return;
-    struct parts x;
-    lay_out(&x, it->n, it->problem.system->constraints.n, it->own->passage);
-    memset(x.is, 0, sizeof *x.is);
-    memset(x.most, 0, it->problem.system->constraints.n * sizeof *x.most);
-    x.is->sigma = 1;
-    it->own->crossed = 0;
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct passage *is = passage_of(it);
+    memset(is, 0, sizeof *is);
+    memset(w.most, 0, w.c * sizeof *w.most);
+    is->sigma = 1;
+    it->own->crossed = it->own->seen = it->own->near = 0;
     if (it->status >= 0)
         look(it);
+    it->own->near = is->sigma < FAR;
 }
 
 void pk_passage_note(struct pk_integrator *it)
 {
-    if (it->own->passage && !(parts_of(it).is->passing > 0))
+    struct passage *is = passage_of(it);
+    const int seen = it->own->seen;
+    if (is->passing > 0)
+        return;
+    is->unknown = seen ? 0 : is->unknown + 1;
+    if (seen & PK_SEEN_LOW || (!seen && (is->sigma <= 2 * NEAR || is->unknown > SELDOM))) {
+        is->unknown = 0;
         look(it);
+    } else if (seen) {
+        is->falls = 0;
+        is->sigma = seen & PK_SEEN_DIPS ? 2 * NEAR : 1;
+    }
+    it->own->near = is->sigma < FAR;
 }
 
 int pk_passage_due(struct pk_integrator *it, pk_real limit)
 {
-    if (!it->own->passage)
-        return 0;
-    struct passage *is = parts_of(it).is;
+    struct passage *is = passage_of(it);
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     if (!(is->passing > 0)) {
         const pk_real left = is->at - it->t, h = fixed ? it->own->h : it->t - it->last_t;
-        if (it->z || !(is->falls > 0) || !(left / h > 0) || !(left / h < (fixed ? LONG : AHEAD)))
+        if (!(is->falls > 0) || !(left / h > 0) || !(left / h < (fixed ? LONG : AHEAD)))
             return 0;
         is->t = it->t;
         is->h = !fixed ? 2 * left : left / h > MIDDLE ? 2 * h : h;
@@ -173,6 +199,15 @@ int pk_passage_due(struct pk_integrator *it, pk_real limit)
     if (!fixed)
         it->own->next_t = pk_abs(end - it->t) < pk_abs(limit - it->t) ? end : limit;
     return 1;
+}
+
+pk_real pk_passage_limit(const struct pk_integrator *it, pk_real limit)
+{
+    const struct passage *is = passage_of(it);
+    if (!(is->falls > 0) || !(it->method->traits & PK_ADAPTIVE))
+        return limit;
+    const pk_real half = (is->at - it->t) / 2;
+    return half / (limit - it->t) > 0 && half / (limit - it->t) < 1 ? it->t + half : limit;
 }
 
 /* The weights of the stages for the integral up to x of the step. */
@@ -202,6 +237,21 @@ static void along(const struct parts *x, size_t n, pk_real to, pk_real *q, pk_re
             v[i] += w[j] * x->A[j * n + i];
         }
     }
+}
+
+int pk_passage_stage(struct pk_integrator *it, int k, struct pk_stage *stage)
+{
+    const struct parts x = parts_of(it);
+    pk_real before[MOST], after[MOST];
+    if (k >= (int)x.is->stages)
+        return 0;
+    weights(&x, (it->t - x.is->t) / x.is->h, before);
+    weights(&x, (it->own->next_t - x.is->t) / x.is->h, after);
+    stage->t = x.is->t + x.c[k] * x.is->h;
+    stage->weight = after[k] - before[k];
+    stage->q = x.Q + (size_t)k * it->n;
+    stage->v = x.V + (size_t)k * it->n;
+    return 1;
 }
 
 /* The largest of |a - b| beside that of |c - d|, in the metric of M's diagonal. */
@@ -305,10 +355,8 @@ static size_t told(const struct pk_integrator *it)
 
 enum pk_status pk_passage_judge(struct pk_integrator *it)
 {
-    if (!it->own->passage || it->method->traits & PK_ADAPTIVE || it->own->crossed)
-        return PK_DONE;
-    const struct parts x = parts_of(it);
-    if (!(x.is->sigma < FAR))
+    const struct passage *is = passage_of(it);
+    if (it->method->traits & PK_ADAPTIVE || !(is->sigma < FAR || it->own->seen & PK_SEEN_DIPS))
         return PK_DONE;
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     const pk_real *q = it->own->next, *v = pk_part(it->own->next, it->n, PK_V);
@@ -349,6 +397,8 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
         PK_TRY(pk_project_redundant(it, t, q, v, PK_NO_PROJECTION));
     }
     it->own->crossed = 1;
+    if (it->z)
+        PK_TRY(pk_quadrature_step(it));
     if (it->p)
         pk_eval_canonical(it, t, q, v, pk_part(it->own->next, n, PK_P), it->own->project + n);
     return PK_DONE;

@@ -40,7 +40,7 @@ int pk_project_dependent(struct pk_integrator *it)
     if (pk_project_factor(&w, w.c))
         return 0;                          /* steps say so themselves */
     for (size_t row = 0; row < w.c; row++) /* a pivot beside its diagonal: the square of a sine */
-        if (w.A[row * w.c + row] < DEPENDENT * w.mu[row]) {
+        if (w.A[row * w.c + row] < DEPENDENT * w.norms[row]) {
             it->where = row;
             pk_project_explain(&w, w.c, row);
             return 1;
@@ -175,6 +175,7 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
              (of_rates ? off(it, w, ratio, v, it->n, w->m) : off(it, w, ratio, q, 0, w->rotation))))
             return pk_because(it, PK_NO_PROJECTION, where + which, residual[which]);
         if (of_rates) {
+            pk_passage_seen(it, w);
             subtract(v, w->d, low_v, w->m);
         } else {
             subtract(q, w->d, low_q, w->rotation);

@@ -5,17 +5,35 @@
 
 #include "project.h"
 
+static pk_real *take(pk_real *base, size_t *used, size_t count)
+{
+    pk_real *part = base ? base + *used : NULL;
+    *used += count;
+    return part;
+}
+
+/* Each step asks for it, so that it is written out. */
 static size_t lay_out(struct pk_projection *w, pk_real *base)
 {
-    const size_t n = w->n, c = w->c;
-    const struct pk_slot slots[] = {
-        {&w->d, 2 * n}, /* a correction; momenta and forces of a step */
-        {&w->M, n * n},          {&w->J, c * n},      {&w->W, c * n},
-        {&w->A, c * c},          {&w->phi, c},        {&w->rate, c},
-        {&w->phi_size, c},       {&w->rate_size, c},  {&w->mu, c},
-        {&w->depends, 1 + c},    {&w->off, 2 * w->r}, {&w->off_size, 2 * w->r},
-        {&w->off_rows, w->r * n}};
-    return PK_LAY_OUT(base, slots);
+    const size_t n = w->n, c = w->c, r = w->r;
+    size_t used = 0;
+    w->d = take(base, &used, 2 * n);
+    w->M = take(base, &used, n * n);
+    w->J = take(base, &used, c * n);
+    w->W = take(base, &used, c * n);
+    w->A = take(base, &used, c * c);
+    w->phi = take(base, &used, c);
+    w->rate = take(base, &used, c);
+    w->phi_size = take(base, &used, c);
+    w->rate_size = take(base, &used, c);
+    w->mu = take(base, &used, c);
+    w->norms = take(base, &used, c);
+    w->most = take(base, &used, c);
+    w->depends = take(base, &used, 1 + c);
+    w->off = take(base, &used, 2 * r);
+    w->off_size = take(base, &used, 2 * r);
+    w->off_rows = take(base, &used, r * n);
+    return used;
 }
 
 size_t pk_project_room(const struct pk_system *system, size_t n)
@@ -81,7 +99,7 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
             x[i] -= w->A[k * c + i] * x[k];
     }
     for (size_t i = 0; i < row; i++)
-        x[i] *= PK_F(sqrt)(w->mu[i] / (w->mu[row] + PK_TINY));
+        x[i] *= PK_F(sqrt)(w->norms[i] / (w->norms[row] + PK_TINY));
 }
 
 size_t pk_project_factor(struct pk_projection *w, size_t rows)
@@ -99,7 +117,7 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows)
             w->A[i * c + j] = w->A[j * c + i] = sum;
         }
     for (size_t i = 0; i < c; i++)
-        w->mu[i] = w->A[i * c + i];
+        w->norms[i] = w->A[i * c + i];
     const size_t failed = pk_ldl_factor(w->A, c);
     w->depends[0] = 0;
     if (failed)

@@ -20,6 +20,8 @@ struct pk_projection {
     pk_real *phi_size;           /* of the terms that a residual is made of */
     pk_real *rate_size;
     pk_real *mu, *d;  /* multipliers; 2 n numbers: a correction, and what is behind it */
+    pk_real *norms;   /* the diagonal that A had, and the most that each of it was at a step's end */
+    pk_real *most;
     pk_real *depends; /* 1 + the row that depends on earlier ones, or 0; by how much */
     size_t r;         /* redundant rows */
     pk_real *off, *off_size, *off_rows; /* what these are off, 2 r; of what sizes; their J */
@@ -43,11 +45,10 @@ void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v);
 /* The largest residual beside its terms, or what is no number, and of which row it is. */
 pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which);
-/* J M^-1 J^T of the first rows, factored: 0, or 1 + the row that depends on those before it. The
- * multipliers mu are overwritten. */
+/* J M^-1 J^T of the first rows, factored: 0, or 1 + the row that depends on those before it. */
 size_t pk_project_factor(struct pk_projection *w, size_t rows);
 /* w->depends: the row as a combination x of earlier rows, (J M^-1 J^T) x = J M^-1 row^T by the
- * factors of the leading block (row stride c); x_i is scaled by the rows' norms, squared in mu. */
+ * factors of the leading block (row stride c); x_i is scaled by the rows' norms. */
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row);
 
 /* q and v onto the constraints; low_q and low_v, their compensations, may be NULL. *moved: whether
@@ -86,8 +87,16 @@ void pk_passage_forget(struct pk_integrator *it);
 void pk_passage_note(struct pk_integrator *it);
 /* Of the step in it->own->next, by a fixed step: whether it may have turned into another branch. */
 enum pk_status pk_passage_judge(struct pk_integrator *it);
+/* A at the step's end has been factored: how near it is to such a position, in it->own->seen.
+ * it->own->near is that of the step's start, where not far, or not known. */
+enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
+void pk_passage_seen(struct pk_integrator *it, const struct pk_projection *w);
 int pk_passage_due(struct pk_integrator *it, pk_real limit);
+/* How far an adaptive step may go: half of the way to such a position. */
+pk_real pk_passage_limit(const struct pk_integrator *it, pk_real limit);
 enum pk_status pk_passage_step(struct pk_integrator *it);
+/* As a method's `stage`, of that step. */
+int pk_passage_stage(struct pk_integrator *it, int k, struct pk_stage *stage);
 void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size);
 

@@ -261,10 +261,11 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     status = pk_singularity_here(it);
     if (status < 0)
         return stop(it, status);
-    const int passes = pk_passage_due(it, limit);
+    const int near = it->own->near, passes = near && pk_passage_due(it, limit);
     it->own->crossed = it->own->crossed && passes;
-    status = passes ? pk_passage_step(it) : advance(it, limit);
-    if (status >= 0 && !passes)
+    it->own->seen = 0;
+    status = passes ? pk_passage_step(it) : advance(it, near ? pk_passage_limit(it, limit) : limit);
+    if (status >= 0 && !passes && (near || it->own->seen > PK_SEEN))
         status = pk_passage_judge(it);
     status = status < 0 ? pk_singularity_cause(it, status, fixed) : pk_singularity_step(it);
     if (status < 0)
@@ -276,7 +277,8 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
         pk_quadrature_accept(it);
     pk_step_made(it, fixed);
     pk_scale_step(it);
-    pk_passage_note(it);
+    if (it->own->passage && (near || it->own->seen != PK_SEEN))
+        pk_passage_note(it);
     return it->status = status;
 }
 

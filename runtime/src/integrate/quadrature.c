@@ -9,7 +9,7 @@
  */
 #include <string.h>
 
-#include "../core/internal.h"
+#include "../core/project.h"
 #include "../core/tableau.h"
 
 enum { NOW, LOW, NEXT, NEXT_LOW, RATE, SIZE, SUM, SUM_2, TRAVEL, PARTS, TERMS = 2 * PK_LANES };
@@ -91,7 +91,9 @@ enum pk_status pk_quadrature_step(struct pk_integrator *it)
     struct pk_stage stage = {0};
     memcpy(z, part(it, now), bytes); /* with the low parts behind it */
     memset(part(it, SIZE), 0, (TRAVEL - SIZE) * bytes / 2);
-    for (int k = 0; it->method->stage(it, k, &stage, part(it, PARTS)); k++)
+    for (int k = 0; it->own->crossed ? pk_passage_stage(it, k, &stage)
+                                     : it->method->stage(it, k, &stage, part(it, PARTS));
+         k++)
         add(it, &stage, z, part(it, next + 1));
     return pk_all_finite(z, it->problem.system->quadratures.n) ? PK_DONE : PK_NOT_FINITE;
 }

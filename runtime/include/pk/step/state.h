@@ -55,7 +55,7 @@ struct pk_integrator_private {
     pk_real condition;      /* of a singular M: the least pivot beside its diagonal entry */
     pk_real *project;       /* rotations and constraints: src/constraints/project.c; NULL: none */
     pk_real *passage;       /* src/constraints/passage.c; NULL: there are no constraints */
-    int crossed;            /* the last step was made by it */
+    int crossed, near, seen; /* the last step was made by it; where the step is near one */
     pk_real *params;        /* room for a copy of them */
     pk_real *marks;         /* values at the begin, ...: src/core/marks.c; NULL: there are none */
     int marked, unlooked;   /* whether those at the begin are known; steps not looked at */
