@@ -123,7 +123,7 @@ static void refusals(void)
         CU_ASSERT(f.it.t < 1.01); /* its equations know nothing of it: fixed steps end at once */
         CU_ASSERT(i != 1 || (f.it.t > 0.9999 && f.it.count.rejections > 3));
     }
-    CU_ASSERT(bound_go(&f, &system, "rattle", 0.01, 3) < 0 && f.it.t > 0.9 && f.it.t < 1.01);
+    CU_ASSERT(bound_go(&f, &system, "rattle", 0.01, 3) < 0 && f.it.t < 1.01);
 
     /* A projection longer than a step's error: steps of 100 tolerances of it, or the end. */
     system.constraints.values = lengthened;

@@ -17,7 +17,7 @@
 #include "../core/project.h"
 #include "../core/tableau.h"
 
-enum { FEWEST = 6, MOST = 8, ROUNDS = 60, SELDOM = 64 };
+enum { FEWEST = 6, MOST = 8, ROUNDS = 60 };
 #define NEAR PK_C(0.2)     /* sigma, below which it is watched to fall; of fixed steps twice that */
 #define AHEAD PK_C(2.0)    /* steps: what is so near is passed */
 #define LONG PK_C(1.25)    /* fixed steps: what is nearer than that is within the next, */
@@ -37,7 +37,7 @@ struct passage {
     pk_real stages;
     pk_real passing; /* it is made, and its end is still to come */
     pk_real row;     /* which of them has the last sigma */
-    pk_real unknown; /* steps since it was known */
+    pk_real unseen; /* whether the last step left it unknown */
 };
 
 struct parts {
@@ -95,6 +95,18 @@ void pk_passage_seen(struct pk_integrator *it, const struct pk_projection *w)
         seen |= (pivot < low * w->most[i] ? PK_SEEN_LOW : 0) | (pivot < far * w->most[i] ? PK_SEEN_DIPS : 0);
     }
     it->own->seen = seen;
+}
+
+void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w)
+{
+    struct passage *is = passage_of(it);
+    is->unseen = !(is->unseen > 0);
+    if (is->unseen > 0 && !it->own->near)
+        return;
+    if (pk_project_factor(w, w->c))
+        it->own->seen = PK_SEEN_LOW | PK_SEEN_DIPS;
+    else
+        pk_passage_seen(it, w);
 }
 
 /* sigma at (t, q, v); 1 where M is singular. */
@@ -173,9 +185,7 @@ void pk_passage_note(struct pk_integrator *it)
     const int seen = it->own->seen;
     if (is->passing > 0)
         return;
-    is->unknown = seen ? 0 : is->unknown + 1;
-    if (seen & PK_SEEN_LOW || (!seen && (is->sigma <= 2 * NEAR || is->unknown > SELDOM))) {
-        is->unknown = 0;
+    if (seen & PK_SEEN_LOW) {
         look(it);
     } else if (seen) {
         is->falls = 0;

@@ -206,7 +206,10 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
         return pk_eval_failed(it, t, q, v, (int)singular);
     pk_project_terms(&w, q, v);
     PK_TRY(correct(it, &w, q, v, low_q, low_v, 0, moved));
-    return correct(it, &w, q, v, low_q, low_v, 1, moved);
+    PK_TRY(correct(it, &w, q, v, low_q, low_v, 1, moved));
+    if (!it->own->seen)
+        pk_passage_unseen(it, &w);
+    return PK_DONE;
 }
 
 enum pk_status pk_project_step(struct pk_integrator *it)

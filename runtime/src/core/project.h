@@ -91,6 +91,8 @@ enum pk_status pk_passage_judge(struct pk_integrator *it);
  * it->own->near is that of the step's start, where not far, or not known. */
 enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
 void pk_passage_seen(struct pk_integrator *it, const struct pk_projection *w);
+/* It has not, for nothing was to be put right: J and M are there, and each second time A is made. */
+void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w);
 int pk_passage_due(struct pk_integrator *it, pk_real limit);
 /* How far an adaptive step may go: half of the way to such a position. */
 pk_real pk_passage_limit(const struct pk_integrator *it, pk_real limit);

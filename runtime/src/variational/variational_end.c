@@ -53,6 +53,8 @@ static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_w
     pk_project_rows(&w->at, q, v);
     const size_t singular = pk_project_factor(&w->at, w->c);
     it->where = singular ? singular - 1 : 0;
+    if (!singular)
+        pk_passage_seen(it, &w->at);
     return singular ? PK_NO_PROJECTION : PK_DONE;
 }
 
