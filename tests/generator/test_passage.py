@@ -9,20 +9,22 @@ import random
 import numpy
 import pkgen
 import pytest
+from conftest import long_but
 
 FOUR_BAR = """\
 model four_bar
-param m1 = {m1}
-param m2 = {m2}
-param J = {J}
-param L = {L}
-param r = {r}
+param m1 = 1
+param m2 = 1
+param J = 1
+param L = 1.2
+param r = 0.6
+param g = 2
 coord a, b, c
 kinetic m1*r^2/6*a'^2 + m2*r^2/2*b'^2 + J/2*c'^2
-potential {g}*(m1*r/2*sin(a) + m2*r*sin(b))
+potential g*(m1*r/2*sin(a) + m2*r*sin(b))
 constraint across: r*cos(a) + L*cos(c) = L + r*cos(b)
 constraint up: r*sin(a) + L*sin(c) = r*sin(b)
-start a = {a}, b = {b}, c = {c}, a' = {va}, b' = {vb}, c' = {vc}
+start a = 0.5, b = 0.5, c = 0, a' = 4, b' = 4, c' = 0
 """
 METHODS = [
     {"method": "dop853"},
@@ -52,28 +54,29 @@ def closed(a: float, L: float, r: float) -> tuple[float, float]:
     return max(candidates, key=lambda bc: abs(math.remainder(bc[0] - a, 2 * math.pi)))
 
 
-def mechanism(seed: int, crossed: bool, tmp_path):
+def drawn(seed: int, crossed: bool) -> tuple[dict, dict]:
+    """Parameters, and a start."""
     draw = random.Random(seed)
     of = {x: draw.uniform(0.5, 2) for x in ("m1", "m2", "J")}
     of |= {"L": draw.uniform(1, 1.5), "r": draw.uniform(0.4, 0.8), "g": draw.choice((0, 2))}
     a, va = draw.uniform(0.4, 1.2), draw.uniform(3, 6) * draw.choice((-1, 1))
-    if crossed:
-        h = 1e-6
-        b, c = closed(a, of["L"], of["r"])
-        (bp, cp), (bm, cm) = (closed(a + x, of["L"], of["r"]) for x in (h, -h))
-        L, r = of["L"], of["r"]
-        J = [[-r * math.sin(a), r * math.sin(b), -L * math.sin(c)],
-             [r * math.cos(a), -r * math.cos(b), L * math.cos(c)]]  # fmt: skip
-        rows = numpy.array(J)
-        vb, vc = (float(x) for x in numpy.linalg.solve(rows[:, 1:], -rows[:, 0] * va))
-        assert (
-            abs(vb / va - (bp - bm) / (2 * h)) < 1e-4 and abs(vc / va - (cp - cm) / (2 * h)) < 1e-4
-        )
-    else:
-        b, c, vb, vc = a, 0.0, va, 0.0
-    path = tmp_path / "four_bar.lag"
-    path.write_text(FOUR_BAR.format(**of, a=a, b=b, c=c, va=va, vb=vb, vc=vc))
-    return pkgen.load(str(path)), of
+    if not crossed:
+        return of, {"a": a, "b": a, "c": 0, "a'": va, "b'": va, "c'": 0}
+    L, r, h = of["L"], of["r"], 1e-6
+    b, c = closed(a, L, r)
+    (bp, cp), (bm, cm) = (closed(a + x, L, r) for x in (h, -h))
+    rows = numpy.array([[-r * math.sin(a), r * math.sin(b), -L * math.sin(c)],
+                        [r * math.cos(a), -r * math.cos(b), L * math.cos(c)]])  # fmt: skip
+    vb, vc = (float(x) for x in numpy.linalg.solve(rows[:, 1:], -rows[:, 0] * va))
+    assert abs(vb / va - (bp - bm) / (2 * h)) < 1e-4 and abs(vc / va - (cp - cm) / (2 * h)) < 1e-4
+    return of, {"a": a, "b": b, "c": c, "a'": va, "b'": vb, "c'": vc}
+
+
+@pytest.fixture(scope="module")
+def four_bar(tmp_path_factory):
+    path = tmp_path_factory.mktemp("passage") / "four_bar.lag"
+    path.write_text(FOUR_BAR)
+    return pkgen.load(str(path))
 
 
 def off_branch(rows, of, crossed: bool) -> float:
@@ -87,13 +90,17 @@ def off_branch(rows, of, crossed: bool) -> float:
 
 
 @pytest.mark.parametrize("crossed", [False, True])
-@pytest.mark.parametrize("seed", range(6))
-def test_a_branch_is_kept_or_the_run_ends(seed, crossed, tmp_path):
-    model, of = mechanism(seed, crossed, tmp_path)
+@pytest.mark.parametrize("seed", long_but(range(2), range(60)))
+def test_a_branch_is_kept_or_the_run_ends(seed, crossed, four_bar):
+    of, start = drawn(seed, crossed)
     arrived = 0
+    for name, value in of.items():
+        four_bar.params[name] = value
     for options in METHODS:
         try:
-            rows = model.run(until=6, every=0.05, record=["a", "b", "energy"], **options)
+            rows = four_bar.run(
+                until=6, every=0.05, start=start, record=["a", "b", "energy"], **options
+            )
         except pkgen.RunError as ended:
             assert "last valid time" in str(ended), options
             continue
@@ -101,4 +108,4 @@ def test_a_branch_is_kept_or_the_run_ends(seed, crossed, tmp_path):
         turns = numpy.sin(rows["a"])
         assert (turns[1:] * turns[:-1] < 0).sum() > 2  # it does lie flat on the way
         assert off_branch(rows, of, crossed) < 1e-5, options
-    assert arrived >= len(METHODS) - 4
+    assert arrived >= len(METHODS) - 2

@@ -70,6 +70,12 @@ static void crossing_rows(const void *params, double t, const double *q, const d
     J[0] = q[1], J[1] = q[0];
     residual[0] = J[0] * v[0] + J[1] * v[1];
 }
+static void squares(const void *params, double t, const double *q, const double *v,
+                    const double *u, double *rates)
+{
+    (void)params, (void)t, (void)v, (void)u;
+    rates[0] = q[0] * q[0];
+}
 static int forceless(const void *params, double t, const double *q, const double *v,
                      const double *u, double *a)
 {
@@ -141,6 +147,22 @@ static void refusals(void)
     CU_ASSERT(bound_init(&f, "rk4", 0.125) == PK_DONE);
     CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE); /* along its own */
     CU_ASSERT(fabs(f.it.q[0] - 0.5) < 1e-14 && fabs(f.it.q[1]) < 1e-14);
+    system.quadratures.n = 1; /* which goes on too, at ends of steps and between */
+    system.quadratures.rates = squares;
+    static const char *const both[] = {"rk4", "dop853"};
+    for (int i = 0; i < 2; i++) {
+        double z;
+        CU_ASSERT_FATAL(bound_init(&f, both[i], i ? 1e-9 : 0.125) == PK_DONE);
+        while (f.it.t < 1) {
+            CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1) == PK_DONE);
+            CU_ASSERT(fabs(f.it.z[0] - (pow(f.it.q[0], 3) + 0.125) / 3) < 1e-14);
+            const double t = (f.it.t + f.it.last_t) / 2, x = t - 0.5;
+            if (i)
+                CU_ASSERT(pk_integrator_dense_quadratures(&f.it, t, &z) == PK_DONE &&
+                          fabs(z - (x * x * x + 0.125) / 3) < 1e-14);
+        }
+    }
+    system.quadratures.n = 0;
     f.q0[0] = 0; /* there is no start there */
     CU_ASSERT(bound_init(&f, "rattle", 0.125) == PK_NO_PROJECTION);
 
