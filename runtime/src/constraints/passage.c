@@ -407,8 +407,6 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
         PK_TRY(pk_project_redundant(it, t, q, v, PK_NO_PROJECTION));
     }
     it->own->crossed = 1;
-    if (it->z)
-        PK_TRY(pk_quadrature_step(it));
     if (it->p)
         pk_eval_canonical(it, t, q, v, pk_part(it->own->next, n, PK_P), it->own->project + n);
     return PK_DONE;

@@ -265,6 +265,8 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     it->own->crossed = it->own->crossed && passes;
     it->own->seen = 0;
     status = passes ? pk_passage_step(it) : advance(it, near ? pk_passage_limit(it, limit) : limit);
+    if (status >= 0 && passes && it->z)
+        status = pk_quadrature_step(it);
     if (status >= 0 && !passes && (near || it->own->seen > PK_SEEN))
         status = pk_passage_judge(it);
     status = status < 0 ? pk_singularity_cause(it, status, fixed) : pk_singularity_step(it);
