@@ -175,7 +175,7 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
              (of_rates ? off(it, w, ratio, v, it->n, w->m) : off(it, w, ratio, q, 0, w->rotation))))
             return pk_because(it, PK_NO_PROJECTION, where + which, residual[which]);
         if (of_rates) {
-            pk_passage_seen(it, w);
+            pk_project_seen(it, w);
             subtract(v, w->d, low_v, w->m);
         } else {
             subtract(q, w->d, low_q, w->rotation);

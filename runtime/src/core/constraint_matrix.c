@@ -125,6 +125,19 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows)
     return failed;
 }
 
+void pk_project_seen(struct pk_integrator *it, const struct pk_projection *w)
+{
+    const pk_real low = 4 * PK_NEAR * PK_NEAR, far = PK_FAR * PK_FAR;
+    int seen = PK_SEEN;
+    for (size_t i = 0; i < w->c; i++) {
+        const pk_real pivot = w->A[i * w->c + i];
+        w->most[i] = pk_max(w->most[i], w->norms[i]);
+        seen |= (pivot < low * w->most[i] ? PK_SEEN_LOW : 0) |
+                (pivot < far * w->most[i] ? PK_SEEN_DIPS : 0);
+    }
+    it->own->seen = seen;
+}
+
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v)
 {
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);

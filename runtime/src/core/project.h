@@ -47,6 +47,12 @@ void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *
 pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which);
 /* J M^-1 J^T of the first rows, factored: 0, or 1 + the row that depends on those before it. */
 size_t pk_project_factor(struct pk_projection *w, size_t rows);
+#define PK_NEAR PK_C(0.2) /* sigma, below which it is watched to fall; of fixed steps twice that */
+#define PK_FAR PK_C(0.9) /* sigma, above which a fixed step meets no such place */
+/* A at the step's end has been factored: how near it is to such a position, in it->own->seen.
+ * it->own->near is that of the step's start, where not far, or not known. */
+enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
+void pk_project_seen(struct pk_integrator *it, const struct pk_projection *w);
 /* w->depends: the row as a combination x of earlier rows, (J M^-1 J^T) x = J M^-1 row^T by the
  * factors of the leading block (row stride c); x_i is scaled by the rows' norms. */
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row);
@@ -87,11 +93,8 @@ void pk_passage_forget(struct pk_integrator *it);
 void pk_passage_note(struct pk_integrator *it);
 /* Of the step in it->own->next, by a fixed step: whether it may have turned into another branch. */
 enum pk_status pk_passage_judge(struct pk_integrator *it);
-/* A at the step's end has been factored: how near it is to such a position, in it->own->seen.
- * it->own->near is that of the step's start, where not far, or not known. */
-enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
-void pk_passage_seen(struct pk_integrator *it, const struct pk_projection *w);
-/* It has not, for nothing was to be put right: J and M are there, and each second time A is made. */
+/* A has not been factored, for nothing was to be put right: J and M are there, and each second time
+ * A is made. */
 void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w);
 int pk_passage_due(struct pk_integrator *it, pk_real limit);
 /* How far an adaptive step may go: half of the way to such a position. */

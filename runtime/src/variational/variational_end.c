@@ -54,7 +54,7 @@ static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_w
     const size_t singular = pk_project_factor(&w->at, w->c);
     it->where = singular ? singular - 1 : 0;
     if (!singular)
-        pk_passage_seen(it, &w->at);
+        pk_project_seen(it, &w->at);
     return singular ? PK_NO_PROJECTION : PK_DONE;
 }
 

@@ -1,0 +1,195 @@
+/* How near a motion is to a position where rows of constraints depend on each other; see passage.c.
+ * sigma is read off the factor of J M^-1 J^T that a step has anyway; only where it is small is its
+ * slope looked at.
+ */
+#include <string.h>
+
+#include "../core/tableau.h"
+#include "passage.h"
+
+#define AHEAD PK_C(2.0)    /* steps: what is so near is passed */
+#define LONG PK_C(1.25)    /* fixed steps: what is nearer than that is within the next, */
+#define MIDDLE PK_C(0.75)  /* and what is farther than that wants two */
+#define LITTLE PK_C(1e-4)  /* of the time left, for the slope of sigma */
+#define TURN PK_C(0.3)     /* of its way: more between its ends than rates tell is no motion */
+
+static size_t lay_out(struct pk_passage_parts *x, size_t n, pk_real *base)
+{
+    pk_real *is = NULL;
+    const struct pk_slot slots[] = {{&is, PK_REALS_OF(struct pk_passage)},
+                                    {&x->q, n},
+                                    {&x->v, n},
+                                    {&x->Q, PK_PASSAGE_STAGES * n},
+                                    {&x->V, PK_PASSAGE_STAGES * n},
+                                    {&x->A, PK_PASSAGE_STAGES * n},
+                                    {&x->q_here, n},
+                                    {&x->v_here, n},
+                                    {&x->a_here, n}};
+    const size_t size = PK_LAY_OUT(base, slots);
+    x->is = (struct pk_passage *)(void *)is;
+    return size;
+}
+
+size_t pk_passage_size(const struct pk_system *system, size_t n)
+{
+    struct pk_passage_parts x;
+    return system->constraints.n ? lay_out(&x, n, NULL) : 0;
+}
+
+struct pk_passage_parts pk_passage_parts(const struct pk_integrator *it)
+{
+    struct pk_passage_parts x;
+    lay_out(&x, it->n, it->own->passage);
+    if (x.is->stages > 0)
+        pk_gauss_nodes((int)x.is->stages, x.c, x.b);
+    return x;
+}
+
+void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w)
+{
+    struct pk_passage *is = pk_passage_of(it);
+    is->unseen = !(is->unseen > 0);
+    if (is->unseen > 0 && !it->own->near)
+        return;
+    if (pk_project_factor(w, w->c))
+        it->own->seen = PK_SEEN_LOW | PK_SEEN_DIPS;
+    else
+        pk_project_seen(it, w);
+}
+
+/* sigma at (t, q, v); 1 where M is singular. */
+static pk_real least(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v)
+{
+    struct pk_passage *is = pk_passage_of(it);
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    pk_real found = 1;
+    w.t = t;
+    w.u = pk_eval_input(it, t);
+    if (pk_project_inertia(&w, q, v))
+        return 1;
+    pk_project_rows(&w, q, v);
+    const size_t depends = pk_project_factor(&w, w.c);
+    if (depends) {
+        is->row = (pk_real)(depends - 1);
+        return 0;
+    }
+    for (size_t i = 0; i < w.c; i++) {
+        w.most[i] = pk_max(w.most[i], w.norms[i]);
+        if (w.A[i * w.c + i] / w.most[i] <= found)
+            found = w.A[i * w.c + i] / w.most[i], is->row = (pk_real)i;
+    }
+    return PK_F(sqrt)(pk_max(found, 0));
+}
+
+/* When sigma vanishes, by its slope along the motion. Roughly in `left`. */
+static enum pk_status aim(struct pk_integrator *it, const struct pk_passage_parts *x, pk_real left)
+{
+    struct pk_passage *is = x->is;
+    const size_t n = it->n;
+    const pk_real little = LITTLE * left;
+    PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, x->a_here));
+    for (size_t i = 0; i < n; i++) {
+        x->q_here[i] = it->q[i] + little * it->v[i];
+        x->v_here[i] = it->v[i] + little * x->a_here[i];
+    }
+    const pk_real then = least(it, it->t + little, x->q_here, x->v_here);
+    is->falls = then < is->sigma;
+    is->at = it->t + is->sigma * little / (is->sigma - then);
+    return PK_DONE;
+}
+
+static void look(struct pk_integrator *it)
+{
+    const struct pk_passage_parts x = pk_passage_parts(it);
+    struct pk_passage *is = x.is;
+    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    const pk_real near = fixed ? 2 * PK_NEAR : PK_NEAR, was = is->sigma;
+    is->falls = 0;
+    is->sigma = least(it, it->t, it->q, it->v);
+    const pk_real way = it->t - it->last_t;
+    if (is->sigma < near && is->sigma < was && (way > 0 || way < 0))
+        if (aim(it, &x, way) < 0)
+            is->falls = 0;
+}
+
+void pk_passage_forget(struct pk_integrator *it)
+{
+    if (!it->own->passage)
+        return;
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_passage *is = pk_passage_of(it);
+    memset(is, 0, sizeof *is);
+    memset(w.most, 0, w.c * sizeof *w.most);
+    is->sigma = 1;
+    it->own->crossed = it->own->seen = it->own->near = 0;
+    if (it->status >= 0)
+        look(it);
+    it->own->near = is->sigma < PK_FAR;
+}
+
+void pk_passage_note(struct pk_integrator *it)
+{
+    struct pk_passage *is = pk_passage_of(it);
+    const int seen = it->own->seen;
+    if (is->passing > 0)
+        return;
+    if (seen & PK_SEEN_LOW) {
+        look(it);
+    } else if (seen) {
+        is->falls = 0;
+        is->sigma = seen & PK_SEEN_DIPS ? 2 * PK_NEAR : 1;
+    }
+    it->own->near = is->sigma < PK_FAR;
+}
+
+int pk_passage_due(struct pk_integrator *it, pk_real limit)
+{
+    struct pk_passage *is = pk_passage_of(it);
+    const int fixed = !(it->method->traits & PK_ADAPTIVE);
+    if (!(is->passing > 0)) {
+        const pk_real left = is->at - it->t, h = fixed ? it->own->h : it->t - it->last_t;
+        if (!(is->falls > 0) || !(left / h > 0) || !(left / h < (fixed ? LONG : AHEAD)))
+            return 0;
+        is->t = it->t;
+        is->h = !fixed ? 2 * left : left / h > MIDDLE ? 2 * h : h;
+    }
+    const pk_real end = is->t + is->h;
+    if (!fixed)
+        it->own->next_t = pk_abs(end - it->t) < pk_abs(limit - it->t) ? end : limit;
+    return 1;
+}
+
+pk_real pk_passage_limit(const struct pk_integrator *it, pk_real limit)
+{
+    const struct pk_passage *is = pk_passage_of(it);
+    if (!(is->falls > 0) || !(it->method->traits & PK_ADAPTIVE))
+        return limit;
+    const pk_real half = (is->at - it->t) / 2;
+    return half / (limit - it->t) > 0 && half / (limit - it->t) < 1 ? it->t + half : limit;
+}
+
+size_t pk_passage_told(const struct pk_integrator *it)
+{
+    const struct pk_part_constraints *c = &it->problem.system->constraints;
+    return 2 * (c->n + c->n_redundant) + it->problem.system->n_rotations + 1 +
+           (size_t)pk_passage_parts(it).is->row;
+}
+
+enum pk_status pk_passage_judge(struct pk_integrator *it)
+{
+    const struct pk_passage *is = pk_passage_of(it);
+    if (it->method->traits & PK_ADAPTIVE || !(is->sigma < PK_FAR || it->own->seen & PK_SEEN_DIPS))
+        return PK_DONE;
+    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    const pk_real *q = it->own->next, *v = pk_part(it->own->next, it->n, PK_V);
+    const pk_real h = it->own->next_t - it->t;
+    pk_real off = 0, way = PK_TINY;
+    for (size_t k = 0; k < w.rotation; k++) {
+        const pk_real root = PK_F(sqrt)(pk_ldl_diagonal(w.M, w.m, k));
+        off = pk_max(off, root * pk_abs(q[k] - it->q[k] - h / 2 * (v[k] + it->v[k])));
+        way = pk_max(way, root * pk_abs(h) * pk_max(pk_abs(v[k]), pk_abs(it->v[k])));
+    }
+    return off < TURN * way
+               ? PK_DONE
+               : pk_because(it, PK_NO_PROJECTION, pk_passage_told(it), it->t + h / 2);
+}
