@@ -5,40 +5,31 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
+from .differentiate import swept
 from .graph import Graph, Kind, Node, Op, Symbol
 
 LONGEST = 60  # characters; of what is longer, the beginning
 _SUM, _NEGATED, _PRODUCT, _POWER, _ATOM = range(5)  # how tightly a text holds together
+Worded = tuple[str, int]
 
 
 def wording(g: Graph, node: Node, name: Callable[[Symbol], str]) -> str:
     """The text, cut where it grows too long; `name` says what symbols are called."""
-    text, _ = _worded(g, node, name, 0, {})
+    ((text, _),) = swept(g, [node], lambda part, parts: _written(g, part, parts, name))
     return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
-Worded = tuple[str, int]
+def _written(g: Graph, node: Node, parts: list[Worded], name: Callable[[Symbol], str]) -> Worded:
+    text, tightness = _joined(g, node, parts, name)
+    return text[: 2 * LONGEST], tightness  # no more than can be seen
 
 
-def _worded(g: Graph, node: Node, name: Callable[[Symbol], str], depth: int, known: dict) -> Worded:
-    """Of what is shared once for each depth, and no more text than can be seen."""
-    if (node, depth) not in known:
-        text, tightness = _written(g, node, name, depth, known)
-        known[node, depth] = text[: 2 * LONGEST], tightness
-    return known[node, depth]
-
-
-def _written(
-    g: Graph, node: Node, name: Callable[[Symbol], str], depth: int, known: dict
-) -> Worded:
-    op, args, data = g.op[node], g.args[node], g.data[node]
-    if depth > LONGEST:
-        return "...", _ATOM
+def _joined(g: Graph, node: Node, parts: list[Worded], name: Callable[[Symbol], str]) -> Worded:
+    op, data = g.op[node], g.data[node]
     if op is Op.NUMBER:
         return _number(data)
     if op is Op.SYMBOL:
         return ("pi" if data.kind is Kind.PI else name(data)), _ATOM
-    parts = [_worded(g, a, name, depth + 1, known) for a in args]
     if op is Op.ADD:
         (first, _), (second, tightness) = sorted(parts, key=lambda part: part[1] == _NEGATED)
         sign, second = ("-", second[1:]) if tightness == _NEGATED else ("+", second)

@@ -12,6 +12,7 @@ from ...graph.differentiate import gradient, partials, reachable
 from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.solve import solve
 from ...graph.substitute import substituted
+from ..points.squares import determinant
 from .combination import combination
 
 CRAMER = 4  # coordinates of one block
@@ -186,16 +187,3 @@ def cramer(g: Graph, equations: Equations, block: tuple[int, ...]) -> dict[int, 
         ]
         found[i] = g.multiply(determinant(g, replaced), inverse)
     return found
-
-
-def determinant(g: Graph, rows: list[list[Node]]) -> Node:
-    """By the first row."""
-    if not rows:
-        return ONE
-    total = ZERO
-    for j, entry in enumerate(rows[0]):
-        if entry != ZERO:
-            minor = determinant(g, [[*row[:j], *row[j + 1 :]] for row in rows[1:]])
-            term = g.multiply(entry, minor)
-            total = g.subtract(total, term) if j % 2 else g.add(total, term)
-    return total

@@ -27,7 +27,8 @@ from ...source import Diagnostic, ModelError
 from ..attitudes import on_sphere
 from ..naming import naming
 from ..points.samples import Sample, samples, started
-from ..points.singularities import about, bounds_of, dangerous, squared, zeros
+from ..points.singularities import about, dangerous, squared, zeros
+from ..points.squares import bounds_of
 from .along import Along
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"

@@ -126,8 +126,8 @@ def singularities(
         acceleration = solution.accelerations
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
-    pivots = [pivot for pivot, _ in solution.pivots] if solution else ()
-    return singularities_of(g, e.parameters, motion.mass, outputs, pivots, naming(e))
+    pivots = solution.pivots if solution else ()
+    return singularities_of(g, e.parameters, pivots, outputs, naming(e), found.written)
 
 
 def located(equations: Equations) -> Equations:

@@ -13,7 +13,8 @@ from ...graph.differentiate import reachable, symbols_in
 from ...graph.evaluate import evaluate
 from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Symbol
 from ...record import record
-from .singularities import bounds_of, defaults
+from .singularities import defaults
+from .squares import bounds_of
 from .solved import accelerations
 
 TRIED = 72  # states, the first half with parameters at their defaults,

@@ -14,57 +14,60 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterable, Iterator
 
-from ...equations import Matrix, ParameterSlot, Quantity, Singularity
+from ...equations import ParameterSlot, Quantity, Singularity
 from ...functions import FUNCTIONS
-from ...functions.interval import INF, Range
+from ...functions.interval import INF
 from ...functions.row import COORDINATES, DIVISOR, ROOT
 from ...functions.smooth import where_positive
 from ...graph.differentiate import reachable, symbols_in
 from ...graph.evaluate import Evaluator, evaluate
 from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Op, Symbol
 from ...graph.ranges import Ranges
+from ...graph.solve import Pivots
 from ...graph.wording import wording
+from .squares import bounds_of, definite_by_squares, summands
 
 SAMPLES = 25  # states at which the pivots of M are looked at,
 EFFORT = 50_000  # values computed in the search for a worse one: some 0.05 s
 SCATTER = 200  # and at most so many states with parameters anywhere,
 WIDE = 1e3  # so far from their defaults where nothing bounds them
-NEARLY = 1e-4  # a pivot beside its diagonal entry: M is singular nearby
+USUAL = 4  # states that say how small a pivot is beside its diagonal entry anyhow,
+NEARLY = 1e-4  # and where it is so much smaller still, M is singular nearby
 
 
 def singularities_of(
     g: Graph,
     parameters: tuple[ParameterSlot, ...],
-    mass: Matrix,
+    pivots: Pivots,
     outputs: Iterable[Node],
-    pivots: Iterable[Node],
     name: Callable[[Symbol], str],
+    lagrangian: Node,
 ) -> tuple[Singularity, ...]:
     """The singularities of the equations that `outputs` are; those of the chart first."""
     ranges = Ranges(g, [bounds_of(g, slot) for slot in parameters])
-    of_mass = {i: p for i, p in enumerate(pivots) if g.depends[p] & VARIABLE}
+    of_mass = [(p, size) for p, size in pivots if g.depends[p] & VARIABLE]
     charts: dict[Node, None] = {}
     motions: dict[Node, str] = {}
-    unsure: dict[Node, int] = {}
-    for i, pivot in of_mass.items():
+    unsure: dict[Node, tuple[Node, Node]] = {}
+    for pivot, size in of_mass:
         for node, rest in zeros(g, ranges, pivot):
-            if rest and pivot != mass[i][i]:
-                unsure[node] = i
+            if rest and pivot != size:
+                unsure[node] = pivot, size
             else:
                 charts[node] = None
-    if unsure:
+    if unsure and not definite_by_squares(g, parameters, lagrangian, len(pivots)):
         rows = list(unsure.values())
-        wanted = [of_mass[i] for i in rows] + [mass[i][i] for i in rows]
-        suspects = [(state, NEARLY) for state in _least_definite(g, parameters, mass)]
-        suspects += [(state, 0.0) for state in _anywhere(g, parameters, wanted)]
-        pivots_at = Evaluator(g, wanted)
+        suspects = [(state, NEARLY) for state in _least_definite(g, parameters, pivots)]
+        suspects += [(state, 0.0) for state in _anywhere(g, parameters, sum(rows, ()))]
+        ratios_at = _ratios(g, rows)
+        seen = map(ratios_at, _at_random(g, parameters, sum(rows, ()), USUAL))
+        usual = [max(0.0, *some) for some in zip(*seen, strict=True)]
         for state, limit in suspects:
-            values = pivots_at(state)
-            for node, pivot, diagonal in zip(unsure, values, values[len(rows) :], strict=False):
-                if not pivot > limit * diagonal:
+            for node, ratio, most in zip(unsure, ratios_at(state), usual, strict=True):
+                if not ratio > limit * most:
                     charts[node] = None
-    known = {g.split(p)[1] for p in of_mass.values()}
-    for base, use in dangerous(g, ranges, [*outputs, *of_mass.values()]):
+    known = {g.split(p)[1] for p, _ in of_mass}
+    for base, use in dangerous(g, ranges, [*outputs, *(p for p, _ in of_mass)]):
         if g.split(base)[1] not in known:
             for node, _ in zeros(g, ranges, base):
                 if node not in motions or use == DIVISOR:
@@ -77,12 +80,6 @@ def singularities_of(
         for node, use in found.items()
         if node not in squares  # r, not r^2 too
     )
-
-
-def bounds_of(g: Graph, slot: ParameterSlot) -> Range:
-    lo = -INF if slot.lo is None or g.value(slot.lo) is None else float(g.value(slot.lo))
-    hi = INF if slot.hi is None or g.value(slot.hi) is None else float(g.value(slot.hi))
-    return Range(lo, hi, slot.lo_open, slot.hi_open)
 
 
 def _is_call(g: Graph, node: Node, *functions: str) -> bool:
@@ -135,18 +132,6 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
             yield where_positive(g, first, g.args[base][1]), False
         else:
             yield base, False
-
-
-def summands(g: Graph, node: Node) -> list[Node]:
-    """The terms of a sum, of sums within it too."""
-    terms, stack = [], [node]
-    while stack:
-        part = stack.pop()
-        if g.op[part] is Op.ADD:
-            stack.extend(g.args[part])
-        else:
-            terms.append(part)
-    return terms
 
 
 def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
@@ -209,35 +194,52 @@ def _anywhere(
             yield fixed | {symbol: _drawn(draw, symbol) for symbol in moving}
 
 
+def _at_random(
+    g: Graph, parameters: tuple[ParameterSlot, ...], nodes: Iterable[Node], count: int
+) -> Iterator[dict[Symbol, float]]:
+    draw, fixed = random.Random(2385), defaults(g, parameters)
+    moving, _ = _moving(g, nodes)
+    for _ in range(count):
+        yield fixed | {symbol: _drawn(draw, symbol) for symbol in moving}
+
+
+def _ratios(g: Graph, pivots: Iterable[tuple[Node, Node]]) -> Callable[..., list[float]]:
+    """Of each pivot beside its diagonal entry, at a state; negative where one is not positive."""
+    values_at = Evaluator(g, [x for pair in pivots for x in pair])
+
+    def ratios(state: dict[Symbol, float]) -> list[float]:
+        values = iter(values_at(state))
+        return [p / size if p > 0 < size else -1.0 for p, size in zip(values, values, strict=True)]
+
+    return ratios
+
+
 def _least_definite(
-    g: Graph, parameters: tuple[ParameterSlot, ...], mass: Matrix
+    g: Graph, parameters: tuple[ParameterSlot, ...], pivots: Pivots
 ) -> Iterator[dict[Symbol, float]]:
     """The state, of many, at which M is nearest to singular: with the parameters' defaults, then
     with each at a bound that it may have."""
-    _, used = _moving(g, [x for row in mass for x in row])
+    nodes = [x for pair in pivots for x in pair]
+    moving, used = _moving(g, nodes)
     cases: list[tuple[int, float]] = [(-1, 0.0)]
     for k in used:
         at = bounds_of(g, parameters[k])
         cases += [(k, at.lo)] if not at.above and at.lo > -INF else []
         cases += [(k, at.hi)] if not at.below and at.hi < INF else []
+    ratios_at = _ratios(g, pivots)
+    left = max(SAMPLES, EFFORT // len(cases) // len(reachable(g, nodes)))
     for which, bound in cases:
         fixed = defaults(g, parameters, {which: bound}.get)
-        yield _least_definite_at(g, fixed, mass, EFFORT // len(cases))
+        yield _least_at(lambda state: min(ratios_at(state)), fixed, moving, left)
 
 
-def _least_definite_at(
-    g: Graph, fixed: dict[Symbol, float], mass: Matrix, effort: int
+def _least_at(
+    ratio: Callable[[dict[Symbol, float]], float],
+    fixed: dict[Symbol, float],
+    moving: list[Symbol],
+    left: int,
 ) -> dict[Symbol, float]:
-    entries = [x for i, row in enumerate(mass) for x in row[: i + 1]]
     draw = random.Random(2385)
-    moving, _ = _moving(g, entries)
-    left = max(SAMPLES, effort // (len(reachable(g, entries)) + len(mass) ** 3))
-
-    entries_at = Evaluator(g, entries)
-
-    def ratio(state: dict[Symbol, float]) -> float:
-        return _least_ratio(len(mass), entries_at(state))
-
     states = [fixed | {s: _drawn(draw, s) for s in moving} for _ in range(SAMPLES)]
     least, best = min((ratio(state), k) for k, state in enumerate(states))
     state, width = states[best], 1.0
@@ -250,22 +252,3 @@ def _least_definite_at(
                 least, state = there, moved
         width *= 0.8 if symbol == moving[-1] else 1
     return state
-
-
-def _least_ratio(n: int, entries: list[float]) -> float:
-    """The least pivot of M = L D L^T beside its diagonal entry; negative where one is not positive.
-    `entries` are those of the lower triangle, row by row."""
-    flat = iter(entries)
-    rows = [[next(flat) for _ in range(i + 1)] for i in range(n)]
-    least = INF
-    for j in range(n):
-        diagonal = rows[j][j]
-        pivot = diagonal - sum(rows[j][k] ** 2 * rows[k][k] for k in range(j))
-        if not (pivot > 0 and diagonal > 0):
-            return -1.0
-        least = min(least, pivot / diagonal)
-        rows[j][j] = pivot
-        for i in range(j + 1, n):
-            inner = sum(rows[i][k] * rows[j][k] * rows[k][k] for k in range(j))
-            rows[i][j] = (rows[i][j] - inner) / pivot
-    return least

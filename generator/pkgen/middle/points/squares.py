@@ -1,0 +1,160 @@
+"""Whether T is a sum of squares that vanish together only where all rates do: M is then positive
+definite everywhere. Of a chain of links the pivots of M are long, but each link's terms of T have
+a few rates more than its parent's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from ...equations import ParameterSlot
+from ...functions.interval import INF, Range
+from ...graph.differentiate import reachable
+from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Op
+from ...graph.normal import Normal, squares_merged
+from ...graph.ranges import Ranges
+
+RATES = BIT[Kind.RATE]
+WORK = 500  # products of two terms
+SEVERAL = 3  # rates that one term adds
+
+Matrix = list[list[Node]]
+
+
+def definite_by_squares(
+    g: Graph, parameters: tuple[ParameterSlot, ...], lagrangian: Node, count: int
+) -> bool:
+    """Where no term of T is negative, v.M v = 0 makes each of them 0. If all rates of a term but
+    some are known to be 0 then, and it is definite in these, so are they: go on until all are."""
+    g = g.copy()
+    positive = Positive(g, parameters)
+    degree, rates = _degrees_and_rates(g, lagrangian)
+    terms = [node for node in summands(g, lagrangian) if node in degree]
+    if any(degree[node] > 2 for node in terms):
+        return False
+    if not all(positive.ranges(node).not_negative for node in terms):
+        return False
+    found, waiting = 0, True
+    while waiting:
+        waiting = False
+        for node in terms:
+            rest = rates[node] & ~found
+            if not 0 < rest.bit_count() <= SEVERAL:
+                continue
+            left = [i for i in range(rest.bit_length()) if rest >> i & 1]
+            if positive(determinant(g, _hessian(g, node, left, rates))):
+                found |= rest
+                waiting = True
+    return found == (1 << count) - 1
+
+
+class Positive:
+    """Whether a node is positive wherever the motion goes; m - m cos^2 is seen as m sin^2."""
+
+    def __init__(self, g: Graph, parameters: Iterable[ParameterSlot]):
+        self.graph = g
+        self.ranges = Ranges(g, [bounds_of(g, slot) for slot in parameters])
+
+    def __call__(self, node: Node) -> bool:
+        if self.ranges(node).positive:
+            return True
+        normal = Normal(self.graph, work=WORK)
+        polynomial = normal(node)
+        if polynomial is None:
+            return False
+        merged = squares_merged(self.graph, polynomial)
+        return self.ranges(normal.plain(merged)).positive
+
+
+def _degrees_and_rates(g: Graph, output: Node) -> tuple[dict[Node, float], dict[Node, int]]:
+    """Of all below that have rates: the degree in them, inf of what is no polynomial as it stands,
+    and which ones, a bit each."""
+    degree: dict[Node, float] = {}
+    rates: dict[Node, int] = {}
+    for node in reachable(g, [output], RATES):
+        of = [degree.get(a, 0) for a in g.args[node]]
+        rates[node] = 0
+        for a in g.args[node]:
+            rates[node] |= rates.get(a, 0)
+        if g.op[node] is Op.SYMBOL:
+            degree[node], rates[node] = 1, 1 << g.data[node].index
+        elif g.op[node] is Op.ADD:
+            degree[node] = max(of)
+        elif g.op[node] is Op.MULTIPLY:
+            degree[node] = sum(of)
+        elif g.op[node] is Op.POWER and g.data[node] == 2:
+            degree[node] = 2 * of[0]
+        else:
+            degree[node] = INF
+    return degree, rates
+
+
+def _hessian(g: Graph, term: Node, rates: list[int], of: dict[Node, int]) -> Matrix:
+    """The second derivatives of a term by some rates, of a sweep over what depends on these."""
+    mask = sum(1 << i for i in rates)
+    some = range(len(rates))
+    zero = [ZERO] * len(rates), [[ZERO] * len(rates) for _ in rates]
+    known: dict[Node, tuple[list[Node], Matrix]] = {}
+    for node in _below(g, term, lambda a: of.get(a, 0) & mask):
+        args = g.args[node] * 2 if g.op[node] is Op.POWER else g.args[node]
+        (da, dda), (db, ddb) = (known.get(a, zero) for a in args or (node, node))
+        if g.op[node] is Op.SYMBOL:
+            one = [ONE if g.data[node].index == i else ZERO for i in rates]
+            known[node] = one, zero[1]
+        elif g.op[node] is Op.ADD:
+            sums = [[g.add(dda[i][j], ddb[i][j]) for j in some] for i in some]
+            known[node] = [g.add(da[i], db[i]) for i in some], sums
+        else:
+            a, b = args
+            slope = [g.add(g.multiply(da[i], b), g.multiply(a, db[i])) for i in some]
+            known[node] = slope, [
+                [
+                    g.sum(
+                        g.multiply(x, y)
+                        for x, y in ((dda[i][j], b), (da[i], db[j]), (da[j], db[i]), (a, ddb[i][j]))
+                    )
+                    for j in some
+                ]
+                for i in some
+            ]
+    return known[term][1]
+
+
+def _below(g: Graph, node: Node, wanted: Callable[[Node], int]) -> list[Node]:
+    """Those that are wanted, each after its arguments."""
+    found, stack = {node}, [node]
+    while stack:
+        new = {a for a in g.args[stack.pop()] if wanted(a)} - found
+        found |= new
+        stack += new
+    return sorted(found)
+
+
+def bounds_of(g: Graph, slot: ParameterSlot) -> Range:
+    lo = -INF if slot.lo is None or g.value(slot.lo) is None else float(g.value(slot.lo))
+    hi = INF if slot.hi is None or g.value(slot.hi) is None else float(g.value(slot.hi))
+    return Range(lo, hi, slot.lo_open, slot.hi_open)
+
+
+def summands(g: Graph, node: Node) -> list[Node]:
+    """The terms of a sum, of sums within it too."""
+    terms, stack = [], [node]
+    while stack:
+        part = stack.pop()
+        if g.op[part] is Op.ADD:
+            stack.extend(g.args[part])
+        else:
+            terms.append(part)
+    return terms
+
+
+def determinant(g: Graph, rows: Matrix) -> Node:
+    """By the first row."""
+    if not rows:
+        return ONE
+    total = ZERO
+    for j, entry in enumerate(rows[0]):
+        if entry != ZERO:
+            minor = determinant(g, [[*row[:j], *row[j + 1 :]] for row in rows[1:]])
+            term = g.multiply(entry, minor)
+            total = g.subtract(total, term) if j % 2 else g.add(total, term)
+    return total
