@@ -150,6 +150,11 @@ def _check_residues(g: Graph, mass: tuple[Row, ...]) -> None:
                 row[k:] = [(x - factor * y) % PRIME for x, y in zip(row[k:], top[k:], strict=True)]
 
 
+def looped(g: Graph, mass: tuple[Row, ...]) -> bool:
+    """Whether M is too large to be eliminated in straight-line code."""
+    return elimination_order(g, mass)[1] > UNROLLED_OPERATIONS
+
+
 def elimination_order(g: Graph, mass: tuple[Row, ...]) -> tuple[list[int], int]:
     """In which order the coordinates are eliminated, and the operations that this costs."""
     n = len(mass)

@@ -15,7 +15,7 @@ from ..graph.differentiate import Columns, Forward, gradient, reachable
 from ..graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op
 from ..graph.pushed import pushed
 from ..graph.residues import Residues
-from ..graph.solve import UNROLLED_OPERATIONS, Solution, elimination_order, solve
+from ..graph.solve import Solution, looped, solve
 from ..record import record
 from .attitudes import gyroscopic, slopes
 from .quantities import symbols
@@ -135,7 +135,7 @@ def shortest(
     mass, force = _symmetric(outputs, n), tuple(outputs[-n:])
     solved = wanted("acceleration", "singularity")
     solution = None
-    if solved and not mass_read and not wanted("mass", "canonical") and not wanted.linear(n):
+    if solved and not mass_read and not wanted("mass") and not wanted.linear(n):
         solution, force = _without_mass(g, lagrangian, mass, force)
     if solution is None:
         found = []
@@ -171,7 +171,7 @@ def _without_mass(
     """From L, where that costs less than a loop over M, whatever M itself costs: then proofs alone
     read M, and its form may be long. A pivot that vanishes is left to M, which says why."""
     n = len(force)
-    if elimination_order(g, mass)[1] <= UNROLLED_OPERATIONS:
+    if not looped(g, mass):
         return None, force
     short = tuple(min(forms(g, list(force), False, True), key=lambda form: operations(g, form)))
     found = pushed(g, lagrangian, symbols(g, Kind.RATE, n), short)

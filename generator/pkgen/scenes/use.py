@@ -10,6 +10,7 @@ from dataclasses import replace
 from ..compiler import Use
 from ..equations import Equations, Structure
 from ..front.check.scene_numbers import Values, WrongValue
+from ..graph.solve import looped
 from ..methods import Method, called, carries_quadratures, in_blocks, known
 from ..middle.motion import LINEAR_OF_FEW
 from ..middle.reduce.reduce import APART, REDUCTIONS
@@ -131,9 +132,15 @@ def _of_driver(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
         found |= {"energy"}
     definite = structure and getattr(structure, "definite", True)
     solved = made and getattr(made[0], "constraints", ())  # by the inertia
-    if not definite or not (several or solved or structure.mass_diagonal):
+    needed = not definite or not (several or solved or structure.mass_diagonal)
+    if needed and not (made and _without_mass(made[0])):
         found |= {"mass"}
     return frozenset(found)
+
+
+def _without_mass(e: object) -> bool:
+    """Whether the accelerations come along a tree: of so many bodies M is longer than these."""
+    return isinstance(e, Equations) and e.acceleration is not None and looped(e.graph, e.mass)
 
 
 def _side_by_side(

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from ...equations import Equations
 from ...graph.differentiate import symbols_in
+from ...graph.solve import looped
 from ..derive.impulses import NoRate
 from ..motion import COORDINATES
 from ..report import ReportLine
@@ -28,6 +29,8 @@ def cyclic(state: State, needs: Needs) -> State:
         return state
     if not state.structure.quadratic:
         return _not(state, e, found, "L is not of second degree in the rates")
+    if looped(e.graph, e.mass):
+        return _not(state, e, found, "what is left would couple too many coordinates")
     used = _used(e)
     chosen, angles = [], []
     for i in found:
