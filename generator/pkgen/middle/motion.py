@@ -119,7 +119,8 @@ def shortest(
     g: Graph, lagrangian: Node, motion: Motion, wanted: Wanted, mass_read: bool = False
 ) -> tuple[Motion, Solution | None]:
     """The same in the form of fewest operations, with M a = f solved if that is wanted: by M, or
-    from L itself where that costs less. `mass_read`: whether M is part of what is solved later."""
+    from L itself where that costs less; wherever a momentum depends on a state, since states.py
+    has no other form then. `mass_read`: whether M is part of what is solved later."""
     n = len(motion.force)
     triangle = [motion.mass[i][j] for i in range(n) for j in range(i, n)]
     outputs = [*triangle, *motion.force]
@@ -133,7 +134,7 @@ def shortest(
         if wanted("gradient"):
             slope = fewest(g, settled(g, slope))
     mass, force = _symmetric(outputs, n), tuple(outputs[-n:])
-    solved = wanted("acceleration", "singularity")
+    solved = wanted("acceleration", "singularity") or with_states(g, motion.momenta)
     solution = None
     if solved and not mass_read and not wanted("mass") and not wanted.linear(n):
         solution, force = _without_mass(g, lagrangian, mass, force)
@@ -163,6 +164,11 @@ def shortest(
         mass=mass,
         force=force,
     ), solution
+
+
+def with_states(g: Graph, momenta: Row) -> bool:
+    """Whether a momentum depends on a state: dp/dv has an entry of it then, and is no M of all."""
+    return any(g.depends[p] & BIT[Kind.STATE] for p in momenta)
 
 
 def _without_mass(

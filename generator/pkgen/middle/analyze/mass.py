@@ -11,11 +11,10 @@ from ..points.squares import Positive, definite_by_squares
 def definite(equations: Equations) -> bool:
     """Whether that is proved everywhere, with the parameters within their bounds."""
     e = equations
-    if e.pivots is not None:
-        positive = Positive(e.graph.copy(), e.parameters)
-        if all(positive(pivot) for pivot, _ in e.pivots):
-            return True
-    return definite_by_squares(e.graph, e.parameters, e.written, len(e.coordinates))
+    if definite_by_squares(e.graph, e.parameters, e.written, len(e.coordinates)):
+        return True
+    positive = Positive(e.graph.copy(), e.parameters)
+    return e.pivots is not None and all(positive(pivot) for pivot, _ in e.pivots)
 
 
 def singular(equations: Equations) -> tuple[str, ...]:

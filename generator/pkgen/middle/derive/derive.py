@@ -18,7 +18,7 @@ from ...model import Model, Parameter
 from ...source import Diagnostic, ModelError, Span
 from ..expand.expand import Expander
 from ..expand.names import entered
-from ..motion import PARTICLES, Energies, Motion, Wanted
+from ..motion import PARTICLES, Energies, Motion, Wanted, with_states
 from ..naming import naming
 from ..quantities import (
     error,
@@ -32,7 +32,7 @@ from ..quantities import (
 from .constrain import CannotConstrain
 from .constraint_start import at_the_start
 from .constraints import cannot_constrain, define_multipliers, rows_of
-from .first_order import define_built_in, rates_of_states, solvable
+from .first_order import define_built_in, rates_of_states
 from .impulses import check_rates
 from .lagrange import Derived, derived, located, singularities
 
@@ -76,12 +76,11 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
                 x.attitudes,
                 rows,
             )
-            too_large = not solvable(x.graph, found.motion)
         except SingularMass as singular:
             raise _singular(x, singular.coordinate) from None
         except CannotConstrain as wrong:
             raise cannot_constrain(x, rows, wrong) from None
-    if too_large:
+    if found.solution is None and with_states(x.graph, found.motion.momenta):
         raise error(
             model,
             "a momentum depends on a state, and M is too large to be inverted",

@@ -4,11 +4,10 @@ before any equation of motion is, and the rates of other states."""
 from __future__ import annotations
 
 from ...graph.differentiate import gradient
-from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
-from ...graph.solve import solve
+from ...graph.graph import ZERO, Kind, Node, Symbol
 from ...source import Span
 from ..expand.expand import Expander
-from ..motion import STATE, Energies, Motion
+from ..motion import STATE, Energies
 from ..quantities import error, indexed, symbols
 from .states import Circular, resolved
 
@@ -48,14 +47,6 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
             "solve these equations for the rates, and write what comes out",
         ) from None
     return dict(sorted(found.items(), key=lambda pair: g.data[pair[0]].index))
-
-
-def solvable(g: Graph, motion: Motion) -> bool:
-    """Whether M a = f can be written out where states.py needs that: where a momentum has a state
-    in it."""
-    if not any(g.depends[p] & BIT[Kind.STATE] for p in motion.momenta):
-        return True
-    return solve(g, motion.mass, motion.force) is not None
 
 
 def define_built_in(

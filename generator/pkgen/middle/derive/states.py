@@ -19,9 +19,8 @@ from ...equations import Constraints, Equations, Matrix, Quantity, Row, Structur
 from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, ONE, ZERO, Graph, Kind, Node
 from ...graph.rounding import sizes
-from ...graph.solve import solve
 from ...graph.substitute import substituted
-from ..motion import NO_JACOBIANS, Motion, Wanted, jacobians_of, linear_of
+from ..motion import NO_JACOBIANS, Motion, Wanted, jacobians_of, linear_of, with_states
 from ..quantities import rate_of_state, symbols
 
 STATES = BIT[Kind.STATE]
@@ -58,11 +57,6 @@ def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
 # -- for the C -----------------------------------------------------------------------------------
 
 
-def with_inertia_of_states(e: Equations) -> bool:
-    """Whether a momentum depends on a state."""
-    return any(e.graph.depends[node] & STATES for node in e.momenta)
-
-
 def as_rates(
     e: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Equations, Structure]:
@@ -85,13 +79,8 @@ def as_rates(
         return tuple(substituted(g, nodes, swap))
 
     rates = there(e.state_rates)
-    solved = with_inertia_of_states(e)
-    acceleration = e.acceleration
-    if solved and acceleration is None:
-        found = solve(g, e.mass, e.force)
-        assert found is not None, "derive() refuses what is too large"
-        acceleration = found.accelerations
-    acceleration = None if acceleration is None else (*there(acceleration), *rates)
+    solved = with_states(g, e.momenta)
+    acceleration = None if e.acceleration is None else (*there(e.acceleration), *rates)
     motion = _solved(g, acceleration) if solved else _beside(g, e, rates, there)
     wanted = Wanted(kernels)
     jacobians = NO_JACOBIANS

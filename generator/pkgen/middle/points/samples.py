@@ -14,8 +14,8 @@ from ...graph.evaluate import evaluate
 from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Symbol
 from ...record import record
 from .singularities import defaults
-from .squares import bounds_of
 from .solved import accelerations
+from .squares import bounds_of
 
 TRIED = 72  # states, the first half with parameters at their defaults,
 EFFORT = 100_000  # or fewer, for so many values of nodes: some 2 s

@@ -106,16 +106,24 @@ def _hessian(g: Graph, term: Node, rates: list[int], of: dict[Node, int]) -> Mat
         else:
             a, b = args
             slope = [g.add(g.multiply(da[i], b), g.multiply(a, db[i])) for i in some]
-            known[node] = slope, [
+            known[node] = (
+                slope,
                 [
-                    g.sum(
-                        g.multiply(x, y)
-                        for x, y in ((dda[i][j], b), (da[i], db[j]), (da[j], db[i]), (a, ddb[i][j]))
-                    )
-                    for j in some
-                ]
-                for i in some
-            ]
+                    [
+                        g.sum(
+                            g.multiply(x, y)
+                            for x, y in (
+                                (dda[i][j], b),
+                                (da[i], db[j]),
+                                (da[j], db[i]),
+                                (a, ddb[i][j]),
+                            )
+                        )
+                        for j in some
+                    ]
+                    for i in some
+                ],
+            )
     return known[term][1]
 
 
