@@ -134,7 +134,8 @@ def shortest(
         if wanted("gradient"):
             slope = fewest(g, settled(g, slope))
     mass, force = _symmetric(outputs, n), tuple(outputs[-n:])
-    solved = wanted("acceleration", "singularity") or with_states(g, motion.momenta)
+    stated = with_states(g, motion.momenta)
+    solved = stated or wanted("acceleration", "singularity")
     solution = None
     if solved and not mass_read and not wanted("mass") and not wanted.linear(n):
         solution, force = _without_mass(g, lagrangian, mass, force)
@@ -148,7 +149,10 @@ def shortest(
         _, _, mass, force, solution = min(found)
         if solved:
             along = pushed(g, lagrangian, symbols(g, Kind.RATE, n), force)
-            if along is not None and _operations(g, along, mass) < _operations(g, solution, mass):
+            alone = solution is None and stated  # there is no loop over M then
+            if along is not None and (
+                alone or _operations(g, along, mass) < _operations(g, solution, mass)
+            ):
                 solution = along
     if solution is not None and thorough:
         of = solution.pivots
