@@ -14,9 +14,12 @@ from pkgen.graph.graph import Kind, Symbol
 from pkgen.middle.analyze.analyze import analyze
 from pkgen.middle.derive.derive import derive
 from pkgen.middle.reduce.apart import parts_of
+from pkgen.middle.reduce.cyclic import cyclic
 from pkgen.middle.reduce.reduce import reduce
-from pkgen.middle.reduce.reduction import ENOUGH, Needs
+from pkgen.middle.reduce.reduction import ENOUGH, Needs, State
+from pkgen.middle.report import Report
 from pkgen.middle.specialise import folded, held
+from pkgen.scenes.use import _without_mass
 from pkgen.source import ModelError, Source
 
 TOP = """\
@@ -298,3 +301,23 @@ start q[i = 1..N] = 0.1*i
     with pytest.raises(ModelError) as error:
         held(model, scene)
     assert "periodic" in error.value.text()
+
+
+def test_of_many_bodies_no_cyclic_coordinate_goes():
+    """What is left of M would be dense, and not solved along the tree."""
+    text = "model arm\n"
+    for k in range(24):
+        axis = "[0, 1, 0]" if k % 2 else "[0, 0, 1]"
+        parent, at = (f"b{k - 1}", " at [0, 0, 0.3]") if k else ("ground", "")
+        text += f"body b{k} mass 1 inertia [0.1, 0.2, 0.3] at [0, 0, 0.2]\n"
+        text += f"joint q{k}: {parent} to b{k} revolute {axis}{at}\n"
+    model, _ = check.check(parse.parse_all(Source("arm.lag", text)), {})
+    e = derive(model, ENOUGH)
+    structure = analyze(e)
+    assert structure.cyclic[0] and e.acceleration
+    state = cyclic(State(e, structure, Report()), Needs(frozenset()))
+    (line,) = state.report.lines
+    assert line.why == "what is left would couple too many coordinates"
+    assert _without_mass(e)
+    small = derive(check.check(parse.parse_all(Source("cart.lag", CART)), {})[0], ENOUGH)
+    assert not _without_mass(small)
