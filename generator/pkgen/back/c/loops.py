@@ -29,6 +29,8 @@ from .schedule import Schedule
 _OURS = (
     *("m", "j", "l", "r", "s", "lo", "hi", "base", "sum", "first", "last", "steps", "h", "g"),
     *("flux", "total", "own"),
+    *("x", "cells", "pushes", "slopes", "changes", "front", "bulk", "beside", "beside_pushes"),
+    *("pivot", "diagonal", "absent", "corner", "kept"),
 )
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
 CHUNK = 64  # members that are gone through at once
@@ -88,9 +90,10 @@ class Places:
         }
         self.first: dict[str, Affine] = {}  # the flat index of each coordinate's first member
         total = Affine()
-        for group in e.coordinates:
+        for group in (*e.coordinates, *e.carried_groups):
             self.first[group.name] = total
             total = total + group.count
+        self.whole = total  # numbers of q with carried values behind them
 
     def index(self, at: Affine) -> str:
         """An index as C."""
@@ -105,7 +108,15 @@ class Places:
 
     def _lo(self, name: str) -> Affine:
         e = self.equations
-        return next(g.lo for g in (*e.coordinates, *e.parameters) if g.name == name)
+        groups = (*e.coordinates, *e.parameters, *e.carried_groups)
+        return next(g.lo for g in groups if g.name == name)
+
+    def carried(self, kind: str, name: str, at: Affine) -> tuple[str, Affine]:
+        """The array in which a carried value is, its rate or acceleration, and where there: of
+        kind "w" and "d" both lie behind the rates, which follow q."""
+        place, own = self.flat(name, at), self.equations.count
+        behind = {"w": self.whole.times(2), "d": self.whole.times(3) - own}
+        return ("q", place - own + behind[kind]) if kind in behind else (kind, place)
 
     def member(self, name: str, at: Affine | None) -> str:
         """A parameter."""
@@ -150,6 +161,7 @@ class Lowering(Hoisting):
         self.inputs = [q.name for q in input_quantities(equations.model, equations.orders)]
         self._locals = Names(LOCAL_RESERVED, _OURS, self.prefix)
         self._names: dict[Slot, str] = {}
+        self.carried = {g.name for g in equations.carried_groups}
         targets = []
         for block in blocks:
             new = rewrite(self.work, block.nodes, gather=block.where != FIXED)
@@ -190,6 +202,11 @@ class Lowering(Hoisting):
             return variable(f"{'u' if slot.kind == 'input' else 'sum'}[{slot.name}]")
         if slot.kind == "flux":
             return variable(flux_place(int(slot.name), -slot.at.constant))
+        if slot.kind == "place":
+            return variable(slot.name)
+        if slot.name in self.carried:
+            array, place = places.carried(slot.kind, slot.name, slot.at)
+            return Code(f"{array}[{places.index(place)}]", (array, *places.names_in(place)))
         array = "q" if slot.kind == "q" else "v"
         inside = where in (INNER, PAIR)
         if slot.at is None or inside or not any(slot.at.factor(v) for v in LOOPS):
@@ -208,6 +225,8 @@ class Lowering(Hoisting):
                 wish = f"sum_{slot.name}"
             elif slot.kind == "index":
                 wish = f"real_{slot.name}"
+            elif slot.kind == "place":
+                wish = re.sub(r"\W+", "_", slot.name.replace("-", "m")).strip("_")
             else:
                 suffix = {"v": "_dot", "w": "_ddot", "d": "_own"}.get(slot.kind, "")
                 wish = slot.name + _place(slot.at) + suffix

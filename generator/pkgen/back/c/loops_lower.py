@@ -21,7 +21,8 @@ from . import loop_parameters, parameter_code, tables
 from .describe import labelled
 from .helpers import helpers
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
-from .loops_plan import TOTALS, VECTORS, emitted, entries, planned
+from .loops_carried import carried_context
+from .loops_plan import TOTALS, VECTORS, emitted, entries, planned, within
 from .loops_sets import Builder, Guarded
 from .parameter_code import ParameterCode
 from .program import Interval, operations_text
@@ -93,15 +94,17 @@ class _Context:
     def text(self) -> dict[str, Any]:
         e, w, plan, index = self.e, self.lowering, self.plan, self.places.index
         model, group = e.model, self.places.group
-        diagonal = e.mass.is_diagonal
+        diagonal = e.mass.is_diagonal and not e.carried
         alone = diagonal and not e.force.pairs
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
+        acceleration = "carried" if e.carried else acceleration
         kernels = [
             {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
             for kernel, outputs in VECTORS.items()
             if kernel in self.kernels
         ]
         main = plan.band or plan.rows["force" if "force" in plan.rows else "acceleration"]
+        chain = carried_context(plan.carrying)
         parameters = [self._parameter(k) for k in range(len(e.parameters))]
         system = self._system_kernels()
         in_block = any(g.is_family for g in e.parameters)
@@ -130,7 +133,7 @@ class _Context:
                 self.starts,
                 w.hoisted_count,
                 w.prepare,
-                factored=e.facts.mass_constant and not diagonal,
+                factored=e.facts.mass_constant and not (diagonal or e.carried),
                 block=in_block or not diagonal,
             ),
             "sizes": [
@@ -150,7 +153,14 @@ class _Context:
             "row_sets": plan.rows,
             "band_sets": plan.band,
             "entries": {g.name: [entry for entry, _ in entries(e, g)] for g in e.families},
-            "band": None if diagonal else self._band(),
+            "band": None if diagonal or e.carried else self._band(),
+            "carried": chain,
+            "inner": "whole_" if chain else "",
+            "inner_vectors": [
+                kernel | {"outputs": list(outputs), "whats": list(outputs.values())}
+                for kernel in kernels
+                for outputs in [within(e)[kernel["name"]]]
+            ],
             "totals": plan.totals,
             "pairs": plan.pairs,
             "vectors": kernels,

@@ -8,6 +8,7 @@ from typing import Any
 
 from ...middle.loops.loops import Group, LoopEquations, Row
 from .loops import Block
+from .loops_carried import Carrying
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
 
 TOTALS = ("energy", "lagrangian", "kinetic", "potential")
@@ -30,6 +31,7 @@ class Plan:
     totals: dict[str, TotalSet] = field(default_factory=dict)
     pairs: dict[str, list[PairSet]] = field(default_factory=dict)
     singularities: list[TotalSet] = field(default_factory=list)
+    carrying: Carrying | None = None
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -37,16 +39,26 @@ class Plan:
         for found in (*sets, *self.totals.values()):
             yield from found.blocks
         yield from (pair.block for pairs in self.pairs.values() for pair in pairs)
+        if self.carrying:
+            yield from self.carrying.blocks
 
 
 def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
     """The kernels that there are of those wanted (None: all), with those that these call."""
-    named = {*VECTORS, "mass", "advance", *(k for k in TOTALS if getattr(e, k) is not None)}
+    named = {*VECTORS, *(k for k in TOTALS if getattr(e, k) is not None)}
+    if e.carried:
+        return frozenset(named if wanted is None else named & wanted | {"force"})
+    named |= {"mass", "advance"}
     if wanted is None:
         return frozenset(named)
     alone = e.mass.is_diagonal and not e.force.pairs  # a row of the acceleration is made by itself
     solved = set() if alone else {"force"} if e.mass.is_diagonal else {"force", "mass"}
     return frozenset(named & wanted | solved)
+
+
+def within(e: LoopEquations) -> dict[str, dict[str, str]]:
+    """What these write where L is taken as it stands: of carried values dL/dq takes momenta."""
+    return VECTORS | ({"gradient": {"momenta": "momenta", "dLdq": "gradient"}} if e.carried else {})
 
 
 def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
@@ -55,19 +67,21 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
     def total(key: str, of, **how: Any) -> None:
         plan.totals[key] = make.total(key, of, **how)
 
-    vectors = {kernel: outputs for kernel, outputs in VECTORS.items() if kernel in kernels}
+    vectors = {kernel: outputs for kernel, outputs in within(e).items() if kernel in kernels}
     for kernel, outputs in vectors.items():
         plan.rows[kernel] = [
             make.rows(
                 f"{kernel}_{g.name}", g, [getattr(e, x).rows[g.name] for x in outputs.values()]
             )
-            for g in e.families
+            for g in e.rows
         ]
     # The acceleration of a coordinate that is no member takes its force by itself.
     for what in sorted({"force", *(x for outputs in vectors.values() for x in outputs.values())}):
         for g in e.scalars:
             total(f"{what}_{g.name}", getattr(e, what).totals[g.name])
-    if e.mass.is_diagonal:
+    if e.carried:
+        plan.carrying = Carrying(e, make.places, make)
+    elif e.mass.is_diagonal:
         plan.rows["mass"] = [make.rows(f"mass_{g.name}", g, [_own(e, g)]) for g in e.families]
         if not e.force.pairs:
             plan.rows["acceleration"] = [

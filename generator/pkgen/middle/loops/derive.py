@@ -11,9 +11,10 @@ from ..derive.impulses import Across, arguments_of
 from ..expand.names import entered
 from ..quantities import indexed, refuse_constant
 from .bodies import Gathered
+from .carried import carried_of, inert
 from .expand import LoopExpander, size_values
 from .facts import facts_of, total_nodes, vector_nodes
-from .loops import Band, Limit, LoopEquations, Row, Unrolled, Vector
+from .loops import Band, Carried, Limit, LoopEquations, Row, Unrolled, Vector
 from .rows import Gather
 from .singularities import singularities_of
 from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
@@ -49,6 +50,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         for term in terms(x, expr):
             gather.dissipation(term)
     _forces(x, gather)
+    carried = carried_of(x, gather)
     negative = [(term, -1) for term, _ in found["potential"]]
     whole = [*found["kinetic"], *negative, *found["lagrangian"]]
     energy = gather.energy(whole)
@@ -60,12 +62,14 @@ def _derive(x: LoopExpander) -> LoopEquations:
         what: _vector(x, gather.found, what) for what in ("gradient", "momenta", "pdot", "force")
     }
     mass = _band(gather.found)
-    _check_inertia(x, mass)
+    _check_inertia(x, mass, carried)
     outputs = Outputs(x, gather, kinetic, potential, lagrangian, energy, vectors["momenta"])
     observed = outputs.nodes(model.observed)
     conserved = outputs.nodes(model.conserved)
     events = outputs.nodes(model.events)
     refuse_constant(model, x.graph, events)
+    if len(x.carried) > len({item.group.declared.name for item in carried}):
+        raise Unrolled("an output has a `let` in it that is defined piece by piece, and L has not")
     x.sums = None
     starts = starts_of(x, gather)
     defaults = defaults_of(x, gather)
@@ -73,7 +77,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         model=model,
         graph=x.graph,
         slots=(),
-        coordinates=tuple(x.coordinates.values()),
+        coordinates=tuple(g for g in x.coordinates.values() if not g.is_carried),
         parameters=tuple(x.parameters.values()),
         orders=x.orders,
         **vectors,
@@ -92,6 +96,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         starts=starts,
         limits=_limits(x, gather.found.limits),
         wraps=gather.found.wraps,
+        carried=carried,
     )
     _check_points(x, result)
     _check_jumps(x, result)
@@ -140,12 +145,13 @@ def _band(found: Gathered) -> Band:
     )
 
 
-def _check_inertia(x: LoopExpander, mass: Band) -> None:
+def _check_inertia(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> None:
     findings = []
+    own = {a for a, b, shift in mass.entries if (a, 0) == (b, shift)}
+    found = inert(own | {a for a, b in mass.corner if a == b}, carried)
     for group in x.coordinates.values():
         name = group.name
-        there = (name, name, 0) in mass.entries if group.is_family else (name, name) in mass.corner
-        if not there:
+        if name not in found and not group.is_carried:
             shown = indexed(name, None) + ("[i]" if group.is_family else "")
             message = f"'{shown}' has no inertia: L does not contain the square of {shown}'"
             help = f"give it a kinetic energy, or make '{name}' a param or an input"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import AbstractContextManager, nullcontext
+from itertools import pairwise
 
 from ... import limits
 from ...graph.affine import LOOPS, ROW, Affine, affine, extremes, variable
@@ -39,6 +40,7 @@ class LoopExpander:
         self.definitions: dict[str, list[Definition]] = {}
         for item in model.definitions:
             self.definitions.setdefault(item.name, []).append(item)
+        self.carried: dict[str, tuple[Group, ...]] = {}  # by name: a vector's components
         self.outputs: dict[str, Node] = {}  # built-in names of outputs, and those defined
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self.sums: list[Total] | None = None  # where sums may stand in any expression
@@ -157,21 +159,64 @@ class LoopExpander:
         if name in self._defining:
             raise Unrolled(f"'{name}' is defined by its own members: a recursion over the index")
         found = self.definitions[name]
-        if index is not None and len(found) > 1:
-            raise Unrolled(f"'{name}' is defined piece by piece")
+        if index is not None and (len(found) > 1 or found[0].index is not None):
+            return self._carried(name, index)
         item = found[-1]
         inner = dict(self.sizes)
         if item.range is not None:
             inner[item.range.variable] = index
             lo, hi = self.index(item.range.lo, inner), self.index(item.range.hi, inner)
             self.members.append((lo, hi, index))
-        elif item.index is not None:
-            raise Unrolled(f"'{name}' is defined member by member")
         self._defining.append(name)
         try:
             return self.value(item.value, inner)
         finally:
             self._defining.pop()
+
+    def _carried(self, name: str, index: Affine) -> Value:
+        """A member of a `let` that is defined piece by piece, from its own members perhaps."""
+        if name not in self.carried:
+            pieces = self.pieces(name)
+            (lo, _, first), (_, hi, _) = pieces[0], pieces[-1]
+            around, self.members = self.members, []
+            value = self.value(first.value, self.loop_of(first))
+            self.members = around
+            components = ("_x", "_y", "_z") if isinstance(value, tuple) else ("",)
+            taken = {*self.coordinates, *self.parameters, *self.inputs, *self.definitions}
+            free = "_" * any(name + c in taken for c in components if c)
+            groups = tuple(Group(first, lo, hi, component=c + free) for c in components)
+            self.carried[name] = groups
+            self.coordinates |= {g.name: g for g in groups}
+        groups = self.carried[name]
+        self.members.append((groups[0].lo, groups[0].hi, index))
+        nodes = tuple(self.slots.node("q", g.name, index) for g in groups)
+        return nodes if len(nodes) > 1 else nodes[0]
+
+    def pieces(self, name: str) -> list[tuple[Affine, Affine, Definition]]:
+        """The definitions of a name by index, which follow each other without a gap."""
+        sizes, found = size_values(self.model), []
+        for item in self.definitions[name]:
+            lo, hi, _ = self.over(item.range, item.index)
+            found.append((lo, hi, item))
+        found.sort(key=lambda piece: piece[0].value(sizes))
+        for (_, before, _), (behind, _, _) in pairwise(found):
+            if behind - before != Affine(1):
+                raise Unrolled(f"the pieces of '{name}' lie apart for some sizes")
+        return found
+
+    def loop_of(self, item: Definition) -> Loop:
+        return self.over(item.range, item.index)[2]
+
+    def plain(self, expr: Expr, loop: Loop | None = None) -> Node:
+        """An expression that stands outside the motion: no carried value may be in it."""
+        node = self.scalar(expr, loop)
+        for slot in self.slots.below(node):
+            if slot.name in self.coordinates and self.coordinates[slot.name].is_carried:
+                raise Unrolled(
+                    f"'{slot.name}', which is defined piece by piece, stands in a parameter, a "
+                    "start or an end"
+                )
+        return node
 
     def coordinate(self, name: str, index: Affine | None) -> Node:
         """A coordinate or a state; a given member, named outside loops, as what it is given."""
@@ -182,7 +227,7 @@ class LoopExpander:
         for at, end in group.ends:
             if at == index:
                 if end.kind == "fixed":
-                    return self.scalar(end.value)
+                    return self.plain(end.value)
                 return self.slots.node(kind, name, group.lo if at == group.lo - 1 else group.hi)
         if group.periodic:
             below, above = index - group.lo, group.hi - index

@@ -9,6 +9,7 @@ from ...graph.calls import jumps, smooth
 from ...graph.differentiate import reachable
 from ...graph.graph import BIT, Kind, Node, Op
 from ..analyze.affine import CONSTANT, VARYING, in_rates, is_affine
+from .carried import nodes_of
 from .expand import LoopExpander
 from .loops import CELLS, LoopEquations, Total, Vector
 from .rows import Gather
@@ -24,23 +25,25 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     forces = [*vector_nodes(e.force)]
     own = vector_nodes(e.force, frozenset(g.name for g in e.states))
     energies = total_nodes([e.lagrangian])
+    entries += [node for item in e.carried for piece in item.pieces for node in piece.by.values()]
     constant = not _kinds(x, entries) & {"q", "v", "t", "input", "w"}
     steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
-    is_smooth = smooth(x.graph, reachable(x.graph, [*energies, *forces]))
-    of_v = _in_rates(x, forces) if constant and not e.states else 0
+    is_smooth = smooth(x.graph, reachable(x.graph, [*energies, *forces, *nodes_of(e.carried)]))
+    of_v = _in_rates(x, forces) if constant and not (e.states or e.carried) else 0
+    coasting = [piece.coasting for item in e.carried for piece in item.pieces]
     jumping = any(jumps(x.graph, node) for node in reachable(x.graph, energies))
     return Facts(
         mass_constant=constant,
-        mass_diagonal=e.mass.is_diagonal,
+        mass_diagonal=e.mass.is_diagonal and not e.carried,
         quadratic="v" not in _kinds(x, entries),
-        separable=constant and not _kinds(x, forces) & {"v", "s"},
+        separable=constant and not _kinds(x, [*forces, *coasting]) & {"v", "s"},
         autonomous=steady,
         conservative=bool(x.model.coordinates)
         and not (gather.applied or jumping or "s" in _kinds(x, energies + own))
         and steady,
         variational=not (gather.applied or e.states),
         smooth=is_smooth,
-        affine=constant and steady and _affine(x, forces),
+        affine=constant and steady and not e.carried and _affine(x, forces),
         linear_drag=of_v == CONSTANT,
         affine_rates=of_v in (CONSTANT, VARYING),
     )

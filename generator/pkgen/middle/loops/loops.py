@@ -19,7 +19,7 @@ from dataclasses import field
 from ...equations import Facts
 from ...graph.affine import Affine
 from ...graph.graph import Graph, Node
-from ...model import Coordinate, End, Model, Parameter, State
+from ...model import Coordinate, Definition, End, Model, Parameter, State
 from ...record import record
 
 
@@ -32,8 +32,10 @@ class Slot:
     """What a symbol of the graph stands for.
 
     kind: "q", "v", "s" (a first-order variable, which C has in v), "w" (the acceleration of a cell
-    that is given as a function of t, 0 of a coordinate), "d" (the rate of a coordinate, 0 of a
-    given cell), "param", "size", "index", "input", "sum". `at` is the index of a family's member.
+    that is given as a function of t, 0 of a coordinate; of a carried value its acceleration where
+    no coordinate has one), "d" (the rate of a coordinate, 0 of a given cell; of a carried value
+    what the rates of coordinates make of it), "param", "size", "index", "input", "sum", and
+    "place", whose name is its text in C. `at` is the index of a family's member.
     """
 
     kind: str
@@ -47,17 +49,18 @@ CELLS = ("q", "v", "s")  # slots of what moves
 @record
 class Group:
     """A declared coordinate, state or parameter: one scalar (lo is None) or a family lo..hi, and
-    its ends."""
+    its ends; or a carried value, see `Carried`."""
 
-    declared: Coordinate | State | Parameter
+    declared: Coordinate | State | Parameter | Definition
     lo: Affine | None
     hi: Affine | None
     ends: tuple[tuple[Affine, End], ...] = ()  # each given index outside the family
     periodic: bool = False
+    component: str = ""  # of a vector
 
     @property
     def name(self) -> str:
-        return self.declared.name
+        return self.declared.name + self.component
 
     @property
     def is_family(self) -> bool:
@@ -66,6 +69,10 @@ class Group:
     @property
     def is_state(self) -> bool:
         return isinstance(self.declared, State)
+
+    @property
+    def is_carried(self) -> bool:
+        return isinstance(self.declared, Definition)
 
     @property
     def count(self) -> Affine:
@@ -161,6 +168,36 @@ class Band:
 
 
 @record
+class Piece:
+    """What the members lo..hi of a carried value X are, in terms of lower ones and of q and t.
+
+    `by` has the derivatives of X[m] by slots of q, X[m-1] among them; `by_rate` their rates.
+    """
+
+    lo: Affine
+    hi: Affine
+    value: Node
+    rate: Node
+    coasting: Node  # its second derivative in t where no coordinate accelerates
+    own: Node  # its rate but for what changes with t
+    by: dict[Slot, Node]
+    by_rate: dict[Slot, Node]
+
+
+@record
+class Carried:
+    """A `let` with a value for each member that is defined from lower members, such as a place
+    along a chain of links: a family of its own in L, whose rows go over to what it is made of.
+
+    One of a higher level uses those of lower ones at the same index.
+    """
+
+    group: Group
+    pieces: tuple[Piece, ...]  # by index, without a gap
+    level: int
+
+
+@record
 class Assigned:
     """Members lo..hi of a declared name take the value of a node, m being the index."""
 
@@ -229,13 +266,23 @@ class LoopEquations:
     facts: Facts | None = None
     singularities: tuple[LoopSingularity, ...] = ()
     pivots: bool = False  # those of M are singularities too, before the others
+    carried: tuple[Carried, ...] = ()  # by level
 
     def group(self, name: str) -> Group:
-        return next(g for g in self.coordinates if g.name == name)
+        return next(g for g in (*self.coordinates, *self.carried_groups) if g.name == name)
+
+    @property
+    def carried_groups(self) -> tuple[Group, ...]:
+        return tuple(x.group for x in self.carried)
 
     @property
     def families(self) -> tuple[Group, ...]:
         return tuple(g for g in self.coordinates if g.is_family)
+
+    @property
+    def rows(self) -> tuple[Group, ...]:
+        """What has a row for each index where L is taken as it stands."""
+        return (*self.families, *self.carried_groups)
 
     @property
     def scalars(self) -> tuple[Group, ...]:

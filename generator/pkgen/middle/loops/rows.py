@@ -25,14 +25,14 @@ class Gather:
         self.g = x.graph
         self.found = Gathered()
         self.bodies = Bodies(x, self.found)
-        self.moving = frozenset(
+        self.moving = {
             name
             for name, group in x.coordinates.items()
             for _, end in group.ends
             if end.kind == "fixed"
-            and x.graph.depends[x.scalar(end.value)] & (BIT[Kind.TIME] | BIT[Kind.INPUT])
-        )
-        self._coast = Forward(x.graph, VARIABLE, self._coasting)
+            and x.graph.depends[x.plain(end.value)] & (BIT[Kind.TIME] | BIT[Kind.INPUT])
+        }
+        self.coast = Forward(x.graph, VARIABLE, self._coasting)
         self.applied = False  # whether there are forces that L does not have
 
     # -- terms --------------------------------------------------------------------------------
@@ -63,7 +63,7 @@ class Gather:
         at = M if term.ranges and shift is not None else shift
         by = gradient(self.g, signed(self.g, body, sign), STATE)
         slope, momentum = self._by(by, "q", name, at), self._by(by, "v", name, at)
-        force = self.g.subtract(slope, self._coast(momentum))
+        force = self.g.subtract(slope, self.coast(momentum))
         self._enter(("gradient", "pdot"), name, term, shift, slope)
         self._enter(("momenta",), name, term, shift, momentum)
         self._enter(("force",), name, term, shift, force)
@@ -146,14 +146,17 @@ class Gather:
             return node, node
         by = gradient(self.g, body, RATES)
         work = self.g.negate(body)
-        moving = False
+        moving = carried = False
         for symbol, node in by.items():
             slot = self.x.slots.of(symbol)
-            given = slot.name in self.moving and slot.at is not None and bool(term.ranges)
+            throughout = self._carried(slot)
+            near = slot.at is not None and (throughout or bool(term.ranges))
+            given = slot.name in self.moving and near
             moving |= given
+            carried |= given and throughout
             rate = self.x.slots.node("d", slot.name, slot.at) if given else symbol
             work = self.g.add(work, self.g.multiply(rate, node))
-        inner = body if degree(self.g, body) == 2 else self.inner(work)
+        inner = body if degree(self.g, body) == 2 and not carried else self.inner(work)
         return (work if moving else inner), inner
 
     def total(self, found: list[tuple[Term, int]]) -> Total:
@@ -172,6 +175,8 @@ class Gather:
         """Away from the ends: no given cell is near."""
 
         def swap(slot: Slot) -> Node | None:
+            if slot.kind in ("d", "w") and self._carried(slot):
+                return None
             if slot.kind == "d":
                 return self.x.slots.node("v", slot.name, slot.at)
             return ZERO if slot.kind == "w" else None
@@ -199,9 +204,9 @@ class Gather:
             (_, lo, hi) = term.ranges[0]
             self._append(parts, Part(lo + shift, hi + shift, node))
         else:
-            self._append(parts, Part(shift, shift, self._seen_from(node, shift)))
+            self._append(parts, Part(shift, shift, self.seen_from(node, shift)))
 
-    def _seen_from(self, node: Node, place: Affine) -> Node:
+    def seen_from(self, node: Node, place: Affine) -> Node:
         """Members named outside loops, near the one at `place`, at their distance from it."""
 
         def swap(slot: Slot) -> Node | None:
@@ -246,8 +251,13 @@ class Gather:
         """The time derivative of a symbol where nothing accelerates but what is given."""
         slot = self.x.slots.of(node)
         if slot is not None and slot.kind == "v":
+            if self._carried(slot):
+                return self.x.slots.node("w", slot.name, slot.at)
             relative = slot.at is not None and any(slot.at.factor(v) for v in LOOPS)
             if relative and slot.name in self.moving:
                 return self.x.slots.node("w", slot.name, slot.at)
             return ZERO
         return self.x.derivative(node)
+
+    def _carried(self, slot: Slot) -> bool:
+        return self.x.coordinates[slot.name].is_carried

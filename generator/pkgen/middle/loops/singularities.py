@@ -90,6 +90,9 @@ class _Singularities:
             yield (), total.constant
         for nodes in e.given.values():
             yield from (((), node) for node in nodes)
+        for piece in (piece for item in e.carried for piece in item.pieces):
+            for node in (piece.rate, *piece.by.values()):
+                yield (piece.lo, piece.hi), node
         for pair in e.force.pairs:
             over = (pair.lo, pair.hi, pair.first, pair.last)
             for _, node in (*pair.by_row, *pair.by_other, *pair.by_scalar):
@@ -102,7 +105,7 @@ class _Singularities:
         found: dict[_Guarded, None] = {}
         if e.facts.mass_constant:
             return found, False
-        if not e.mass.is_diagonal:
+        if not e.mass.is_diagonal or e.carried:
             return found, True
         pivots = False
         for group in e.coordinates:

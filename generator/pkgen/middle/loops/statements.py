@@ -62,7 +62,7 @@ def starts_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
     found = []
     for item in x.model.starts:
         lo, hi, loop = x.over(item.range, item.index)
-        node = x.scalar(item.value, loop)
+        node = x.plain(item.value, loop)
         bad = [s for s in x.slots.below(node) if s.kind in (*CELLS, "input", "sum")]
         if bad or x.graph.depends[node] & BIT[Kind.TIME]:
             message = "an initial value may use parameters and numbers only"
@@ -79,7 +79,7 @@ def defaults_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
     found = []
     for group in x.parameters.values():
         lo, hi, loop = x.over(group.declared.range)
-        node = x.scalar(group.declared.default, loop)
+        node = x.plain(group.declared.default, loop)
         gather.found.limits += x.limits_of(None, {} if lo is None else {ROW: (lo, hi)})
         found.append(Assigned(group.name, 0, lo, hi, node))
     return tuple(found)
@@ -90,7 +90,7 @@ def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
     for group in x.parameters.values():
         _, _, loop = x.over(group.declared.range)
         ends = group.declared.bounds.lo, group.declared.bounds.hi
-        found.append(Bounded(*(None if end is None else x.scalar(end, loop) for end in ends)))
+        found.append(Bounded(*(None if end is None else x.plain(end, loop) for end in ends)))
     x.members.clear()
     return tuple(found)
 
@@ -107,7 +107,7 @@ def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node
         for at, end in group.ends:
             if end.kind != "fixed":
                 continue
-            value = x.scalar(end.value)
+            value = x.plain(end.value)
             rate = x.derivative(value) if group.name in far else ZERO
             needed = any(s.kind == "w" and s.name == group.name for s in x.slots.all)
             found[group.name, at] = (value, rate, x.derivative(rate) if needed else ZERO)

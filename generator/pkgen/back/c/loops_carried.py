@@ -1,0 +1,286 @@
+"""Carried values in C: what each place of a chain adds, and M a = f by elimination from its end.
+
+With X'' = A a + ... of the carried values X, the coordinates' own equations are
+
+    A~^T M~ A~ a = A~^T f~          A~ = (1, A), M~ and f~ those of L with X as a family
+
+M~ couples neighbours alone, and X''[m] = Phi_X X''[m-1] + Phi_q a[m]. So from the last place to the
+first X''[m] is put in for what it is made of, and a[m] eliminated: what is handed on is a small
+symmetric matrix, the inertia of all that hangs there, articulated. Its pivots are those of M.
+Places hold a number for each row of M~ with that index.
+
+Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from ...graph.affine import Affine
+from ...graph.graph import CONSTANT, ZERO, Node
+from ...middle.loops.loops import Carried, Group, LoopEquations, Part, Piece, Row, Slot
+from ..targets import STORE, Target
+from .loops import INNER, Block, M, Places
+from .loops_elimination import BESIDE, Elimination, Variable, of_scalars
+from .loops_sets import Builder, RowSet
+
+# What is computed of carried values, and where their derivatives go.
+MODES = {"state": ("own",), "force": ("coasting", "by"), "motion": ("by", "by_rate")}
+# Which of them a kernel needs.
+NEEDS = {"force": "force", "momenta": "force", "gradient": "motion", "canonical": "motion"}
+
+
+@dataclass
+class Level:
+    """Carried values of one level and range, which are computed together."""
+
+    rows: RowSet
+    group: dict  # one of them
+    stores: list[str]  # where r[k] goes
+    guards: list[tuple[str, str]]  # when a place is 0, and which
+
+    @property
+    def of_place(self) -> list[str]:
+        """What a place has where these have no member, too."""
+        return [x for x in self.stores if x.startswith(("slopes", "changes"))]
+
+
+class Carrying:
+    """The blocks of one model's carried values; the graph may grow."""
+
+    def __init__(self, e: LoopEquations, places: Places, make: Builder):
+        self.e, self.g, self.places, self.make = e, e.graph, places, make
+        self.slots = make.interior.slots
+        self.groups = {g.name: g for g in e.rows}
+        self.number = {name: k for k, name in enumerate(self.groups)}
+        self.scalar = {g.name: k for k, g in enumerate(e.scalars)}
+        self.low = [p.hi + 1 for item in e.carried for p in item.pieces if self._is_low(item, p)]
+        self.slopes: dict[tuple[str, Variable], str] = {}  # where they are stored
+        self.changes: dict[tuple[str, Variable], str] = {}
+        self._shared: dict[tuple[str, Variable], Node] = {}  # those that are no member's own
+        self._place_slopes()
+        self.levels = {mode: list(self._levels(mode)) for mode in MODES}
+        self.gathered = {low: self._gathered(low, False) for low in (False, True)}
+        self.moved = {low: self._gathered(low, True) for low in (False, True)}
+        self.elimination = Elimination(self)
+        self.last = of_scalars(self)
+
+    @property
+    def width(self) -> int:
+        return len(self.groups)
+
+    @cached_property
+    def reach(self) -> int:
+        """How many places back the rows of a place are coupled."""
+        found = [offset for _, (offset, _) in (*self.slopes, *self._shared)]
+        found += [shift for _, _, shift in self.e.mass.entries]
+        return -min([-1, *found])
+
+    # -- derivatives --------------------------------------------------------------------------
+
+    def variable(self, slot: Slot) -> Variable:
+        if slot.at is None:
+            return (BESIDE, self.scalar[slot.name])
+        return ((slot.at - M).constant, self.number[slot.name])
+
+    def _is_low(self, item: Carried, piece: Piece) -> bool:
+        """Whether a piece is a few members at the beginning."""
+        return Part(piece.lo, piece.hi, ZERO).is_point and (piece.hi - item.group.lo).is_constant
+
+    def _place_slopes(self) -> None:
+        changing = []
+        for item in self.e.carried:
+            for slot in dict.fromkeys(z for piece in item.pieces for z in piece.by):
+                key = (item.group.name, self.variable(slot))
+                shared = self._same_for_all(item, slot)
+                if shared is not None:
+                    self._shared[key] = shared
+                    continue
+                self.slopes[key] = f"slopes[{len(self.slopes)}]"
+                if any(piece.by_rate.get(slot, ZERO) != ZERO for piece in item.pieces):
+                    changing.append(key)
+        self.changes = {key: f"changes[{k}]" for k, key in enumerate(changing)}
+
+    def _same_for_all(self, item: Carried, slot: Slot) -> Node | None:
+        """A derivative that is the same at each place that matters: 1 mostly."""
+        nodes = {piece.by[slot] for piece in item.pieces if slot in piece.by}
+        if len(nodes) > 1 or self.g.depends[node := nodes.pop()] & ~CONSTANT:
+            return None
+        if slot.at is None or self.outside(item, slot):
+            return None
+        target, shift = self.groups[slot.name], (slot.at - M).constant
+        begins = all(_at_least(g.lo - target.lo, 0) for g in self.groups.values())
+        rest = [piece for piece in item.pieces if slot not in piece.by]
+        before = all(_at_least(target.lo - piece.hi - shift, 1) for piece in rest)
+        return node if before and (begins or not rest) else None
+
+    def outside(self, item: Carried, slot: Slot) -> str:
+        """When a slot is that of a given member beyond an end; "": never."""
+        if slot.at is None or not self.groups[slot.name].ends:
+            return ""
+        target, shift = self.groups[slot.name], (slot.at - M).constant
+        uses = [piece for piece in item.pieces if slot in piece.by]
+        if all(
+            _at_least(x.lo + shift - target.lo, 0) and _at_least(target.hi - x.hi - shift, 0)
+            for x in uses
+        ):
+            return ""
+        return self.beyond(target, shift)
+
+    def beyond(self, target: Group, shift: int) -> str:
+        at = self.places.index(M + shift)
+        return f"{at} < {self.places.index(target.lo)} || {at} > {self.places.index(target.hi)}"
+
+    def slope(self, name: str, low: bool, change: bool = False) -> Iterator[tuple[Variable, Node]]:
+        """The derivatives of a carried value (or their rates) by what it is made of; at places
+        that are not `low`, by what it is made of there."""
+        [item] = [item for item in self.e.carried if item.group.name == name]
+        pieces = [p for p in item.pieces if low or not self._is_low(item, p)]
+        for slot in dict.fromkeys(z for piece in pieces for z in piece.by):
+            key = (name, self.variable(slot))
+            if change:
+                node = self.place(self.changes[key]) if key in self.changes else ZERO
+            else:
+                node = self._shared.get(key) or self.place(self.slopes[key])
+            yield key[1], node
+
+    def place(self, text: str) -> Node:
+        return self.slots.node("place", text)
+
+    def cell(self, at: Variable, array: str = "cells") -> str:
+        offset, number = at
+        if offset == BESIDE:
+            return f"{'beside' if array == 'cells' else 'beside_' + array}[{number}]"
+        return f"{array}[{offset * self.width + number}]"
+
+    # -- along the members --------------------------------------------------------------------
+
+    def _levels(self, mode: str) -> Iterator[Level]:
+        found: dict[tuple[int, Affine, Affine], list[Carried]] = {}
+        for item in self.e.carried:
+            found.setdefault((item.level, item.group.lo, item.group.hi), []).append(item)
+        for k, items in enumerate(found.values()):
+            rows: list[Row] = []
+            stores: list[str] = []
+            guards: list[tuple[str, str]] = []
+            for item in items:
+                for store, outside, value in self._values(item, mode):
+                    rows.append(_row(item, value))
+                    stores.append(store)
+                    guards += [(outside, store)] if outside else []
+            made = self.make.rows(f"{mode}_{k}", items[0].group, rows, ghosts=False)
+            yield Level(made, self.places.group(items[0].group), stores, guards)
+
+    def _values(
+        self, item: Carried, mode: str
+    ) -> Iterator[tuple[str, str, Callable[[Piece], Node]]]:
+        """Where each value of a piece goes, when it is 0, and what it is."""
+        what, name = MODES[mode], item.group.name
+        texts = {"value": "q", "rate": "v", "coasting": "w", "own": "d"}
+        for key, kind in texts.items():
+            if key in (*what, "value", "rate"):
+                array, at = self.places.carried(kind, name, M)
+                text = f"{array}[{self.places.index(at)}]"
+                yield text, "", lambda piece, key=key: getattr(piece, key)
+        for key, stored in (("by", self.slopes), ("by_rate", self.changes)):
+            for slot in dict.fromkeys(z for piece in item.pieces for z in piece.by):
+                at = (name, self.variable(slot))
+                if key in what and at in stored:
+                    outside = self.outside(item, slot)
+                    yield (
+                        stored[at],
+                        outside,
+                        lambda piece, key=key, slot=slot: getattr(piece, key).get(slot, ZERO),
+                    )
+
+    # -- back to what they are made of ----------------------------------------------------------
+
+    def _gathered(self, low: bool, moving: bool) -> Block:
+        """What a place adds to lower ones; with `moving` of dL/dq and momenta, which go over to
+        dL/dq as well, since rates are made of coordinates too."""
+        known: dict[str, Node] = {}
+        changed: dict[str, None] = {}
+
+        def value(text: str) -> Node:
+            return known.get(text) or self.place(text)
+
+        def add(text: str, *nodes: Node) -> None:
+            known[text] = self.g.sum((value(text), *nodes))
+            changed[text] = None
+
+        for item in reversed(self.e.carried):
+            name = item.group.name
+            own = (0, self.number[name])
+            slopes = list(self.slope(name, low))
+            changes = dict(self.slope(name, low, change=True))
+            force, momentum = value(self.cell(own)), value(self.cell(own, "pushes"))
+            for at, slope in slopes:
+                terms = [self.g.multiply(slope, force)]
+                if moving:
+                    terms.append(self.g.multiply(changes[at], momentum))
+                    add(self.cell(at, "pushes"), self.g.multiply(slope, momentum))
+                add(self.cell(at), *terms)
+        kept = [text for text in changed if not self._is_carried_now(text)]
+        return Block([Target(STORE, text, (known[text],)) for text in kept], INNER)
+
+    def _is_carried_now(self, text: str) -> bool:
+        numbers = [self.number[item.group.name] for item in self.e.carried]
+        return any(text == self.cell((0, k), a) for k in numbers for a in ("cells", "pushes"))
+
+    # -- for the templates --------------------------------------------------------------------
+
+    @property
+    def blocks(self) -> Iterator[Block]:
+        for levels in self.levels.values():
+            for level in levels:
+                yield from level.rows.blocks
+        for found in (self.gathered, self.moved, self.elimination.steps, self.elimination.backs):
+            yield from found.values()
+        for rows in self.elimination.mass:
+            yield from rows.set.blocks
+        yield self.last
+
+
+def _row(item: Carried, value: Callable[[Piece], Node]) -> Row:
+    parts = ((piece, value(piece)) for piece in item.pieces)
+    return Row(tuple(Part(p.lo, p.hi, node, node) for p, node in parts if node != ZERO))
+
+
+def _at_least(at: Affine, least: int) -> bool:
+    return at.is_constant and at.constant >= least
+
+
+def carried_context(carrying: Carrying | None) -> dict[str, Any] | None:
+    """What the templates see of it."""
+    if carrying is None:
+        return None
+    of, index = carrying, carrying.places.index
+    e, last = of.e, of.elimination
+    lows = [index(at) for at in of.low] or [index(g.lo) for g in of.groups.values()]
+    return {
+        "rows": [of.places.group(g) for g in of.groups.values()],
+        "groups": [of.places.group(g) for g in e.carried_groups],
+        "reach": of.reach,
+        "low": list(dict.fromkeys(lows)) if of.low else [],
+        "whole": index(of.places.whole),
+        "count": index(of.places.whole - e.count),
+        "slopes": len(of.slopes),
+        "changes": len(of.changes),
+        "kept": len(last.kept),
+        "front": len(last.front),
+        "bulk": len(last.bulk),
+        "levels": of.levels,
+        "needs": NEEDS,
+        "gathered": {low: x.statements for low, x in of.gathered.items()},
+        "moved": {low: x.statements for low, x in of.moved.items()},
+        "steps": {low: x.statements for low, x in last.steps.items()},
+        "backs": {low: x.statements for low, x in last.backs.items()},
+        "last": of.last.statements,
+        "mass": last.mass,
+        "coordinates": last.coordinates,
+        "pivots": max(len(last.coordinates), len(of.scalar)),
+        "corner": [f"mass_{a}_{b}" for a, b in e.mass.corner],
+    }

@@ -1,0 +1,272 @@
+"""M a = f of a chain, a place after the other: the formulas of one place, as blocks of C.
+
+What a place hands on to the next is a symmetric matrix `front` over what both share: rows of lower
+places and scalar coordinates. Which of its entries are not zero is found by going on until there
+are no new ones. `bulk` is the same with nothing eliminated: in it lies the diagonal of M, beside
+which a pivot is judged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...graph.graph import ZERO, Graph, Node
+from ...middle.loops.loops import Group, Row
+from ..targets import STORE, Target
+from .loops import INNER, Block
+from .loops_sets import RowSet
+
+if TYPE_CHECKING:
+    from .loops_carried import Carrying
+
+BESIDE = 1  # in the place of an offset: a scalar coordinate
+Variable = tuple[int, int]  # (offset of its place, 0 or less; its number there)
+Pair = tuple[Variable, Variable]
+
+
+@dataclass
+class MassRows:
+    """The rows of M~ of one group at a place: entries with what is at that place or before."""
+
+    group: dict
+    number: int
+    set: RowSet
+    guards: list[tuple[str, int]]  # (when an entry is a given member's, its number)
+    is_padded: bool  # of a coordinate: where there is none its pivot is 1
+
+
+class _Symmetric:
+    """A matrix of nodes by pairs of variables."""
+
+    def __init__(self, g: Graph):
+        self.g = g
+        self.entries: dict[Pair, Node] = {}
+
+    def __call__(self, a: Variable, b: Variable) -> Node:
+        return self.entries.get(_pair(a, b), ZERO)
+
+    def add(self, a: Variable, b: Variable, node: Node) -> None:
+        if node != ZERO:
+            self.entries[_pair(a, b)] = self.g.add(self(a, b), node)
+
+    def row(self, a: Variable) -> dict[Variable, Node]:
+        """The entries with others."""
+        return {y if x == a else x: n for (x, y), n in self.entries.items() if (x == a) != (y == a)}
+
+    def without(self, a: Variable) -> None:
+        self.entries = {pair: n for pair, n in self.entries.items() if a not in pair}
+
+    def put(self, a: Variable, slopes: list[tuple[Variable, Node]]) -> None:
+        """With a variable put in for the sum of others times slopes."""
+        own, row = self(a, a), self.row(a)
+        self.without(a)
+        multiply = self.g.multiply
+        for k, (x, slope) in enumerate(slopes):
+            for y, node in row.items():
+                twice = multiply(self.g.number(2), slope) if x == y else slope
+                self.add(x, y, multiply(twice, node))
+            for y, other in slopes[k:]:
+                self.add(x, y, multiply(multiply(slope, other), own))
+
+
+def _pair(a: Variable, b: Variable) -> Pair:
+    return (a, b) if a <= b else (b, a)
+
+
+class Elimination:
+    """Of a place in two forms: a common one, and one for the low places at the beginning."""
+
+    def __init__(self, of: Carrying):
+        self.of, self.g = of, of.g
+        self.mass = list(self._mass_rows())
+        self.coordinates = [k for k, rows in enumerate(self.mass) if rows.is_padded]
+        self.front: dict[Pair, int] = {}
+        self.bulk: dict[Pair, int] = {}
+        self.kept: dict[tuple[int, Variable], int] = {}
+        for low in (False, True):
+            count = -1
+            while count != len(self.front) + len(self.bulk):
+                count = len(self.front) + len(self.bulk)
+                self._stepped(low)
+            if not low:  # what low places add is never met by the others
+                self._common = len(self.front), len(self.bulk)
+        self.steps = {low: self._step(low) for low in (False, True)}
+        self.backs = {low: self._back(low) for low in (False, True)}
+
+    # -- the rows of M~ -----------------------------------------------------------------------
+
+    def _mass_rows(self) -> Iterator[MassRows]:
+        of, e = self.of, self.of.e
+        self.entries: list[list[tuple[Variable, int]]] = []
+        for name, group in of.groups.items():
+            number = of.number[name]
+            found: list[tuple[Variable, Row]] = []
+            guards = []
+            for (own, other, shift), row in e.mass.entries.items():
+                at = (shift, of.number[other])
+                if own != name or shift > 0 or (shift == 0 and at[1] > number):
+                    continue
+                if not _same_range(group, of.groups[other]) or shift:
+                    guards.append((of.beyond(of.groups[other], shift), len(found)))
+                found.append((at, row))
+            for (scalar, own), row in e.mass.border.items():
+                if own == name:
+                    found.append(((BESIDE, of.scalar[scalar]), row))
+            self.entries.append([(at, k) for k, (at, _) in enumerate(found)])
+            own_row = [row for at, row in found]
+            made = of.make.rows(f"inertia_{name}", group, own_row)
+            yield MassRows(of.places.group(group), number, made, guards, not group.is_carried)
+
+    # -- one place ----------------------------------------------------------------------------
+
+    def _incoming(self, low: bool) -> tuple[_Symmetric, _Symmetric]:
+        front, bulk = _Symmetric(self.g), _Symmetric(self.g)
+        for name, matrix, places in (("front", front, self.front), ("bulk", bulk, self.bulk)):
+            for pair, k in places.items():
+                if low or not hasattr(self, "_common") or self._is_common(name, k):
+                    matrix.entries[pair] = self.of.place(f"{name}[{k}]")
+        for number, entries in enumerate(self.entries):
+            for at, k in entries:
+                node = self.of.place(f"inertia_{number}[{k}]")
+                front.add((0, number), at, node)
+                bulk.add((0, number), at, node)
+            if self.mass[number].is_padded:
+                node = self.of.place(f"absent[{number}]")
+                front.add((0, number), (0, number), node)
+        return front, bulk
+
+    def _is_common(self, name: str, k: int) -> bool:
+        return k < self._common[name == "bulk"]
+
+    def _stepped(self, low: bool) -> tuple[_Symmetric, _Symmetric, list[Target]]:
+        """The matrices that are handed on, what is stored besides."""
+        of, g = self.of, self.g
+        front, bulk = self._incoming(low)
+        right: dict[Variable, Node] = {}
+        targets = []
+
+        def force(at: Variable) -> Node:
+            return right.get(at) or of.place(of.cell(at))
+
+        for item in reversed(of.e.carried):
+            own = (0, of.number[item.group.name])
+            slopes = list(of.slope(item.group.name, low))
+            front.put(own, slopes)
+            bulk.put(own, slopes)
+            for at, slope in slopes:
+                right[at] = g.add(force(at), g.multiply(slope, force(own)))
+            right.pop(own, None)
+        for number in self.coordinates:
+            own = (0, number)
+            pivot, row = front(own, own), front.row(own)
+            inverse = g.power(pivot, -1)
+            targets.append(Target(STORE, f"pivot[{number}]", (pivot,)))
+            targets.append(Target(STORE, f"diagonal[{number}]", (bulk(own, own),)))
+            scaled = g.multiply(force(own), inverse)
+            front.without(own)
+            bulk.without(own)
+            factors = {at: g.multiply(node, inverse) for at, node in row.items()}
+            for at, factor in factors.items():
+                k = self.kept.setdefault((number, at), len(self.kept))
+                targets.append(Target(STORE, f"kept[{k}]", (factor,)))
+            rest = list(row.items())
+            for k, (x, node) in enumerate(rest):
+                for y, _ in rest[k:]:
+                    front.add(x, y, g.negate(g.multiply(node, factors[y])))
+                right[x] = g.subtract(force(x), g.multiply(node, scaled))
+            right[own] = scaled
+        for matrix, places in ((front, self.front), (bulk, self.bulk)):
+            handed = {_pair(_next(a), _next(b)): node for (a, b), node in matrix.entries.items()}
+            matrix.entries = handed
+            for pair in handed:
+                places.setdefault(pair, len(places))
+        targets += [Target(STORE, of.cell(at), (node,)) for at, node in right.items()]
+        return front, bulk, targets
+
+    def _step(self, low: bool) -> Block:
+        front, bulk, targets = self._stepped(low)
+        for name, matrix, places in (("front", front, self.front), ("bulk", bulk, self.bulk)):
+            for pair, k in places.items():
+                if low or self._is_common(name, k):
+                    targets.append(Target(STORE, f"{name}[{k}]", (matrix(*pair),)))
+        return Block(targets, INNER)
+
+    def _back(self, low: bool) -> Block:
+        """The accelerations of a place, once those before it are known."""
+        of, g = self.of, self.g
+        known: dict[Variable, Node] = {}
+
+        def value(at: Variable) -> Node:
+            return known.get(at) or of.place(of.cell(at))
+
+        seen = self._rows_kept(low)
+        for number in reversed(self.coordinates):
+            terms = [
+                g.negate(g.multiply(of.place(f"kept[{self.kept[number, at]}]"), value(at)))
+                for at in seen[number]
+            ]
+            known[0, number] = g.sum((of.place(of.cell((0, number))), *terms))
+        for item in of.e.carried:
+            terms = [g.multiply(slope, value(at)) for at, slope in of.slope(item.group.name, low)]
+            known[0, of.number[item.group.name]] = g.sum(terms)
+        return Block([Target(STORE, of.cell(at), (node,)) for at, node in known.items()], INNER)
+
+    def _rows_kept(self, low: bool) -> dict[int, list[Variable]]:
+        _, _, targets = self._stepped(low)
+        stored = {target.where for target in targets}
+        return {
+            number: [at for (n, at), k in self.kept.items() if n == number and f"kept[{k}]" in stored]
+            for number in self.coordinates
+        }
+
+
+def of_scalars(of: Carrying) -> Block:
+    """The scalar coordinates' equations, of which all else is eliminated."""
+    g, chain = of.g, of.elimination
+    front, bulk = _Symmetric(g), _Symmetric(g)
+    for name, matrix, places in (("front", front, chain.front), ("bulk", bulk, chain.bulk)):
+        for pair, k in places.items():
+            if pair[0][0] == BESIDE:
+                matrix.entries[pair] = of.place(f"{name}[{k}]")
+    for k, (a, b) in enumerate(of.e.mass.corner):
+        x, y = (BESIDE, of.scalar[a]), (BESIDE, of.scalar[b])
+        if x <= y:
+            for matrix in (front, bulk):
+                matrix.add(x, y, of.place(f"corner[{k}]"))
+    targets, right, factors = [], {}, {}
+    for k in of.scalar.values():
+        right[k] = of.place(of.cell((BESIDE, k)))
+    for k in of.scalar.values():
+        own = (BESIDE, k)
+        pivot, row = front(own, own), front.row(own)
+        targets.append(Target(STORE, f"pivot[{k}]", (pivot,)))
+        targets.append(Target(STORE, f"diagonal[{k}]", (bulk(own, own),)))
+        if pivot == ZERO:
+            return Block(targets, INNER)
+        inverse = g.power(pivot, -1)
+        front.without(own)
+        factors[k] = {at: g.multiply(node, inverse) for at, node in row.items()}
+        scaled = g.multiply(right[k], inverse)
+        rest = list(row.items())
+        for i, (x, node) in enumerate(rest):
+            for y, _ in rest[i:]:
+                front.add(x, y, g.negate(g.multiply(node, factors[k][y])))
+            right[x[1]] = g.subtract(right[x[1]], g.multiply(node, scaled))
+        right[k] = scaled
+    for k in reversed(of.scalar.values()):
+        for at, factor in factors[k].items():
+            right[k] = g.subtract(right[k], g.multiply(factor, right[at[1]]))
+        targets.append(Target(STORE, of.cell((BESIDE, k)), (right[k],)))
+    return Block(targets, INNER)
+
+
+def _next(at: Variable) -> Variable:
+    """As the next place knows it."""
+    offset, number = at
+    return at if offset == BESIDE else (offset + 1, number)
+
+
+def _same_range(a: Group, b: Group) -> bool:
+    return a.lo == b.lo and a.hi == b.hi

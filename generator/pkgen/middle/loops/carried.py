@@ -1,0 +1,128 @@
+"""Values that are carried along the members of a family, as places are along a chain of links:
+
+    X[m] = Phi(X[m-1], ..., q[m], ..., t)
+
+L takes X as a family of its own, with a row in everything. By the chain rule those rows go over to
+what X is made of, from the last member to the first; so does M a = f (`back/c/carried.py`). All
+that takes is the derivatives of Phi, which are here.
+"""
+
+from __future__ import annotations
+
+from ...graph.differentiate import gradient
+from ...graph.graph import BIT, ZERO, Kind, Node
+from ..derive.impulses import arguments_of
+from .expand import LoopExpander
+from .loops import Carried, Limit, Piece, Slot, Unrolled
+from .pairs import STATE, M
+from .rows import Gather
+
+
+
+def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
+    """The carried values that have been met, with those that they are made of, by level."""
+    pieces: dict[str, tuple[Piece, ...]] = {}
+    seen: set[str] = set()
+    while len(seen) < len(x.carried):
+        for name in [n for n in x.carried if n not in seen]:
+            seen.add(name)
+            values = _values(x, gather, name)
+            for k, group in enumerate(x.carried[name]):
+                found = [_piece(x, gather, lo, hi, value[k]) for lo, hi, value in values]
+                pieces[group.name] = tuple(found)
+    levels = _levels(pieces)
+    for name in sorted(pieces, key=lambda name: levels[name]):
+        if any(_moves(x, gather, piece) for piece in pieces[name]):
+            gather.moving.add(name)
+    groups = x.coordinates
+    found = [Carried(groups[name], pieces[name], levels[name]) for name in pieces]
+    return tuple(sorted(found, key=lambda item: item.level))
+
+
+def _values(x: LoopExpander, gather: Gather, name: str) -> list[tuple]:
+    """lo, hi and the components of each piece, seen from the member m."""
+    found = []
+    for lo, hi, item in x.pieces(name):
+        x.members.clear()
+        value = x.value(item.value, x.loop_of(item))
+        nodes = value if isinstance(value, tuple) else (value,)
+        if item.range is None:
+            nodes = tuple(gather.seen_from(node, lo) for node in nodes)
+        gather.found.limits += x.limits_over(lo, hi)
+        found.append((lo, hi, nodes))
+    return found
+
+
+def _piece(x: LoopExpander, gather: Gather, lo, hi, value: Node) -> Piece:
+    g, name = x.graph, x.slots.node
+    for slot in x.slots.below(value):
+        _allowed(x, gather, slot, lo, hi)
+    rate = x.derivative(value)
+    coasting = gather.coast(rate)
+    if arguments_of(g, [value, rate, coasting]):
+        raise Unrolled("what a carried value is made of bends or jumps")
+    by = {x.slots.of(s): node for s, node in gradient(g, value, STATE).items() if node != ZERO}
+    own = [g.multiply(node, name("d" if z.at else "v", z.name, z.at)) for z, node in by.items()]
+    return Piece(
+        lo,
+        hi,
+        value,
+        rate,
+        coasting,
+        g.sum(own),
+        by,
+        {slot: x.derivative(node) for slot, node in by.items()},
+    )
+
+
+def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
+    """That a slot is of a member at or before m that is there, or lies beyond a fixed end."""
+    if slot.kind in ("v", "s"):
+        raise Unrolled(f"a carried value is made of the rate or the state '{slot.name}'")
+    if slot.kind != "q" or slot.at is None:
+        return
+    distance, group = slot.at - M, x.coordinates[slot.name]
+    if not distance.is_constant:
+        raise Unrolled(f"a carried value is made of {slot.name}[{slot.at.text()}] throughout")
+    if distance.constant > 0:
+        raise Unrolled(f"a carried value is made of a later member of '{slot.name}'")
+    if group.periodic or any(end.kind == "free" for _, end in group.ends):
+        low, high = lo + distance - group.lo, group.hi - hi - distance
+        gather.found.limits += [Limit(low, hi - lo), Limit(high, hi - lo)]
+    else:
+        gather.bodies.in_reach(slot, lo, hi)
+
+
+def _levels(pieces: dict[str, tuple[Piece, ...]]) -> dict[str, int]:
+    """How many carried values of the same index lie below each."""
+    levels = dict.fromkeys(pieces, 0)
+    for _ in pieces:  # none is made of itself, which check has seen to
+        for name, found in pieces.items():
+            same = {z.name for piece in found for z in piece.by if z.at == M and z.name in pieces}
+            levels[name] = max((levels[z] + 1 for z in same), default=0)
+    return levels
+
+
+def _moves(x: LoopExpander, gather: Gather, piece: Piece) -> bool:
+    """Whether there is something in it that changes while all coordinates rest."""
+    depends = x.graph.depends[piece.value] & BIT[Kind.TIME]
+    inputs = any(slot.kind == "input" for slot in x.slots.below(piece.value))
+    return bool(depends) or inputs or any(z.name in gather.moving for z in piece.by)
+
+
+def nodes_of(carried: tuple[Carried, ...]) -> list[Node]:
+    """All that a run computes of them."""
+    found = []
+    for piece in (piece for item in carried for piece in item.pieces):
+        found += [piece.value, piece.rate, piece.coasting, *piece.by.values()]
+        found += piece.by_rate.values()
+    return found
+
+
+def inert(names: set[str], carried: tuple[Carried, ...]) -> set[str]:
+    """What has inertia, given which rows of M have entries: what these are made of, too."""
+    found = set(names)
+    for item in reversed(carried):
+        if item.group.name in found:
+            found |= {z.name for piece in item.pieces for z in piece.by}
+    return found
