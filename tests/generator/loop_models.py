@@ -172,6 +172,30 @@ potential sum(q[i]^4/4, i = 1..N) + e/N*sum(all*sin(q[i])/i, i = 1..N)
 potential e*sum(i*q[j]^2, i = 1..N, j = i+1..N)
 """
 
+# Rods that hang from a cart, by relative angles, the first spring to a wall that moves: places and
+# angles are carried along.
+LINKS = """\
+model links
+size N = 5
+param g = 9.81
+param m[i = 1..N] = 1 + 0.3*cos(2*i) in (0, inf)
+param l[i = 1..N] = 1 + 0.2*sin(i) in (0, inf)
+coord q[1..N], X
+input push
+fixed q[0] = 0.1*sin(t)
+let a[0] = 0.2*t
+let a[i = 1..N] = a[i-1] + q[i]
+let r[0] = [X + push, 0, 0]
+let r[i = 1..N] = r[i-1] + l[i]*[sin(a[i]), -cos(a[i]), 0.1*q[i]]
+let c[i = 1..N] = (r[i-1] + r[i])/2
+kinetic X'^2*(2 + cos(X)) + sum(m[i]/2*dot(c[i]', c[i]') + m[i]*l[i]^2/24*a[i]'^2, i = 1..N)
+potential sum(m[i]*g*c[i].y + (q[i] - q[i-1])^2, i = 1..N) + r[N].x^2
+dissipation sum(0.1*dot(r[i]', r[i]'), i = 1..N)
+observe tip = r[N].x + r[N].y'
+observe reach = sum(m[i]*dot(r[i], r[i]), i = 1..N)*energy
+start q[i = 1..N] = 0.3*i, q[1]' = 1
+"""
+
 MODELS = {
     "fput": (FPUT, (1, 2, 3, 31, 140)),
     "ring": (RING, (1, 2, 3, 7, 70)),
@@ -186,10 +210,15 @@ MODELS = {
     "lattice": (LATTICE, (1, 2, 3, 8)),
     "ends": (ENDS, (1, 2, 3, 5, 70)),
     "field": (FIELD, (1, 2, 5, 12)),
+    "links": (LINKS, (1, 2, 3, 20)),
 }
 
 # Which stay as they are, and a word of the reason.
 _CHAIN = "size N = 4\ncoord a[1..N]\nkinetic sum(a[i]'^2/2, i = 1..N)\n"
+_CARRIED = (
+    "model kept\nsize N = 4\ncoord a[1..N]\nfixed a[N+1] = 0\nlet x[0] = 0\n"
+    "let x[i = 1..N] = x[i-1] + {}\nkinetic sum(x[i]'^2/2 + a[i]'^2/2, i = 1..N)\n"
+)
 UNROLLED = {
     "start": (
         f"model start_\n{_CHAIN}potential a[1]^2\nstart a[1] = sum(i/7, i = 1..3)\n",
@@ -203,11 +232,19 @@ UNROLLED = {
         f"model signs\n{_CHAIN}potential sum((-1)^i*a[i]^2, i = 1..N)\n",
         "a negative number to a power that varies",
     ),
-    "links": (
-        "model links\nsize N = 3\ncoord a[1..N]\nlet x[0] = 0\n"
-        "let x[i = 1..N] = x[i-1] + sin(a[i])\n"
-        "kinetic sum(x[i]'^2/2 + a[i]'^2, i = 1..N)\npotential sum(x[i], i = 1..N)\n",
-        "piece by piece",
+    "later": (_CARRIED.format("a[i+1]"), "a later member"),
+    "throughout": (_CARRIED.format("a[1]"), "a[1] throughout"),
+    "rates": (_CARRIED.format("a[i]'"), "made of the rate"),
+    "bends": (_CARRIED.format("abs(a[i])"), "bends or jumps"),
+    "placed": (_CARRIED.format("a[i]") + "start a[1] = x[0]\n", "in a parameter, a start or an end"),
+    "across": (
+        _CARRIED.format("a[i]") + "free a[0]\nkinetic sum((a[i]' - a[i-1]')^2, i = 1..N)\n",
+        "across an end that is free or periodic",
+    ),
+    "watched": (
+        f"model watched\n{_CHAIN}let x[0] = 0\nlet x[i = 1..N] = x[i-1] + a[i]\n"
+        "potential a[1]^2\nobserve tip = x[N]\n",
+        "an output has a `let`",
     ),
     "constant": (
         "model constant\ncoord a[1..3]\nkinetic sum(a[i]'^2/2, i = 1..3)\npotential a[1]^2\n",

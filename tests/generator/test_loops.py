@@ -20,7 +20,7 @@ SCALARS = ("energy", "lagrangian", "kinetic", "potential")
 
 
 LONG = {"paired": 70, "ring": 70, "wheel": 15}  # members whose unrolled code takes long
-SHORT = {"fput", "ring", "paired", "gravity", "cart"}  # in make test
+SHORT = {"fput", "ring", "paired", "gravity", "cart", "links"}  # in make test
 CASES = [
     pytest.param(
         name,

@@ -61,9 +61,11 @@ def loop_facts(e: LoopEquations) -> list[tuple[str, str]]:
     """The same of families kept as loops."""
     proved = e.facts
     shape = "diagonal" if proved.mass_diagonal else "banded"
-    if not (proved.mass_diagonal or e.mass.border or e.mass.corner or len(e.families) > 1):
+    if e.carried:
+        shape = "of a chain, eliminated from its last member to the first"
+    elif not (proved.mass_diagonal or e.mass.border or e.mass.corner or len(e.families) > 1):
         shape += f", {max(abs(shift) for _, _, shift in e.mass.entries)} beside the diagonal"
-    if proved.mass_constant:
+    if proved.mass_constant and not e.carried:
         once = "a division a row" if proved.mass_diagonal else "factored once"
         shape += f", constant: {once}"
     beyond = "force, dissipation or states" if e.states else "force or dissipation"

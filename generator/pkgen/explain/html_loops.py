@@ -8,7 +8,17 @@ from collections.abc import Iterable, Iterator
 from ..middle.loops.loops import Group, LoopEquations
 from . import mathml
 from .html_equations import lets, lines, parameter_table, quantity_rows
-from .loops import beyond, declared, force_lines, mass_lines, pair_lines, pair_range, rate_lines
+from .loops import (
+    beyond,
+    carried_lines,
+    carried_says,
+    declared,
+    force_lines,
+    mass_lines,
+    pair_lines,
+    pair_range,
+    rate_lines,
+)
 from .mathml import fenced, operator, row
 from .prose import Prose
 from .rows import EquationLine, Style, Writer
@@ -40,6 +50,9 @@ def loop_sections(e: LoopEquations, written: Written, prose: Prose) -> Iterator[
         for line in pair_lines(write, pair):
             yield _line(line)
     yield from map(_line, rate_lines(write))
+    if e.carried:
+        yield f"<p>where {carried_says(plain)}:</p>"
+        yield from map(_line, carried_lines(write))
     said = beyond(plain)
     yield listed(map(_beyond, said)) if said else ""
 

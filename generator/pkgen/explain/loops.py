@@ -9,7 +9,7 @@ from ..back.facts import loop_facts, loop_invariants
 from ..compiler import Compilation
 from ..describe.drawing import shown
 from ..graph.affine import Affine
-from ..middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Total
+from ..middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Part, Total
 from .contents import section
 from .explain import (
     constants_text,
@@ -70,6 +70,7 @@ def record_loops(compilation: Compilation) -> dict[str, object]:
             for pair in e.force.pairs
         ],
         "beyond": beyond(write),
+        "carried": _record(carried_lines(write)),
         "structure": structure_record(e.facts),
         **proofs_record(e.facts),
         "drawing": list(shown(compilation.declared)),
@@ -122,13 +123,32 @@ def _equations(write: Writer) -> Iterator[str]:
         yield from (f"  {line.left} += {line.right}" for line in pair_lines(write, pair))
     yield from map(str, rate_lines(write))
     yield from (f"where {line}" for line in beyond(write))
+    if write.e.carried:
+        yield f"where {carried_says(write)}:"
+        yield from (f"  {line}" for line in carried_lines(write))
+
+
+def carried_says(write: Writer) -> str:
+    """How the rows of carried values are meant."""
+    names = ", ".join(g.name for g in write.e.carried_groups)
+    return f"the rows of {names} go over to what each is made of, from the last member to the first"
+
+
+def carried_lines(write: Writer) -> list[EquationLine]:
+    """What carried values are made of."""
+    found = []
+    for item in write.e.carried:
+        parts = tuple(Part(p.lo, p.hi, p.value, p.value) for p in item.pieces)
+        label = partial(_member, write, "{}", item.group)
+        found += write.rows(item.group, [(label, parts)])
+    return found
 
 
 def mass_lines(write: Writer) -> list[EquationLine]:
     """The lower triangle: of a family's member with lower ones, and with families above it."""
     e, found = write.e, []
-    order = [g.name for g in e.families]
-    for g in e.families:
+    order = [g.name for g in e.rows]
+    for g in e.rows:
         if g.is_state:
             continue
         items = [

@@ -69,7 +69,7 @@ class Writer:
     def __init__(self, e: LoopEquations, style: Style = PLAIN):
         self.e = e
         self.style = style
-        self.groups = {g.name: g for g in e.coordinates}
+        self.groups = {g.name: g for g in (*e.coordinates, *e.carried_groups)}
         self.inputs = [q.name for q in input_quantities(e.model, e.orders)]
         own = {x.name for x in (*e.model.sizes, *e.coordinates, *e.parameters)} | {*self.inputs}
         self.i = next(letter for letter in ("i", "k", "n", "i_") if letter not in own)
@@ -121,6 +121,8 @@ class Writer:
         if slot.at is not None:
             place = slot.at.replaced({ROW: at})
             if slot.kind in ("q", "v", "w", "d"):
+                if slot.kind == "w" and self.groups[name].is_carried:
+                    return sp.Integer(0)  # L's row as it stands, of which nothing accelerates
                 place = self.home(self.groups[name], place)
                 if slot.kind == "w" and at != M and self._is_own(self.groups[name], place):
                     return sp.Integer(0)

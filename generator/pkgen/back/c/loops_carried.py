@@ -14,6 +14,7 @@ Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapt
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,6 +27,7 @@ from ..targets import STORE, Target
 from .loops import INNER, Block, M, Places
 from .loops_elimination import BESIDE, Elimination, Variable, of_scalars
 from .loops_sets import Builder, RowSet
+from .program import operations_text
 
 # What is computed of carried values, and where their derivatives go.
 MODES = {"state": ("own",), "force": ("coasting", "by"), "motion": ("by", "by_rate")}
@@ -168,7 +170,7 @@ class Carrying:
             guards: list[tuple[str, str]] = []
             for item in items:
                 for store, outside, value in self._values(item, mode):
-                    rows.append(_row(item, value))
+                    rows.append(self._row(item, value))
                     stores.append(store)
                     guards += [(outside, store)] if outside else []
             made = self.make.rows(f"{mode}_{k}", items[0].group, rows, ghosts=False)
@@ -195,6 +197,14 @@ class Carrying:
                         outside,
                         lambda piece, key=key, slot=slot: getattr(piece, key).get(slot, ZERO),
                     )
+
+    def _row(self, item: Carried, value: Callable[[Piece], Node]) -> Row:
+        parts = ((piece, value(piece)) for piece in item.pieces)
+        carried = [g.name for g in self.e.carried_groups]
+        inside = self.slots.inside
+        return Row(
+            tuple(Part(p.lo, p.hi, x, inside(x, carried)) for p, x in parts if x != ZERO)
+        )
 
     # -- back to what they are made of ----------------------------------------------------------
 
@@ -230,6 +240,17 @@ class Carrying:
         numbers = [self.number[item.group.name] for item in self.e.carried]
         return any(text == self.cell((0, k), a) for k in numbers for a in ("cells", "pushes"))
 
+    @property
+    def operations(self) -> Iterator[str]:
+        """What a place costs."""
+        rows = [level.rows.inner for level in self.levels["force"]]
+        chain = self.elimination
+        solved = [chain.steps[False], chain.backs[False]]
+        solved += [rows.set.inner for rows in chain.mass]
+        for name, blocks in (("carried values", rows), ("elimination", solved)):
+            total = sum((block.operations for block in blocks), Counter())
+            yield f"{name}: {operations_text(total)} a member"
+
     # -- for the templates --------------------------------------------------------------------
 
     @property
@@ -242,11 +263,6 @@ class Carrying:
         for rows in self.elimination.mass:
             yield from rows.set.blocks
         yield self.last
-
-
-def _row(item: Carried, value: Callable[[Piece], Node]) -> Row:
-    parts = ((piece, value(piece)) for piece in item.pieces)
-    return Row(tuple(Part(p.lo, p.hi, node, node) for p, node in parts if node != ZERO))
 
 
 def _at_least(at: Affine, least: int) -> bool:

@@ -295,6 +295,8 @@ class _Context:
         totals = (t.rows for key, t in self.plan.totals.items() if key in TOTALS and t.rows)
         for s in (*(s for found in self.plan.rows.values() for s in found), *totals):
             yield f"{s.name}: {operations_text(s.inner.operations)} a member"
+        if self.plan.carrying:
+            yield from self.plan.carrying.operations
 
     def _stepper(self) -> dict[str, Any] | None:
         """Fused steps exist where the acceleration of a row needs q of cells near it and t."""

@@ -13,10 +13,13 @@ from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ZERO, Kind, Node
 from ..derive.impulses import arguments_of
 from .expand import LoopExpander
-from .loops import Carried, Limit, Piece, Slot, Unrolled
+from .loops import Band, Carried, Limit, Piece, Slot, Unrolled
 from .pairs import STATE, M
 from .rows import Gather
 
+
+
+FRONT = 24  # what a place may share with those before it
 
 
 def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
@@ -108,6 +111,28 @@ def _moves(x: LoopExpander, gather: Gather, piece: Piece) -> bool:
     depends = x.graph.depends[piece.value] & BIT[Kind.TIME]
     inputs = any(slot.kind == "input" for slot in x.slots.below(piece.value))
     return bool(depends) or inputs or any(z.name in gather.moving for z in piece.by)
+
+
+def check_chain(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> None:
+    """That M a = f can go from place to place, and that a place is not too large."""
+    if not carried:
+        return
+    if x.model.constraints or x.model.rotations:
+        raise Unrolled("constraints or rotations stand beside carried values")
+    groups = x.coordinates
+    mapped = {
+        name
+        for name, group in groups.items()
+        if group.periodic or any(end.kind == "free" for _, end in group.ends)
+    }
+    for own, other, shift in mass.entries:
+        if (own != other or shift) and {own, other} & mapped:
+            raise Unrolled(f"the inertia of '{own}' reaches across an end that is free or periodic")
+    back = [shift for _, _, shift in mass.entries]
+    back += [(z.at - M).constant for c in carried for p in c.pieces for z in p.by if z.at]
+    families = [group for group in groups.values() if group.is_family]
+    if max(1, -min(back)) * len(families) + len(groups) - len(families) > FRONT:
+        raise Unrolled("so much stands beside carried values that a place would have large code")
 
 
 def nodes_of(carried: tuple[Carried, ...]) -> list[Node]:

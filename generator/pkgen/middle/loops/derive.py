@@ -11,7 +11,7 @@ from ..derive.impulses import Across, arguments_of
 from ..expand.names import entered
 from ..quantities import indexed, refuse_constant
 from .bodies import Gathered
-from .carried import carried_of, inert
+from .carried import carried_of, check_chain, inert
 from .expand import LoopExpander, size_values
 from .facts import facts_of, total_nodes, vector_nodes
 from .loops import Band, Carried, Limit, LoopEquations, Row, Unrolled, Vector
@@ -63,6 +63,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
     }
     mass = _band(gather.found)
     _check_inertia(x, mass, carried)
+    check_chain(x, mass, carried)
     outputs = Outputs(x, gather, kinetic, potential, lagrangian, energy, vectors["momenta"])
     observed = outputs.nodes(model.observed)
     conserved = outputs.nodes(model.conserved)

@@ -173,15 +173,8 @@ class Gather:
 
     def inner(self, node: Node) -> Node:
         """Away from the ends: no given cell is near."""
-
-        def swap(slot: Slot) -> Node | None:
-            if slot.kind in ("d", "w") and self._carried(slot):
-                return None
-            if slot.kind == "d":
-                return self.x.slots.node("v", slot.name, slot.at)
-            return ZERO if slot.kind == "w" else None
-
-        return self.x.slots.swapped(node, swap)
+        carried = [g.name for g in self.x.coordinates.values() if g.is_carried]
+        return self.x.slots.inside(node, carried)
 
     def _append(self, parts: list[Part], part: Part) -> None:
         if part.node != ZERO:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 
 from ...graph.affine import LOOPS, ROW, Affine
 from ...graph.differentiate import reachable
-from ...graph.graph import Graph, Kind, Node, Op, Symbol
+from ...graph.graph import ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
 from .loops import Slot
 
@@ -74,5 +74,18 @@ class Slots:
                 return g.add(self.node(slot.kind, slot.name), g.number(shift))
             factor = 0 if slot.at is None else slot.at.factor(ROW)
             return self.node(slot.kind, slot.name, slot.at + shift * factor) if factor else None
+
+        return self.swapped(node, swap)
+
+    def inside(self, node: Node, carried: Container[str]) -> Node:
+        """The same away from the ends, where no given member is near; but for carried values,
+        which have an acceleration of their own everywhere."""
+
+        def swap(slot: Slot) -> Node | None:
+            if slot.name in carried:
+                return None
+            if slot.kind == "d":
+                return self.node("v", slot.name, slot.at)
+            return ZERO if slot.kind == "w" else None
 
         return self.swapped(node, swap)
