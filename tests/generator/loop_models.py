@@ -234,9 +234,8 @@ UNROLLED = {
     ),
     "later": (_CARRIED.format("a[i+1]"), "a later member"),
     "throughout": (_CARRIED.format("a[1]"), "a[1] throughout"),
-    "rates": (_CARRIED.format("a[i]'"), "made of the rate"),
+    "rates": (_CARRIED.format("a[i]'").replace("x[i]'^2", "x[i]^2"), "made of the rate"),
     "bends": (_CARRIED.format("abs(a[i])"), "bends or jumps"),
-    "placed": (_CARRIED.format("a[i]") + "start a[1] = x[0]\n", "in a parameter, a start or an end"),
     "across": (
         _CARRIED.format("a[i]") + "free a[0]\nkinetic sum((a[i]' - a[i-1]')^2, i = 1..N)\n",
         "across an end that is free or periodic",

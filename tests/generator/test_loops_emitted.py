@@ -56,7 +56,7 @@ int main(void)
             return 1;
         const size_t n = NAME_count(&p);
         double *q = malloc(n * sizeof *q), *v = malloc(n * sizeof *v), *a = malloc(n * sizeof *a);
-        double *M = malloc(NAME_mass_size(&p) * sizeof *M), u[1] = {0.3};
+        double *M = malloc(NAME_mass_size(&p) * sizeof *M), u[3] = {0.3};
         NAME_start(&p, q, v);
         if (NAME_acceleration(&p, 0, q, v, u, a) != 0)
             return 2;

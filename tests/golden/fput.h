@@ -205,8 +205,8 @@ void fput_sizes(struct fput_params *p);
 /* Degrees of freedom at the sizes of p. */
 size_t fput_count(const struct fput_params *p);
 
-/* Bytes of the memory for families of parameters; 0 also where a size is too small. The
- * caller owns it, aligned for pk_real, as long as p is used; another size needs another block. */
+/* Bytes of the memory for families of parameters; 0 also where a size is too small. The caller
+ * owns it, aligned for pk_real, as long as p is used; another size needs another block. */
 size_t fput_block_size(const struct fput_params *p);
 void fput_attach(struct fput_params *p, void *block);
 
