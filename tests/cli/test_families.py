@@ -238,7 +238,7 @@ def test_explain_says_which_way_and_why(pkgen, tmp_path: Path) -> None:
         "kinetic sum(x[i]^2/2 + a[i]'^2, i = 1..N)\n"
     )
     done = pkgen("explain", links)
-    assert "families         unrolled: a carried value is made of the rate or the state" in done.stdout
+    assert "families         unrolled: a carried value is made of the rate" in done.stdout
     done = pkgen("check", links, "--size", "N=20000")
     assert done.returncode == 1 and "which cannot stay loops" in done.stderr
 

@@ -37,7 +37,7 @@ def links(dice: random.Random, states: bool = False) -> str:
         text += f"let a[{first}] = {of('0', '0.2*t')}{' + q[1]' if first == '1' else ''}\n"
         text += f"let a[i = {lo}..N] = a[i-1] + {of('q[i]', 'k*q[i]', 'sin(q[i])')}\n"
         turned = "a[i]"
-    x, y = of("l[i]", "1.1")+f"*sin({turned})", f"l[i]*cos({turned})"
+    x, y = of("l[i]", "1.1") + f"*sin({turned})", f"l[i]*cos({turned})"
     own = f" + l[1]*sin({turned.replace('[i]', '[1]')})" if first == "1" else ""
     if vector:
         text += f"let r[{first}] = [{pivot}{own}, 0, {of('0', 'k')}]\n"

@@ -14,25 +14,21 @@ Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapt
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from ...graph.affine import Affine
 from ...graph.graph import CONSTANT, ZERO, Node
 from ...middle.loops.loops import Carried, Group, LoopEquations, Part, Piece, Row, Slot
 from ..targets import STORE, Target
 from .loops import INNER, Block, M, Places
-from .loops_elimination import BESIDE, Elimination, Variable, of_scalars
 from .loops_sets import Builder, RowSet
-from .program import operations_text
 
+BESIDE = 1  # in the place of an offset: a scalar coordinate
+Variable = tuple[int, int]  # (offset of its place, 0 or less; its number there)
 # What is computed of carried values, and where their derivatives go.
 MODES = {"state": ("own",), "force": ("coasting", "by"), "motion": ("by", "by_rate")}
-# Which of them a kernel needs.
-NEEDS = {"force": "force", "momenta": "force", "gradient": "motion", "canonical": "motion"}
 
 
 @dataclass
@@ -67,8 +63,6 @@ class Carrying:
         self.levels = {mode: list(self._levels(mode)) for mode in MODES}
         self.gathered = {low: self._gathered(low, False) for low in (False, True)}
         self.moved = {low: self._gathered(low, True) for low in (False, True)}
-        self.elimination = Elimination(self)
-        self.last = of_scalars(self)
 
     @property
     def width(self) -> int:
@@ -202,9 +196,7 @@ class Carrying:
         parts = ((piece, value(piece)) for piece in item.pieces)
         carried = [g.name for g in self.e.carried_groups]
         inside = self.slots.inside
-        return Row(
-            tuple(Part(p.lo, p.hi, x, inside(x, carried)) for p, x in parts if x != ZERO)
-        )
+        return Row(tuple(Part(p.lo, p.hi, x, inside(x, carried)) for p, x in parts if x != ZERO))
 
     # -- back to what they are made of ----------------------------------------------------------
 
@@ -240,63 +232,6 @@ class Carrying:
         numbers = [self.number[item.group.name] for item in self.e.carried]
         return any(text == self.cell((0, k), a) for k in numbers for a in ("cells", "pushes"))
 
-    @property
-    def operations(self) -> Iterator[str]:
-        """What a place costs."""
-        rows = [level.rows.inner for level in self.levels["force"]]
-        chain = self.elimination
-        solved = [chain.steps[False], chain.backs[False]]
-        solved += [rows.set.inner for rows in chain.mass]
-        for name, blocks in (("carried values", rows), ("elimination", solved)):
-            total = sum((block.operations for block in blocks), Counter())
-            yield f"{name}: {operations_text(total)} a member"
-
-    # -- for the templates --------------------------------------------------------------------
-
-    @property
-    def blocks(self) -> Iterator[Block]:
-        for levels in self.levels.values():
-            for level in levels:
-                yield from level.rows.blocks
-        for found in (self.gathered, self.moved, self.elimination.steps, self.elimination.backs):
-            yield from found.values()
-        for rows in self.elimination.mass:
-            yield from rows.set.blocks
-        yield self.last
-
 
 def _at_least(at: Affine, least: int) -> bool:
     return at.is_constant and at.constant >= least
-
-
-def carried_context(carrying: Carrying | None) -> dict[str, Any] | None:
-    """What the templates see of it."""
-    if carrying is None:
-        return None
-    of, index = carrying, carrying.places.index
-    e, last = of.e, of.elimination
-    lows = [index(at) for at in of.low] or [index(g.lo) for g in of.groups.values()]
-    return {
-        "rows": [of.places.group(g) for g in of.groups.values()],
-        "groups": [of.places.group(g) for g in e.carried_groups],
-        "reach": of.reach,
-        "low": list(dict.fromkeys(lows)) if of.low else [],
-        "whole": index(of.places.whole),
-        "count": index(of.places.whole - e.count),
-        "slopes": len(of.slopes),
-        "changes": len(of.changes),
-        "kept": len(last.kept),
-        "front": len(last.front),
-        "bulk": len(last.bulk),
-        "levels": of.levels,
-        "needs": NEEDS,
-        "gathered": {low: x.statements for low, x in of.gathered.items()},
-        "moved": {low: x.statements for low, x in of.moved.items()},
-        "steps": {low: x.statements for low, x in last.steps.items()},
-        "backs": {low: x.statements for low, x in last.backs.items()},
-        "last": of.last.statements,
-        "mass": last.mass,
-        "coordinates": last.coordinates,
-        "pivots": max(len(last.coordinates), len(of.scalar)),
-        "corner": [f"mass_{a}_{b}" for a, b in e.mass.corner],
-    }

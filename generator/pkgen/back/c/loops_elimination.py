@@ -10,19 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from ...graph.graph import ZERO, Graph, Node
 from ...middle.loops.loops import Group, Row
 from ..targets import STORE, Target
 from .loops import INNER, Block
+from .loops_carried import BESIDE, Carrying, Variable
 from .loops_sets import RowSet
 
-if TYPE_CHECKING:
-    from .loops_carried import Carrying
-
-BESIDE = 1  # in the place of an offset: a scalar coordinate
-Variable = tuple[int, int]  # (offset of its place, 0 or less; its number there)
 Pair = tuple[Variable, Variable]
 
 
@@ -217,14 +212,16 @@ class Elimination:
         _, _, targets = self._stepped(low)
         stored = {target.where for target in targets}
         return {
-            number: [at for (n, at), k in self.kept.items() if n == number and f"kept[{k}]" in stored]
+            number: [
+                at for (n, at), k in self.kept.items() if n == number and f"kept[{k}]" in stored
+            ]
             for number in self.coordinates
         }
 
 
-def of_scalars(of: Carrying) -> Block:
+def of_scalars(chain: Elimination) -> Block:
     """The scalar coordinates' equations, of which all else is eliminated."""
-    g, chain = of.g, of.elimination
+    of, g = chain.of, chain.g
     front, bulk = _Symmetric(g), _Symmetric(g)
     for name, matrix, places in (("front", front, chain.front), ("bulk", bulk, chain.bulk)):
         for pair, k in places.items():

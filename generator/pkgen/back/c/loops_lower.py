@@ -21,7 +21,7 @@ from . import loop_parameters, parameter_code, tables
 from .describe import labelled
 from .helpers import helpers
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
-from .loops_carried import carried_context
+from .loops_chain import chain_context
 from .loops_plan import TOTALS, VECTORS, emitted, entries, planned, within
 from .loops_sets import Builder, Guarded
 from .parameter_code import ParameterCode
@@ -104,7 +104,7 @@ class _Context:
             if kernel in self.kernels
         ]
         main = plan.band or plan.rows["force" if "force" in plan.rows else "acceleration"]
-        chain = carried_context(plan.carrying)
+        chain = chain_context(plan.chain)
         parameters = [self._parameter(k) for k in range(len(e.parameters))]
         system = self._system_kernels()
         in_block = any(g.is_family for g in e.parameters)
@@ -295,8 +295,8 @@ class _Context:
         totals = (t.rows for key, t in self.plan.totals.items() if key in TOTALS and t.rows)
         for s in (*(s for found in self.plan.rows.values() for s in found), *totals):
             yield f"{s.name}: {operations_text(s.inner.operations)} a member"
-        if self.plan.carrying:
-            yield from self.plan.carrying.operations
+        if self.plan.chain:
+            yield from self.plan.chain.operations
 
     def _stepper(self) -> dict[str, Any] | None:
         """Fused steps exist where the acceleration of a row needs q of cells near it and t."""

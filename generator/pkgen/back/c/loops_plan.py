@@ -8,7 +8,7 @@ from typing import Any
 
 from ...middle.loops.loops import Group, LoopEquations, Row
 from .loops import Block
-from .loops_carried import Carrying
+from .loops_chain import Chain
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
 
 TOTALS = ("energy", "lagrangian", "kinetic", "potential")
@@ -31,7 +31,7 @@ class Plan:
     totals: dict[str, TotalSet] = field(default_factory=dict)
     pairs: dict[str, list[PairSet]] = field(default_factory=dict)
     singularities: list[TotalSet] = field(default_factory=list)
-    carrying: Carrying | None = None
+    chain: Chain | None = None
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -39,8 +39,8 @@ class Plan:
         for found in (*sets, *self.totals.values()):
             yield from found.blocks
         yield from (pair.block for pairs in self.pairs.values() for pair in pairs)
-        if self.carrying:
-            yield from self.carrying.blocks
+        if self.chain:
+            yield from self.chain.blocks
 
 
 def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
@@ -80,7 +80,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
         for g in e.scalars:
             total(f"{what}_{g.name}", getattr(e, what).totals[g.name])
     if e.carried:
-        plan.carrying = Carrying(e, make.places, make)
+        plan.chain = Chain(e, make.places, make)
     elif e.mass.is_diagonal:
         plan.rows["mass"] = [make.rows(f"mass_{g.name}", g, [_own(e, g)]) for g in e.families]
         if not e.force.pairs:

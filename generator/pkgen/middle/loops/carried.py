@@ -3,8 +3,8 @@
     X[m] = Phi(X[m-1], ..., q[m], ..., t)
 
 L takes X as a family of its own, with a row in everything. By the chain rule those rows go over to
-what X is made of, from the last member to the first; so does M a = f (`back/c/carried.py`). All
-that takes is the derivatives of Phi, which are here.
+what X is made of, from the last member to the first, and so does M a = f
+(`back/c/loops_elimination.py`). All that takes is the derivatives of Phi, which are here.
 """
 
 from __future__ import annotations
@@ -16,8 +16,6 @@ from .expand import LoopExpander
 from .loops import Band, Carried, Limit, Piece, Slot, Unrolled
 from .pairs import STATE, M
 from .rows import Gather
-
-
 
 FRONT = 24  # what a place may share with those before it
 
