@@ -108,7 +108,8 @@ periodic x
 kinetic sum(x[i]'^2/2, i = 0..N-1)
 potential sum(k/2*(x[i+1] - x[i])^2*(1 + i/9), i = 2..N-1)
 """
-TEXTS = {name: text for name, (text, _) in MODELS.items()} | {"partly": PARTLY}
+# Of carried values the rows are those of L as it stands.
+TEXTS = {name: text for name, (text, _) in MODELS.items() if name != "links"} | {"partly": PARTLY}
 
 
 @pytest.mark.parametrize("name", TEXTS)

