@@ -19,12 +19,8 @@ VECTORS = {"acceleration": 1, "force": 1, "momenta": 1, "gradient": 1, "canonica
 SCALARS = ("energy", "lagrangian", "kinetic", "potential")
 
 
-LONG = {"paired": 70, "ring": 70, "wheel": 15, "links": 20}  # members that take long unrolled
-    "paired": 70,
-    "ring": 70,
-    "wheel": 15,
-    "links": 20,
-}  # members whose unrolled code takes long
+# Members whose unrolled code takes long.
+LONG = {"paired": 70, "ring": 70, "wheel": 15, "links": 20}
 SHORT = {"fput", "ring", "paired", "gravity", "cart", "links"}  # in make test
 CASES = [
     pytest.param(
