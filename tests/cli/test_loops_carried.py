@@ -1,0 +1,73 @@
+"""Runs of chains of links kept as loops, beside the same with all members written out."""
+
+from __future__ import annotations
+
+import random
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import long_but
+from test_loops_features import both, rows
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "generator"))
+from carried_models import links
+
+__all__ = ["both"]
+
+
+@pytest.mark.parametrize("seed", long_but({3}, range(12)))
+def test_chains_with_states_and_events_are_those_written_out(seed: int, both) -> None:
+    dice = random.Random(seed)
+    text = links(dice, states=True).replace("size N = 5", "size N = 9")
+    text += "event swings: q[3] - 1 either\nevent lengthens: tip - 0.5 either\n"
+    method = dice.choice((("dop853", "--rtol", "1e-11"), ("rk4", "--step", "0.002"), ("gauss",)))
+    words = ("--until", 0.4, "--every", 0.1, "--method", *method)
+    (loops, told), (written, said) = both(text, *words)
+    assert len(loops) == len(written) == 5
+    for one, other in zip(loops, written, strict=True):
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-9), text
+    for one, other in zip(told["events"], said["events"], strict=True):
+        assert one["times"] == pytest.approx(other["times"], abs=1e-7), text
+
+
+HANGING = """\
+model hanging
+size N = 20
+param k = 1
+param l[i = 1..N] = 1/N
+param m[i = 1..N] = 1/N in [0, inf)
+coord theta[1..N], X
+let x[0] = X
+let y[0] = 0
+let x[i = 1..N] = x[i-1] + l[i]*sin(theta[i])
+let y[i = 1..N] = y[i-1] - l[i]*cos(theta[i])
+kinetic   X'^2 + sum(m[i]/2*(x[i]'^2 + y[i]'^2), i = 1..N)
+potential k*X^2 + sum(9.81*m[i]*y[i], i = 1..N)
+observe tip = x[N]
+start theta[i = 1..N] = 0.2*i/N
+"""
+
+
+def test_members_of_an_ensemble_are_single_runs(pkgen, tmp_path: Path) -> None:
+    model, table = tmp_path / "hanging.lag", tmp_path / "members.csv"
+    model.write_text(HANGING)
+    table.write_text("k,l[3],theta[20]\n1,0.1,0.3\n2,0.02,-0.3\n3,0.05,0\n")
+    common = ("--until", 1, "--every", 0.5, "--method", "rk4", "--step", "0.005")
+    done = pkgen("run", model, *common, "--ensemble", table, "--threads", 2)
+    assert done.returncode == 0, done.stderr
+    found = rows(done.stdout)
+    words = ("--set", "k=2", "--set", "l[3]=0.02", "--start", "theta[20]=-0.3")
+    alone = rows(pkgen("run", model, *common, *words).stdout)
+    mine = [row[1:] for row in found if row[0] == 2]
+    assert len(mine) == 3
+    for one, other in zip(alone, mine, strict=True):
+        assert other == pytest.approx(one, rel=1e-11, abs=1e-12)
+
+
+def test_a_joint_without_inertia_ends_the_run(pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "hanging.lag"
+    model.write_text(HANGING)
+    words = ("--until", 1, "--method", "rk4", "--step", "0.01", "--set", "m[20]=0")
+    done = pkgen("run", model, *words)
+    assert done.returncode == 4 and "theta[20]" in done.stderr
