@@ -150,7 +150,8 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return snprintf(text, size, "%s carries no quadratures, and %s has %s",
                             it->method->name, system->name, system->quadratures.names[0].name);
         if (pk_rolls(system) && (it->method->traits & PK_HOLONOMIC)) {
-            pk_constraint_name(system, system->constraints.n_holonomic, name, sizeof name);
+            pk_constraint_name(system, it->problem.params,
+                               pk_system_rows(system, it->problem.params, 1), name, sizeof name);
             return snprintf(text, size,
                             "%s takes constraints of positions alone, and %s is one of the rates "
                             "(rolling): use gauss",

@@ -12,6 +12,7 @@ from pkgen.back.c.loops_render import render_loops
 from pkgen.front.check import check
 from pkgen.middle.analyze import analyze
 from pkgen.middle.derive import derive
+from pkgen.middle.derive.states import as_rates
 from pkgen.middle.loops.derive import derive_loops
 from pkgen.middle.loops.loops import LoopEquations
 from pkgen.source import Source
@@ -29,9 +30,8 @@ class Unrolled(Loaded):
         model, _ = check.check_text(Source("model.lag", text), {"N": size})
         equations = derive.derive(model)
         directory.mkdir(exist_ok=True)
-        super().__init__(
-            lower.lower(equations, analyze.analyze(equations)), directory, optimise="-O0"
-        )
+        in_c = as_rates(equations, analyze.analyze(equations), None)
+        super().__init__(lower.lower(*in_c), directory, optimise="-O0")
 
 
 class Looped:

@@ -17,7 +17,7 @@ static void multipliers(void)
     CU_ASSERT(pk_constraint_multipliers(&f.problem, 0, f.it.q, f.it.v, &lambda, room, 8) ==
               PK_BLOCK_TOO_SMALL);
     char name[20];
-    CU_ASSERT(pk_constraint_name(&rod_system, 0, name, sizeof name) == 3);
+    CU_ASSERT(pk_constraint_name(&rod_system, NULL, 0, name, sizeof name) == 3);
     CU_ASSERT(strcmp(name, "rod") == 0);
 }
 

@@ -44,7 +44,8 @@ enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_re
 enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 /* The name of a row as its author gave it: "rod" of "lambda_rod"; of one without, "number 2". As
  * snprintf(). */
-int pk_constraint_name(const struct pk_system *system, size_t row, char *text, size_t size);
+int pk_constraint_name(const struct pk_system *system, const void *params, size_t row, char *text,
+                       size_t size);
 
 PK_END
 

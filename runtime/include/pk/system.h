@@ -26,16 +26,16 @@ PK_BEGIN
  * loaded at run time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 57u
+#define PK_ABI 61u
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 58u
+#define PK_ABI 62u
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 59u
+#define PK_ABI 63u
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 56u
+#define PK_ABI 60u
 #endif
 extern const char PK_SCALAR[];
 
@@ -126,6 +126,7 @@ struct pk_size {
 };
 
 /* The members of a declared name: lo, lo + 1, ...; or it is no family, and count is 1. */
+enum pk_range_of { PK_OF_COORDINATE, PK_OF_PARAMETER, PK_OF_ROW };
 struct pk_range {
     ptrdiff_t lo;
     size_t count;
@@ -222,6 +223,23 @@ struct pk_part_constraints {
     size_t n_redundant, n_redundant_holonomic;
     const struct pk_quantity *redundant_names;
     pk_kernel_3 *redundant;
+    /* Of families kept as loops, in place of `jacobian`, each in O(N). n and n_holonomic are then
+     * those at the default sizes, names have an entry for each of n_declared constraints, and count()
+     * says how many rows there are. No row may depend on others. */
+    size_t (*count)(const void *params, int holonomic); /* NULL: n, n_holonomic */
+    size_t n_declared;
+    pk_kernel *rates;    /* J v + j0 */
+    pk_kernel *diagonal; /* of M */
+    void (*spread)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                   const pk_real *u, const pk_real *x, pk_real *out); /* |J| x */
+    /* [M J^T; J 0] factored in the memory of params, with all rows or those of positions, as
+     * acceleration() fails; of each row the pivot, and what that is without other rows. Then
+     * M d - J^T mu = f, J d = r; f NULL: 0. Where a row had no pivot, shares(): x with x J = 0, 1 of
+     * that row. */
+    int (*factor)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                  const pk_real *u, int holonomic, pk_real *pivots, pk_real *norms);
+    void (*solve)(const void *params, const pk_real *f, const pk_real *r, pk_real *d, pk_real *mu);
+    void (*shares)(const void *params, size_t row, pk_real *out);
 };
 
 /* Families kept as loops. pk_system.n is then the count at the default sizes; coordinates, rates,
@@ -239,8 +257,8 @@ struct pk_part_families {
     size_t n_coordinates; /* declared names; the last n_states are states' */
     size_t n_states;
     size_t (*first_order)(const void *params); /* NULL: pk_system.n_first_order */
-    /* The members of declared coordinate (or parameter) number k. */
-    void (*range)(const void *params, int parameter, size_t k, struct pk_range *range);
+    /* The members of declared coordinate, parameter or constraint number k. */
+    void (*range)(const void *params, enum pk_range_of of, size_t k, struct pk_range *range);
     /* `steps` steps of h of a splitting method in place, in as few passes over memory as can be:
      * kicks v += kick[i] h a(q, t), i = 0 .. stages, and drifts q += drift[i] h v between them.
      * Uncompensated. NULL: there is none. */
@@ -368,8 +386,16 @@ static inline struct pk_range pk_system_range(const struct pk_system *system, co
 {
     struct pk_range range = {0, 1, 0};
     if (system->families.range)
-        system->families.range(params, 0, k, &range);
+        system->families.range(params, PK_OF_COORDINATE, k, &range);
     return range;
+}
+
+/* Rows of constraints, or of those of positions alone. */
+static inline size_t pk_system_rows(const struct pk_system *system, const void *params,
+                                    int holonomic)
+{
+    const struct pk_part_constraints *c = &system->constraints;
+    return c->count ? c->count(params, holonomic) : holonomic ? c->n_holonomic : c->n;
 }
 
 /* How many values there are of singularities. */

@@ -52,7 +52,7 @@ static void refused(FILE *file, const struct pk_system *system, const void *para
         struct pk_range range = {0, 1, 0};
         pk_real x = 0;
         if (system->families.range)
-            system->families.range(params, 1, i, &range);
+            system->families.range(params, PK_OF_PARAMETER, i, &range);
         if (!range.is_family)
             memcpy(&x, (const char *)params + system->parameters[i].offset, sizeof x);
         else if (!one)

@@ -83,7 +83,7 @@ static struct pk_range range_of(const struct settings *s, size_t parameter)
 {
     struct pk_range range = {0, 1, 0};
     if (s->system->families.range)
-        s->system->families.range(s->params, 1, parameter, &range);
+        s->system->families.range(s->params, PK_OF_PARAMETER, parameter, &range);
     return range;
 }
 

@@ -14,7 +14,7 @@ size_t pk_constraint_size(const struct pk_problem *problem)
     if (!problem || !problem->system || problem->system->abi != PK_ABI)
         return 0;
     const size_t n = pk_system_count(problem->system, problem->params);
-    return (pk_project_size(problem->system, n) + problem->system->n_inputs + 1) * sizeof(pk_real);
+    return (pk_project_size(problem, n) + problem->system->n_inputs + 1) * sizeof(pk_real);
 }
 
 /* In block: the projection's room, and inputs behind it. */
@@ -26,7 +26,7 @@ static enum pk_status begin(struct pk_projection *w, const struct pk_problem *pr
     if (size < pk_constraint_size(problem) || (size_t)block % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;
     const size_t n = pk_system_count(problem->system, problem->params);
-    pk_real *u = (pk_real *)block + pk_project_size(problem->system, n);
+    pk_real *u = (pk_real *)block + pk_project_size(problem, n);
     pk_input(problem, t, u);
     *w = pk_project_parts(problem, n, (pk_real *)block);
     w->t = t;
@@ -105,14 +105,16 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (singular)
         return pk_eval_failed(it, it->t, q, v, (int)singular);
     pk_project_rows(&w, q, v);
-    if (!pk_all_finite(w.J, w.c * w.n))
-        return pk_because(it, PK_OFF_CONSTRAINTS, 0, (pk_real)NAN);
-    const size_t depends = pk_project_factor(&w, w.c);
     pk_project_terms(&w, q, v);
-    size_t row = pk_project_broken(&w, w.phi, w.phi_size, w.J, w.h, q, 0);
+    pk_project_slopes(&w, q, v, w.J, w.c, w.mu);
+    if (!pk_all_finite(w.mu, w.c)) /* nor is J */
+        return pk_because(it, PK_OFF_CONSTRAINTS, 0, (pk_real)NAN);
+    size_t row = pk_project_broken(&w, w.phi, w.phi_size, w.mu, w.h, q, 0);
+    const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1);
+    const size_t depends = pk_project_factor(&w, w.c, q, v);
     if (row < w.h)
         return pk_because(it, PK_OFF_CONSTRAINTS, row, w.phi[row]);
-    row = pk_project_broken(&w, w.rate, w.rate_size, w.J, w.c, v, 1);
+    row = off;
     if (row < w.c)
         return pk_because(it, PK_OFF_CONSTRAINTS, w.c + row, w.rate[row]);
     it->where = depends - 1;
@@ -131,9 +133,25 @@ static int named(const struct pk_quantity *names, size_t n, size_t row, char *te
     return *name ? snprintf(text, size, "%s", name) : snprintf(text, size, "number %zu", row + 1);
 }
 
-int pk_constraint_name(const struct pk_system *system, size_t row, char *text, size_t size)
+int pk_constraint_name(const struct pk_system *system, const void *params, size_t row, char *text,
+                       size_t size)
 {
-    return named(system->constraints.names, system->constraints.n, row, text, size);
+    const struct pk_part_constraints *c = &system->constraints;
+    struct pk_range range = {0, 1, 0};
+    size_t k = 0, length;
+    if (!c->count)
+        return named(c->names, c->n, row, text, size);
+    for (; k < c->n_declared; k++) {
+        system->families.range(params, PK_OF_ROW, k, &range);
+        if (row < range.count)
+            break;
+        row -= range.count;
+    }
+    named(c->names, c->n_declared, k, text, size);
+    length = strlen(text);
+    return range.is_family ? (int)length + snprintf(text + length, size - length, "[%td]",
+                                                    range.lo + (ptrdiff_t)row)
+                           : (int)length;
 }
 
 /* What the row that depends on others does so on: "a, b". */
@@ -146,10 +164,10 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
     text[0] = 0;
     if (!w.c || !(w.depends[0] > 0))
         return;
-    const size_t last = (size_t)w.depends[0] - 1;
+    const size_t last = w.whole ? (size_t)w.depends[0] - 1 : w.c;
     for (size_t i = 0; i < last && used < size; i++)
         if (pk_abs(w.depends[1 + i]) > SHARE) {
-            pk_constraint_name(w.system, i, name, sizeof name);
+            pk_constraint_name(w.system, w.params, i, name, sizeof name);
             used += (size_t)snprintf(text + used, size - used, "%s%s", count++ ? ", " : "", name);
         }
 }
@@ -157,7 +175,7 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
-    const size_t c = system->constraints.n, row = it->where % (c ? c : 1);
+    const size_t c = pk_system_rows(system, it->problem.params, 0), row = it->where % (c ? c : 1);
     const char *what = pk_status_text(it->status);
     char name[128], others[256], more[400] = "";
     const size_t behind = it->where - (2 * c + system->n_rotations);
@@ -172,7 +190,7 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     }
     const size_t whole = 2 * (c + r) + system->n_rotations;
     if (it->where > whole && it->where <= whole + c) {
-        pk_constraint_name(system, it->where - whole - 1, name, sizeof name);
+        pk_constraint_name(system, it->problem.params, it->where - whole - 1, name, sizeof name);
         return pk_say(it, text, size,
                       "%s: at t = %.9g %s ends or depends on others, and behind it the branch of "
                       "the motion cannot be told",
@@ -187,13 +205,13 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
         return snprintf(text, size, "%s: the quaternion of %.*s is not of unit length, by %.3g",
                         what, (int)strcspn(of, ")."), of, (double)it->detail);
     }
-    pk_constraint_name(system, row, name, sizeof name);
+    pk_constraint_name(system, it->problem.params, row, name, sizeof name);
     of_others(it, others, sizeof others);
     if (it->status == PK_OFF_CONSTRAINTS) {
         const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
         char last[96];
         if (w.depends[0] > 0) {
-            pk_constraint_name(system, (size_t)w.depends[0] - 1, last, sizeof last);
+            pk_constraint_name(system, w.params, (size_t)w.depends[0] - 1, last, sizeof last);
             snprintf(more, sizeof more, "; and %s depends on %s", last,
                      *others ? others : "nothing that moves");
         }

@@ -45,13 +45,14 @@ struct pk_passage_parts pk_passage_parts(const struct pk_integrator *it)
     return x;
 }
 
-void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w)
+void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w, const pk_real *q,
+                       const pk_real *v)
 {
     struct pk_passage *is = pk_passage_of(it);
     is->unseen = !(is->unseen > 0);
     if (is->unseen > 0 && !it->own->near)
         return;
-    if (pk_project_factor(w, w->c))
+    if (pk_project_factor(w, w->c, q, v))
         it->own->seen = PK_SEEN_LOW | PK_SEEN_DIPS;
     else
         pk_project_seen(it, w);
@@ -68,15 +69,15 @@ static pk_real least(struct pk_integrator *it, pk_real t, const pk_real *q, cons
     if (pk_project_inertia(&w, q, v))
         return 1;
     pk_project_rows(&w, q, v);
-    const size_t depends = pk_project_factor(&w, w.c);
+    const size_t depends = pk_project_factor(&w, w.c, q, v);
     if (depends) {
         is->row = (pk_real)(depends - 1);
         return 0;
     }
     for (size_t i = 0; i < w.c; i++) {
         w.most[i] = pk_max(w.most[i], w.norms[i]);
-        if (w.A[i * w.c + i] / w.most[i] <= found)
-            found = w.A[i * w.c + i] / w.most[i], is->row = (pk_real)i;
+        if (w.pivots[i] / w.most[i] <= found)
+            found = w.pivots[i] / w.most[i], is->row = (pk_real)i;
     }
     return PK_F(sqrt)(pk_max(found, 0));
 }
@@ -171,7 +172,8 @@ pk_real pk_passage_limit(const struct pk_integrator *it, pk_real limit)
 size_t pk_passage_told(const struct pk_integrator *it)
 {
     const struct pk_part_constraints *c = &it->problem.system->constraints;
-    return 2 * (c->n + c->n_redundant) + it->problem.system->n_rotations + 1 +
+    const size_t rows = pk_system_rows(it->problem.system, it->problem.params, 0);
+    return 2 * (rows + c->n_redundant) + it->problem.system->n_rotations + 1 +
            (size_t)pk_passage_parts(it).is->row;
 }
 
@@ -185,7 +187,7 @@ enum pk_status pk_passage_judge(struct pk_integrator *it)
     const pk_real h = it->own->next_t - it->t;
     pk_real off = 0, way = PK_TINY;
     for (size_t k = 0; k < w.rotation; k++) {
-        const pk_real root = PK_F(sqrt)(pk_ldl_diagonal(w.M, w.m, k));
+        const pk_real root = PK_F(sqrt)(pk_project_mass(&w, k));
         off = pk_max(off, root * pk_abs(q[k] - it->q[k] - h / 2 * (v[k] + it->v[k])));
         way = pk_max(way, root * pk_abs(h) * pk_max(pk_abs(v[k]), pk_abs(it->v[k])));
     }

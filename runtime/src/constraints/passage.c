@@ -72,7 +72,7 @@ static pk_real beside(const struct pk_projection *w, const pk_real *a, const pk_
 {
     pk_real off = 0, way = PK_TINY;
     for (size_t k = 0; k < count; k++) {
-        const pk_real root = PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k));
+        const pk_real root = PK_F(sqrt)(pk_project_mass(w, k));
         off = pk_max(off, root * pk_abs(a[k] - b[k]));
         way = pk_max(way, root * pk_abs(d ? c[k] - d[k] : c[k]));
     }

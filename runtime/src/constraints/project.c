@@ -37,12 +37,13 @@ int pk_project_dependent(struct pk_integrator *it)
     if (pk_project_inertia(&w, it->q, it->v))
         return 0;
     pk_project_rows(&w, it->q, it->v);
-    if (pk_project_factor(&w, w.c))
+    if (pk_project_factor(&w, w.c, it->q, it->v))
         return 0;                          /* steps say so themselves */
     for (size_t row = 0; row < w.c; row++) /* a pivot beside its diagonal: the square of a sine */
-        if (w.A[row * w.c + row] < DEPENDENT * w.norms[row]) {
+        if (w.pivots[row] < DEPENDENT * w.norms[row]) {
             it->where = row;
-            pk_project_explain(&w, w.c, row);
+            if (w.whole)
+                pk_project_explain(&w, w.c, row);
             return 1;
         }
     return 0;
@@ -69,21 +70,6 @@ static int judged(pk_real ratio, pk_real before, int count)
     if (ratio <= ROUND || (count && ratio >= before / 2 && ratio <= STALLED))
         return 1;
     return !pk_finite(ratio) || count == MOST ? -1 : 0;
-}
-
-/* d = M^-1 J^T mu of the first rows, with mu from the residuals. */
-static size_t correction(struct pk_projection *w, const pk_real *residual, size_t rows)
-{
-    const size_t singular = pk_project_factor(w, rows);
-    if (singular)
-        return singular;
-    memcpy(w->mu, residual, rows * sizeof *w->mu);
-    pk_ldl_solve(w->A, rows, w->mu);
-    memset(w->d, 0, w->m * sizeof *w->d);
-    for (size_t i = 0; i < rows; i++)
-        for (size_t k = 0; k < w->m; k++)
-            w->d[k] += w->W[i * w->m + k] * w->mu[i];
-    return 0;
 }
 
 static void subtract(pk_real *x, const pk_real *d, pk_real *low, size_t count)
@@ -129,6 +115,10 @@ static pk_real beside_way(const struct pk_integrator *it, const struct pk_projec
         pk_real way = 0;
         for (size_t j = 0; j < w->m; j++) {
             pk_real x = ends[end][j];
+            if (!w->whole) { /* by the diagonal of M alone */
+                way += w->M[j] * (h * x) * (h * x);
+                continue;
+            }
             for (size_t i = j + 1; i < w->m; i++)
                 x += w->M[i * w->m + j] * ends[end][i];
             way += w->M[j * w->m + j] * (h * x) * (h * x);
@@ -167,9 +157,11 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
         w->depends[0] = 0;
         if (done > 0)
             return PK_DONE;
-        const size_t singular = done ? 0 : correction(w, residual, rows);
+        const size_t singular = done ? 0 : pk_project_factor(w, rows, q, v);
         if (singular)
             which = singular - 1;
+        else if (!done)
+            pk_project_solve(w, rows, residual);
         if (done || singular ||
             (!count &&
              (of_rates ? off(it, w, ratio, v, it->n, w->m) : off(it, w, ratio, q, 0, w->rotation))))
@@ -208,7 +200,7 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
     PK_TRY(correct(it, &w, q, v, low_q, low_v, 0, moved));
     PK_TRY(correct(it, &w, q, v, low_q, low_v, 1, moved));
     if (!it->own->seen)
-        pk_passage_unseen(it, &w);
+        pk_passage_unseen(it, &w, q, v);
     return PK_DONE;
 }
 

@@ -9,21 +9,17 @@
 #define DEBRIS (64 * PK_EPS) /* beside the largest number */
 
 size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
-                         const pk_real *terms, const pk_real *J, size_t rows, const pk_real *x,
-                         int of_rates)
+                         const pk_real *terms, const pk_real *slopes, size_t rows,
+                         const pk_real *x, int of_rates)
 {
     pk_real most = 0;
     for (size_t k = 0; k < w->m; k++) {
         const pk_real size = k < w->rotation || of_rates ? pk_abs(x[k]) : 1;
-        most = pk_max(most, PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k)) * size);
+        most = pk_max(most, PK_F(sqrt)(pk_project_mass(w, k)) * size);
     }
-    for (size_t i = 0; i < rows; i++) {
-        pk_real slope = 0;
-        for (size_t k = 0; k < w->m; k++)
-            slope += pk_abs(J[i * w->n + k]) / PK_F(sqrt)(pk_ldl_diagonal(w->M, w->m, k));
-        if (!(pk_abs(residual[i]) <= PK_WRITTEN * terms[i] + DEBRIS * slope * most))
+    for (size_t i = 0; i < rows; i++)
+        if (!(pk_abs(residual[i]) <= PK_WRITTEN * terms[i] + DEBRIS * slopes[i] * most))
             return i;
-    }
     return rows;
 }
 
@@ -34,13 +30,14 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
     if (!it->own->project || !system->constraints.n_redundant)
         return PK_DONE;
     const size_t h = system->constraints.n_redundant_holonomic;
-    const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     const size_t first = 2 * w.c + system->n_rotations;
     system->constraints.redundant(w.params, t, q, v, pk_eval_input(it, t), w.off, w.off_size,
                                   w.off_rows);
-    size_t row = pk_project_broken(&w, w.off, w.off_size, w.off_rows, h, q, 0);
+    pk_project_slopes(&w, q, v, w.off_rows, w.r, w.off_slopes);
+    size_t row = pk_project_broken(&w, w.off, w.off_size, w.off_slopes, h, q, 0);
     if (row < h)
         return pk_because(it, status, first + row, w.off[row]);
-    row = pk_project_broken(&w, w.off + h, w.off_size + h, w.off_rows, w.r, v, 1);
+    row = pk_project_broken(&w, w.off + h, w.off_size + h, w.off_slopes, w.r, v, 1);
     return row < w.r ? pk_because(it, status, first + w.r + row, w.off[h + row]) : PK_DONE;
 }

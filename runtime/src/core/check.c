@@ -58,6 +58,7 @@ int pk_sides_missing(const struct pk_integrator *it)
 const char *pk_missing_kernel(const struct pk_system *system, const struct pk_method *method)
 {
     const int turns = system->n_rotations > 0, c = system->constraints.n > 0;
+    const int loops = system->constraints.factor != NULL;
     /* Momenta are those of `unconstrained` where there are rotations or constraints. */
     const unsigned own = turns || c ? PK_HOLONOMIC : 0, plain = turns || c ? 0 : PK_HOLONOMIC;
     const struct {
@@ -65,13 +66,13 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
         unsigned traits;
         int there;
     } kernels[] = {
-        {"constraint_jacobian", c ? ~0u : 0, system->constraints.jacobian != NULL},
+        {"constraint_jacobian", c ? ~0u : 0, system->constraints.jacobian || loops},
         {"residual_scale", c ? ~0u : 0, system->constraints.scale != NULL},
         {"constraint", c && system->constraints.n_holonomic ? ~0u : 0,
          system->constraints.values != NULL},
         {"redundant", system->constraints.n_redundant ? ~0u : 0,
          system->constraints.redundant != NULL},
-        {"inertia", c ? ~0u : own, system->inertia != NULL},
+        {"inertia", c && !loops ? ~0u : own, system->inertia != NULL},
         {"unconstrained", own, system->unconstrained != NULL},
         {"acceleration", ~0u, system->acceleration != NULL},
         {"canonical", PK_JACOBIANS | plain, system->canonical != NULL},

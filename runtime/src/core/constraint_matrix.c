@@ -15,48 +15,57 @@ static pk_real *take(pk_real *base, size_t *used, size_t count)
 /* Each step asks for it, so that it is written out. */
 static size_t lay_out(struct pk_projection *w, pk_real *base)
 {
-    const size_t n = w->n, c = w->c, r = w->r;
+    const size_t n = w->n, c = w->c, r = w->r, dense = w->whole ? c : 0;
     size_t used = 0;
     w->d = take(base, &used, 2 * n);
-    w->M = take(base, &used, n * n);
-    w->J = take(base, &used, c * n);
-    w->W = take(base, &used, c * n);
-    w->A = take(base, &used, c * c);
+    w->M = take(base, &used, w->whole ? n * n : n);
+    w->J = take(base, &used, dense * n);
+    w->W = take(base, &used, dense * n);
+    w->A = take(base, &used, dense * c);
     w->phi = take(base, &used, c);
     w->rate = take(base, &used, c);
     w->phi_size = take(base, &used, c);
     w->rate_size = take(base, &used, c);
     w->mu = take(base, &used, c);
+    w->pivots = take(base, &used, c);
     w->norms = take(base, &used, c);
     w->most = take(base, &used, c);
     w->depends = take(base, &used, 1 + c);
     w->off = take(base, &used, 2 * r);
     w->off_size = take(base, &used, 2 * r);
     w->off_rows = take(base, &used, r * n);
+    w->off_slopes = take(base, &used, r);
     return used;
 }
 
-size_t pk_project_room(const struct pk_system *system, size_t n)
+static struct pk_projection shape(const struct pk_problem *problem, size_t n)
 {
-    struct pk_projection w = {.n = n, .c = system->constraints.n};
+    const struct pk_system *system = problem->system;
+    struct pk_projection w = {.system = system, .params = problem->params, .n = n};
+    w.whole = !system->constraints.factor;
+    w.c = pk_system_rows(system, problem->params, 0);
+    w.h = pk_system_rows(system, problem->params, 1);
     w.r = system->constraints.n_redundant;
+    w.rotation = n - pk_system_first_order(system, problem->params);
+    w.m = w.rotation + 3 * system->n_rotations;
+    return w;
+}
+
+size_t pk_project_room(const struct pk_problem *problem, size_t n)
+{
+    struct pk_projection w = shape(problem, n);
     return lay_out(&w, NULL);
 }
 
-size_t pk_project_size(const struct pk_system *system, size_t n)
+size_t pk_project_size(const struct pk_problem *problem, size_t n)
 {
-    return system->constraints.n || system->n_rotations ? pk_project_room(system, n) : 0;
+    const struct pk_system *system = problem->system;
+    return system->constraints.n || system->n_rotations ? pk_project_room(problem, n) : 0;
 }
 
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room)
 {
-    const struct pk_system *system = problem->system;
-    struct pk_projection w = {.system = system, .params = problem->params, .n = n};
-    w.c = system->constraints.n;
-    w.h = system->constraints.n_holonomic;
-    w.r = system->constraints.n_redundant;
-    w.rotation = n - system->n_first_order;
-    w.m = w.rotation + 3 * system->n_rotations;
+    struct pk_projection w = shape(problem, n);
     lay_out(&w, room);
     return w;
 }
@@ -64,6 +73,10 @@ struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n
 size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
     const struct pk_system *system = w->system; /* without either, `mass` is the inertia */
+    if (!w->whole) {
+        system->constraints.diagonal(w->params, w->t, q, v, w->u, w->M);
+        return 0; /* factored with the rows */
+    }
     (system->inertia ? system->inertia : system->mass)(w->params, w->t, q, v, w->u, w->M);
     for (size_t i = 1; i < w->m; i++) /* without the columns of quaternions and states */
         memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
@@ -72,7 +85,10 @@ size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_re
 
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
-    w->system->constraints.jacobian(w->params, w->t, q, v, w->u, w->J, w->rate);
+    if (w->whole)
+        w->system->constraints.jacobian(w->params, w->t, q, v, w->u, w->J, w->rate);
+    else
+        w->system->constraints.rates(w->params, w->t, q, v, w->u, w->rate);
     if (w->h)
         w->system->constraints.values(w->params, w->t, q, v, w->u, w->phi);
 }
@@ -80,6 +96,22 @@ void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
     w->system->constraints.scale(w->params, w->t, q, v, w->u, w->phi_size, w->rate_size);
+}
+
+void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real *v,
+                       const pk_real *J, size_t rows, pk_real *out)
+{
+    for (size_t k = 0; k < w->m; k++)
+        w->d[k] = 1 / PK_F(sqrt)(pk_project_mass(w, k));
+    if (!w->whole) {
+        w->system->constraints.spread(w->params, w->t, q, v, w->u, w->d, out);
+        return;
+    }
+    for (size_t i = 0; i < rows; i++) {
+        out[i] = 0;
+        for (size_t k = 0; k < w->m; k++)
+            out[i] += pk_abs(J[i * w->n + k]) * w->d[k];
+    }
 }
 
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
@@ -102,9 +134,27 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
         x[i] *= PK_F(sqrt)(w->norms[i] / (w->norms[row] + PK_TINY));
 }
 
-size_t pk_project_factor(struct pk_projection *w, size_t rows)
+/* 1 + the row without a pivot, and what it is of the others. */
+static size_t lost(struct pk_projection *w, size_t row)
+{
+    w->system->constraints.shares(w->params, row, w->depends + 1);
+    w->depends[0] = (pk_real)(row + 1);
+    w->depends[1 + row] = 0;
+    return row + 1;
+}
+
+size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q, const pk_real *v)
 {
     const size_t m = w->m, c = rows;
+    w->depends[0] = 0;
+    if (!w->whole) {
+        const int failed = w->system->constraints.factor(w->params, w->t, q, v, w->u, rows < w->c,
+                                                         w->pivots, w->norms);
+        if (!failed)
+            return 0;
+        const size_t at = (size_t)PK_FAILURE_AT(failed);
+        return PK_FAILURE(failed) == PK_FAILURE_CONSTRAINT ? lost(w, at) : 1;
+    }
     for (size_t i = 0; i < c; i++) {
         memcpy(w->W + i * m, w->J + i * w->n, m * sizeof *w->W);
         pk_ldl_solve(w->M, m, w->W + i * m);
@@ -119,9 +169,10 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows)
     for (size_t i = 0; i < c; i++)
         w->norms[i] = w->A[i * c + i];
     const size_t failed = pk_ldl_factor(w->A, c);
-    w->depends[0] = 0;
     if (failed)
         pk_project_explain(w, c, failed - 1);
+    for (size_t i = 0; i < c; i++)
+        w->pivots[i] = w->A[i * c + i];
     return failed;
 }
 
@@ -130,12 +181,26 @@ void pk_project_seen(struct pk_integrator *it, const struct pk_projection *w)
     const pk_real low = 4 * PK_NEAR * PK_NEAR, far = PK_FAR * PK_FAR;
     int seen = PK_SEEN;
     for (size_t i = 0; i < w->c; i++) {
-        const pk_real pivot = w->A[i * w->c + i];
+        const pk_real pivot = w->pivots[i];
         w->most[i] = pk_max(w->most[i], w->norms[i]);
         seen |= (pivot < low * w->most[i] ? PK_SEEN_LOW : 0) |
                 (pivot < far * w->most[i] ? PK_SEEN_DIPS : 0);
     }
     it->own->seen = seen;
+}
+
+void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r)
+{
+    if (!w->whole) {
+        w->system->constraints.solve(w->params, NULL, r, w->d, w->mu);
+        return;
+    }
+    memcpy(w->mu, r, rows * sizeof *w->mu);
+    pk_ldl_solve(w->A, rows, w->mu);
+    memset(w->d, 0, w->m * sizeof *w->d);
+    for (size_t i = 0; i < rows; i++)
+        for (size_t k = 0; k < w->m; k++)
+            w->d[k] += w->W[i * w->m + k] * w->mu[i];
 }
 
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v)
@@ -145,9 +210,9 @@ enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, c
     w.u = it->own->u;
     if (!pk_project_inertia(&w, q, v)) {
         pk_project_rows(&w, q, v);
-        const size_t row = pk_project_factor(&w, w.c);
+        const size_t row = pk_project_factor(&w, w.c, q, v);
         it->where = row ? row - 1 : it->where;
-        if (!row) /* found by the acceleration alone */
+        if (!row && w.whole) /* found by the acceleration alone */
             pk_project_explain(&w, w.c, it->where);
     }
     return PK_NO_PROJECTION;

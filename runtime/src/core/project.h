@@ -14,29 +14,31 @@ struct pk_projection {
     const pk_real *u;
     pk_real t;
     size_t n, m, c, h, rotation; /* rotation: where body rates begin */
-    pk_real *M;                  /* m by m, factored */
+    int whole;                   /* whether the matrices are here: not of families kept as loops */
+    pk_real *M;                  /* m by m, factored; else its diagonal */
     pk_real *J, *W, *A;          /* J; M^-1 of each row of it; J M^-1 J^T, factored */
     pk_real *phi, *rate;         /* residuals of position and of the rates */
     pk_real *phi_size;           /* of the terms that a residual is made of */
     pk_real *rate_size;
     pk_real *mu, *d;  /* multipliers; 2 n numbers: a correction, and what is behind it */
-    pk_real *norms;   /* the diagonal that A had, and the most that each of it was at a step's end */
-    pk_real *most;
-    pk_real *depends; /* 1 + the row that depends on earlier ones, or 0; by how much */
+    pk_real *pivots;  /* of A; the diagonal that it had, and the most that was at a step's end */
+    pk_real *norms, *most;
+    pk_real *depends; /* 1 + the row that depends on others, or 0; by how much of each */
     size_t r;         /* redundant rows */
-    pk_real *off, *off_size, *off_rows; /* what these are off, 2 r; of what sizes; their J */
+    /* What these are off, 2 r, and of what sizes; their J, and slopes as those of the others. */
+    pk_real *off, *off_size, *off_rows, *off_slopes;
 };
 
-/* Whether there are rows of rates that are no rates of positions. */
+/* Whether there are rows of rates that are no rates of positions: as many at all sizes or none. */
 static inline int pk_rolls(const struct pk_system *system)
 {
     return system->constraints.n > system->constraints.n_holonomic;
 }
 
 /* pk_real of room for a system of n degrees of freedom; 0 where there is nothing to project. */
-size_t pk_project_size(const struct pk_system *system, size_t n);
+size_t pk_project_size(const struct pk_problem *problem, size_t n);
 /* The same room for any system, also without constraints. */
-size_t pk_project_room(const struct pk_system *system, size_t n);
+size_t pk_project_room(const struct pk_problem *problem, size_t n);
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room);
 /* The inertia there, factored: 0, or 1 + the pivot that fails. Then J and all residuals; and
  * the sizes of their terms, which rounding is to be measured by. */
@@ -45,8 +47,19 @@ void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v);
 /* The largest residual beside its terms, or what is no number, and of which row it is. */
 pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which);
-/* J M^-1 J^T of the first rows, factored: 0, or 1 + the row that depends on those before it. */
-size_t pk_project_factor(struct pk_projection *w, size_t rows);
+/* J M^-1 J^T of the first rows, all or those of positions, at a state: factored: 0, or 1 + the row
+ * that depends on others. J is there. */
+size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q, const pk_real *v);
+/* d = M^-1 J^T mu of these rows, with J d = r. */
+void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r);
+/* M_kk; and of so many rows J, the rows' own where there are no matrices, sum_k |J_ik| / sqrt(M_kk).
+ * It takes d. */
+static inline pk_real pk_project_mass(const struct pk_projection *w, size_t k)
+{
+    return w->whole ? pk_ldl_diagonal(w->M, w->m, k) : w->M[k];
+}
+void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real *v,
+                       const pk_real *J, size_t rows, pk_real *out);
 #define PK_NEAR PK_C(0.2) /* sigma, below which it is watched to fall; of fixed steps twice that */
 #define PK_FAR PK_C(0.9) /* sigma, above which a fixed step meets no such place */
 /* A at the step's end has been factored: how near it is to such a position, in it->own->seen.
@@ -78,8 +91,8 @@ enum pk_status pk_project_start(struct pk_integrator *it);
  * positions, where attitudes count as 1, or rates; M is factored. */
 #define PK_WRITTEN pk_max(PK_C(1e-8), 64 * PK_EPS) /* of its terms */
 size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
-                         const pk_real *terms, const pk_real *J, size_t rows, const pk_real *x,
-                         int of_rates);
+                         const pk_real *terms, const pk_real *slopes, size_t rows,
+                         const pk_real *x, int of_rates);
 /* Whether redundant rows hold where all others do: at the start as its numbers are written, later as
  * the rounding of those lets them. PK_OFF_CONSTRAINTS or PK_NO_PROJECTION, it->where behind what
  * the other rows and rotations have. */
@@ -95,7 +108,8 @@ void pk_passage_note(struct pk_integrator *it);
 enum pk_status pk_passage_judge(struct pk_integrator *it);
 /* A has not been factored, for nothing was to be put right: J and M are there, and each second time
  * A is made. */
-void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w);
+void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w, const pk_real *q,
+                       const pk_real *v);
 int pk_passage_due(struct pk_integrator *it, pk_real limit);
 /* How far an adaptive step may go: half of the way to such a position. */
 pk_real pk_passage_limit(const struct pk_integrator *it, pk_real limit);

@@ -30,7 +30,7 @@ static size_t lay_out(struct parts *w, const struct pk_problem *problem,
     w->most = w->most > n ? w->most : n;
     w->most = w->most > c ? w->most : c;
     const size_t m = w->most;
-    const struct pk_slot slots[] = {{&w->project, pk_project_room(system, n)},
+    const struct pk_slot slots[] = {{&w->project, pk_project_room(problem, n)},
                                     {&w->u, system->n_inputs},
                                     {&w->a, n},
                                     {&w->lost, n},
@@ -141,7 +141,7 @@ static pk_real of_rows(struct parts *w, struct pk_projection *at, const pk_real 
 {
     const size_t m = at->m, c = at->c;
     pk_project_rows(at, q, v);
-    if (pk_project_factor(at, c))
+    if (pk_project_factor(at, c, q, v))
         return PK_INFINITY;
     const pk_real found = of_ldl(w, at->A, c);
     if (!at->system->constraints.multipliers) { /* they may lose as much */

@@ -26,9 +26,10 @@ static size_t lay_out(struct corner *x, const struct pk_system *system, size_t n
                       pk_real *base)
 {
     const size_t c = system->constraints.n, k = system->switches.n;
+    const struct pk_problem problem = {.system = system}; /* no families as loops have impulses */
     /* clang-format off */
     const struct pk_slot slots[] = {
-        {w, pk_project_room(system, n)}, {&x->p0, n}, {&x->p, 2 * n}, {&x->v, n}, {&x->along, n},
+        {w, pk_project_room(&problem, n)}, {&x->p0, n}, {&x->p, 2 * n}, {&x->v, n}, {&x->along, n},
         {&x->first, 2 * n}, {&x->lambda, c}, {&x->by, c}, {&x->phi, c}, {&x->J, c * n},
         {&x->before, 2 * k}, {&x->sides, 2 * k}, {&x->slopes, (n + 1) * k}};
     /* clang-format on */
@@ -72,7 +73,7 @@ void pk_corner_rows(struct corner *x, const pk_real *v)
 static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *rate, pk_real *mu)
 {
     struct pk_projection *w = &x->w;
-    if (pk_project_inertia(w, x->q, v) || pk_project_factor(w, w->c))
+    if (pk_project_inertia(w, x->q, v) || pk_project_factor(w, w->c, x->q, v))
         return -1;
     pk_ldl_solve(w->M, w->m, d);
     for (size_t j = 0; j < w->c; j++)

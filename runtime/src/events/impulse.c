@@ -160,7 +160,7 @@ int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
     const size_t row = (size_t)it->own->condition;
     char other[128] = "";
     if (it->detail <= (pk_real)ROLLING)
-        pk_constraint_name(system, row, other, sizeof other);
+        pk_constraint_name(system, it->problem.params, row, other, sizeof other);
     else if (it->detail >= (pk_real)ORDER && it->detail <= (pk_real)ORDER)
         snprintf(other, sizeof other, "%s",
                  row < system->switches.n ? system->switches.names[row].name : "x");

@@ -43,7 +43,7 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
         {&own->lane, system->lanes ? 0 : 3 * n + system->n_inputs},
         {&own->work, method->size ? method->size(method, n) : pk_splitting_size(system, method, n)},
         {&own->singularities, pk_singularity_size(singularities, n)},
-        {&own->project, pk_project_size(system, n)},
+        {&own->project, pk_project_size(problem, n)},
         {&own->marks, pk_marks_size(system, n)},
         {&own->passage, pk_passage_size(system, n)},
         {&own->params, pk_params_reals(system)},
@@ -111,7 +111,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         memset(it->own->atol, 0, pk_scale_size(method, it->n) * sizeof *it->own->atol);
     if (!it->own->n_singularities)
         it->own->singularities = NULL;
-    if (!pk_project_size(system, it->n))
+    if (!pk_project_size(problem, it->n))
         it->own->project = NULL;
     if (!system->constraints.n)
         it->own->passage = NULL;

@@ -51,7 +51,7 @@ static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_w
     if (!w->c)
         return PK_DONE;
     pk_project_rows(&w->at, q, v);
-    const size_t singular = pk_project_factor(&w->at, w->c);
+    const size_t singular = pk_project_factor(&w->at, w->c, q, v);
     it->where = singular ? singular - 1 : 0;
     if (!singular)
         pk_project_seen(it, &w->at);

@@ -36,6 +36,7 @@ def functions(
     prepare: Sequence[Statement],
     factored: bool,
     block: bool,
+    bound: bool = False,
 ) -> str:
     """`prepare` computes the `count` hoisted constants; M is `factored` once, and that or families
     of parameters are in a `block` of memory."""
@@ -54,7 +55,8 @@ def functions(
         yield If(unfit, [Return("PK_FAILED(PK_FAILURE_SIZE, 0)")])
         yield from checks(rows)
         yield from hoisted(count, statements(prepare))
-        value = f"{model}_factored(p, 0, NULL, NULL, NULL)" if factored else "0"
+        alone = ", 0, NULL, NULL" if bound else ""
+        value = f"{model}_factored(p, 0, NULL, NULL, NULL{alone})" if factored else "0"
         yield from (Assign("p->failed_", value), Return("0"))
 
     found = [

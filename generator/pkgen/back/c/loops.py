@@ -94,6 +94,10 @@ class Places:
             self.first[group.name] = total
             total = total + group.count
         self.whole = total  # numbers of q with carried values behind them
+        total = Affine()
+        for rows in e.bound:  # in lambda
+            self.first[rows.group.name] = total
+            total = total + rows.group.count
 
     def index(self, at: Affine) -> str:
         """An index as C."""
@@ -108,7 +112,8 @@ class Places:
 
     def _lo(self, name: str) -> Affine:
         e = self.equations
-        groups = (*e.coordinates, *e.parameters, *e.carried_groups)
+        rows = (bound.group for bound in e.bound)
+        groups = (*e.coordinates, *e.parameters, *e.carried_groups, *rows)
         return next(g.lo for g in groups if g.name == name)
 
     def carried(self, kind: str, name: str, at: Affine) -> tuple[str, Affine]:
@@ -207,6 +212,10 @@ class Lowering(Hoisting):
         if slot.name in self.carried:
             array, place = places.carried(slot.kind, slot.name, slot.at)
             return Code(f"{array}[{places.index(place)}]", (array, *places.names_in(place)))
+        if slot.kind == "lambda":
+            place = places.flat(slot.name, slot.at)
+            array = f"{self.prefix}lambda"
+            return Code(f"{array}(p)[{places.index(place)}]", (array, "p", *places.names_in(place)))
         array = "q" if slot.kind == "q" else "v"
         inside = where in (INNER, PAIR)
         if slot.at is None or inside or not any(slot.at.factor(v) for v in LOOPS):

@@ -11,7 +11,7 @@ from ...equations import Quantity
 from ...graph.affine import ROW, Affine
 from ...graph.graph import Node
 from ...middle.loops.expand import size_values
-from ...middle.loops.loops import Assigned, Group, Limit, LoopEquations
+from ...middle.loops.loops import Assigned, Bound, Group, Limit, LoopEquations
 from ...middle.quantities import input_quantities
 from ...record import record
 from ..facts import loop_facts, loop_invariants
@@ -21,8 +21,9 @@ from . import loop_parameters, parameter_code, tables
 from .describe import labelled
 from .helpers import helpers
 from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
+from .loops_bound import bound_context, shape_of
 from .loops_chain import chain_context
-from .loops_plan import TOTALS, VECTORS, emitted, entries, planned, within
+from .loops_plan import TOTALS, VECTORS, divides, emitted, entries, planned, within
 from .loops_sets import Builder, Guarded
 from .parameter_code import ParameterCode
 from .program import Interval, operations_text
@@ -94,7 +95,7 @@ class _Context:
     def text(self) -> dict[str, Any]:
         e, w, plan, index = self.e, self.lowering, self.plan, self.places.index
         model, group = e.model, self.places.group
-        diagonal = e.mass.is_diagonal and not e.carried
+        diagonal = divides(e)
         alone = diagonal and not e.force.pairs
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
         acceleration = "carried" if e.carried else acceleration
@@ -107,6 +108,7 @@ class _Context:
         chain = chain_context(plan.chain)
         parameters = [self._parameter(k) for k in range(len(e.parameters))]
         system = self._system_kernels()
+        free = {"force", "canonical"} if e.bound else set()  # of the system they have J^T lambda
         in_block = any(g.is_family for g in e.parameters)
         names = {
             "coordinates": [_quantity(g, "{}", "unit", "integral of {}") for g in e.coordinates],
@@ -115,9 +117,10 @@ class _Context:
             "inputs": input_quantities(model, e.orders),
             "observed": model.observed,
             "conserved": model.conserved,
+            "constraints": [_multiplier(rows) for rows in e.bound],
         }
         return {
-            **frame(model, e.facts, set(system), parameters, names),
+            **frame(model, e.facts, set(system) - free, parameters, names),
             "n": e.count.value(size_values(model)),
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
@@ -134,6 +137,7 @@ class _Context:
                 w.hoisted_count,
                 w.prepare,
                 factored=e.facts.mass_constant and not (diagonal or e.carried),
+                bound=bool(e.bound),
                 block=in_block or not diagonal,
             ),
             "sizes": [
@@ -161,10 +165,12 @@ class _Context:
                 for kernel in kernels
                 for outputs in [within(e)[kernel["name"]]]
             ],
+            **bound_context(e, plan, self.places),
             "totals": plan.totals,
             "pairs": plan.pairs,
             "vectors": kernels,
             "with_mass": "mass" in self.kernels,
+            "with_canonical": "canonical" in self.kernels,
             "scalar_kernels": [k for k in TOTALS if k in plan.totals],
             "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS, *self.outputs)},
             "outputs": {k: x.statements for k, x in self.outputs.items() if x.targets},
@@ -174,6 +180,7 @@ class _Context:
                 "pivots": ("mass" if diagonal else "pivots") if e.pivots else "",
             },
             "n_sums": len(e.sums),
+            "with_lambda": any(slot.kind == "lambda" for slot in e.slots),
             "chunk": CHUNK,
             "widest": WIDEST_BOND,
             "acceleration": acceleration,
@@ -279,13 +286,8 @@ class _Context:
     def _band(self) -> dict[str, Any]:
         """The shape of M: cells interleaved by index, then scalar coordinates as a border."""
         e = self.e
-        names = [g.name for g in e.families]
-        apart = (
-            abs(shift * len(names) + names.index(b) - names.index(a))
-            for a, b, shift in e.mass.entries
-        )
         return {
-            "width": max(apart, default=0),
+            **shape_of(e, self.places),
             "periodic": any(g.periodic for g in e.families),
             "corner": [{"a": a, "b": b, "key": f"mass_{a}_{b}"} for a, b in e.mass.corner],
             "scalars": [g.name for g in e.scalars],
@@ -328,6 +330,11 @@ class _Context:
 
 def _value(node: Node, where: str) -> Block:
     return Block.of(RETURN, "", [node], where)
+
+
+def _multiplier(rows: Bound) -> Quantity:
+    declared = rows.group.declared
+    return Quantity(f"lambda_{rows.name}", declared.unit, declared.description)
 
 
 def _quantity(g: Group, form: str, unit: str, of_state: str = "{}") -> Quantity:

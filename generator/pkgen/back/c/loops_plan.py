@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from ...middle.loops.loops import Group, LoopEquations, Row
+from ...middle.loops.loops import Bound, Group, LoopEquations, Row, Total
 from .loops import Block
 from .loops_chain import Chain
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
@@ -19,6 +19,15 @@ VECTORS = {
     "momenta": {"momenta": "momenta"},
     "gradient": {"dLdq": "gradient"},
 }
+# Those that write a value for each row of the constraints.
+BOUND: dict[str, Callable[[Bound], Row | Total]] = {
+    "constraint": lambda rows: rows.position,
+    "constraint_rates": lambda rows: rows.rate,
+    "coasting": lambda rows: rows.coasting,
+    "position_size": lambda rows: rows.sizes[0],
+    "rate_size": lambda rows: rows.sizes[1],
+}
+OF_POSITIONS = ("constraint", "position_size")
 PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}  # to the last output
 
 
@@ -32,10 +41,15 @@ class Plan:
     pairs: dict[str, list[PairSet]] = field(default_factory=dict)
     singularities: list[TotalSet] = field(default_factory=list)
     chain: Chain | None = None
+    jacobian: dict[str, RowSet] = field(default_factory=dict)  # of rows within the band
+    border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family
+    bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # and by rows
 
     @property
     def blocks(self) -> Iterator[Block]:
         sets = [*(s for found in self.rows.values() for s in found), *self.band]
+        sets += [*self.jacobian.values(), *self.border.values()]
+        sets += [s for found in self.bound.values() for s in found.values()]
         for found in (*sets, *self.totals.values()):
             yield from found.blocks
         yield from (pair.block for pairs in self.pairs.values() for pair in pairs)
@@ -51,14 +65,19 @@ def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
     named |= {"mass", "advance"}
     if wanted is None:
         return frozenset(named)
-    alone = e.mass.is_diagonal and not e.force.pairs  # a row of the acceleration is made by itself
-    solved = set() if alone else {"force"} if e.mass.is_diagonal else {"force", "mass"}
+    alone = divides(e) and not e.force.pairs  # a row of the acceleration is made by itself
+    solved = set() if alone else {"force"} if divides(e) else {"force", "mass"}
     return frozenset(named & wanted | solved)
 
 
 def within(e: LoopEquations) -> dict[str, dict[str, str]]:
     """What these write where L is taken as it stands: of carried values dL/dq takes momenta."""
     return VECTORS | ({"gradient": {"momenta": "momenta", "dLdq": "gradient"}} if e.carried else {})
+
+
+def divides(e: LoopEquations) -> bool:
+    """Whether M a = f is a division a row."""
+    return e.mass.is_diagonal and not (e.bound or e.carried)
 
 
 def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
@@ -81,7 +100,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
             total(f"{what}_{g.name}", getattr(e, what).totals[g.name])
     if e.carried:
         plan.chain = Chain(e, make.places, make)
-    elif e.mass.is_diagonal:
+    elif divides(e):
         plan.rows["mass"] = [make.rows(f"mass_{g.name}", g, [_own(e, g)]) for g in e.families]
         if not e.force.pairs:
             plan.rows["acceleration"] = [
@@ -93,6 +112,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
             make.rows(f"mass_{g.name}", g, [row for _, row in entries(e, g)], ghosts=False)
             for g in e.families
         ]
+    _plan_bound(e, make, plan)
     for (a, b), of in e.mass.corner.items():
         total(f"mass_{a}_{b}", of)
     for what in TOTALS:
@@ -108,6 +128,34 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
         if kernel in kernels:
             plan.pairs[kernel] = [make.pair(pair) for pair in getattr(e, what).pairs]
     return plan
+
+
+def _plan_bound(e: LoopEquations, make: Builder, plan: Plan) -> None:
+    for rows in e.bound:
+        own = rows.group
+        if not rows.is_single:
+            name = f"jacobian_{own.name}"
+            plan.jacobian[own.name] = make.rows(name, own, [*rows.entries.values()])
+        for scalar, of in rows.corner.items():
+            name = f"jacobian_{own.name}_{scalar}"
+            plan.totals[name] = make.total(name, of)
+    for g in e.families:
+        found = [rows.border[g.name] for rows in singles(e, g)]
+        if found:
+            plan.border[g.name] = make.rows(f"border_{g.name}", g, found, ghosts=False)
+    for kernel, of in BOUND.items() if e.bound else ():
+        plan.bound[kernel] = {
+            rows.group.name: make.total(f"{kernel}_{rows.group.name}", of(rows), as_derived=True)
+            if rows.is_single
+            else make.rows(f"{kernel}_{rows.group.name}", rows.group, [of(rows)])
+            for rows in e.bound
+            if rows.holonomic or kernel not in OF_POSITIONS
+        }
+
+
+def singles(e: LoopEquations, g: Group) -> list[Bound]:
+    """The single rows in which members of a family move."""
+    return [rows for rows in e.bound if g.name in rows.border]
 
 
 def _own(e: LoopEquations, g: Group) -> Row:

@@ -61,10 +61,15 @@ class Bodies:
             (_, lo, hi) = term.ranges[0]
         self.found.limits += self.x.limits_over(lo, hi)
         for slot in self.x.slots.below(body):
-            if slot.kind in CELLS and slot.at is not None and term.ranges:
-                self._relative(slot)
-                self.in_reach(slot, lo, hi)
+            if term.ranges:
+                self.member(slot, lo, hi)
         return body
+
+    def member(self, slot: Slot, lo: Affine, hi: Affine) -> None:
+        """That a member is at a fixed distance from its row, and within reach of all rows lo..hi."""
+        if slot.kind in CELLS and slot.at is not None:
+            self._relative(slot)
+            self.in_reach(slot, lo, hi)
 
     def _relative(self, slot: Slot) -> None:
         if slot.at.factor(ROW) == 0:

@@ -11,6 +11,7 @@ from ..derive.impulses import Across, arguments_of
 from ..expand.names import entered
 from ..quantities import indexed, refuse_constant
 from .bodies import Gathered
+from .bound import bound_of
 from .carried import carried_of, check_chain, inert
 from .expand import LoopExpander, size_values
 from .facts import facts_of, total_nodes, vector_nodes
@@ -23,8 +24,6 @@ from .terms import Term, terms
 
 def derive_loops(model: Model) -> LoopEquations:
     """The equations of motion with every family kept as a loop. Raises Unrolled."""
-    if model.constraints:
-        raise Unrolled("a model with constraints has its families written out")
     if model.rotations:
         raise Unrolled("a model with rotations has its families written out")
     return entered(model, lambda orders: _derive(LoopExpander(model, orders)))
@@ -64,6 +63,9 @@ def _derive(x: LoopExpander) -> LoopEquations:
     mass = _band(gather.found)
     _check_inertia(x, mass, carried)
     check_chain(x, mass, carried)
+    bound = bound_of(x, gather)
+    if bound and carried:
+        raise Unrolled("constraints stand beside a `let` defined by its own members")
     outputs = Outputs(x, gather, kinetic, potential, lagrangian, energy, vectors["momenta"])
     observed = outputs.nodes(model.observed)
     conserved = outputs.nodes(model.conserved)
@@ -98,6 +100,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         limits=_limits(x, gather.found.limits),
         wraps=gather.found.wraps,
         carried=carried,
+        bound=bound,
     )
     _check_points(x, result)
     _check_jumps(x, result)
@@ -188,6 +191,8 @@ def _check_jumps(x: LoopExpander, result: LoopEquations) -> None:
     ends = [node for values in result.given.values() for node in values[:2]]
     if arguments_of(x.graph, ends):
         raise Unrolled("the motion of a fixed end bends or jumps")
+    if arguments_of(x.graph, [node for rows in result.bound for node in rows.nodes]):
+        raise Unrolled("a constraint bends or jumps")
     bodies, across = [*total_nodes([result.lagrangian]), *(node for node, _ in x.primes)], None
     kinds = {
         "L jumps at a step, so that rates do": bodies,

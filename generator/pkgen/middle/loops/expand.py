@@ -42,6 +42,7 @@ class LoopExpander:
             self.definitions.setdefault(item.name, []).append(item)
         self.carried: dict[str, tuple[Group, ...]] = {}  # by name: a vector's components
         self.outputs: dict[str, Node] = {}  # built-in names of outputs, and those defined
+        self.multipliers: dict[str, list[Group]] = {}  # by name: of which rows
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self.sums: list[Total] | None = None  # where sums may stand in any expression
         self.make_total = None  # set by loops_outputs: Sum expression -> Total
@@ -150,9 +151,20 @@ class LoopExpander:
             if index is not None:
                 raise Unrolled(f"'{name}' is an output of each member")
             return self.outputs[name]
+        if name in self.multipliers:
+            return self._multiplier(name, index)
         if name in BUILT_IN:
             return self.graph.symbol(BUILT_IN[name])
         raise Unrolled(f"'{name}' is not known in a loop")
+
+    def _multiplier(self, name: str, index: Affine | None) -> Node:
+        """Of rows that are declared together."""
+        if len(self.multipliers[name]) > 1:
+            raise Unrolled(f"'{name}' is of rows that are declared piece by piece")
+        [group] = self.multipliers[name]
+        if index is not None:
+            self.members.append((group.lo, group.hi, index))
+        return self.slots.node("lambda", group.name, index if group.is_family else None)
 
     def _definition(self, name: str, index: Affine | None) -> Value:
         """A `let`, its expression entered where it is used."""

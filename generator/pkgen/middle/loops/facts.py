@@ -6,12 +6,13 @@ from collections.abc import Iterable
 
 from ...equations import Facts
 from ...graph.calls import jumps, smooth
+from ...graph.collect import settled
 from ...graph.differentiate import reachable
-from ...graph.graph import BIT, Kind, Node, Op
+from ...graph.graph import BIT, ZERO, Kind, Node, Op
 from ..analyze.affine import CONSTANT, VARYING, in_rates, is_affine
 from .carried import nodes_of
 from .expand import LoopExpander
-from .loops import CELLS, LoopEquations, Total, Vector
+from .loops import CELLS, LoopEquations, Slot, Total, Vector
 from .rows import Gather
 
 
@@ -27,26 +28,45 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     energies = total_nodes([e.lagrangian])
     entries += [node for item in e.carried for piece in item.pieces for node in piece.by.values()]
     constant = not _kinds(x, entries) & {"q", "v", "t", "input", "w"}
+    rows = [node for bound in e.bound for node in bound.nodes]
     steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
-    is_smooth = smooth(x.graph, reachable(x.graph, [*energies, *forces, *nodes_of(e.carried)]))
-    of_v = _in_rates(x, forces) if constant and not (e.states or e.carried) else 0
+    autonomous = steady and not _kinds(x, rows) & {"t", "input"}
+    others = [*rows, *nodes_of(e.carried)]
+    is_smooth = smooth(x.graph, reachable(x.graph, [*energies, *forces, *others]))
+    free = constant and not e.bound
+    of_v = _in_rates(x, forces) if free and not (e.states or e.carried) else 0
     coasting = [piece.coasting for item in e.carried for piece in item.pieces]
     jumping = any(jumps(x.graph, node) for node in reachable(x.graph, energies))
     return Facts(
         mass_constant=constant,
         mass_diagonal=e.mass.is_diagonal and not e.carried,
         quadratic="v" not in _kinds(x, entries),
-        separable=constant and not _kinds(x, [*forces, *coasting]) & {"v", "s"},
-        autonomous=steady,
+        separable=free and not _kinds(x, [*forces, *coasting]) & {"v", "s"},
+        autonomous=autonomous,
         conservative=bool(x.model.coordinates)
         and not (gather.applied or jumping or "s" in _kinds(x, energies + own))
-        and steady,
-        variational=not (gather.applied or e.states),
+        and steady
+        and (autonomous and _workless(x, e) if e.bound else True),
+        variational=not (gather.applied or e.states or e.bound),
         smooth=is_smooth,
-        affine=constant and steady and not e.carried and _affine(x, forces),
+        affine=free and steady and not e.carried and _affine(x, forces),
         linear_drag=of_v == CONSTANT,
         affine_rates=of_v in (CONSTANT, VARYING),
     )
+
+
+def _workless(x: LoopExpander, e: LoopEquations) -> bool:
+    """Whether rows are J v = 0: nothing is left of them at rest."""
+
+    def rest(slot: Slot) -> Node | None:
+        return ZERO if slot.kind == "v" else None
+
+    left = [
+        x.slots.swapped(node, rest)
+        for bound in e.bound
+        for node in (getattr(bound.rate, "constant", ZERO), *(p.node for p in bound.rate.parts))
+    ]
+    return all(node == ZERO for node in settled(x.graph, left))
 
 
 def _affine(x: LoopExpander, nodes: list[Node]) -> bool:

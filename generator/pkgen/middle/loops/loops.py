@@ -14,12 +14,13 @@ length of a family down to one member.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import field
 
 from ...equations import Facts
 from ...graph.affine import Affine
 from ...graph.graph import Graph, Node
-from ...model import Coordinate, Definition, End, Model, Parameter, State
+from ...model import Constraint, Coordinate, Definition, End, Model, Parameter, State
 from ...record import record
 
 
@@ -34,8 +35,9 @@ class Slot:
     kind: "q", "v", "s" (a first-order variable, which C has in v), "w" (the acceleration of a cell
     that is given as a function of t, 0 of a coordinate; of a carried value its acceleration where
     no coordinate has one), "d" (the rate of a coordinate, 0 of a given cell; of a carried value
-    what the rates of coordinates make of it), "param", "size", "index", "input", "sum", and
-    "place", whose name is its text in C. `at` is the index of a family's member.
+    what the rates of coordinates make of it), "param", "size", "index", "input", "sum", "lambda"
+    (of the rows of that key), and "place", whose name is its text in C. `at` is the index of a
+    family's member.
     """
 
     kind: str
@@ -51,7 +53,7 @@ class Group:
     """A declared coordinate, state or parameter: one scalar (lo is None) or a family lo..hi, and
     its ends; or a carried value, see `Carried`."""
 
-    declared: Coordinate | State | Parameter | Definition
+    declared: Coordinate | State | Parameter | Definition | Constraint
     lo: Affine | None
     hi: Affine | None
     ends: tuple[tuple[Affine, End], ...] = ()  # each given index outside the family
@@ -198,6 +200,48 @@ class Carried:
 
 
 @record
+class Bound:
+    """Rows J v + j0 of a `constraint` or a `rolling`, one for each member of a family, which lie in
+    the band of M, or a single one, which is kept whole behind it as a scalar coordinate is.
+
+    Of a family `entries` has J of row m by member m + shift of another, or by a scalar (None).
+    Of a single row `border` has it by a family's member m, and `corner` by a scalar.
+    """
+
+    name: str  # as declared
+    group: Group  # its name is the one in C, a number
+    position: Row | Total  # phi; nothing of a rolling
+    rate: Row | Total  # J v + j0
+    coasting: Row | Total  # the rate of that where nothing accelerates but what is given
+    sizes: tuple[Row | Total, Row | Total]  # of the terms of phi, and of J v + j0
+    entries: dict[tuple[str, int | None], Row] = field(default_factory=dict)
+    border: dict[str, Row] = field(default_factory=dict)
+    corner: dict[str, Total] = field(default_factory=dict)
+
+    @property
+    def holonomic(self) -> bool:
+        return self.group.declared.holonomic
+
+    @property
+    def is_single(self) -> bool:
+        return not self.entries
+
+    @property
+    def ranged(self) -> Iterator[tuple[tuple[Affine, ...], Node]]:
+        """Whatever a run computes of them, each with the range of its index, () where it has none."""
+        found = [self.position, self.rate, self.coasting]
+        found += [*self.entries.values(), *self.border.values(), *self.corner.values()]
+        for x in found:
+            yield from (((part.lo, part.hi), part.node) for part in x.parts)
+            if isinstance(x, Total):
+                yield (), x.constant
+
+    @property
+    def nodes(self) -> list[Node]:
+        return [node for _, node in self.ranged]
+
+
+@record
 class Assigned:
     """Members lo..hi of a declared name take the value of a node, m being the index."""
 
@@ -267,6 +311,7 @@ class LoopEquations:
     singularities: tuple[LoopSingularity, ...] = ()
     pivots: bool = False  # those of M are singularities too, before the others
     carried: tuple[Carried, ...] = ()  # by level
+    bound: tuple[Bound, ...] = ()  # rows of constraints, the holonomic ones first
 
     def group(self, name: str) -> Group:
         return next(g for g in (*self.coordinates, *self.carried_groups) if g.name == name)

@@ -53,7 +53,7 @@ class Gather:
                 node = self._by(tangents, "v", other, None)
                 if node != ZERO:
                     total = self.found.corner[name, other]
-                    self.found.corner[name, other] = self._with(total, term, node)
+                    self.found.corner[name, other] = self.with_(total, term, node)
 
     def _enter_motion(
         self, name: str, shift: Affine | None, body: Node, term: Term, sign: int
@@ -97,7 +97,7 @@ class Gather:
         if term.ranges:
             node = self.bodies.at_row(term)
             for what in APPLIED:
-                found.totals[what, name] = self._with(found.totals[what, name], term, node)
+                found.totals[what, name] = self.with_(found.totals[what, name], term, node)
         else:
             node = term.at(x)
             found.limits += x.limits_over(lo, hi)
@@ -116,7 +116,7 @@ class Gather:
                 constant = self.g.add(total.constant, node)
                 self.found.totals[what, name] = replace(total, constant=constant)
             else:
-                self._append(self.found.rows[what, name], Part(lo, hi, node))
+                self.append(self.found.rows[what, name], Part(lo, hi, node))
 
     def state(self, group: Group) -> None:
         """In C a state is the rate of a coordinate, with inertia 1: its own momentum."""
@@ -135,7 +135,7 @@ class Gather:
             if len(term.ranges) == 2:
                 result = self._with_pair(result, term, -sign)
             else:
-                result = self._with(result, term, *self._energy_of(term, sign))
+                result = self.with_(result, term, *self._energy_of(term, sign))
         return result
 
     def _energy_of(self, term: Term, sign: int) -> tuple[Node, Node]:
@@ -166,7 +166,7 @@ class Gather:
             if len(term.ranges) == 2:
                 result = self._with_pair(result, term, sign)
             else:
-                result = self._with(result, term, signed(self.g, self.bodies.at_row(term), sign))
+                result = self.with_(result, term, signed(self.g, self.bodies.at_row(term), sign))
         return result
 
     # -- parts --------------------------------------------------------------------------------
@@ -176,7 +176,7 @@ class Gather:
         carried = [g.name for g in self.x.coordinates.values() if g.is_carried]
         return self.x.slots.inside(node, carried)
 
-    def _append(self, parts: list[Part], part: Part) -> None:
+    def append(self, parts: list[Part], part: Part) -> None:
         if part.node != ZERO:
             inner = self.inner(part.node) if part.inner is None else part.inner
             parts.append(replace(part, inner=inner))
@@ -186,18 +186,18 @@ class Gather:
     ) -> None:
         for what in whats:
             if shift is None:
-                self.found.totals[what, name] = self._with(
+                self.found.totals[what, name] = self.with_(
                     self.found.totals[what, name], term, node
                 )
             else:
-                self._add(self.found.rows[what, name], term, shift, node)
+                self.add(self.found.rows[what, name], term, shift, node)
 
-    def _add(self, parts: list[Part], term: Term, shift: Affine, node: Node) -> None:
+    def add(self, parts: list[Part], term: Term, shift: Affine, node: Node) -> None:
         if term.ranges:
             (_, lo, hi) = term.ranges[0]
-            self._append(parts, Part(lo + shift, hi + shift, node))
+            self.append(parts, Part(lo + shift, hi + shift, node))
         else:
-            self._append(parts, Part(shift, shift, self.seen_from(node, shift)))
+            self.append(parts, Part(shift, shift, self.seen_from(node, shift)))
 
     def seen_from(self, node: Node, place: Affine) -> Node:
         """Members named outside loops, near the one at `place`, at their distance from it."""
@@ -209,12 +209,12 @@ class Gather:
 
         return self.x.slots.swapped(node, swap)
 
-    def _with(self, total: Total, term: Term, node: Node, inner: Node | None = None) -> Total:
+    def with_(self, total: Total, term: Term, node: Node, inner: Node | None = None) -> Total:
         if not term.ranges:
             return replace(total, constant=self.g.add(total.constant, node))
         parts = list(total.parts)
         (_, lo, hi) = term.ranges[0]
-        self._append(parts, Part(lo, hi, node, inner))
+        self.append(parts, Part(lo, hi, node, inner))
         return replace(total, parts=tuple(parts))
 
     def _with_pair(self, total: Total, term: Term, sign: int) -> Total:
@@ -229,13 +229,13 @@ class Gather:
             if node == ZERO:
                 continue
             if slot.at is None:
-                self._add(self.found.border[slot.name, family], term, shift, node)
+                self.add(self.found.border[slot.name, family], term, shift, node)
                 continue
             distance = slot.at - (M if term.ranges else shift)
             if not distance.is_constant:
                 raise Unrolled("the inertia of two members far apart is coupled")
             key = (family, slot.name, distance.constant)
-            self._add(self.found.entries[key], term, shift, node)
+            self.add(self.found.entries[key], term, shift, node)
 
     def _by(self, by: dict[Node, Node], kind: str, name: str, at: Affine | None) -> Node:
         return by.get(self.x.slots.node(kind, name, at), ZERO)

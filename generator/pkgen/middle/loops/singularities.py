@@ -86,6 +86,8 @@ class _Singularities:
         totals = [*e.force.totals.values(), *e.mass.corner.values()]
         for part in (part for item in (*rows, *totals) for part in item.parts):
             yield (part.lo, part.hi), part.node
+        for bound in e.bound:
+            yield from bound.ranged
         for total in totals:
             yield (), total.constant
         for nodes in e.given.values():

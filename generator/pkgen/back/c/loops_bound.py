@@ -1,0 +1,128 @@
+"""Where the unknowns of K = [M J^T; J 0] lie in a band, and rows of constraints as templates see them.
+
+Places by index, of which each has a slot for a member of every family and behind them one for a row
+of every family of rows. A row lies at the last place that it reaches, behind what moves there: then
+L D L^T needs no pivoting, since each leading block of K is regular where rows are independent. One
+that reaches around the end of a ring lies behind all places, among what is kept whole; there, last,
+are scalar coordinates and single rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from ...graph.affine import Affine
+from ...middle.loops.expand import size_values
+from ...middle.loops.loops import Bound, Group, LoopEquations
+from .loops import Places
+from .loops_plan import BOUND, Plan, singles
+
+SAYS = {
+    "constraint": "phi, which the rows of positions keep at 0",
+    "constraint_rates": "J v + j0, which all rows keep at 0",
+    "coasting": "The rate of J v + j0 where nothing accelerates but what is given",
+    "position_size": "The sizes of the terms of phi, which it is rounded by in units of eps",
+    "rate_size": "The sizes of the terms of J v + j0",
+}
+
+
+def _free(g: Group, e: LoopEquations, side: int) -> int:
+    """1 where a member beyond that end stands for the one at it."""
+    at = g.lo - 1 if side < 0 else g.hi + 1
+    return int(any(end.kind == "free" and index == at for index, end in g.ends))
+
+
+def _reach(e: LoopEquations, rows: Bound) -> Iterator[tuple[Group, int]]:
+    for name, shift in rows.entries:
+        if shift is not None:
+            yield e.group(name), shift
+
+
+def _ahead(e: LoopEquations, rows: Bound) -> int:
+    """How far its place is ahead of a row's index."""
+    return max(shift + _free(g, e, -1) for g, shift in _reach(e, rows))
+
+
+def shape_of(e: LoopEquations, places: Places) -> dict[str, Any]:
+    """C texts: how far rows of K reach, slots a place, the first places of families and of rows."""
+    names = [g.name for g in e.families]
+    banded = [rows for rows in e.bound if not rows.is_single]
+    slots = len(names) + len(banded)
+    apart = [abs(shift * slots + names.index(b) - names.index(a)) for a, b, shift in e.mass.entries]
+    for k, rows in enumerate(banded, len(names)):
+        ahead = _ahead(e, rows)
+        apart += [
+            (ahead - shift + _free(g, e, 1)) * slots + k - names.index(g.name)
+            for g, shift in _reach(e, rows)
+        ]
+    index = places.index
+    first = [index(g.lo) for g in e.families]
+    first += [index(rows.group.lo + _ahead(e, rows)) for rows in banded]
+    return {
+        "width": max(apart, default=0),
+        "slots": slots,
+        "least": first,
+        "greatest": [index(g.hi) for g in e.families],
+        "ring": [index(g.hi) for g in e.families if g.periodic],
+        "whole": len(e.scalars) + sum(rows.is_single for rows in e.bound),
+    }
+
+
+def bound_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, Any]:
+    """What the templates see of constraints."""
+    if not e.bound:
+        return dict.fromkeys(("bound", "banded_rows", "single_rows", "all_jacobian"), ())
+    index, rows = places.index, [_row(e, rows, places) for rows in e.bound]
+    banded = [x for x in rows if not x["single"]]
+    for k, x in enumerate(banded, len(e.families)):
+        x["slot"] = k
+    for k, x in enumerate((x for x in rows if x["single"]), len(e.scalars)):
+        x["slot"] = k
+    sizes = size_values(e.model)
+    total = sum((x.group.count for x in e.bound), Affine())
+    holonomic = sum((x.group.count for x in e.bound if x.holonomic), Affine())
+    return {
+        "bound": rows,
+        "banded_rows": banded,
+        "single_rows": [x for x in rows if x["single"]],
+        "jacobian_sets": plan.jacobian,
+        "all_jacobian": [*plan.jacobian.values(), *plan.border.values()],
+        "border_sets": {
+            name: {"set": s, "rows": [x.group.name for x in singles(e, e.group(name))]}
+            for name, s in plan.border.items()
+        },
+        "bound_sets": plan.bound,
+        "bound_kernels": list(BOUND),
+        "bound_says": SAYS,
+        "n_constraints": total.value(sizes),
+        "n_holonomic": holonomic.value(sizes),
+        "bound_count": index(total),
+        "holonomic_count": index(holonomic),
+    }
+
+
+def _row(e: LoopEquations, rows: Bound, places: Places) -> dict[str, Any]:
+    group, index = rows.group, places.index
+    found: dict[str, Any] = places.group(group) | {
+        "declared": rows.name,
+        "single": rows.is_single,
+        "holonomic": rows.holonomic,
+        "corner": list(rows.corner),
+    }
+    if rows.is_single:
+        return found
+    wraps = [(g, shift) for g, shift in _reach(e, rows) if g.periodic]
+    least: dict[str, int] = {}
+    for g, shift in wraps:
+        least[g.name] = min(shift, least.get(g.name, shift))
+    ends = [e.group(name).lo - shift for name, shift in least.items()]
+    return found | {
+        "ahead": _ahead(e, rows),
+        # Rows before the greatest of these reach around the end of a ring.
+        "wraps": [index(end) for end in ends],
+        "entries": [
+            {"scalar": name} if shift is None else {"other": name, "shift": shift}
+            for name, shift in rows.entries
+        ],
+    }
