@@ -67,8 +67,10 @@ def loop_facts(e: LoopEquations) -> list[tuple[str, str]]:
         shape += f", {max(abs(shift) for _, _, shift in e.mass.entries)} beside the diagonal"
     if proved.mass_constant and not e.carried:
         once = "a division a row" if proved.mass_diagonal else "factored once"
+        once = "with rows of constraints factored at each acceleration" if e.bound else once
         shape += f", constant: {once}"
     beyond = "force, dissipation or states" if e.states else "force or dissipation"
+    beyond = f"of constraints, perhaps {beyond}" if e.bound else beyond
     rows = [
         ("mass matrix", shape),
         ("separable", _separable(proved)),

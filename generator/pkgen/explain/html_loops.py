@@ -53,6 +53,9 @@ def loop_sections(e: LoopEquations, written: Written, prose: Prose) -> Iterator[
     if e.carried:
         yield f"<p>where {carried_says(plain)}:</p>"
         yield from map(_line, carried_lines(write))
+    if e.bound:
+        yield lead("Constraints, whose forces are on the right beside f")
+        yield from lines(written.constraints())
     said = beyond(plain)
     yield listed(map(_beyond, said)) if said else ""
 

@@ -22,6 +22,9 @@ from .explain import (
 from .rows import EquationLine, M, Writer
 
 
+CONSTRAINTS = "Constraints   0 =, J their derivatives by the rates"
+
+
 def explain_loops(compilation: Compilation) -> str:
     """The whole report."""
     e = compilation.equations
@@ -32,8 +35,12 @@ def explain_loops(compilation: Compilation) -> str:
         *(quantities_text(kind, groups) for kind, groups in declared(write)),
         _lagrangian(write),
         section(
-            "Equations of motion" + "   M q'' = f" * bool(e.model.coordinates), _equations(write)
+            "Equations of motion"
+            + "   M q'' = f" * bool(e.model.coordinates)
+            + " + J^T lambda" * bool(e.bound),
+            _equations(write),
         ),
+        section(CONSTRAINTS, map(str, constraint_lines(write))),
         drawing(compilation),
         _structure(compilation, e),
         constants_text(loop_invariants(e.facts), e.facts.symmetries),
@@ -71,6 +78,7 @@ def record_loops(compilation: Compilation) -> dict[str, object]:
         ],
         "beyond": beyond(write),
         "carried": _record(carried_lines(write)),
+        "constraints": _record(constraint_lines(write)),
         "structure": structure_record(e.facts),
         **proofs_record(e.facts),
         "drawing": list(shown(compilation.declared)),
@@ -186,6 +194,20 @@ def _member(write: Writer, form: str, group: Group, at: Affine) -> str:
 
 def force_lines(write: Writer) -> list[EquationLine]:
     return _rows_of(write, "f[{}]", False)
+
+
+def constraint_lines(write: Writer) -> list[EquationLine]:
+    """phi of each constraint, J v + j0 of each rolling."""
+    found = []
+    for rows in write.e.bound:
+        group, what = rows.group, rows.position if rows.holonomic else rows.rate
+        single = rows.is_single
+        at = group.lo if single else M
+        name = rows.name + (f"[{write.index(at)}]" if group.is_family else "")
+        text = total_of(write, what) if single else write.text([(what.parts[0].node, M)])
+        span = "" if single else write.span(group.lo, group.hi)
+        found.append(EquationLine(name, text, span))
+    return found
 
 
 def rate_lines(write: Writer) -> list[EquationLine]:

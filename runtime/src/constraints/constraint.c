@@ -177,6 +177,9 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     const struct pk_system *system = it->problem.system;
     const size_t c = pk_system_rows(system, it->problem.params, 0), row = it->where % (c ? c : 1);
     const char *what = pk_status_text(it->status);
+    const char *alone = system->constraints.count
+                            ? "; families kept as loops take no rows that follow from others"
+                            : "";
     char name[128], others[256], more[400] = "";
     const size_t behind = it->where - (2 * c + system->n_rotations);
     const size_t r = system->constraints.n_redundant;
@@ -212,14 +215,14 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
         char last[96];
         if (w.depends[0] > 0) {
             pk_constraint_name(system, w.params, (size_t)w.depends[0] - 1, last, sizeof last);
-            snprintf(more, sizeof more, "; and %s depends on %s", last,
-                     *others ? others : "nothing that moves");
+            snprintf(more, sizeof more, "; and %s depends on %s%s", last,
+                     *others ? others : "nothing that moves", alone);
         }
         return snprintf(text, size, "%s: %s%s by %.3g%s", what, name,
                         it->where >= c ? ", as rates go," : "", (double)it->detail, more);
     }
     if (*others)
-        return pk_say(it, text, size, "%s: %s depends on %s", what, name, others);
+        return pk_say(it, text, size, "%s: %s depends on %s%s", what, name, others, alone);
     if (pk_project_parts(&it->problem, it->n, it->own->project).depends[0] > 0)
         return pk_say(it, text, size, "%s: nothing that moves enters %s", what, name);
     return pk_say(it, text, size, "%s: %s is left broken by %.3g", what, name, (double)it->detail);
