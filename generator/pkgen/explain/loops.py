@@ -21,7 +21,6 @@ from .explain import (
 )
 from .rows import EquationLine, M, Writer
 
-
 CONSTRAINTS = "Constraints   0 =, J their derivatives by the rates"
 
 

@@ -1,4 +1,4 @@
-"""Where the unknowns of K = [M J^T; J 0] lie in a band, and rows of constraints as templates see them.
+"""Where the unknowns of K = [M J^T; J 0] lie in a band, and rows as templates see them.
 
 Places by index, of which each has a slot for a member of every family and behind them one for a row
 of every family of rows. A row lies at the last place that it reaches, behind what moves there: then

@@ -66,7 +66,7 @@ class Bodies:
         return body
 
     def member(self, slot: Slot, lo: Affine, hi: Affine) -> None:
-        """That a member is at a fixed distance from its row, and within reach of all rows lo..hi."""
+        """That a member is at a fixed distance from its row, and in reach of all rows lo..hi."""
         if slot.kind in CELLS and slot.at is not None:
             self._relative(slot)
             self.in_reach(slot, lo, hi)

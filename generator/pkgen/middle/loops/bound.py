@@ -1,4 +1,4 @@
-"""`constraint` and `rolling` in families kept as loops: rows J v + j0 = 0, seen from their own index.
+"""`constraint` and `rolling` in families kept as loops: rows J v + j0 = 0, each from its index.
 
 The row of index m reaches members at fixed distances, as a body of L does. What is beyond an end is
 given, or stands for a member, and then adds to the column of that. A row without an index may have
@@ -22,7 +22,7 @@ from .terms import Term, terms
 
 
 def bound_of(x: LoopExpander, gather: Gather) -> tuple[Bound, ...]:
-    """The holonomic rows first, each kind as declared; their multipliers become known to outputs."""
+    """The holonomic rows first, each kind as declared; outputs then know their multipliers."""
     declared = sorted(x.model.constraints, key=lambda item: not item.holonomic)
     found = tuple(_bound(x, gather, item, str(k)) for k, item in enumerate(declared))
     for rows in found:

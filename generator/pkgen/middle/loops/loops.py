@@ -228,7 +228,7 @@ class Bound:
 
     @property
     def ranged(self) -> Iterator[tuple[tuple[Affine, ...], Node]]:
-        """Whatever a run computes of them, each with the range of its index, () where it has none."""
+        """Whatever a run computes of them, with the range of its index, () where it has none."""
         found = [self.position, self.rate, self.coasting]
         found += [*self.entries.values(), *self.border.values(), *self.corner.values()]
         for x in found:
