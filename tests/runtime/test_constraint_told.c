@@ -70,8 +70,8 @@ static void crossing_rows(const void *params, double t, const double *q, const d
     J[0] = q[1], J[1] = q[0];
     residual[0] = J[0] * v[0] + J[1] * v[1];
 }
-static void squares(const void *params, double t, const double *q, const double *v,
-                    const double *u, double *rates)
+static void squares(const void *params, double t, const double *q, const double *v, const double *u,
+                    double *rates)
 {
     (void)params, (void)t, (void)v, (void)u;
     rates[0] = q[0] * q[0];

@@ -7,11 +7,11 @@
 #include "../core/tableau.h"
 #include "passage.h"
 
-#define AHEAD PK_C(2.0)    /* steps: what is so near is passed */
-#define LONG PK_C(1.25)    /* fixed steps: what is nearer than that is within the next, */
-#define MIDDLE PK_C(0.75)  /* and what is farther than that wants two */
-#define LITTLE PK_C(1e-4)  /* of the time left, for the slope of sigma */
-#define TURN PK_C(0.3)     /* of its way: more between its ends than rates tell is no motion */
+#define AHEAD PK_C(2.0)   /* steps: what is so near is passed */
+#define LONG PK_C(1.25)   /* fixed steps: what is nearer than that is within the next, */
+#define MIDDLE PK_C(0.75) /* and what is farther than that wants two */
+#define LITTLE PK_C(1e-4) /* of the time left, for the slope of sigma */
+#define TURN PK_C(0.3)    /* of its way: more between its ends than rates tell is no motion */
 
 static size_t lay_out(struct pk_passage_parts *x, size_t n, pk_real *base)
 {
@@ -191,7 +191,6 @@ enum pk_status pk_passage_judge(struct pk_integrator *it)
         off = pk_max(off, root * pk_abs(q[k] - it->q[k] - h / 2 * (v[k] + it->v[k])));
         way = pk_max(way, root * pk_abs(h) * pk_max(pk_abs(v[k]), pk_abs(it->v[k])));
     }
-    return off < TURN * way
-               ? PK_DONE
-               : pk_because(it, PK_NO_PROJECTION, pk_passage_told(it), it->t + h / 2);
+    return off < TURN * way ? PK_DONE
+                            : pk_because(it, PK_NO_PROJECTION, pk_passage_told(it), it->t + h / 2);
 }

@@ -9,8 +9,8 @@
 #define DEBRIS (64 * PK_EPS) /* beside the largest number */
 
 size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
-                         const pk_real *terms, const pk_real *slopes, size_t rows,
-                         const pk_real *x, int of_rates)
+                         const pk_real *terms, const pk_real *slopes, size_t rows, const pk_real *x,
+                         int of_rates)
 {
     pk_real most = 0;
     for (size_t k = 0; k < w->m; k++) {

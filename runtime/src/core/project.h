@@ -20,8 +20,8 @@ struct pk_projection {
     pk_real *phi, *rate;         /* residuals of position and of the rates */
     pk_real *phi_size;           /* of the terms that a residual is made of */
     pk_real *rate_size;
-    pk_real *mu, *d;  /* multipliers; 2 n numbers: a correction, and what is behind it */
-    pk_real *pivots;  /* of A; the diagonal that it had, and the most that was at a step's end */
+    pk_real *mu, *d; /* multipliers; 2 n numbers: a correction, and what is behind it */
+    pk_real *pivots; /* of A; the diagonal that it had, and the most that was at a step's end */
     pk_real *norms, *most;
     pk_real *depends; /* 1 + the row that depends on others, or 0; by how much of each */
     size_t r;         /* redundant rows */
@@ -61,7 +61,7 @@ static inline pk_real pk_project_mass(const struct pk_projection *w, size_t k)
 void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real *v,
                        const pk_real *J, size_t rows, pk_real *out);
 #define PK_NEAR PK_C(0.2) /* sigma, below which it is watched to fall; of fixed steps twice that */
-#define PK_FAR PK_C(0.9) /* sigma, above which a fixed step meets no such place */
+#define PK_FAR PK_C(0.9)  /* sigma, above which a fixed step meets no such place */
 /* A at the step's end has been factored: how near it is to such a position, in it->own->seen.
  * it->own->near is that of the step's start, where not far, or not known. */
 enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
@@ -91,8 +91,8 @@ enum pk_status pk_project_start(struct pk_integrator *it);
  * positions, where attitudes count as 1, or rates; M is factored. */
 #define PK_WRITTEN pk_max(PK_C(1e-8), 64 * PK_EPS) /* of its terms */
 size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
-                         const pk_real *terms, const pk_real *slopes, size_t rows,
-                         const pk_real *x, int of_rates);
+                         const pk_real *terms, const pk_real *slopes, size_t rows, const pk_real *x,
+                         int of_rates);
 /* Whether redundant rows hold where all others do: at the start as its numbers are written, later as
  * the rounding of those lets them. PK_OFF_CONSTRAINTS or PK_NO_PROJECTION, it->where behind what
  * the other rows and rotations have. */
