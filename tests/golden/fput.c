@@ -1193,7 +1193,8 @@ static void fput_sys_attach(void *p, void *block)
     fput_attach(p, block);
 }
 
-static void fput_sys_range(const void *params, int parameter, size_t k, struct pk_range *range)
+static void fput_sys_range(const void *params, enum pk_range_of of, size_t k,
+                           struct pk_range *range)
 {
     const struct fput_params *p = params;
 
@@ -1201,7 +1202,7 @@ static void fput_sys_range(const void *params, int parameter, size_t k, struct p
     range->lo = 0;
     range->count = 1;
     range->is_family = 0;
-    if (!parameter && k == 0) {
+    if (of == PK_OF_COORDINATE && k == 0) {
         range->lo = 1;
         range->count = (size_t)(p->N);
         range->is_family = 1;
