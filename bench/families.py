@@ -71,6 +71,16 @@ state a[1..N]
 rate a[i = 1..N] = w[i] + 1.5/N*sum(sin(a[j] - a[i]), j = 1..N)
 start a[i = 1..N] = 3*cos(5*i)
 """
+LINKS = """\
+coord theta[1..N]
+let x[0] = 0
+let y[0] = 0
+let x[i = 1..N] = x[i-1] + sin(theta[i])/N
+let y[i = 1..N] = y[i-1] - cos(theta[i])/N
+kinetic sum((x[i]'^2 + y[i]'^2)/(2*N), i = 1..N)
+potential sum(y[i]/N, i = 1..N)
+start theta[i = 1..N] = 0.5*i/N
+"""
 MEMBERS = "k,q[1]\n" + "".join(f"{1 + k / 100},{k / 50}\n" for k in range(50))
 
 
@@ -91,6 +101,7 @@ CASES = (
     Case("states alone", HEAT, 100_000, 5),
     Case("states beside coordinates", DASHPOTS, 100_000, 5),
     Case("sums over all in rates", KURAMOTO, 1000, 2),
+    Case("chains of links", LINKS, 1000, 0.1),
     Case("gauss", PENDULUMS, 10_000, 20, ("--method", "gauss", "--rtol", "1e-13")),
 )
 FEW = 20

@@ -41,6 +41,7 @@ WORSE = {
     "fput recurrence": ["--start", "q[1]=0.1"],
     "fput_beta first_mode": ["--method", "rk4", "--step", "0.5"],
     "fput_beta four_springs": ["--start", "q[2]=0.01"],
+    "hanging swings": ["--start", "theta[20]=2e-7"],
     "harmonic_fixed fastest": ["--start", "q[2]=0.01"],
     "harmonic_fixed mode": ["--start", "q[1]=0.5"],
     "harmonic_free mode": ["--start", "q[1]=0.5"],
