@@ -70,8 +70,8 @@ class Way:
 
     @property
     def numbers(self) -> int:
-        """Of the state, quadratures included."""
-        return 2 * self.coordinates + len(named.quadratures(self.compilation))
+        """Of the state."""
+        return 2 * self.coordinates + len(named.states(self.compilation))
 
     @property
     def operations(self) -> int | None:
@@ -94,8 +94,6 @@ class Way:
                 total += 2 * size * (size + 1)
                 continue
             total += TOGETHER[method] * each + FLOPS[method] * size
-            # A quadrature is summed once a step, with the weights.
-            total += kernels.get("quadrature", 0) * TOGETHER[method]
         return total
 
 

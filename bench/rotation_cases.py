@@ -38,10 +38,9 @@ class Form:
     path: str
     n: int
     methods: tuple[str, ...]
-    given: Callable[[Numbers], list[float]]  # q, v, quadratures, parameters of the start
+    given: Callable[[Numbers], list[float]]  # q, v, parameters of the start
     seen: Callable[[list[float]], list[float]]
     words: tuple[str, ...] = ()  # a scene and what it records
-    quadratures: int = 0
     parameters: tuple[str, ...] = ()
 
 
@@ -123,15 +122,15 @@ TOP = {"I1": 1.0, "I3": 0.5, "Mgl": G}
 
 
 def _top_given(start: Numbers) -> list[float]:
-    """theta, theta', phi, psi, p_phi, p_psi: by Routh."""
+    """theta; theta', phi, psi; p_phi, p_psi: by Routh."""
     phi, theta, psi, precession, nutation, spin = start
     p_psi = TOP["I3"] * (spin + precession * cos(theta))
     p_phi = TOP["I1"] * precession * sin(theta) ** 2 + p_psi * cos(theta)
-    return [theta, nutation, phi, psi, p_phi, p_psi]
+    return [theta, 0.0, 0.0, nutation, phi, psi, p_phi, p_psi]
 
 
 def _top_seen(y: list[float]) -> list[float]:
-    theta, nutation, phi, psi, p_phi, p_psi = y[:6]
+    theta, _, _, nutation, phi, psi, p_phi, p_psi = y[:8]
     precession = (p_phi - p_psi * cos(theta)) / (TOP["I1"] * sin(theta) ** 2)
     spin = p_psi / TOP["I3"] - precession * cos(theta)
     return of_angles([phi, theta, psi, precession, nutation, spin])
@@ -150,7 +149,7 @@ def heavy_top() -> Case:
         (0.0, 0.6, 0.0, 0.4, 0.0, 18.0), 10.0, 48,
         (
             Form("angles", path, 3, methods, list, of_angles),
-            Form("angles, reduced", path, 1, methods, _top_given, _top_seen, reduced, 2,
+            Form("angles, reduced", path, 3, methods, _top_given, _top_seen, reduced,
                  ("p_phi", "p_psi")),
             _rotation("models/bodies/heavy_top_rotation.lag"),
         ),

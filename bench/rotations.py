@@ -45,7 +45,7 @@ integration to a final error of the matrix and the body rates, or of places and 
 medians of at most {rounds} rounds over {starts} starts; between two settings log-linear, "≤" where
 the loosest is better already, "-" where none gets there. All of pkgen's are compiled as `pkgen run`
 does it. "angles, reduced" is what a scene that records all angles leaves: cyclic ones are
-quadratures. "by hand": Euler's equations and a quaternion (heyoka's series have no evaluations).
+states. "by hand": Euler's equations and a quaternion (heyoka's series have no evaluations).
 Orders are those measured, "-" where no three steps show the same.
 
 Then what many steps leave of a rigid body, µs a step and a second of its motion, and the largest

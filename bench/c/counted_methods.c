@@ -1,9 +1,9 @@
 /* pkgen's own methods, with what an integration took, on any system: with states, rotations,
  * constraints, or what is left of one after a reduction. argv: the method, then names of parameters
- * that depend on the start. -DBENCH_SYSTEM=NAME_system, -DBENCH_N, -DBENCH_Z and -DBENCH_P: how many
- * coordinates, quadratures and such parameters.
+ * that depend on the start. -DBENCH_SYSTEM=NAME_system, -DBENCH_N and -DBENCH_P: how many
+ * degrees of freedom and such parameters.
  *
- * y: q, v, z, these parameters, steps, evaluations; of the last two only the answer's count.
+ * y: q, v, these parameters, steps, evaluations; of the last two only the answer's count.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@
 
 extern const struct pk_system BENCH_SYSTEM;
 
-enum { V = BENCH_N, Z = 2 * BENCH_N, P = Z + BENCH_Z, COUNTS = P + BENCH_P };
+enum { V = BENCH_N, P = 2 * BENCH_N, COUNTS = P + BENCH_P };
 const size_t bench_length = COUNTS + 2;
 static const struct pk_method *method;
 static struct pk_problem problem = {.system = &BENCH_SYSTEM};
@@ -37,8 +37,7 @@ const char *bench_open(int argc, char **argv)
 {
     method = argc > 1 ? pk_method_find(argv[1]) : NULL;
     if (!method) return "this build of pkgen has no such method";
-    if (BENCH_SYSTEM.n != BENCH_N || BENCH_SYSTEM.quadratures.n != BENCH_Z)
-        return "the model has another number of coordinates or quadratures";
+    if (BENCH_SYSTEM.n != BENCH_N) return "the model has another number of coordinates";
     if (argc != 2 + BENCH_P) return "another number of parameters";
     for (int i = 0; i < BENCH_P; i++)
         if (!find_parameter(argv[2 + i], &offsets[i])) return "the model has no such parameter";
@@ -73,14 +72,12 @@ const char *bench_integrate(double setting, double *y, double t_end)
     (void)setting;
     const struct pk_counters before = it.count;
     if (pk_integrator_reset(&it, 0, y, y + V) != PK_DONE ||
-        (BENCH_Z && pk_integrator_set_quadratures(&it, y + Z) != PK_DONE) ||
         pk_integrator_to(&it, t_end) != PK_DONE) {
         pk_integrator_reason(&it, why, sizeof why);
         return why;
     }
     memcpy(y, it.q, BENCH_N * sizeof *y);
     memcpy(y + V, it.v, BENCH_N * sizeof *y);
-    if (BENCH_Z) memcpy(y + Z, it.z, BENCH_Z * sizeof *y);
     y[COUNTS] = (double)(it.count.steps - before.steps);
     y[COUNTS + 1] = (double)(it.count.evaluations - before.evaluations);
     return NULL;

@@ -63,7 +63,6 @@ def opened(form: Form, method: str, _case: Case, _: tuple[Build, ...]) -> list[S
         "PK_RUNTIME": "",
         "BENCH_SYSTEM": f"{name}_system",
         "BENCH_N": str(form.n),
-        "BENCH_Z": str(form.quadratures),
         "BENCH_P": str(len(form.parameters)),
         **INLINED,
     }

@@ -34,7 +34,6 @@ from .middle.derive import derive
 from .middle.loops.loops import LoopEquations, Unrolled
 from .middle.quantities import families
 from .middle.reduce import reduce
-from .middle.reduce.apart import Subsystem
 from .middle.reduce.reduction import ENOUGH, Needs
 from .middle.report import Report, ReportLine
 from .model import Model
@@ -168,10 +167,13 @@ def stages(
     reads = use.reads(model) if use else None
     with _no_collection(), _in_range(model):
         in_c = states.as_rates(left.equations, left.structure, of_whole)
-        of_parts = [(x, reduce.of_a_part(asked(x.equations, x.structure))) for x in left.parts]
+        of_parts = []
+        for part in left.parts:
+            own = reduce.of_a_part(asked(part.equations, part.structure))
+            of_parts.append((part, states.as_rates(part.equations, part.structure, own), own))
         kept = None
         if reads is not None:
-            made = [(in_c[0], of_whole), *((part.equations, own) for part, own in of_parts)]
+            made = [(in_c[0], of_whole), *((e, own) for _, (e, _), own in of_parts)]
             kept = _kept(made, reads | {*report.starts.values()})
             report = report.unread(in_c[0].parameters, kept)
     yield left.equations, left.structure, report
@@ -179,7 +181,16 @@ def stages(
 
     with _no_collection(), _in_range(model):
         program = lower.lower(*in_c, of_whole, libm=libm, kept=kept)
-        parts = tuple(_part(part, own, libm, kept) for part, own in of_parts)
+        parts = tuple(
+            CompiledPart(
+                part.equations.model.name,
+                part.coordinates,
+                part.equations,
+                part.structure,
+                lower.lower(*part_in_c, own, libm=libm, kept=kept),
+            )
+            for part, part_in_c, own in of_parts
+        )
     yield program, parts
     with _no_collection():
         files = render.render(program, self_test=self_test, report=report)
@@ -210,16 +221,6 @@ def _kept(
     read = {k for k, x in enumerate(slots) if x.family in reads}
     read |= {k for equations, kernels in made for k in lower.parameters_read(equations, kernels)}
     return lower.with_dependents(made[0][0], frozenset(read))
-
-
-def _part(
-    part: Subsystem, kernels: frozenset[str] | None, libm: bool, kept: frozenset[int] | None
-) -> CompiledPart:
-    from .back.c import lower
-
-    e = part.equations
-    program = lower.lower(e, part.structure, kernels, libm=libm, kept=kept)
-    return CompiledPart(e.model.name, part.coordinates, e, part.structure, program)
 
 
 @contextmanager

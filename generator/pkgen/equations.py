@@ -231,10 +231,6 @@ class Equations:
     start_q: Row
     start_v: Row
     unrolled: str = ""  # why the families of coordinates are not loops
-    # Angles that nothing depends on, z' = quadratures: cyclic coordinates that a scene records.
-    quadrature_names: tuple[Quantity, ...] = ()
-    quadratures: Row = ()
-    quadrature_start: Row = ()
     hamiltonian: Hamiltonian | None = None  # None: not asked for
     switches: tuple[Switch, ...] = ()
     marks: tuple[

@@ -109,11 +109,6 @@ def provides(structure: object, fact: str) -> bool:
     return any(getattr(structure, name, False) for name in (fact, *STRONGER.get(fact, ())))
 
 
-def carries_quadratures(method: Method | None) -> bool:
-    """So do the default methods (None)."""
-    return method is None or "quadrature" in method.traits
-
-
 def in_blocks(method: Method | None, steps: bool, structure: object) -> bool:
     """Whether members go side by side: by methods of a fixed step, or that are given one."""
     family = method.inlined if method else ""
@@ -129,7 +124,7 @@ def called(of: str | Method) -> frozenset[str]:
     """The kernels that a method calls, beside those of what it integrates."""
     method = METHODS.get(of, NONE) if isinstance(of, str) else of
     traits = method.traits
-    kernels = {"acceleration", "singularity", "event", "observe", "quadrature"}
+    kernels = {"acceleration", "singularity", "event", "observe"}
     if method.family == "GAUSS":
         kernels |= {"lanes"}  # its stages
     if method.inlined == "SPLITTING":

@@ -35,7 +35,6 @@ int find_name(const char *name, size_t length, char kind, size_t *index, const c
         {'q', s->coordinates, n - (families ? s->families.n_states : s->n_first_order), one},
         {'v', s->rates, n, one},
         {'o', s->observed, s->n_observed, one},
-        {'z', s->quadratures.names, s->quadratures.n, one},
         {'s', s->families.sizes, s->families.n_sizes, sizeof *s->families.sizes},
         {'e', s->events.table, s->events.n, sizeof *s->events.table},
     };

@@ -84,7 +84,7 @@ static int record(struct program *p, const struct option *o, const char *text)
     size_t count = 0;
     for (const char *name = text; name; name = strchr(name, ',') ? strchr(name, ',') + 1 : NULL) {
         const size_t length = strcspn(name, ",");
-        const char *kind = "qvoz";
+        const char *kind = "qvo";
         struct pk_run_column c = {0, 0, 0};
         for (; *kind && !c.kind; kind++)
             if (find_name(name, length, *kind, &c.index, &unit))

@@ -37,7 +37,7 @@ int table_read(struct program *p, const char *path)
         return PK_RUN_USAGE;
     }
     for (char *rest = text; rest && !code;) {
-        const char *name = cell(&rest), *kind = "piqvz";
+        const char *name = cell(&rest), *kind = "piqv";
         columns = keep(p, columns, (n + 1) * sizeof *columns);
         while (*kind && !find_name(name, strlen(name), *kind, &columns[n].index, &unit))
             kind++;

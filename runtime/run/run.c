@@ -57,7 +57,7 @@ static void ends(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_integrator *it = &run->it;
-    const struct moment start = {0, s->q, s->v, s->z};
+    const struct moment start = {0, s->q, s->v};
     if (s->asked.compared && s->asked.at && run->begun && it->status >= 0 && !run->n_kept) {
         observe_row(run, &start);
         observe_row(run, run_moment(run));

@@ -146,9 +146,6 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             return snprintf(text, size,
                             "%s needs the derivative by time, and %s has inputs, whose is unknown",
                             it->method->name, system->name);
-        if (system->quadratures.n && !it->method->stage)
-            return snprintf(text, size, "%s carries no quadratures, and %s has %s",
-                            it->method->name, system->name, system->quadratures.names[0].name);
         if (pk_rolls(system) && (it->method->traits & PK_HOLONOMIC)) {
             pk_constraint_name(system, it->problem.params,
                                pk_system_rows(system, it->problem.params, 1), name, sizeof name);

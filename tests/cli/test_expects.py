@@ -163,7 +163,7 @@ def test_without_a_scene_it_says_which_there_are(pkgen, swing: Path) -> None:
     )
 
 
-def test_an_angle_that_is_expected_is_a_quadrature_as_one_that_is_recorded(pkgen, tmp_path: Path):
+def test_an_angle_that_is_expected_is_a_state_as_one_that_is_recorded(pkgen, tmp_path: Path):
     model = tmp_path / "orbit.lag"
     model.write_text(
         "model orbit\ncoord r, phi\nkinetic (r'^2 + r^2*phi'^2)/2\npotential -1/r\n"
@@ -176,7 +176,7 @@ def test_an_angle_that_is_expected_is_a_quadrature_as_one_that_is_recorded(pkgen
     verdicts = json.loads(done.stdout)
     assert [v["met"] for v in verdicts["expects"]] == [True] * 4, done.stderr
     (a, b), (c, d), *_ = ((x["a"], x["b"]) for x in verdicts["settings"]["watched"]["compared"])
-    assert [x["kind"] for x in (a, b, c, d)] == ["z", "observed", "observed", "z"]
+    assert [x["kind"] for x in (a, b, c, d)] == ["v", "observed", "observed", "v"]
     done = pkgen("run", model, "--scene", "s", "--start", "phi=1")
     assert done.returncode == 4
     assert "of 4 met" in done.stderr and "is off" in done.stderr

@@ -24,7 +24,7 @@ static const struct pk_tableau pk_ralston3_table = {
 
 #endif
 """
-METHOD = '    X(A, ralston3, 3, 3, 0, PK_QUADRATURE, ralston3, "A. Ralston (1962)") \\\n'
+METHOD = '    X(A, ralston3, 3, 3, 0, 0, ralston3, "A. Ralston (1962)") \\\n'
 DIAGNOSTIC = "    X(extent, OF_ROWS, NONE) \\\n"
 FILE = """#include "parts.h"
 

@@ -188,7 +188,7 @@ int main(void)
 {
     struct top_nods_params a;
     struct top_turns_params b;
-    double q[1], v[1], z[1], f[1];
+    double q[2], v[2], f[2];
     top_nods_defaults(&a);
     a.start_psi_dot = 8;
     top_nods_derive(&a, NULL);
@@ -198,9 +198,11 @@ int main(void)
     top_nods_acceleration(&a, 0, q, v, NULL, f);
     printf("%.17g %.17g\\n", a.p_psi, f[0]);
     top_turns_defaults(&b);
-    top_turns_quadrature_start(&b, z);
-    top_turns_quadrature(&b, 0, q, v, NULL, z);
-    printf("%.17g\\n", z[0]);
+    if (top_turns_prepare(&b))
+        return 1;
+    top_turns_start(&b, q, v);
+    top_turns_acceleration(&b, 0, q, v, NULL, f);
+    printf("%.17g\\n", f[1]);
     return 0;
 }
 """

@@ -229,9 +229,8 @@ def test_of_a_motion_that_ends_is_said_no_more_than_that(rate) -> None:
 
 
 def test_a_part_starts_as_the_whole_does_by_its_own_numbers() -> None:
-    equations = SimpleNamespace(quadrature_names=(SimpleNamespace(name="phi"),))
-    part = SimpleNamespace(coordinates=(1, 3), equations=equations)
-    show = (Shown("q", 3, "d"), Shown("v", 0, "a'"), Shown("z", 5, "phi"), Shown("v", 1, "b'"))
+    part = SimpleNamespace(coordinates=(1, 3, 5))  # the last one a state, phi
+    show = (Shown("q", 3, "d"), Shown("v", 0, "a'"), Shown("v", 5, "phi"), Shown("v", 1, "b'"))
     whole = replace(
         SETTINGS,
         parameters=((1, 2.5),),
@@ -242,4 +241,4 @@ def test_a_part_starts_as_the_whole_does_by_its_own_numbers() -> None:
     alone = parts.alone(part, whole)
     assert alone.start_q == ((0, 0.2), (1, 0.4)) and alone.start_v == ((1, 4.0),)
     assert alone.parameters == whole.parameters
-    assert [(c.kind, c.index) for c in alone.show] == [("q", 1), ("z", 0), ("v", 0)]
+    assert [(c.kind, c.index) for c in alone.show] == [("q", 1), ("v", 2), ("v", 0)]

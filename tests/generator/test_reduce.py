@@ -127,7 +127,7 @@ def test_a_motion_without_its_cyclic_coordinates_is_the_same(text, kept, angle):
     found = reduced(whole, *kept, angle, f"{angle}'")
     small = found.equations
     assert [q.name for q in small.coordinates] == kept
-    assert [q.name for q in small.quadrature_names] == [angle]
+    assert [q.name for q in small.states] == [angle]
     for seed in range(4):
         state = somewhere(whole, seed)
         given = parameters(whole, state)
@@ -149,7 +149,7 @@ def test_a_motion_without_its_cyclic_coordinates_is_the_same(text, kept, angle):
             assert value == pytest.approx(accelerations[names.index(name)], rel=1e-11, abs=1e-12)
         rate = state[Symbol(Kind.RATE, names.index(angle))]
         assert abs(rate) > 0.1
-        nodes = [*small.quadratures, small.observed[-1], small.energy]
+        nodes = [*small.state_rates, small.observed[-1], small.energy]
         *rates, energy = evaluate(small.graph, nodes, known)
         assert rates == pytest.approx([rate, rate], rel=1e-11)
         assert energy == pytest.approx(*evaluate(whole.graph, [whole.energy], state | given))
@@ -160,10 +160,14 @@ def test_what_a_cyclic_coordinate_is_needed_for_keeps_it():
     found = reduced(whole, "r", "z")
     assert len(found.equations.coordinates) == 3
     assert "phi kept: it is in a force" in [str(line) for line in found.report.lines]
+    text = "model m\ncoord x, y\nkinetic (x'^2 + y'^2)/2\nlagrangian y*x' - y^4\n"
+    text += "dissipation y'^2\nstart y = 1\n"
+    whole = equations_of(text)
+    assert len(reduced(whole, "y", "x").equations.coordinates) == 1
+    found = reduced(whole, "y", "x", facts=("affine_rates",))  # boris
+    assert len(found.equations.coordinates) == 2
+    assert "x kept: the method requires affine_rates" in map(str, found.report.lines)
     whole = equations_of(TOP)
-    found = reduced(whole, "theta", "phi", quadratures=False)
-    assert [q.name for q in found.equations.coordinates] == ["phi", "theta"]
-    assert "phi kept: the method makes no quadratures" in map(str, found.report.lines)
     # In whatever order, and each can be switched off.
     found = reduced(whole, "theta", off=frozenset({"cyclic"}))
     assert len(found.equations.coordinates) == 3

@@ -104,7 +104,7 @@ def test_system_table_names_every_kernel(files):
     for struct, field in parts.items():
         fields |= {f"{field}.{member}" for member in _members(header, struct)}
     told = {"defaults", "derive", "prepare", "bounds", "start", "lanes", "members"}
-    told |= {"quadratures.start", "singularities.count", "singularities.place"}
+    told |= {"singularities.count", "singularities.place"}
     told |= {field for field in fields if field.startswith("families.")}
     assert fields == told | set(SYSTEM_KERNELS.values())
 

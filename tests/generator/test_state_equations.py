@@ -115,8 +115,8 @@ ACTION = without(MAXWELL, "force", "rate s", "state s", "param k", "param eta")
 FACTS = [
     # text, and which of the facts hold
     (MAXWELL, "mass_constant quadratic autonomous smooth"),
-    (ACTION, "mass_constant quadratic autonomous conservative smooth"),
-    (ACTION + "rate_of t", "mass_constant quadratic conservative smooth"),
+    (ACTION, "mass_constant quadratic autonomous conservative variational smooth"),
+    (ACTION + "rate_of t", "mass_constant quadratic conservative variational smooth"),
     (ALONE, "mass_constant quadratic autonomous smooth"),
     (ALONE.replace("(1 - x^2)", "1"), "mass_constant quadratic autonomous affine smooth"),
     (ALONE.replace("(1 - x^2)", "abs(x)"), "mass_constant quadratic autonomous"),
@@ -135,7 +135,7 @@ def test_facts(text: str, holds: str) -> None:
         text = text.removesuffix("rate_of t").replace("rate S = L", "rate S = L*sin(t/(1 [s]))")
     if holds == "separable":  # a state that is kicked as rates are, and one that is not
         text = without(text, "rate s") + "rate s = (2 [m/s])*cos(q/(1 [m]))\n"
-        holds = "mass_constant quadratic separable autonomous conservative smooth"
+        holds = "mass_constant quadratic separable autonomous conservative variational smooth"
     structure = compiled(text).structure
     names = "mass_constant quadratic separable autonomous conservative variational smooth affine"
     assert [x for x in names.split() if getattr(structure, x)] == [

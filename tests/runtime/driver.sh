@@ -65,24 +65,22 @@ x = float(open('$tmp/out.csv').read().split()[-1].split(',')[$1])
 assert abs(x - .25 - 6.283185307179586) < 1e-10, x"
 }
 round=0x1.921fb54442d18p+2
-run run_radial "method gauss\nuntil $round\nevery 1\nrtol 1e-13\n"
-check "quadratures follow the coordinates" [ "$(head -1 "$tmp/out.csv")" = "t,x,x',phi,energy" ]
+run run_turning "method gauss\nuntil $round\nevery 1\nrtol 1e-13\n"
+check "states follow the rates" [ "$(head -1 "$tmp/out.csv")" = "t,x,x',\"y,1'\",energy" ]
 check "once round, by dense rows" turn 3
-run run_radial "method gauss4\nuntil $round\nstep 0.01\nshow z 0\nstart z 0 10.25\n"
+run run_turning "method gauss4\nuntil $round\nstep 0.01\nshow v 1\nstart v 1 10.25\n"
 check "where they are told to start" [ "$(sed -n 2p "$tmp/out.csv")" = "0,10.25" ]
-run run_radial "method verlet\nuntil 1\nstep 0.01\n"
-check "refused" grep -q 'verlet carries no quadratures, and radial has phi' "$tmp/err"
-run run_radial "method verlet\nuntil 1\nstep 0.01\nshow q 0\n"
-check "not where none is shown" [ $code -eq 0 ]
-for bad in "start z 1 2\n" "show z 1\n" "start x 0 1\n"; do
-    run run_radial "method rk4\nuntil 1\nstep 0.1\n$bad"
-    check "no such quadrature: $bad" [ $code -eq 2 ]
+run run_turning "method verlet\nuntil $round\nstep 1e-4\nevery 1\n"
+check "by a splitting method" [ $code -eq 0 ]
+for bad in "start v 2 2\n" "show v 2\n" "start x 0 1\n" "show z 0\n"; do
+    run run_turning "method rk4\nuntil 1\nstep 0.1\n$bad"
+    check "no such state: $bad" [ $code -eq 2 ]
 done
 python3 -c "
 import struct
 open('$tmp/members', 'wb').write(struct.pack('4d', .25, .5, 1.25, .5))"
-run run_radial "method rk4\nuntil $round\nstep 0.001\nensemble $tmp/members\nmembers 2\ncolumn z 0\ncolumn q 0\n"
-check "members have their own" [ "$(head -1 "$tmp/out.csv")" = "member,t,x,x',phi,energy" ]
+run run_turning "method rk4\nuntil $round\nstep 0.001\nensemble $tmp/members\nmembers 2\ncolumn v 1\ncolumn q 0\n"
+check "members have their own" [ "$(head -1 "$tmp/out.csv")" = "member,t,x,x',\"y,1'\",energy" ]
 check "which go on from where they start" python3 -c "
 rows = [list(map(float, x.split(','))) for x in open('$tmp/out.csv').read().split()[1:]]
 assert [abs(r[4] - 6.283185307179586 - s) < 1e-9 for r, s in zip(rows, (.25, 1.25))] == [True] * 2"

@@ -18,7 +18,7 @@ struct fixture {
     struct test_params params;
     struct pk_options options;
     struct pk_integrator it;
-    double q0[2], v0[2];
+    double q0[3], v0[3];
     double block[4096];
 };
 
@@ -87,7 +87,7 @@ void add_branch(void);
 void add_implicit(void);
 void add_exponential(void);
 void add_linear_drag(void);
-void add_quadrature(void);
+void add_unread(void);
 void add_apart(void);
 void add_least_action(void);
 void add_states(void);

@@ -174,7 +174,7 @@ int main(int argc, char **argv)
     add_implicit();
     add_exponential();
     add_linear_drag();
-    add_quadrature();
+    add_unread();
     add_apart();
     add_least_action();
     add_states();

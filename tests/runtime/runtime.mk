@@ -109,7 +109,7 @@ $(RT_TESTS)/quad: $(RT_QUAD) $(RT_QUAD_SYSTEMS)
 $(RT_TESTS)/quad_inlined: $(RT_QUAD) $(RT_QUAD_INLINED)
 	gcc $(RT_EXTRA) $^ -lquadmath -lm -o $@
 
-RT_RUN_PROGRAMS = $(patsubst %,$(RT_TESTS)/run_%.so,pendulum broken oscillator radial pair)
+RT_RUN_PROGRAMS = $(patsubst %,$(RT_TESTS)/run_%.so,pendulum broken oscillator turning pair)
 RT_PROGRAMS = $(addprefix $(RT_TESTS)/,example quad quad_inlined runtime runtime_inlined) \
               $(RT_RUN_PROGRAMS)
 test-runtime-programs: $(RT_PROGRAMS)

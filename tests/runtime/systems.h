@@ -43,9 +43,9 @@ extern const struct pk_system van_der_pol_system;
 extern const struct pk_system damped_system;
 /* L = M(t) v^2/2 with M = 1 but about t = limit, where M < 0: p is constant. */
 extern const struct pk_system dipping_system;
-/* Planar Kepler as its radius alone, g the square of the angular momentum, and its angle, which
- * starts at `limit`, a quadrature; once round in 2 pi. */
-extern const struct pk_system radial_system;
+/* Planar Kepler as its radius alone, g the square of the angular momentum; and with its angle, a
+ * state that nothing reads, which starts at .25: once round in 2 pi. */
+extern const struct pk_system radial_system, turning_system;
 /* q'' = -limit q; and both it and the pendulum, which can be integrated apart alone. */
 extern const struct pk_system spring_system, pair_system;
 extern const struct pk_part pair_parts[2];
@@ -58,7 +58,7 @@ extern const struct pk_system pushed_system;
 
 /* Of systems_rotation.c: one body that is free, I = (1, 2, 3); a heavy symmetric top; two bodies in
  * free space; a coordinate beside a body, with M(R), drag, and forces of time. */
-extern const struct pk_system free_body_system, top_system, bodies_system, carriage_system;
+extern const struct pk_system free_body_system, metered_system, top_system, bodies_system, carriage_system;
 /* Of systems_swift.c: a relativistic charge on a rod. */
 extern const struct pk_system swift_system;
 /* Of systems_constraint.c: a mass on a rod, on a circle through 0, with the rod twice over; two on

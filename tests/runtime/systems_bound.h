@@ -100,6 +100,8 @@ static inline int bound_solve(const struct bound *b, ARGS, pk_real *a, pk_real *
         a[i] = K[i][all];
     for (size_t r = 0; r < b->rotations; r++)
         spin(v + m + 4 * r, v + b->coordinates + 3 * r, a + m + 4 * r);
+    for (size_t k = m + 4 * b->rotations; k < n; k++)
+        a[k] = f[k]; /* a state */
     for (size_t k = 0; lambda && k < c; k++)
         lambda[k] = K[m + k][all];
     return 0;

@@ -56,14 +56,6 @@ SIZES(pushed, 1, 1)
 SYSTEM(pushed, 1, DRIVEN, PK_C(1.0), 0, none_cyclic, LIST(PK_C(0.7)), LIST(PK_C(0.2)),
        .n_inputs = 1, .inputs = inputs, .linear = pushed_linear);
 
-static const struct pk_quantity angle[] = {{"phi", "", ""}};
-static void angle_rate(ARGS, pk_real *z)
-{
-    UNUSED;
-    z[0] = PK_F(sqrt)(G(params)) / (q[0] * q[0]);
-}
-static void angle_start(const void *params, pk_real *z) { z[0] = LIMIT(params); }
-
 POINT_MASS(radial, G(params) / (2 * q[0] * q[0]) - 1 / q[0],
            G(params) / (q[0] * q[0] * q[0]) - 1 / (q[0] * q[0]),
            2 / (q[0] * q[0] * q[0]) - 3 * G(params) / (q[0] * q[0] * q[0] * q[0]), 0)
@@ -71,9 +63,8 @@ SIZES(radial, 1, 0)
 #undef PK_MODEL
 #define PK_MODEL(x) radial_##x
 #include <pk/inlined.h>
-SYSTEM(radial, 1, NATURAL, PK_C(0.75), PK_C(0.25), none_cyclic, LIST(PK_C(0.5)), LIST(0),
-       .linear = radial_linear, .quadratures.n = 1, .quadratures.names = angle,
-       .quadratures.rates = angle_rate, .quadratures.start = angle_start);
+SYSTEM(radial, 1, NATURAL, PK_C(0.75), 0, none_cyclic, LIST(PK_C(0.5)), LIST(0),
+       .linear = radial_linear);
 
 /* exp(-s^2), s = (x - 1.3)/limit, of which .8 bars the way. */
 #define AWAY(params, q) ((q[0] - PK_C(1.3)) / LIMIT(params))

@@ -64,6 +64,32 @@ static pk_real free_body_energy(ARGS)
 BOUND(free_body, 7, 0, 1, 0, BOUND_FACTS, PK_C(1.0), 0, LIST(0),
       LIST(PK_C(0.4), PK_C(1.1), PK_C(-0.3), PK_C(0.5), PK_C(0.5), PK_C(-0.5), PK_C(0.5)), );
 
+/* The same and a state that nothing reads, z' = omega.x^2 + w cos t. */
+static const struct pk_quantity metered_names[] = {OMEGA("R"), QUATERNION("R"), {"z", "", ""}};
+#define metered_rows NULL
+#define metered_bias NULL
+static void metered_inertia(ARGS, pk_real *M)
+{
+    UNUSED;
+    memset(M, 0, 64 * sizeof *M);
+    inertia_of(8, free_I, 0, M);
+    unit_of(8, 3, 5, M);
+}
+static void metered_drift(ARGS, pk_real *f)
+{
+    free_body_drift(params, t, q, v, u, f);
+    f[7] = v[0] * v[0] + v[3] * PK_F(cos)(t);
+}
+static void metered_unconstrained(ARGS, pk_real *p, pk_real *pdot)
+{
+    free_body_unconstrained(params, t, q, v, u, p, pdot);
+    p[7] = v[7];
+    pdot[7] = v[0] * v[0] + v[3] * PK_F(cos)(t);
+}
+static pk_real metered_energy(ARGS) { return free_body_energy(params, t, q, v, u); }
+BOUND(metered, 8, 0, 1, 0, BOUND_FACTS & ~(unsigned)PK_AUTONOMOUS, PK_C(1.0), 0, LIST(0),
+      LIST(PK_C(0.4), PK_C(1.1), PK_C(-0.3), PK_C(0.5), PK_C(0.5), PK_C(-0.5), PK_C(0.5)), );
+
 /* A heavy symmetric top about its fixed point, I = (3/2, 3/2, 1/2), V = g cos(theta). */
 static const pk_real top_I[] = {PK_C(1.5), PK_C(1.5), PK_C(0.5)};
 static const struct pk_quantity top_names[] = {OMEGA("R"), QUATERNION("R")};

@@ -113,3 +113,54 @@ SIZES(maxwell, 2, 0)
 #include <pk/inlined.h>
 SYSTEM(maxwell, 2, FIRST_ORDER, PK_C(9.81), PK_C(0.0), none_cyclic, LIST(PK_C(1.0), PK_C(0.0)),
        LIST(PK_C(0.0), PK_C(0.2)), .linear = maxwell_linear, .n_first_order = 1, );
+
+/* r'' = g/r^3 - 1/r^2, phi' = sqrt(g)/r^2. */
+static void turning_force(ARGS, pk_real *f)
+{
+    UNUSED;
+    f[0] = G(params) / (q[0] * q[0] * q[0]) - 1 / (q[0] * q[0]);
+    f[1] = PK_F(sqrt)(G(params)) / (q[0] * q[0]);
+}
+static int turning_acceleration(ARGS, pk_real *a)
+{
+    turning_force(params, t, q, v, u, a);
+    return 0;
+}
+static void turning_mass(ARGS, pk_real *M) { brusselator_mass(params, t, q, v, u, M); }
+static void turning_canonical(ARGS, pk_real *p, pk_real *pdot)
+{
+    memcpy(p, v, 2 * sizeof *p);
+    turning_force(params, t, q, v, u, pdot);
+}
+static void turning_gradient(ARGS, pk_real *d)
+{
+    turning_force(params, t, q, v, u, d);
+    d[1] = 0;
+}
+static void turning_jacobian(ARGS, pk_real *p_q, pk_real *pdot_q, pk_real *pdot_v)
+{
+    UNUSED;
+    for (int i = 0; i < 4; i++)
+        p_q[i] = pdot_q[i] = pdot_v[i] = 0;
+    pdot_q[0] = 2 / (q[0] * q[0] * q[0]) - 3 * G(params) / (q[0] * q[0] * q[0] * q[0]);
+    pdot_q[2] = -2 * PK_F(sqrt)(G(params)) / (q[0] * q[0] * q[0]);
+}
+static void turning_linear(ARGS, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t)
+{
+    pk_real p_q[4];
+    (void)a;
+    turning_jacobian(params, t, q, v, u, p_q, r_q, r_v);
+    r_t[0] = r_t[1] = 0;
+}
+static pk_real turning_energy(ARGS)
+{
+    UNUSED;
+    return v[0] * v[0] / 2 + G(params) / (2 * q[0] * q[0]) - 1 / q[0];
+}
+SIZES(turning, 2, 0)
+#undef PK_MODEL
+#define PK_MODEL(x) turning_##x
+#include <pk/inlined.h>
+SYSTEM(turning, 2, FIRST_ORDER | PK_SEPARABLE | PK_CONSERVATIVE | PK_VARIATIONAL, PK_C(0.75), 0,
+       none_cyclic, LIST(PK_C(0.5), PK_C(0.0)), LIST(PK_C(0.0), PK_C(0.25)),
+       .linear = turning_linear, .n_first_order = 1, );

@@ -17,9 +17,10 @@ struct fast_params {
     double end, fast;
 };
 
-static const struct pk_quantity coordinates[] = {{"x", "", ""}, {"y", "", ""}};
+static const struct pk_quantity coordinates[] = {
+    {"x", "", ""}, {"y", "", ""}, {"phi", "", ""}};
+static const struct pk_quantity slow_coordinates[] = {{"x", "", ""}, {"phi", "", ""}};
 static const struct pk_quantity inputs[] = {{"push", "", ""}, {"pull", "", ""}};
-static const struct pk_quantity angles[] = {{"phi", "", ""}};
 #define PARAMETER(name, of) {{#name, "", ""}, offsetof(struct of, name), 0, 0, 0}
 static const struct pk_parameter of_whole[] = {
     PARAMETER(fast, whole_params), PARAMETER(slow, whole_params), PARAMETER(end, whole_params)};
@@ -29,6 +30,7 @@ static const struct pk_parameter of_fast[] = {PARAMETER(end, fast_params),
                                               PARAMETER(fast, fast_params)};
 
 static double slow(double k, double x, double push) { return -k * sin(x) + push; }
+static double angle(double x) { return 1 / (2 + cos(x)); } /* phi', in the whole too */
 static double fast(double k, double end, double y, double t, double pull)
 {
     return -k * sin(y) + pull * sqrt(end - t); /* no number behind `end` */
@@ -39,6 +41,7 @@ static int whole_acceleration(ARGS, double *a)
     const struct whole_params *p = (const struct whole_params *)params;
     a[0] = slow(p->slow, q[0], u[0]);
     a[1] = fast(p->fast, p->end, q[1], t, u[1]);
+    a[2] = angle(q[0]);
     (void)v;
     return 0;
 }
@@ -47,6 +50,7 @@ static int slow_acceleration(ARGS, double *a)
     const struct slow_params *p = (const struct slow_params *)params;
     (void)t, (void)v;
     a[0] = slow(p->tilt / 2, q[0], u[0]);
+    a[1] = angle(q[0]);
     return 0;
 }
 static int fast_acceleration(ARGS, double *a)
@@ -55,16 +59,6 @@ static int fast_acceleration(ARGS, double *a)
     (void)v;
     a[0] = fast(p->fast, p->end, q[0], t, u[0]);
     return 0;
-}
-static void angle(ARGS, double *z)
-{
-    (void)params, (void)t, (void)v, (void)u;
-    z[0] = 1 / (2 + cos(q[0])); /* of x, in the whole too */
-}
-static void at_one(const void *params, double *z)
-{
-    (void)params;
-    z[0] = 1;
 }
 
 static void whole_defaults(void *params)
@@ -98,7 +92,7 @@ static int fast_prepare(void *params)
     return ((struct fast_params *)params)->fast > 0 ? 0 : PK_FAILED(PK_FAILURE_PARAMETER, 1);
 }
 
-#define SYSTEM(NAME, N, FIRST, PREPARE, DERIVE, ...)                         \
+#define SYSTEM(NAME, N, STATES, COORDINATES, FIRST, PREPARE, DERIVE)         \
     static const struct pk_system NAME##_system = {                          \
         .abi = PK_ABI,                                                       \
         .name = #NAME,                                                       \
@@ -108,22 +102,19 @@ static int fast_prepare(void *params)
         .params_size = sizeof(struct NAME##_params),                         \
         .n_parameters = sizeof of_##NAME / sizeof *of_##NAME,                \
         .parameters = of_##NAME,                                             \
-        .coordinates = coordinates + FIRST,                                  \
-        .n_inputs = N,                                                       \
+        .n_first_order = STATES,                                             \
+        .coordinates = COORDINATES,                                          \
+        .n_inputs = N - STATES,                                              \
         .inputs = inputs + FIRST,                                            \
         .acceleration = NAME##_acceleration,                                 \
         .defaults = NAME##_defaults,                                         \
         .derive = DERIVE,                                                    \
-        .prepare = PREPARE,                                                  \
-        __VA_ARGS__}
-#define ANGLE                                                                    \
-    .quadratures.n = 1, .quadratures.names = angles, .quadratures.rates = angle, \
-    .quadratures.start = at_one
-SYSTEM(whole, 2, 0, no_prepare, no_derive, ANGLE);
-SYSTEM(slow, 1, 0, no_prepare, slow_derive, ANGLE);
-SYSTEM(fast, 1, 1, fast_prepare, no_derive, .quadratures.n = 0);
+        .prepare = PREPARE}
+SYSTEM(whole, 3, 1, coordinates, 0, no_prepare, no_derive);
+SYSTEM(slow, 2, 1, slow_coordinates, 0, no_prepare, slow_derive);
+SYSTEM(fast, 1, 0, coordinates + 1, 1, fast_prepare, no_derive);
 
-static const size_t first[] = {0}, second[] = {1}, outside[] = {2};
+static const size_t first[] = {0, 2}, second[] = {1, 0}, outside[] = {3};
 static const struct pk_part parts[] = {{&fast_system, second}, {&slow_system, first}};
 
 static void push(void *context, double t, double *u)
@@ -141,7 +132,7 @@ struct test {
     void *block;
 };
 
-static const double q0[] = {0.5, 1}, v0[] = {0, 10};
+static const double q0[] = {0.5, 1, 0}, v0[] = {0, 10, 1};
 
 static enum pk_status begin(struct test *t, const struct pk_part *of)
 {
@@ -173,7 +164,7 @@ static void against_together(void)
     struct pk_options options = pk_options_default();
     options.rtol = options.atol = 1e-13;
     CU_ASSERT_FATAL(begin(&t, parts) == PK_DONE);
-    CU_ASSERT(t.apart.q[0] == 0.5 && t.apart.v[1] == 10 && t.apart.z[0] == 1);
+    CU_ASSERT(t.apart.q[0] == 0.5 && t.apart.v[1] == 10 && t.apart.v[2] == 1);
     CU_ASSERT_FATAL(pk_integrator_init(&it, &t.whole, pk_method_find("gauss"), &options, 0, q0, v0,
                                        block, sizeof block) == PK_DONE);
     double worst = 0;
@@ -184,17 +175,15 @@ static void against_together(void)
             worst = fmax(worst, fabs(t.apart.q[i] - it.q[i]));
             worst = fmax(worst, fabs(t.apart.v[i] - it.v[i]) / 30);
         }
-        worst = fmax(worst, fabs(t.apart.z[0] - it.z[0]));
+        worst = fmax(worst, fabs(t.apart.v[2] - it.v[2]));
     }
     const unsigned long many = t.apart.parts[0].it.count.steps;
     const unsigned long few = t.apart.parts[1].it.count.steps;
     printf("\n    apart %lu and %lu steps, together %lu: %.1e", many, few, it.count.steps, worst);
     CU_ASSERT(worst > 0 && worst < 2e-11);
     CU_ASSERT(many == 2000 && few < 20 && it.count.steps > 100);
-    const double other = 5, was = t.apart.z[0];
-    CU_ASSERT(pk_apart_set_quadratures(&t.apart, &other) == PK_DONE && t.apart.z[0] == 5);
     CU_ASSERT(pk_apart_to(&t.apart, 0, 0) == PK_DONE);
-    CU_ASSERT(fabs(t.apart.z[0] - (5 - (was - 1))) < 1e-12 && fabs(t.apart.q[1] - 1) < 1e-10);
+    CU_ASSERT(fabs(t.apart.v[2] - 1) < 1e-12 && fabs(t.apart.q[1] - 1) < 1e-10);
     end(&t);
 }
 
@@ -227,7 +216,7 @@ static void refused(void)
     const struct pk_part twice[] = {{&fast_system, second}, {&slow_system, second}};
     const struct pk_part beyond[] = {{&fast_system, outside}, {&slow_system, first}};
     struct pk_system stranger = fast_system;
-    stranger.inputs = angles;
+    stranger.inputs = coordinates;
     const struct pk_part strange[] = {{&stranger, second}, {&slow_system, first}};
     struct test t;
     char reason[500];
@@ -244,14 +233,14 @@ static void refused(void)
     CU_ASSERT(pk_apart_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0, t.block, 64) ==
               PK_BLOCK_TOO_SMALL);
     /* What a part's method needs, and its parameters' bounds, are asked of each. */
-    t.choices[1].method = pk_method_find("verlet");
+    t.choices[1].method = pk_method_find("exponential");
     t.choices[1].options.h = 0.1;
     const size_t size = pk_apart_size(&t.whole, parts, t.choices, 2);
     void *block = malloc(size);
     CU_ASSERT(pk_apart_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0, block, size) ==
               PK_REFUSED);
     pk_apart_reason(&t.apart, reason, sizeof reason);
-    CU_ASSERT(strstr(reason, "part 2 (x): verlet carries no quadratures") != NULL);
+    CU_ASSERT(strstr(reason, "part 2 (x): exponential needs ") != NULL);
     t.params.fast = -1;
     CU_ASSERT(pk_apart_init(&t.apart, &t.whole, parts, t.choices, 2, 0, q0, v0, block, size) ==
               PK_OUT_OF_BOUNDS);

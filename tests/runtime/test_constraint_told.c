@@ -70,18 +70,39 @@ static void crossing_rows(const void *params, double t, const double *q, const d
     J[0] = q[1], J[1] = q[0];
     residual[0] = J[0] * v[0] + J[1] * v[1];
 }
-static void squares(const void *params, double t, const double *q, const double *v, const double *u,
-                    double *rates)
-{
-    (void)params, (void)t, (void)v, (void)u;
-    rates[0] = q[0] * q[0];
-}
 static int forceless(const void *params, double t, const double *q, const double *v,
                      const double *u, double *a)
 {
     (void)params, (void)t, (void)v, (void)u;
     a[0] = a[1] = 0;
     return q[0] * q[0] + q[1] * q[1] > 1e-20 ? 0 : PK_FAILED(PK_FAILURE_CONSTRAINT, 0);
+}
+
+/* The same with a state beside it, z' = x^2. */
+static void three_rows(const void *params, double t, const double *q, const double *v,
+                       const double *u, double *J, double *residual)
+{
+    crossing_rows(params, t, q, v, u, J, residual);
+    J[2] = 0;
+}
+static int squares(const void *params, double t, const double *q, const double *v, const double *u,
+                   double *a)
+{
+    a[2] = q[0] * q[0];
+    return forceless(params, t, q, v, u, a);
+}
+static void ones(const void *params, double t, const double *q, const double *v, const double *u,
+                 double *M)
+{
+    (void)params, (void)t, (void)q, (void)v, (void)u;
+    for (int i = 0; i < 9; i++)
+        M[i] = i % 4 == 0;
+}
+static void as_they_are(const void *params, double t, const double *q, const double *v,
+                        const double *u, double *p, double *pdot)
+{
+    squares(params, t, q, v, u, pdot);
+    memcpy(p, v, 3 * sizeof *p);
 }
 
 /* What bad constraints, and starts off good ones, are told. */
@@ -147,22 +168,30 @@ static void refusals(void)
     CU_ASSERT(bound_init(&f, "rk4", 0.125) == PK_DONE);
     CU_ASSERT(pk_integrator_to(&f.it, 1) == PK_DONE); /* along its own */
     CU_ASSERT(fabs(f.it.q[0] - 0.5) < 1e-14 && fabs(f.it.q[1]) < 1e-14);
-    system.quadratures.n = 1; /* which goes on too, at ends of steps and between */
-    system.quadratures.rates = squares;
+    static const struct pk_quantity names[] = {{"x", "", ""}, {"y", "", ""}, {"z", "", ""}};
+    system.n = 3, system.n_first_order = 1; /* a state goes on too, at ends of steps and between */
+    system.coordinates = system.rates = system.momenta = names;
+    system.constraints.jacobian = three_rows;
+    system.acceleration = squares, system.mass = system.inertia = ones;
+    system.canonical = system.unconstrained = as_they_are;
     static const char *const both[] = {"rk4", "dop853"};
     for (int i = 0; i < 2; i++) {
-        double z;
+        double q[3], v[3];
+        f.q0[2] = f.v0[2] = 0;
         CU_ASSERT_FATAL(bound_init(&f, both[i], i ? 1e-9 : 0.125) == PK_DONE);
         while (f.it.t < 1) {
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1) == PK_DONE);
-            CU_ASSERT(fabs(f.it.z[0] - (pow(f.it.q[0], 3) + 0.125) / 3) < 1e-14);
+            CU_ASSERT(fabs(f.it.v[2] - (pow(f.it.q[0], 3) + 0.125) / 3) < 1e-14);
             const double t = (f.it.t + f.it.last_t) / 2, x = t - 0.5;
             if (i)
-                CU_ASSERT(pk_integrator_dense_quadratures(&f.it, t, &z) == PK_DONE &&
-                          fabs(z - (x * x * x + 0.125) / 3) < 1e-14);
+                CU_ASSERT(pk_integrator_dense(&f.it, t, q, v) == PK_DONE &&
+                          fabs(v[2] - (x * x * x + 0.125) / 3) < 1e-14);
         }
     }
-    system.quadratures.n = 0;
+    system = rod_system;
+    system.constraints.values = crossing;
+    system.constraints.jacobian = crossing_rows;
+    system.acceleration = forceless;
     f.q0[0] = 0; /* there is no start there */
     CU_ASSERT(bound_init(&f, "rattle", 0.125) == PK_NO_PROJECTION);
 

@@ -20,7 +20,6 @@ enum kernel {
     LINEAR,
     SINGULARITY,
     EVENT,
-    QUADRATURE,
     CONSTRAINT,
     ROWS,
     TERMS,
@@ -119,11 +118,6 @@ static void one_event(CALLED, pk_real *out)
     out[0] = q[0] - 0.69;
     spoil(EVENT, out, 1);
 }
-static void quadrature(CALLED, pk_real *out)
-{
-    fault.of->quadratures.rates(WITH, out);
-    spoil(QUADRATURE, out, fault.of->quadratures.n);
-}
 static void constraint(CALLED, pk_real *phi)
 {
     fault.of->constraints.values(WITH, phi);
@@ -166,7 +160,7 @@ static struct pk_system faulty(void)
 #define WRAP(kernel) WRAP_AS(kernel, kernel)
     WRAP(acceleration), WRAP(lanes), WRAP(mass), WRAP(canonical), WRAP(unconstrained),
         WRAP(jacobian);
-    WRAP(linear), WRAP_AS(quadratures.rates, quadrature), WRAP_AS(constraints.values, constraint),
+    WRAP(linear), WRAP_AS(constraints.values, constraint),
         WRAP_AS(constraints.jacobian, rows), WRAP_AS(constraints.scale, terms), WRAP(inertia);
     WRAP_AS(marks.values, marking), WRAP(prepare);
     s.steppers = NULL, s.block_steppers = NULL;
@@ -253,7 +247,7 @@ static const struct pk_method *method_at(size_t i)
 static void of_system(const struct pk_system *system, double h, long deep)
 {
     static const char *const names[] = {"acceleration", "mass",        "canonical", "jacobian",
-                                        "linear",       "singularity", "event",     "quadrature",
+                                        "linear",       "singularity", "event",
                                         "constraint",   "rows",        "terms",     "unconstrained",
                                         "inertia",      "marking",     "prepare",   "lanes"};
     double right[2 * MOST], x[2 * MOST];
@@ -293,7 +287,7 @@ static void each_kernel(void)
 {
     failures = survived = 0;
     of_system(&double_pendulum_system, 0.01, DEEP);
-    of_system(&radial_system, 0.01, DEEP);
+    of_system(&turning_system, 0.01, DEEP);
     of_system(&rod_system, 0.01, DEEP);
     of_system(&barred_system, 0.01, DEEP);
     for (size_t k = 0; DEEP > 1 && k < 3; k++) {

@@ -155,8 +155,8 @@ static void random_starts(void)
         for (int i = 0; i < 2; i++) {
             struct fixture *one = i ? &d : &f;
             fixture_set(one, &double_pendulum_system);
-            memcpy(one->q0, x, sizeof one->q0);
-            memcpy(one->v0, x + 2, sizeof one->v0);
+            memcpy(one->q0, x, 2 * sizeof *x);
+            memcpy(one->v0, x + 2, 2 * sizeof *x);
             one->options.rtol = one->options.atol = i ? 1e-13 : 1e-9;
             CU_ASSERT_FATAL(fixture_init(one, i ? "dop853" : "gauss") == PK_DONE);
             CU_ASSERT(pk_integrator_to(&one->it, 2) == PK_DONE);

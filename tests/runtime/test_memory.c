@@ -35,7 +35,7 @@ static const struct pk_system *const systems[] = {
     &pendulum_system, &oscillator_system,   &double_pendulum_system,
     &kepler_system,   &relativistic_system, &driven_system,
     &forced_system,   &van_der_pol_system,  &damped_system,
-    &radial_system,   &brusselator_system,  &maxwell_system,
+    &turning_system,  &brusselator_system,  &maxwell_system,
     &pushed_system,   &free_body_system,    &top_system,
     &carriage_system, &swift_system,        &rod_system,
     &rods_system,     &wire_system,         &jointed_system,
@@ -93,23 +93,20 @@ static void note_all(struct trace *to, const double *x, size_t count)
 /* The state; the motion inside the last step and at its end. */
 static void look(struct trace *to, struct pk_integrator *it)
 {
-    const size_t n = it->n, m = it->problem.system->quadratures.n;
+    const size_t n = it->n;
     note(to, it->status);
     note(to, it->t);
     note(to, (double)it->count.evaluations);
     note_all(to, it->q, n);
     note_all(to, it->v, n);
     note_all(to, it->p, n);
-    note_all(to, it->z, m);
     for (int k = 1; it->status >= 0 && it->method->dense && k <= 3; k++) {
-        double q[16], v[16], z[4];
+        double q[16], v[16];
         const double t = k == 3 ? it->t : it->last_t + k * (it->t - it->last_t) / 3;
         const enum pk_status status = pk_integrator_dense(it, t, q, v);
         note(to, status);
         note_all(to, q, status < 0 ? 0 : n);
         note_all(to, v, status < 0 ? 0 : n);
-        if (m && pk_integrator_dense_quadratures(it, t, z) >= 0)
-            note_all(to, z, m);
     }
 }
 
@@ -145,7 +142,6 @@ static enum pk_status motion(const struct pk_system *of, const struct pk_method 
     options.h = 0.01;
     options.rtol = options.atol = 1e-7;
     const size_t size = pk_integrator_size(&problem, method);
-    const size_t quadratures = pk_quadrature_size(&system, system.n) * sizeof(double);
     CU_ASSERT_FATAL(size <= sizeof room / 2 && system.n <= 16);
     poison(room, size, with);
     enum pk_status status =
@@ -154,10 +150,8 @@ static enum pk_status motion(const struct pk_system *of, const struct pk_method 
     if (status >= 0) {
         steps(to, &it, 4, 1);
         it.own->made = 0; /* no tables are there any more */
-        /* All but the private part and the quadratures, which a reset keeps. */
-        char *const state = (char *)it.own->state, *const kept = (char *)it.own->quadratures;
-        poison(state, (size_t)(kept - state), with);
-        poison(kept + quadratures, size - (size_t)(kept + quadratures - (char *)room), with);
+        char *const state = (char *)it.own->state; /* all but the private part */
+        poison(state, size - (size_t)(state - (char *)room), with);
         note(to, pk_integrator_reset(&it, 0.7, q0, v0));
         steps(to, &it, 3, -1);
         note(to, pk_integrator_set_step(&it, 0.02));
@@ -314,7 +308,7 @@ static void variations(const struct use *use, const struct pattern *with, struct
     struct pk_integrator it;
     struct pk_stepmap map;
     const struct pk_problem *problem = use->problem;
-    if (!problem->system->linear || problem->system->quadratures.n)
+    if (!problem->system->linear)
         return;
     CU_ASSERT_FATAL(pk_lyapunov_size(problem, use->method) <= sizeof room);
     poison(room, sizeof room, with);

@@ -1,4 +1,4 @@
-/* Rotations: through the upright, starts that are no rotations, ensembles, quadratures and events.
+/* Rotations: through the upright, starts that are no rotations, ensembles, states and events.
  */
 #include <stdlib.h>
 
@@ -135,13 +135,6 @@ static void lost(void)
     CU_ASSERT(status[1] == PK_DONE && v[1][3] == 1); /* beside it one goes on */
 }
 
-static void angle_rate(const void *params, double t, const double *q, const double *v,
-                       const double *u, double *z)
-{
-    (void)params, (void)q, (void)u;
-    z[0] = v[0] * v[0] + v[3] * cos(t);
-}
-
 static void turning(const void *params, double t, const double *q, const double *v, const double *u,
                     double *g)
 {
@@ -149,28 +142,23 @@ static void turning(const void *params, double t, const double *q, const double 
     g[0] = v[0];
 }
 
-/* Quadratures to the method's own order, and events by steps of the method itself. */
+/* A state to the method's own order, and events by steps of the method itself. */
 static void beside(void)
 {
-    static const struct pk_quantity named[] = {{"z", "", ""}};
     static const struct pk_event crossing[] = {{{"turns", "", ""}, 0, 1}};
     static struct pk_system system;
     static struct bound_run f;
-    system = free_body_system;
-    system.quadratures.n = 1;
-    system.quadratures.names = named;
-    system.quadratures.rates = angle_rate;
-    CU_ASSERT_FATAL(bound_go(&f, &system, "gauss6", 0.01, 2) == PK_DONE);
-    const double exact = f.it.z[0];
+    CU_ASSERT_FATAL(bound_go(&f, &metered_system, "gauss6", 0.01, 2) == PK_DONE);
+    const double exact = f.it.v[7];
     for (int i = 0; i < VARIATIONAL + 1; i++) {
         double h[2], error[2];
         for (int k = 0; k < 2; k++) {
             h[k] = (i < VARIATIONAL && i % 3 ? 0.2 : 0.02) / (1 + k);
-            CU_ASSERT_FATAL(bound_go(&f, &system, steps[i], h[k], 2) == PK_DONE);
-            error[k] = fabs(f.it.z[0] - exact);
+            CU_ASSERT_FATAL(bound_go(&f, &metered_system, steps[i], h[k], 2) == PK_DONE);
+            error[k] = fabs(f.it.v[7] - exact);
         }
         const double p = log(error[0] / error[1]) / log(2);
-        printf("\n    %-13s of z %.2f", steps[i], p);
+        printf("\n    %-13s of a state %.2f", steps[i], p);
         CU_ASSERT(fabs(p - pk_method_find(steps[i])->order) < 0.3);
     }
     system = free_body_system;
@@ -200,5 +188,5 @@ void add_rotation_beside(void)
     CU_add_test(suite, "an attitude that is lost", lost);
     CU_add_test(suite, "unit quaternions", starts);
     CU_add_test(suite, "ensembles of bodies", ensemble);
-    CU_add_test(suite, "quadratures and events", beside);
+    CU_add_test(suite, "states and events", beside);
 }

@@ -24,12 +24,10 @@ from .kernels_bound import ALWAYS, BOUND
 from .kernels_canonical import CANONICAL, CANONICAL_SPECS
 from .targets import FILL, RETURN, STORE, Output, Target
 
-STARTS = ("start", "quadrature_start")  # kernels of the parameters alone
-
 
 def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> frozenset[str]:
     """Those of `wanted` that the model has, and those that these call."""
-    names = {n for n, spec in KERNELS.items() if n not in STARTS and spec.exists(equations)}
+    names = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
     if wanted is not None:
         names &= (
             wanted
@@ -37,8 +35,6 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
             | (ALWAYS if equations.constraints else frozenset())
             | ({"linear"} if LINEAR_OF_FEW in wanted else set())
         )
-    if equations.quadratures:
-        names |= {"quadrature"}
     for name, needed in (("switching", equations.switches), ("marking", equations.marks)):
         names |= {name} if needed else set()
     if equations.jolted:
@@ -188,13 +184,6 @@ _SPECS = (
             + stores("slope_t", tuple(x.slope_t for x in e.switches))
         ),
         exists=lambda e: bool(e.jolted),
-    ),
-    optional("quadrature", "z', the rates of the quadratures", "zdot", lambda e: e.quadratures),
-    optional(
-        "quadrature_start",
-        "what the quadratures are at the start",
-        "z",
-        lambda e: e.quadrature_start,
     ),
     *BOUND,
     *CANONICAL_SPECS,

@@ -31,7 +31,7 @@ class Report:
     lines: tuple[ReportLine, ...] = ()
     starts: dict[Start, str] = field(default_factory=dict)
     unused: frozenset[str] = frozenset()
-    operations: tuple[int, int] = (0, 0)  # of the accelerations and the quadratures
+    operations: tuple[int, int] = (0, 0)  # of the accelerations and the rates of states
     coordinates: tuple[int, int] = (0, 0)
 
     def unread(self, slots: tuple[ParameterSlot, ...], kept: Collection[int]) -> Report:

@@ -35,15 +35,14 @@ def smaller(
     lagrangian: Node,
     parts: tuple[Node | None, Node | None],
     outputs: Iterable[Output] = (),
-    quadratures: Iterable[tuple[int, Node]] = (),
-    quadrature_start: Mapping[int, Node] | None = None,
+    angles: Mapping[int, tuple[Node, Node]] | None = None,
     kept_states: Sequence[int] | None = None,
 ) -> Equations:
     """Equations of the coordinates `kept`, whose motion is still that of all: derive it again.
 
-    `lagrangian` and `parts` (T and V, if they are known) are in the old symbols too; a quadrature
-    is the coordinate that it gives, and its rate, and starts where `quadrature_start` says. Of the
-    states are left `kept_states`, without it all.
+    `lagrangian` and `parts` (T and V, if they are known) are in the old symbols too. Of the
+    states are left `kept_states`, without it all; behind them stand `angles`, coordinates of which
+    the rate and the start are given, and which nothing reads.
     """
     g = equations.graph
     count, states = len(equations.coordinates), len(equations.states)
@@ -66,7 +65,7 @@ def smaller(
     def pick(row: Sequence) -> tuple:
         return tuple(row[i] for i in kept)
 
-    outputs, quadratures = list(outputs), list(quadratures)
+    outputs, angles = list(outputs), angles or {}
     constraints = equations.constraints
     if constraints is not None:
         constraints = _fewer(g, constraints, there, pick)
@@ -91,20 +90,19 @@ def smaller(
         events=there(equations.events),
         start_q=pick(equations.start_q),
         start_v=pick(equations.start_v),
-        states=tuple(equations.states[i] for i in of_states),
-        state_rates=there(equations.state_rates[i] for i in of_states),
-        state_start=tuple(equations.state_start[i] for i in of_states),
+        states=(
+            *(equations.states[i] for i in of_states),
+            *(equations.coordinates[i] for i in angles),
+        ),
+        state_rates=there(
+            [*(equations.state_rates[i] for i in of_states), *(rate for rate, _ in angles.values())]
+        ),
+        state_start=(
+            *(equations.state_start[i] for i in of_states),
+            *(start for _, start in angles.values()),
+        ),
         attitudes=_attitudes(equations.attitudes, kept, of_states),
         constraints=constraints,
-        quadrature_names=(
-            *equations.quadrature_names,
-            *(equations.coordinates[i] for i, _ in quadratures),
-        ),
-        quadratures=there([*equations.quadratures, *(node for _, node in quadratures)]),
-        quadrature_start=(
-            *equations.quadrature_start,
-            *((quadrature_start or {})[i] for i, _ in quadratures),
-        ),
     )
 
 

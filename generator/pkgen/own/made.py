@@ -70,7 +70,7 @@ def of_tableau(name: str, tableau: Tableau) -> Own:
         "a": [x for i, row in enumerate(a) for x in row[:i]],
         "b": b,
     }
-    more, traits, family = "", {"quadrature"}, "ERK"
+    more, traits, family = "", set(), "ERK"
     if tableau.bhat is not None:
         lists["e"] = [x - y for x, y in zip(tableau.b, tableau.bhat, strict=True)]
         if same_last:  # the derivative at the new point

@@ -77,7 +77,7 @@ class Library:
         s.land = {"": -1, "land": 1, "dense": 0}[given.rows]
         given_of = [*((i, 0, x) for i, x in given.parameters), *given.members]
         _fill(s, "parameters", given_of)
-        for name in ("inputs", "q", "v", "z"):
+        for name in ("inputs", "q", "v"):
             pairs = given.inputs if name == "inputs" else getattr(given, f"start_{name}")
             _fill(s, name, [(i, 0, x) for i, x in pairs])
         _fill(s, "columns", [_column(c) for c in given.show])

@@ -157,10 +157,6 @@ def parameters(compilation: Compilation) -> Named:
     return Named(_plain(compilation.model, compilation.model.parameters))
 
 
-def quadratures(compilation: Compilation) -> list[Quantity]:
-    return [] if compilation.looped else list(compilation.equations.quadrature_names)
-
-
 def events(compilation: Compilation) -> list[str]:
     """Those that are looked for."""
     if compilation.looped:
@@ -189,7 +185,6 @@ def kinds(compilation: Compilation) -> dict[str, Named]:
         "q": coordinates(compilation),
         "v": coordinates(compilation, rates=True),
         "observed": Named(_each(observed(compilation))),
-        "z": Named(_each(quadratures(compilation))),
         "energy": Named(_each(energy)),
     }
 

@@ -21,7 +21,7 @@ class PartSettings:
 class Shown:
     """A column of the rows: its kind, the index there."""
 
-    kind: str  # q, v, observed, z, energy
+    kind: str  # q, v, observed, energy
     index: int
     name: str
 
@@ -86,4 +86,3 @@ class Settings:
     compiled_for: tuple[str, ...] = ()  # methods that are fastest in the program; none: its own
     parts: tuple[PartSettings, ...] = ()  # none: all as the whole
     units: bool = False  # in the header
-    start_z: tuple[tuple[int, float], ...] = ()  # of quadratures

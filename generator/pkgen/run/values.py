@@ -119,13 +119,13 @@ class Values:
             name = indexed(side.name, side.index)
             if side.order > 1:
                 raise UsageError(f"--start {left}: a start is a coordinate or its rate")
-            if side.order and name in named.states(self.compilation):
-                raise UsageError(
-                    f"--start {left}: {name} is a state, and its rate follows: --start {name}=…"
-                )
             if (name, side.order) in report.starts:
                 index, quantity = parameters[report.starts[name, side.order]]
                 of_parameters[index] = self.value("--start", value, quantity.unit, left)
+            elif side.order and name in named.states(self.compilation):
+                raise UsageError(
+                    f"--start {left}: {name} is a state, and its rate follows: --start {name}=…"
+                )
             elif name in self.coordinates or name in self.rates:  # which a state is
                 order = side.order or int(name not in self.coordinates)
                 among = self.rates if order else self.coordinates

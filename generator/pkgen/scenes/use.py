@@ -11,7 +11,7 @@ from ..compiler import Use
 from ..equations import Equations, Structure
 from ..front.check.scene_numbers import Values, WrongValue
 from ..graph.solve import looped
-from ..methods import Method, called, carries_quadratures, in_blocks, known
+from ..methods import Method, called, in_blocks, known
 from ..middle.motion import LINEAR_OF_FEW
 from ..middle.reduce.reduce import APART, REDUCTIONS
 from ..middle.reduce.reduction import ENOUGH, Needs
@@ -41,7 +41,6 @@ class Overrides:
     event: str | None = None
     run_time: frozenset[str] = frozenset()  # parameters to be set in the run
     off: frozenset[str] = frozenset()  # reductions that are not to be made
-    quadratures: bool = False
     method: str = ""
     apart: bool = False  # blocks of coordinates may be integrated apart
     judged: bool = True  # what the scene expects is measured
@@ -70,7 +69,6 @@ def of_run(options: argparse.Namespace) -> Use | None:
         event=options.at,
         run_time=_run_time(options),
         off=off,
-        quadratures=True,
         method=options.method or "",
         apart=options.ensemble is None,
         rtol=_number(options.rtol),
@@ -149,7 +147,7 @@ def _side_by_side(
     """Whether members go in blocks, as in runtime/src/ensemble/ensemble.c."""
     if not isinstance(equations, Equations):
         return False  # its loops are over members of a family
-    alone = equations.quadratures or equations.constraints or equations.switches
+    alone = equations.constraints or equations.switches
     return in_blocks(method, steps, structure) and not alone
 
 
@@ -185,7 +183,7 @@ def _run_time(options: argparse.Namespace) -> frozenset[str]:
 
 def as_written(name: str) -> Use:
     """For what is to be known of a scene without options; no C is made of it."""
-    use = _use(name, Overrides(quadratures=True, apart=True))
+    use = _use(name, Overrides(apart=True))
     return Use(use.model, use.needs, lambda *_: ENOUGH)
 
 
@@ -202,7 +200,7 @@ def of_scene(
 ) -> Use:
     """For C to be embedded: named after model and scene, and no more kernels than the scene's
     method calls, and `more`."""
-    asked = Overrides(off=off, quadratures=True, apart=True, judged=False)
+    asked = Overrides(off=off, apart=True, judged=False)
     use = _use(name, asked, swarm=True)
 
     def named(declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
@@ -276,7 +274,7 @@ def _use(name: str, asked: Overrides, swarm: bool = True) -> Use:
         return Needs(
             frozenset(columns) | scene_model.needed(scene),
             scene_model.events(scene) | {asked.event_of(scene)},
-            asked.quadratures and carries_quadratures(method),
+            () if method is None else method.requires,
             asked.apart and scene.swarm is None and _divided(used, scene, columns),
             asked.off,
         )

@@ -6,7 +6,7 @@
  *     status = pk_apart_to(&apart, t, t);                        apart.t, apart.q, apart.v
  *
  * A part has its own parameters: each takes the value of that of the whole which has its name, and
- * the rest are its defaults or follow. So too its inputs and its quadratures. A coordinate of the
+ * the rest are its defaults or follow. So too its inputs. A coordinate of the
  * whole is in one part.
  */
 #ifndef PK_APART_H
@@ -37,14 +37,14 @@ struct pk_apart_part {
     const struct pk_integrator *there; /* of these, at the time of the whole */
     void *params;
     const struct pk_apart *apart;
-    size_t *inputs, *quadratures; /* where they are in those of the whole */
-    pk_real *u;                   /* inputs of the whole */
+    size_t *inputs; /* where they are in those of the whole */
+    pk_real *u;     /* inputs of the whole */
 };
 
 struct pk_apart {
-    /* To be read by the caller: where all parts are. z is NULL unless the whole has quadratures. */
+    /* To be read by the caller: where all parts are. */
     pk_real t;
-    const pk_real *q, *v, *z;
+    const pk_real *q, *v;
     enum pk_status status; /* of the last call */
     size_t failed;         /* 1 + the part that it is about, 0: none */
     struct pk_apart_part *parts;
@@ -69,8 +69,6 @@ enum pk_status pk_apart_init(struct pk_apart *apart, const struct pk_problem *wh
                              const struct pk_part *parts, const struct pk_choice *choices,
                              size_t count, pk_real t0, const pk_real *q0, const pk_real *v0,
                              void *block, size_t block_size);
-/* Other values of the quadratures, in the order of the whole. */
-enum pk_status pk_apart_set_quadratures(struct pk_apart *apart, const pk_real *z);
 /* Integrates each part to t in turn. Fixed steps may pass t; only `limit` shortens them.
  * Where one fails the state stays at the last t that all reached; parts before it are at t already,
  * and no later call makes a step. */

@@ -33,7 +33,6 @@ struct pk_ensemble {
      * u[i * n_inputs], constant in time (NULL: zero). n is that of member 0 for all. */
     const void *params;
     const pk_real *q0, *v0, *u;
-    const pk_real *z0; /* quadratures at the start, or NULL: as init has them */
 
     /* Rows: the times at which results are wanted, one after the other away from t0. Adaptive steps
      * end at each; fixed ones at the last alone, and for a time within one the result is that of a
@@ -48,8 +47,6 @@ struct pk_ensemble {
     size_t *done;
     pk_real *last_t;
     enum pk_status *status;
-    pk_real *z; /* quadratures, z[(i * rows + row) * n_quadratures], or NULL. A system that has any
-                   takes its members one after the other. */
 };
 
 /* Bytes of the block that one thread wants, a multiple of 64, 0 if a pointer is null. It is to be

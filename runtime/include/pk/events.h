@@ -62,7 +62,6 @@ struct pk_events {
     int direction; /* +1: g rises with t, -1: it falls */
     pk_real t;
     const pk_real *q, *v;
-    const pk_real *z; /* the quadratures; NULL: there are none */
 
     /* Called at each crossing in a direction that its event asks for, in the order in which the
      * integrator meets them; of those at the same time the one declared first comes first. Not 0:
@@ -92,7 +91,7 @@ struct pk_events {
     int by_steps;      /* no interpolant of this step is worth anything */
     pk_real from;      /* time where the step began */
     pk_real at, width; /* the window that is looked at, from there */
-    pk_real *q0, *v0, *z0, *bend, *trial, *u, *g, *ends, *list;
+    pk_real *q0, *v0, *bend, *trial, *u, *g, *ends, *list;
     struct pk_shape *shapes;
     int cut; /* the step ends at an event or a switch in it */
     size_t listed;

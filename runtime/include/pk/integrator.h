@@ -8,9 +8,8 @@
  *     status = pk_integrator_to(&it, 10);                      it.t, it.q, it.v
  *
  * t, q, v, p are in SI units, or in the model's own if it has none; q0, v0, it.q, it.v, it.p
- * hold n numbers each, in the order of system->coordinates, it.z the system's quadratures. it.q,
- * it.v, it.p, it.z point into the block; a step moves them elsewhere in it, so read them from `it`
- * after each.
+ * hold n numbers each, in the order of system->coordinates. They point into the block; a
+ * step moves them elsewhere in it, so read them from `it` after each.
  *
  * No function allocates, prints or exits (a method of pk/gsl.h allocates in init, and
  * pk_integrator_free() gives that back). A step that fails leaves t, q, v and p as they were.
@@ -91,11 +90,11 @@ struct pk_passed_over {
 
 struct pk_integrator_private;
 
-/* To be read, not written. q, v, p and z point into the block; p is NULL unless the method carries
- * momenta, z unless the system has quadratures. */
+/* To be read, not written. q, v and p point into the block; p is NULL unless the method carries
+ * momenta. */
 struct pk_integrator {
     pk_real t;
-    const pk_real *q, *v, *p, *z;
+    const pk_real *q, *v, *p;
     size_t n;       /* numbers in each of q, v and p */
     pk_real last_t; /* start of the last step made; it ended at t */
     struct pk_counters count;
@@ -125,15 +124,12 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
                                   const struct pk_method *method, const struct pk_options *options,
                                   pk_real t0, const pk_real *q0, const pk_real *v0, void *block,
                                   size_t block_size);
-/* A new state at t for the same integrator; counters go on, and quadratures from what they are.
- * q and v may be it->q and it->v. Call it so after a change of parameters or a jump of an input,
+/* A new state at t for the same integrator; counters go on. q and v may be
+ * it->q and it->v. Call it so after a change of parameters or a jump of an input,
  * since methods keep derivatives from before. Where it is refused, nothing steps until one is
  * accepted. */
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v);
-/* Other values of the quadratures, which init takes from system->quadratures.start().
- * PK_BAD_ARGUMENT where they are not finite or the system has none; z may be it->z. */
-enum pk_status pk_integrator_set_quadratures(struct pk_integrator *it, const pk_real *z);
 /* Another fixed step, or for an adaptive method another first step, from here on. */
 enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h);
 /* One step towards `limit`, never past it; a step that would end within round-off of it ends
@@ -159,9 +155,6 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
  * t behind it. Nothing of `it` changes but, where that fails, its status and reason. Not after a
  * reset or many steps at once. */
 enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrator *side, pk_real t);
-/* The quadratures there. Their rates are sampled along the interpolant at 16 nodes, once a step,
- * and the polynomial through the samples is integrated. */
-enum pk_status pk_integrator_dense_quadratures(struct pk_integrator *it, pk_real t, pk_real *z);
 /* The last status in words, with the last valid time and names. Returns its length as
  * snprintf() does. */
 int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size);

@@ -32,22 +32,13 @@ enum pk_trait {
     PK_JACOBIANS = 1u << 5,  /* calls the system's mass and jacobian */
     PK_LINEAR = 1u << 6,     /* calls the system's mass and linear */
     PK_NO_INPUTS = 1u << 7,  /* needs d/dt of all, which inputs do not give */
-    PK_QUADRATURE = 1u << 8, /* carries the system's quadratures, to its own order */
-    PK_EXACT = 1u << 9,      /* a step of any length errs by rounding alone; its order is 0 */
-    PK_HOLONOMIC = 1u << 10, /* ends its steps on holonomic constraints itself, and takes no
+    PK_EXACT = 1u << 8,      /* a step of any length errs by rounding alone; its order is 0 */
+    PK_HOLONOMIC = 1u << 9,  /* ends its steps on holonomic constraints itself, and takes no
                                 rolling; calls unconstrained and inertia, or canonical and mass */
-    PK_GROUP = 1u << 11      /* turns rotations on SO(3): unit quaternions but for rounding */
+    PK_GROUP = 1u << 10      /* turns rotations on SO(3): unit quaternions but for rounding */
 };
 
 struct pk_integrator;
-
-/* A stage of the step just made: of z' = g, the step adds weight g(t, q, v), and the two sums that
- * an adaptive method judges its error by add error[] g. */
-struct pk_stage {
-    pk_real t, weight;
-    const pk_real *q, *v;
-    pk_real error[2];
-};
 
 struct pk_method {
     const char *name;
@@ -69,12 +60,6 @@ struct pk_method {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
     /* Between the ends of the last step; NULL without PK_DENSE. */
     enum pk_status (*dense)(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
-    /* Stage k = 0, 1, ... of the step in it->own->next, with room for 2 n numbers; 0 behind the
-     * last. Called before it becomes the state. NULL without PK_QUADRATURE. */
-    int (*stage)(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
-    /* The error of z in that step from its two sums and from that of |weight g|, to be compared
-     * with the tolerance. NULL unless adaptive, with PK_QUADRATURE. */
-    pk_real (*stage_error)(const struct pk_integrator *it, pk_real size, const pk_real sums[2]);
     /* The longest step in which no crossing of an event is missed; NULL: any step it makes. */
     pk_real (*resolved)(const struct pk_integrator *it);
     /* The matrix of its last step's equations, of `stages` times n unknowns, as pk_lu_factor()

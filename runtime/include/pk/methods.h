@@ -14,13 +14,13 @@
 /* clang-format off */
 #define PK_NEEDS_ERK 0
 #define PK_METHODS_ERK(X, A)                                                                       \
-    X(A, euler, 1, 1, 0, PK_QUADRATURE, euler,                                                     \
+    X(A, euler, 1, 1, 0, 0, euler,                                                                 \
       "explicit Euler; HNW I.7")                                                                   \
-    X(A, rk2, 2, 2, 0, PK_QUADRATURE, rk2,                                                         \
+    X(A, rk2, 2, 2, 0, 0, rk2,                                                                     \
       "the explicit midpoint rule; C. Runge (1895), HNW II.1")                                     \
-    X(A, rk3, 3, 3, 0, PK_QUADRATURE, rk3,                                                         \
+    X(A, rk3, 3, 3, 0, 0, rk3,                                                                     \
       "Kutta's method of order 3, of Simpson's weights; W. Kutta (1901)")                          \
-    X(A, rk4, 4, 4, 0, PK_QUADRATURE, rk4,                                                         \
+    X(A, rk4, 4, 4, 0, 0, rk4,                                                                     \
       "the classical Runge-Kutta method; W. Kutta (1901), HNW II.1 Table 1.2")
 
 #define PK_TRAITS_SYMPLECTIC (PK_SYMPLECTIC | PK_SYMMETRIC)
@@ -62,10 +62,10 @@
 /* Likewise; stages with ten inner steps. */
 #define PK_NEEDS_RESPA (PK_MASS_CONSTANT | PK_SEPARABLE | PK_FAST)
 #define PK_METHODS_RESPA(X, A)                                                                     \
-    X(A, respa, 2, 12, 0, PK_TRAITS_SYMPLECTIC, verlet,                                             \
+    X(A, respa, 2, 12, 0, PK_TRAITS_SYMPLECTIC, verlet,                                            \
       "slow kicks around ten fast Verlet steps; M. Tuckerman et al., J. Chem. Phys. 97 (1992) "    \
       "1990")                                                                                      \
-    X(A, respa4, 4, 56, 0, PK_TRAITS_SYMPLECTIC, suzuki4,                                           \
+    X(A, respa4, 4, 56, 0, PK_TRAITS_SYMPLECTIC, suzuki4,                                          \
       "five steps of respa; M. Suzuki, Phys. Lett. A 146 (1990) 319")
 
 #define PK_NEEDS_ADAPTIVE_VERLET (PK_MASS_CONSTANT | PK_SEPARABLE | PK_AUTONOMOUS)
@@ -75,7 +75,7 @@
       "SIAM J. Sci. Comput. 18 (1997) 239")
 
 /* Implicit Runge-Kutta methods in (q, p). */
-#define PK_TRAITS_COLLOCATION (PK_IMPLICIT | PK_JACOBIANS | PK_QUADRATURE)
+#define PK_TRAITS_COLLOCATION (PK_IMPLICIT | PK_JACOBIANS)
 #define PK_NEEDS_COLLOCATION 0
 #define PK_METHODS_COLLOCATION(X, A)                                                               \
     X(A, gauss1, 2, 1, 0, PK_TRAITS_SYMPLECTIC | PK_TRAITS_COLLOCATION, gauss1,                    \
@@ -107,14 +107,14 @@
 
 #define PK_NEEDS_EMBEDDED 0
 #define PK_METHODS_EMBEDDED(X, A)                                                                  \
-    X(A, dopri5, 5, 6, 4, PK_ADAPTIVE | PK_DENSE | PK_QUADRATURE, dopri5,                          \
+    X(A, dopri5, 5, 6, 4, PK_ADAPTIVE | PK_DENSE, dopri5,                                          \
       "Dormand-Prince 5(4), PI control; J. Comp. Appl. Math. 6 (1980) 19, HNW II.5")               \
-    X(A, dop853, 8, 12, 7, PK_ADAPTIVE | PK_DENSE | PK_QUADRATURE, dop853,                         \
+    X(A, dop853, 8, 12, 7, PK_ADAPTIVE | PK_DENSE, dop853,                                         \
       "Dormand-Prince 8(5,3); Hairer, Norsett, Wanner, HNW II.5 and II.10")
 
 #define PK_NEEDS_GAUSS PK_SMOOTH
 #define PK_METHODS_GAUSS(X, A)                                                                     \
-    X(A, gauss, 16, 8, 16, PK_SYMMETRIC | PK_ADAPTIVE | PK_IMPLICIT | PK_DENSE | PK_QUADRATURE,    \
+    X(A, gauss, 16, 8, 16, PK_SYMMETRIC | PK_ADAPTIVE | PK_IMPLICIT | PK_DENSE,                    \
       gauss8,                                                                                      \
       "adaptive Gauss-Legendre, 8 stages, in (q, q'), symmetric where M varies, symplectic where " \
       "not; after Antonana, Makazaga, Murua (2017) and Rein, Spiegel (2015)")
@@ -133,7 +133,7 @@
 
 /* On SO(3) and on constraints; the table is that of the splitting method composed. */
 #define PK_TRAITS_VARIATIONAL                                                                      \
-    (PK_TRAITS_SYMPLECTIC | PK_IMPLICIT | PK_QUADRATURE | PK_HOLONOMIC | PK_GROUP)
+    (PK_TRAITS_SYMPLECTIC | PK_IMPLICIT | PK_HOLONOMIC | PK_GROUP)
 #define PK_NEEDS_LIE_MIDPOINT 0
 #define PK_METHODS_LIE_MIDPOINT(X, A)                                                              \
     X(A, lie_midpoint, 2, 1, 0, PK_TRAITS_VARIATIONAL, verlet,                                     \
@@ -153,9 +153,9 @@
 
 #define PK_NEEDS_RKMK 0
 #define PK_METHODS_RKMK(X, A)                                                                      \
-    X(A, rkmk4, 4, 4, 0, PK_QUADRATURE | PK_GROUP, rk4,                                            \
+    X(A, rkmk4, 4, 4, 0, PK_GROUP, rk4,                                                            \
       "rk4 on SO(3); H. Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115")                            \
-    X(A, rkmk8, 8, 12, 0, PK_QUADRATURE | PK_GROUP, dop853,                                        \
+    X(A, rkmk8, 8, 12, 0, PK_GROUP, dop853,                                                        \
       "dop853 at a fixed step, on SO(3); H. Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115")
 
 /* Those of GSL, in a library of their own (pk/gsl.h). */

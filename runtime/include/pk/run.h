@@ -50,8 +50,7 @@ struct pk_run_value {
 
 /* A column of the rows, or of an ensemble's members. */
 struct pk_run_column {
-    char kind; /* rows: q, v, z of a quadrature, o of an output, e of the energy; members: p, i, q,
-                  v, z */
+    char kind; /* rows: q, v, o of an output, e of the energy; members: p, i, q, v */
     size_t index, member; /* of a family of parameters of members the one, from 0 */
 };
 
@@ -79,8 +78,8 @@ struct pk_run_settings {
     int fixed_point;         /* iteration of implicit methods, in place of Newton's */
     unsigned long max_steps; /* 0: no limit */
     int land; /* on rows: 1 by steps that end there, 0 between steps, -1 as it is best */
-    size_t n_sizes, n_parameters, n_inputs, n_q, n_v, n_z;
-    const struct pk_run_value *sizes, *parameters, *inputs, *q, *v, *z;
+    size_t n_sizes, n_parameters, n_inputs, n_q, n_v;
+    const struct pk_run_value *sizes, *parameters, *inputs, *q, *v;
     size_t n_columns; /* of rows behind t; 0: all */
     const struct pk_run_column *columns;
     size_t n_hidden; /* outputs that are no columns where there are all */
@@ -92,7 +91,7 @@ struct pk_run_settings {
     unsigned diagnose;                  /* of pk_run_diagnostic() */
     size_t n_parts;                     /* of the model's, or 0 */
     const struct pk_run_part *parts;
-    int bare;     /* steps alone: no events or quadratures, no second opinion, and no rows
+    int bare;     /* steps alone: no events, no second opinion, and no rows
                                   without `every` but the final state */
     int compared; /* with other runs: no second opinion; and where no event was met that
                                   has rows, the start and the end are rows */

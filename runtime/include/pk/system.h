@@ -166,15 +166,6 @@ struct pk_part_events {
     pk_kernel *values;
 };
 
-/* Quadratures: n numbers z with z' = rates(t, q, v, u), on which nothing depends, as the angles
- * that a reduction has left out; and what they are at the start (NULL: 0). */
-struct pk_part_quadratures {
-    size_t n;
-    const struct pk_quantity *names;
-    pk_kernel *rates;
-    void (*start)(const void *params, pk_real *z);
-};
-
 /* Switches: arguments s of step(s), abs(s), and a - b of min(a, b), at whose zeros the equations
  * change from one smooth form to another. Side 1 fixes the form of s > 0, -1 that of s < 0,
  * whatever s is; 0, the default, takes the side of s. With all sides given the equations are smooth
@@ -353,7 +344,6 @@ struct pk_system {
 
     struct pk_part_singularities singularities;
     struct pk_part_events events;
-    struct pk_part_quadratures quadratures;
     struct pk_part_switches switches;
     struct pk_part_marks marks;
     struct pk_part_constraints constraints;

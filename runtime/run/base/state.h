@@ -83,18 +83,18 @@ struct settings {
     void *params, *families; /* what families.attach() takes */
     size_t families_size;
     unsigned char *given;       /* which parameters were set */
-    pk_real *q, *v, *z, *u;     /* the start */
-    unsigned char *start_given; /* 2 n flags, and of each quadrature */
+    pk_real *q, *v, *u;         /* the start */
+    unsigned char *start_given; /* 2 n flags */
     struct pk_run_column *show; /* the columns of rows behind t */
     size_t n_show;
     struct expected *expected;
     struct drifting *drifting;
 };
 
-/* The motion at a time: q, v and, where the system has any, quadratures. */
+/* The motion at a time. */
 struct moment {
     pk_real t;
-    const pk_real *q, *v, *z;
+    const pk_real *q, *v;
 };
 
 /* The crossings of one event; the first of them by their times. */
@@ -118,7 +118,7 @@ struct pk_run {
     char *csv;           /* of a member, its rows; of malloc() */
     enum pk_run_code code;
     int refused;           /* what prepare() made of the parameters */
-    struct pk_system bare; /* the system without quadratures and, of a bare run, events */
+    struct pk_system bare; /* the system, of a bare run without events */
     struct pk_problem problem;
     struct pk_integrator it;
     struct pk_monitor monitor;
@@ -131,7 +131,7 @@ struct pk_run {
     pk_real *event_values;   /* work of watch.c */
     pk_real *expected;       /* outputs, work of expect.c */
     size_t member;           /* of an ensemble, whose state is looked at */
-    pk_real *row, *cells;    /* q, v, observed, quadratures of a row; the numbers of one */
+    pk_real *row, *cells;    /* q, v, observed of a row; the numbers of one */
     FILE *out;               /* where rows go as CSV; NULL: they are kept */
     double *kept, *kept_low; /* rows; what they lack of more digits */
     size_t n_kept, room;

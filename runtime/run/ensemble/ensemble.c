@@ -29,22 +29,20 @@ static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t m
     struct settings *s = &run->settings;
     void *const params = s->params;
     pk_real *const u = s->u;
-    const size_t m = b->system->quadratures.n;
     if (e->status[i] == PK_BAD_ARGUMENT || e->status[i] == PK_REFUSED)
         return;
     s->params = b->params + i * b->system->params_size;
     s->u = b->u + i * b->system->n_inputs;
     run->member = member;
     const struct pk_problem problem = {.system = b->system, .params = s->params};
-    const struct moment start = {0, b->q0 + i * b->n, b->v0 + i * b->n, m ? b->z0 + i * m : NULL};
+    const struct moment start = {0, b->q0 + i * b->n, b->v0 + i * b->n};
     if (run->monitor_block)
         drift_begin(run, &problem);
     show(run, s->has_every, &start);
     area_note(run, start.t, start.q, start.v);
     for (size_t row = 0; row < e->done[i]; row++) {
         const size_t at = (i * e->rows + row) * b->n;
-        const struct moment then = {b->t[row], e->q + at, e->v + at,
-                                    m ? e->z + (i * e->rows + row) * m : NULL};
+        const struct moment then = {b->t[row], e->q + at, e->v + at};
         show(run, 1, &then);
     }
     observe_end(run);

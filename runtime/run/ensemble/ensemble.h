@@ -12,7 +12,7 @@ struct batch {
     size_t n, size; /* members that it has room for */
     char *params, *families; /* of each member: what families.attach() takes */
     size_t families_size;
-    pk_real *q0, *v0, *z0, *u, *t; /* z0: NULL without quadratures */
+    pk_real *q0, *v0, *u, *t;
     struct pk_run_value *own; /* parameters of one member */
     void *block;
     size_t block_size, threads;

@@ -14,10 +14,10 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
 {
     struct settings *s = &run->settings;
     const struct pk_system *system = b->system;
-    const size_t n = b->n, m = system->quadratures.n, n_columns = s->asked.n_member_columns;
+    const size_t n = b->n, n_columns = s->asked.n_member_columns;
     const double *row = s->asked.member_values + member * n_columns;
     char *params = b->params + i * system->params_size;
-    pk_real *q = b->q0 + i * n, *v = b->v0 + i * n, *z = b->z0 + i * m;
+    pk_real *q = b->q0 + i * n, *v = b->v0 + i * n;
     pk_real *u = b->u + i * system->n_inputs;
     char who[40];
     memcpy(params, s->params, system->params_size);
@@ -41,18 +41,13 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
         return PK_RUN_USAGE;
     }
     system->start(params, q, v);
-    if (system->quadratures.start)
-        system->quadratures.start(params, z);
-    for (size_t k = 0; k < 2 * n + m; k++)
-        if (s->start_given[k]) /* q, v and z of the settings stand together */
-            *(k < n ? q + k : k < 2 * n ? v + (k - n) : z + (k - 2 * n)) = s->q[k];
+    for (size_t k = 0; k < 2 * n; k++)
+        if (s->start_given[k]) /* q and v of the settings stand together */
+            *(k < n ? q + k : v + (k - n)) = s->q[k];
     for (size_t k = 0; k < n_columns; k++) {
         const struct pk_run_column c = s->asked.member_columns[k];
         if (c.kind != 'p')
-            (c.kind == 'i'   ? u
-             : c.kind == 'q' ? q
-             : c.kind == 'z' ? z
-                             : v)[c.index] = (pk_real)row[k];
+            (c.kind == 'i' ? u : c.kind == 'q' ? q : v)[c.index] = (pk_real)row[k];
     }
     return PK_RUN_DONE;
 }
@@ -91,7 +86,7 @@ void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = b->system = s->system;
-    const size_t n = b->n = s->n, m = system->quadratures.n, all = s->asked.members;
+    const size_t n = b->n = s->n, all = s->asked.members;
     const size_t fit = RUN_BATCH_BYTES / (2 * n * rows * sizeof(pk_real)) + 1;
     struct memory *memory = &run->memory;
     struct pk_ensemble *e = &b->e;
@@ -104,7 +99,6 @@ void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
     b->families = memory_take(memory, size, s->families_size);
     b->q0 = memory_take(memory, size * n, sizeof *b->q0);
     b->v0 = memory_take(memory, size * n, sizeof *b->v0);
-    b->z0 = memory_take(memory, size * m, sizeof *b->z0);
     b->u = memory_take(memory, size * system->n_inputs, sizeof *b->u);
     b->t = memory_take(memory, rows, sizeof *b->t);
     b->own = memory_take(memory, s->asked.n_member_columns, sizeof *b->own);
@@ -116,7 +110,6 @@ void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
                               .params = b->params,
                               .q0 = b->q0,
                               .v0 = b->v0,
-                              .z0 = m ? b->z0 : NULL,
                               .u = b->u,
                               .rows = rows,
                               .t = b->t,
@@ -125,8 +118,6 @@ void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
                               .done = memory_take(memory, size, sizeof *e->done),
                               .last_t = memory_take(memory, size, sizeof *e->last_t),
                               .status = memory_take(memory, size, sizeof *e->status)};
-    if (m)
-        e->z = memory_take(memory, size * rows * m, sizeof *e->z);
     b->threads = pk_ensemble_threads();
     if (s->asked.threads && b->threads > 1)
         b->threads = s->asked.threads;

@@ -35,7 +35,6 @@ static void prepare(struct pk_run *run, const struct work *w, size_t i)
     s->params = b->params + i * b->system->params_size;
     s->q = b->q0 + i * b->n;
     s->v = b->v0 + i * b->n;
-    s->z = b->z0 + i * b->system->quadratures.n;
     s->u = b->u + i * b->system->n_inputs;
     s->polls = pk_thread() == 0;
     expect_own(s);

@@ -10,8 +10,7 @@ static void begin(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
-    run->row = memory_take(&run->memory, 2 * s->n + system->n_observed + system->quadratures.n + 1,
-                           sizeof *run->row);
+    run->row = memory_take(&run->memory, 2 * s->n + system->n_observed + 1, sizeof *run->row);
     run->cells = memory_take(&run->memory, run_width(run), sizeof *run->cells);
 }
 
@@ -42,9 +41,7 @@ int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t siz
     const struct pk_run_column *show = &s->show[i - before];
     const struct pk_quantity *const places = show->kind == 'v' ? system->rates
                                                                : system->coordinates;
-    const struct pk_quantity *what = show->kind == 'o'   ? &system->observed[show->index]
-                                     : show->kind == 'z' ? &system->quadratures.names[show->index]
-                                                         : NULL;
+    const struct pk_quantity *what = show->kind == 'o' ? &system->observed[show->index] : NULL;
     if (show->kind == 'e') {
         *unit = dimensionless ? "" : "J";
         snprintf(name, size, "energy");
@@ -82,8 +79,6 @@ pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
         return at->v[i];
     case 'o':
         return out[i];
-    case 'z':
-        return at->z[i];
     default:
         return run->settings.system->energy(run->settings.params, at->t, at->q, at->v,
                                             run->settings.u);

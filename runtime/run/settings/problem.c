@@ -1,4 +1,4 @@
-/* What follows from settings: the problem to be integrated, its quadratures, kinds of members. */
+/* What follows from settings: the problem to be integrated, kinds of members. */
 #include "settings.h"
 
 const struct pk_words run_options = {
@@ -17,24 +17,10 @@ static void constant_input(void *context, pk_real t, pk_real *u)
     memcpy(u, s->u, s->system->n_inputs * sizeof *u);
 }
 
-static int shows_quadratures(const struct settings *s)
-{
-    for (size_t i = 0; i < s->n_show; i++)
-        if (s->show[i].kind == 'z')
-            return 1;
-    for (size_t i = 0; i < s->asked.n_expected; i++)
-        if (s->expected[i].of.a.kind == 'z' || s->expected[i].of.b.kind == 'z' ||
-            s->expected[i].of.within.kind == 'z')
-            return 1;
-    return 0;
-}
-
 struct pk_problem run_problem(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     run->bare = *s->system;
-    if (s->asked.bare || !shows_quadratures(s))
-        run->bare.quadratures.n = 0;
     if (s->asked.bare)
         run->bare.events.n = 0;
     return (struct pk_problem){&run->bare, s->params, constant_input, s};

@@ -71,10 +71,9 @@ static const char *sizes(struct settings *s)
         system->families.attach(s->params, s->families);
     }
     s->n = pk_system_count(system, s->params);
-    s->q = memory_take(s->memory, 2 * s->n + system->quadratures.n, sizeof *s->q);
+    s->q = memory_take(s->memory, 2 * s->n, sizeof *s->q);
     s->v = s->q + s->n;
-    s->z = s->v + s->n;
-    s->start_given = memory_take(s->memory, 2 * s->n + system->quadratures.n, 1);
+    s->start_given = memory_take(s->memory, 2 * s->n, 1);
     system->defaults(s->params);
     return NULL;
 }
@@ -165,14 +164,11 @@ static int take(const struct pk_run_value *x, size_t n_x, pk_real *to, size_t n,
 static const char *start(struct settings *s)
 {
     const struct pk_run_settings *x = &s->asked;
-    const size_t n = s->n, m = s->system->quadratures.n;
+    const size_t n = s->n;
     unsigned char *const given = s->start_given;
     s->system->start(s->params, s->q, s->v);
-    if (s->system->quadratures.start)
-        s->system->quadratures.start(s->params, s->z);
     return take(x->inputs, x->n_inputs, s->u, s->system->n_inputs, NULL) &&
-                   take(x->q, x->n_q, s->q, n, given) && take(x->v, x->n_v, s->v, n, given + n) &&
-                   take(x->z, x->n_z, s->z, m, given + 2 * n)
+                   take(x->q, x->n_q, s->q, n, given) && take(x->v, x->n_v, s->v, n, given + n)
                ? NULL
                : "there is no such start or input";
 }
@@ -183,7 +179,6 @@ static size_t count_of(const struct settings *s, char kind)
     const struct pk_system *system = s->system;
     return kind == 'q' || kind == 'v' ? s->n
            : kind == 'o'              ? system->n_observed
-           : kind == 'z'              ? system->quadratures.n
            : kind == 'i'              ? system->n_inputs
            : kind == 'p'              ? system->n_parameters
                                       : kind == 'e' && system->energy;
@@ -197,7 +192,7 @@ static int is_column(const struct settings *s, struct pk_run_column c)
 /* The columns of rows: those asked for, or all that are not hidden. */
 static const char *columns(struct settings *s)
 {
-    static const char kinds[] = "qvoze";
+    static const char kinds[] = "qvoe";
     const struct pk_run_settings *x = &s->asked;
     size_t all = 0;
     s->n_show = x->n_columns;
@@ -255,7 +250,7 @@ static const char *members(struct settings *s)
     x->member_name = copy(s, name, strlen(name) + 1, 1);
     x->member_columns = copy(s, x->member_columns, x->n_member_columns, sizeof *x->member_columns);
     for (size_t i = 0; i < x->n_member_columns; i++)
-        if (!strchr("piqvz", x->member_columns[i].kind) || !is_column(s, x->member_columns[i]))
+        if (!strchr("piqv", x->member_columns[i].kind) || !is_column(s, x->member_columns[i]))
             return "members have no such column";
     x->member_values =
         copy(s, x->member_values, x->members * x->n_member_columns, sizeof *x->member_values);

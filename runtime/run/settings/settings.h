@@ -18,7 +18,7 @@ void settings_tell(struct pk_run *run, FILE *file);
  * values. `whose` stands before. */
 void settings_refused(struct pk_run *run, const void *params, int outside, const char *whose);
 
-/* Of the model with these parameters, its inputs constant; without quadratures that nothing shows.
+/* Of the model with these parameters, its inputs constant.
  */
 struct pk_problem run_problem(struct pk_run *run);
 /* The interval of rows where none was asked for, and at most all. */

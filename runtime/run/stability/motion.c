@@ -36,7 +36,7 @@ static void go_on(struct pk_stability *s, double until, double *far)
             break;
         keep(s, it->t, it->q, it->v);
         condition_step(s->looking, NULL, s->settings->until,
-                       &(struct moment){it->t, it->q, it->v, NULL});
+                       &(struct moment){it->t, it->q, it->v});
         for (size_t i = 0; i < s->n; i++)
             far[i] = fmax(far[i], fabs(stability_apart(s, it->q, it->v, i)));
     }

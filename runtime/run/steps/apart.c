@@ -67,7 +67,6 @@ static void look(struct pk_run *run)
     it->t = a->t;
     it->q = a->q;
     it->v = a->v;
-    it->z = a->z;
     it->status = a->status;
     memset(&it->count, 0, sizeof it->count);
     for (size_t k = 0; a->parts && k < a->count; k++) {
@@ -85,17 +84,14 @@ static void look(struct pk_run *run)
 enum pk_run_code apart_begin(struct pk_run *run)
 {
     struct settings *s = &run->settings;
-    const size_t m = run->settings.system->quadratures.n;
     run->problem = run_problem(run);
     const size_t size =
         pk_apart_size(&run->problem, run->settings.parts, run->choices, run->settings.n_parts);
     run->block = memory_take(&run->memory, size, 1);
     drift_begin(run, &run->problem);
-    enum pk_status status = pk_apart_init(&run->apart, &run->problem, run->settings.parts,
+    const enum pk_status status = pk_apart_init(&run->apart, &run->problem, run->settings.parts,
                                           run->choices, run->settings.n_parts, 0, s->q, s->v,
                                           run->block, size);
-    if (status >= 0 && m)
-        status = pk_apart_set_quadratures(&run->apart, s->z);
     look(run);
     return status < 0 ? PK_RUN_FAILED : PK_RUN_DONE;
 }

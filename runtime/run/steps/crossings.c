@@ -4,7 +4,7 @@
 
 static struct moment moment_of(const struct pk_events *e)
 {
-    return (struct moment){e->t, e->q, e->v, e->z};
+    return (struct moment){e->t, e->q, e->v};
 }
 
 /* The step is about to be ended here, and with it its dense output. */

@@ -26,7 +26,7 @@ pk_real run_step(pk_real interval, pk_real h)
 
 const struct moment *run_moment(struct pk_run *run)
 {
-    run->now = (struct moment){run->it.t, run->it.q, run->it.v, run->it.z};
+    run->now = (struct moment){run->it.t, run->it.q, run->it.v};
     return &run->now;
 }
 
@@ -34,17 +34,14 @@ const struct moment *run_moment(struct pk_run *run)
 static struct moment at(struct pk_run *run, pk_real t)
 {
     struct pk_integrator *it = &run->it;
-    const struct moment none = {t, NULL, NULL, NULL}, now = {t, it->q, it->v, it->z};
+    const struct moment none = {t, NULL, NULL}, now = {t, it->q, it->v};
     const size_t size = pk_integrator_size(&it->problem, it->method);
-    pk_real *q = run->row, *v = q + it->n, *z = v + it->n + run->problem.system->n_observed;
+    pk_real *q = run->row, *v = q + it->n;
     if (pk_integrator_is_at(it, t))
         return now;
     if (!run_fixed(run)) {
-        const struct moment dense = {t, q, v, it->z ? z : NULL};
-        return pk_integrator_dense(it, t, q, v) < 0 ||
-                       (it->z && pk_integrator_dense_quadratures(it, t, z) < 0)
-                   ? none
-                   : dense;
+        const struct moment dense = {t, q, v};
+        return pk_integrator_dense(it, t, q, v) < 0 ? none : dense;
     }
     if (!run->aside_block) {
         struct pk_problem problem = run->problem;
@@ -64,7 +61,7 @@ static struct moment at(struct pk_run *run, pk_real t)
     if (pk_integrator_aside(it, &run->aside, t) < 0)
         return none;
     it->status = status;
-    return (struct moment){t, run->aside.q, run->aside.v, run->aside.z};
+    return (struct moment){t, run->aside.q, run->aside.v};
 }
 
 pk_real run_row_time(const struct pk_run *run, pk_real k, pk_real count)

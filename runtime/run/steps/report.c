@@ -11,8 +11,6 @@ static void report_motion(struct json *j, const struct pk_run *run)
     json_reals(j, {"t", it->t}, {"last_valid", trust_last_valid(run)});
     json_numbers(j, "q", it->q, listed ? pk_system_coordinates(run->problem.system, run->problem.params) : 0);
     json_numbers(j, "v", it->v, listed ? it->n : 0);
-    if (it->z)
-        json_numbers(j, "z", it->z, run->problem.system->quadratures.n);
 }
 
 static void report_work(struct json *j, const struct pk_run *run)

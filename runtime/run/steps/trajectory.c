@@ -49,8 +49,7 @@ static enum pk_run_code start(struct pk_run *run)
     run->block = memory_take(&run->memory, size, 1);
     drift_begin(run, &run->problem);
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
-                           run->block, size) < 0 ||
-        (run->it.z && pk_integrator_set_quadratures(&run->it, s->z) < 0))
+                           run->block, size) < 0)
         return PK_RUN_FAILED;
     /* Steps as long as rows are apart may be too long to see events in. */
     if (run->problem.system->events.n && s->method->resolved && !s->has_step) {

@@ -51,21 +51,6 @@ static void along(const struct pk_passage_parts *x, size_t n, pk_real to, pk_rea
     }
 }
 
-int pk_passage_stage(struct pk_integrator *it, int k, struct pk_stage *stage)
-{
-    const struct pk_passage_parts x = pk_passage_parts(it);
-    pk_real before[PK_PASSAGE_STAGES], after[PK_PASSAGE_STAGES];
-    if (k >= (int)x.is->stages)
-        return 0;
-    weights(&x, (it->t - x.is->t) / x.is->h, before);
-    weights(&x, (it->own->next_t - x.is->t) / x.is->h, after);
-    stage->t = x.is->t + x.c[k] * x.is->h;
-    stage->weight = after[k] - before[k];
-    stage->q = x.Q + (size_t)k * it->n;
-    stage->v = x.V + (size_t)k * it->n;
-    return 1;
-}
-
 /* The largest of |a - b| beside that of |c - d|, in the metric of M's diagonal. */
 static pk_real beside(const struct pk_projection *w, const pk_real *a, const pk_real *b,
                       const pk_real *c, const pk_real *d, size_t count)
@@ -164,7 +149,7 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
     const pk_real t = it->own->next_t, end = x.is->t + x.is->h;
     pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V), off = 0;
     memset(it->own->next, 0, PK_PARTS * n * sizeof *q);
-    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE | PK_HAVE_SERIES);
+    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
     if (!(x.is->passing > 0)) {
         it->own->next_t = it->t; /* no step's end: its error is not judged as one */
         choose(&x);

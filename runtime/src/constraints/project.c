@@ -134,7 +134,7 @@ static int off(const struct pk_integrator *it, const struct pk_projection *w, pk
 {
     if (!(ratio > NOTICED) || !(it->own->next_t > it->t || it->own->next_t < it->t))
         return 0;
-    if (it->own->atol && it->method->stage_error) /* of those that advance() tries again */
+    if (it->own->atol && pk_repeats(it)) /* of those that advance() tries again */
         return beside_tolerances(it, w->d, y, first, count) > 1;
     return first == 0 && beside_way(it, w) > 1;
 }

@@ -58,13 +58,20 @@ static inline enum pk_status pk_because(struct pk_integrator *it, enum pk_status
     return status;
 }
 
-/* Whether a start was accepted. */
 /* How many of the coordinates, the last ones, are integrals of first-order variables. */
 static inline size_t pk_first_order(const struct pk_integrator *it)
 {
     return pk_system_first_order(it->problem.system, it->problem.params);
 }
 
+/* Whether a step can be made again shorter, by it->own->h: GSL's methods keep a length of their own.
+ */
+static inline int pk_repeats(const struct pk_integrator *it)
+{
+    return it->method->traits & PK_ADAPTIVE && !it->method->release;
+}
+
+/* Whether a start was accepted. */
 static inline int pk_ready(const struct pk_integrator *it) { return it->own && it->own->ready; }
 
 /* Words as printf() has them, and the last valid time; the length as snprintf(). */
@@ -142,17 +149,5 @@ void pk_marks_accept(struct pk_integrator *it);
  * of 0 .. 1. */
 void pk_hermite(size_t n, pk_real h, const pk_real *q0, const pk_real *v0, const pk_real *q1,
                 const pk_real *v1, pk_real x, pk_real *q, pk_real *v);
-
-/* Quadratures, which the block begins with: numbers needed; their start; those of a trial step,
- * still it->own->next; that it becomes the state. */
-size_t pk_quadrature_size(const struct pk_system *system, size_t n);
-enum pk_status pk_quadrature_start(struct pk_integrator *it);
-enum pk_status pk_quadrature_step(struct pk_integrator *it);
-/* Whether the step is to be made again, shorter, for the quadratures' sake; it->own->h follows
- * them. */
-int pk_quadrature_rejects(struct pk_integrator *it);
-void pk_quadrature_accept(struct pk_integrator *it);
-/* Gives `side` the quadratures at the start of the last step of `it`. */
-void pk_quadrature_aside(const struct pk_integrator *it, struct pk_integrator *side);
 
 #endif

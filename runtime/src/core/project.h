@@ -114,8 +114,6 @@ int pk_passage_due(struct pk_integrator *it, pk_real limit);
 /* How far an adaptive step may go: half of the way to such a position. */
 pk_real pk_passage_limit(const struct pk_integrator *it, pk_real limit);
 enum pk_status pk_passage_step(struct pk_integrator *it);
-/* As a method's `stage`, of that step. */
-int pk_passage_stage(struct pk_integrator *it, int k, struct pk_stage *stage);
 void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size);
 

@@ -38,9 +38,6 @@ const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
 size_t pk_splitting_size(const struct pk_system *system, const struct pk_method *method, size_t n);
 size_t pk_linear_drag_size(const struct pk_splitting *table, size_t n);
 enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_splitting *table);
-/* Stage i of an explicit Runge-Kutta step of h, whose slopes are k. */
-int pk_explicit_stage(const struct pk_integrator *it, const struct pk_tableau *table, pk_real h,
-                      const pk_real *k, int i, struct pk_stage *stage, pk_real *room);
 /* Those of an explicit Runge-Kutta method, adaptive or not. */
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method);
 const struct pk_tableau *pk_erk_table(const struct pk_method *method);
@@ -50,6 +47,5 @@ int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);
 
 size_t pk_gauss_size(const struct pk_method *method, size_t n);
 enum pk_status pk_gauss_init(struct pk_integrator *it);
-int pk_gauss_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
 
 #endif

@@ -15,14 +15,13 @@ static size_t padded(size_t bytes) { return (bytes + ALIGNED - 1) / ALIGNED * AL
 
 static size_t state_reals(const struct pk_system *whole)
 {
-    return 2 * whole->n + whole->quadratures.n + whole->n_inputs;
+    return 2 * whole->n + whole->n_inputs;
 }
 
-/* Params, maps of inputs and of quadratures. */
+/* Params and the map of inputs. */
 static size_t own_size(const struct pk_system *system)
 {
-    return padded(system->params_size) +
-           padded((system->n_inputs + system->quadratures.n) * sizeof(size_t));
+    return padded(system->params_size) + padded(system->n_inputs * sizeof(size_t));
 }
 
 size_t pk_apart_size(const struct pk_problem *whole, const struct pk_part *parts,
@@ -96,25 +95,22 @@ static void input(void *context, pk_real t, pk_real *u)
         u[i] = part->u[part->inputs[i]];
 }
 
-/* Each coordinate of the whole once, and the parts' quadratures and inputs those of the whole. */
+/* Each coordinate of the whole once, and the parts' inputs those of the whole. */
 static enum pk_status check_parts(struct pk_apart *a)
 {
     const struct pk_system *whole = a->whole.system;
-    size_t n = 0, m = 0;
+    size_t n = 0;
     for (size_t k = 0; k < a->count; k++) {
         const struct pk_part *of = &a->parts[k].of;
         n += of->system->n;
-        m += of->system->quadratures.n;
         for (size_t i = 0; i < of->system->n; i++)
             if (of->coordinates[i] >= whole->n)
                 return bad(a, "a coordinate is not of the whole", k + 1);
         if (!find(of->system->inputs, of->system->n_inputs, whole->inputs, whole->n_inputs,
-                  a->parts[k].inputs) ||
-            !find(of->system->quadratures.names, of->system->quadratures.n,
-                  whole->quadratures.names, whole->quadratures.n, a->parts[k].quadratures))
-            return bad(a, "an input or a quadrature is not of the whole", k + 1);
+                  a->parts[k].inputs))
+            return bad(a, "an input is not of the whole", k + 1);
     }
-    if (n != whole->n || m != whole->quadratures.n)
+    if (n != whole->n)
         return bad(a, "the parts are not the whole", 0);
     for (size_t i = 0; i < n; i++) {
         size_t times = 0;
@@ -137,8 +133,6 @@ static void assemble(struct pk_apart *a)
             a->state[part->of.coordinates[i]] = part->there->q[i];
             a->state[n + part->of.coordinates[i]] = part->there->v[i];
         }
-        for (size_t i = 0; i < part->of.system->quadratures.n; i++)
-            a->state[2 * n + part->quadratures[i]] = part->there->z[i];
     }
 }
 
@@ -202,10 +196,9 @@ enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
         struct pk_apart_part *part = &a->parts[k];
         part->of = parts[k];
         part->apart = a;
-        part->u = a->state + 2 * whole->system->n + whole->system->quadratures.n;
+        part->u = a->state + 2 * whole->system->n;
         part->params = at;
         part->inputs = (size_t *)(void *)(at + padded(parts[k].system->params_size));
-        part->quadratures = part->inputs + parts[k].system->n_inputs;
         at += own_size(parts[k].system);
     }
     PK_TRY(check_parts(a));
@@ -219,26 +212,7 @@ enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
     a->t = t0;
     a->q = a->state;
     a->v = a->q + whole->system->n;
-    a->z = whole->system->quadratures.n ? a->v + whole->system->n : NULL;
     return a->status;
-}
-
-enum pk_status pk_apart_set_quadratures(struct pk_apart *a, const pk_real *z)
-{
-    if (a->status < 0 || !a->z)
-        return a->status < 0 ? a->status : PK_BAD_ARGUMENT;
-    for (size_t k = 0; k < a->count; k++) {
-        struct pk_apart_part *part = &a->parts[k];
-        const size_t m = part->of.system->quadratures.n;
-        for (size_t i = 0; i < m; i++) /* the state is assembled anew below */
-            a->state[i] = z[part->quadratures[i]];
-        if (m && pk_integrator_set_quadratures(&part->it, a->state) < 0) {
-            a->failed = k + 1;
-            return a->status = part->it.status;
-        }
-    }
-    assemble(a);
-    return PK_DONE;
 }
 
 static enum pk_status part_to(struct pk_apart *a, size_t k, pk_real t, pk_real limit)
@@ -286,7 +260,8 @@ int pk_apart_reason(const struct pk_apart *a, char *text, size_t size)
     if (a->why || !a->failed)
         return snprintf(text, size, "%s%s%s", what, a->why ? ": " : "", a->why ? a->why : "");
     const struct pk_apart_part *part = &a->parts[a->failed - 1];
-    for (size_t i = 0; i < part->of.system->n && used < sizeof names; i++)
+    const size_t own = pk_system_coordinates(part->of.system, part->params);
+    for (size_t i = 0; i < own && used < sizeof names; i++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "",
                                  part->of.system->coordinates[i].name);
     if (part->it.method)

@@ -20,8 +20,7 @@ static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
     const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
     if (e->method->needs & PK_LINEAR_DRAG && !(e->system->facts & PK_SEPARABLE))
         return NULL;
-    if (!(e->options.h > 0) || e->system->quadratures.n || e->system->constraints.n ||
-        e->system->families.count) /* its loops are over members of the family */
+    if (!(e->options.h > 0) || e->system->constraints.n || e->system->families.count) /* its loops are over members of the family */
         return NULL;
     return own ? own : find(pk_block_steppers, e->method->name);
 }
@@ -45,11 +44,9 @@ size_t pk_ensemble_size(const struct pk_ensemble *e)
 static void keep(const struct pk_ensemble *e, size_t member, size_t row,
                  const struct pk_integrator *it)
 {
-    const size_t at = member * e->rows + row, count = e->system->quadratures.n;
+    const size_t at = member * e->rows + row;
     memcpy(e->q + at * it->n, it->q, it->n * sizeof *it->q);
     memcpy(e->v + at * it->n, it->v, it->n * sizeof *it->v);
-    if (e->z && it->z)
-        memcpy(e->z + at * count, it->z, count * sizeof *it->z);
     e->done[member]++;
 }
 

@@ -58,12 +58,9 @@ enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, 
         problem.input = constant_input;
         problem.context = &m->input;
     }
-    const enum pk_status status = pk_integrator_init(
+    return pk_integrator_init(
         &m->it, &problem, e->method, &e->options, e->t0, e->q0 + member * n, e->v0 + member * n,
         (char *)m + pk_ensemble_padded(sizeof *m), pk_integrator_size(&problem, e->method));
-    return status >= 0 && e->z0 && m->it.z
-               ? pk_integrator_set_quadratures(&m->it, e->z0 + member * e->system->quadratures.n)
-               : status;
 }
 
 enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *clock,

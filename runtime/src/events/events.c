@@ -25,7 +25,7 @@ static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_
         {&shapes, (m * sizeof(struct pk_shape) + sizeof(pk_real) - 1) / sizeof(pk_real)},
         {&e->q0, n}, {&e->v0, n}, {&e->bend, 2 * n}, {&e->trial, 2 * n}, {&e->u, system->n_inputs},
         {&e->g, m * (PK_MOST_SAMPLES + 2)}, {&e->ends, 2 * m},
-        {&e->list, m * PK_EVENT_ENTRY * PK_MOST_NODES}, {&e->z0, 2 * system->quadratures.n},
+        {&e->list, m * PK_EVENT_ENTRY * PK_MOST_NODES},
         {&e->held, system->events.n}, {&e->fresh, system->switches.n},
         {&params, system->switches.n ? pk_params_reals(system) : 0},
         {&e->room, pk_impulse_size(system, n)}};
@@ -104,8 +104,6 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->scout.options.h = it->options.h;
     memcpy(e->q0, it->q, e->n * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
-    if (it->z)
-        memcpy(e->z0, it->z, it->problem.system->quadratures.n * sizeof *e->z0);
     if (at_end(e, it, 0, e->q0, e->v0) < 0 || pk_integrator_step(it, limit) != PK_DONE)
         return it->status;
     if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
@@ -137,8 +135,6 @@ static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
         it->own->ready = 0;
         return it->status = ended;
     }
-    if (it->z)
-        pk_integrator_set_quadratures(it, e->z0);
     for (int count = 0; count < HALVINGS; count++) {
         const enum pk_status status = one_step(e, it, it->t + (detail - it->t) / 2);
         if (status == PK_STOPPED_EVENT)

@@ -5,20 +5,6 @@
 
 #include "events.h"
 
-/* The quadratures where the motion has just been followed to, e->t. */
-static enum pk_status quadratures(struct pk_events *e, struct pk_integrator *it)
-{
-    const size_t m = it->problem.system->quadratures.n;
-    pk_real *z = e->z0 + m;
-    e->z = it->z ? z : NULL;
-    if (!it->z)
-        return PK_DONE;
-    if (e->dense || (!(e->t < it->t) && !(e->t > it->t)))
-        return pk_integrator_dense_quadratures(it, e->t, z);
-    memcpy(z, e->scout.z, m * sizeof *z);
-    return PK_DONE;
-}
-
 /* The state just behind a crossing. A step of the core's methods gives the same each time, and that
  * has been seen to be behind; GSL's bsimp differs in the last digits, and is taken a little
  * further. */
@@ -35,7 +21,7 @@ static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, cons
         if (side * g[k] >= 0)
             break;
     }
-    return quadratures(e, it);
+    return PK_DONE;
 }
 
 /* One crossing of the list: found() or switched(). Whether the run is to stop there. */
@@ -100,8 +86,6 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
         PK_TRY(pk_switches_pass(e, it, last, attempted));
     if (passed || e->t < it->t || e->t > it->t)
         PK_TRY(pk_integrator_reset(it, e->t, e->q, e->v));
-    if (e->z)
-        pk_integrator_set_quadratures(it, e->z);
     it->event = stopped;
     return it->status = stopped ? PK_STOPPED_EVENT : PK_DONE;
 }

@@ -91,8 +91,6 @@ int pk_switches_turn(struct pk_events *e, struct pk_integrator *it)
     }
     if (!e->again || pk_integrator_reset(it, e->from, e->q0, e->v0) < 0)
         return e->again;
-    if (it->z)
-        pk_integrator_set_quadratures(it, e->z0);
     return 1;
 }
 
@@ -123,8 +121,6 @@ enum pk_status pk_switches_pass(struct pk_events *e, struct pk_integrator *it, p
     if (status >= 0 && e->brief < MOST_BRIEF)
         return PK_DONE;
     pk_integrator_reset(it, e->t, e->q, e->v);
-    if (e->z)
-        pk_integrator_set_quadratures(it, e->z);
     it->own->ready = 0;
     it->where = status < 0 ? where : which;
     it->detail = detail;

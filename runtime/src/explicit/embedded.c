@@ -88,22 +88,6 @@ enum pk_status pk_embedded_step(struct pk_integrator *it, pk_real limit)
     return generic_embedded(it, table_of(it->method), limit);
 }
 
-int pk_embedded_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
-{
-    const struct pk_embedded_work w = parts_of(it);
-    return pk_explicit_stage(it, table_of(it->method), *w.h_made, w.k, i, stage, room);
-}
-
-/* As pk_embedded_error() of one component. */
-pk_real pk_embedded_stage_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2])
-{
-    const pk_real blend = sums[0] * sums[0] + PK_C(0.01) * sums[1] * sums[1];
-    (void)size;
-    if (!table_of(it->method)->e3)
-        return pk_abs(sums[0]);
-    return blend > 0 ? sums[0] * sums[0] / PK_F(sqrt)(blend) : 0;
-}
-
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method)
 {
     return method->step == pk_embedded_step ? table_of(method) : pk_erk_table(method);

@@ -86,18 +86,6 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-static int rkmk_stage(struct pk_integrator *it, int i, struct pk_stage *stage, pk_real *room)
-{
-    const struct pk_tableau *table = (const struct pk_tableau *)it->method->table;
-    if (i >= table->stages)
-        return 0;
-    const pk_real *y = argument(it, table, i, room);
-    *stage = (struct pk_stage){
-        it->t + table->c[i] * it->own->h, it->own->h * table->b[i], y, y + it->n, {0, 0}};
-    return 1;
-}
-
 #define RKMK(of)                                                                               \
-    .needs = PK_NEEDS_RKMK, .table = &pk_##of##_table, .size = pk_erk_size, .step = rkmk_step, \
-    .stage = rkmk_stage
+    .needs = PK_NEEDS_RKMK, .table = &pk_##of##_table, .size = pk_erk_size, .step = rkmk_step
 PK_METHODS_RKMK(PK_DEFINE_METHOD, RKMK)

@@ -164,6 +164,6 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
 
 #define COLLOCATION(of)                                                              \
     .needs = PK_NEEDS_COLLOCATION, .table = &pk_##of##_table, .size = pk_gauss_size, \
-    .init = pk_gauss_init, .step = gauss_step, .stage = pk_gauss_stage,              \
+    .init = pk_gauss_init, .step = gauss_step, \
     .equations = pk_gauss_equations
 PK_METHODS_COLLOCATION(PK_DEFINE_METHOD, COLLOCATION)

@@ -113,8 +113,11 @@ void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
             pk_ldl_solve(w->jacobian, n, w->G + i * n);
     else
         pk_lu_solve(w->lu, w->pivot, m, w->G);
-    for (size_t k = 0; k < m; k++)
+    for (size_t k = 0; k < m; k++) { /* G: what V changes by, 0 where rounding leaves it */
+        const pk_real before = w->V[k];
         w->V[k] -= w->G[k];
+        w->G[k] = before - w->V[k];
+    }
 }
 
 /* Divergence of a slow iteration: the largest correction of 25 is not below that of the 25

@@ -199,6 +199,6 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
 
 #define RADAU(of)                                                                                 \
     .needs = PK_NEEDS_RADAU, .table = &pk_##of##_table, .formula = &pk_method_##of, .size = size, \
-    .init = init, .step = step, .stage = pk_radau_stage, .stage_error = pk_radau_stage_error,     \
+    .init = init, .step = step, \
     .equations = pk_gauss_equations
 PK_METHODS_RADAU(PK_DEFINE_METHOD, RADAU)

@@ -25,8 +25,4 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
 enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int again);
 
-/* Of pk_method, for quadratures. */
-int pk_radau_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room);
-pk_real pk_radau_stage_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2]);
-
 #endif

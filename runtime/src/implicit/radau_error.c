@@ -104,26 +104,3 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
     return pk_finite(it->own->error) ? PK_DONE : PK_NOT_FINITE;
 }
 
-/* Of z' = g: gamma h g(y0) + e.z, where z_i = sum h a_ij g_j; g's own dependence on the error of
- * the motion, which is within its tolerance, is left out. */
-int pk_radau_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room)
-{
-    const struct pk_gauss_work w = pk_gauss_parts(it);
-    const size_t s = w.s, j = (size_t)k;
-    if (j > s)
-        return 0;
-    if (j == s) {
-        *stage = (struct pk_stage){it->t, 0, it->q, it->v, {GAMMA * w.kept->h, 0}};
-        return 1;
-    }
-    pk_gauss_stage(it, k, stage, room);
-    for (size_t i = 0; i < s; i++)
-        stage->error[0] += E_OF_STAGE[i] * w.hA[i * s + j];
-    return 1;
-}
-
-pk_real pk_radau_stage_error(const struct pk_integrator *it, pk_real size, const pk_real sums[2])
-{
-    (void)size;
-    return pk_abs(sums[0]) / factor_of(it);
-}

@@ -37,7 +37,6 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
     const struct pk_slot slots[] = {
         {&own->state, PK_PARTS * n},
         {&own->next, PK_PARTS * n},
-        {&own->quadratures, pk_quadrature_size(system, n)},
         {&own->atol, pk_scale_size(method, n)},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
         {&own->lane, system->lanes ? 0 : 3 * n + system->n_inputs},
@@ -95,7 +94,6 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     memset(it->own, 0, sizeof *it->own);
     if (pk_missing_facts(system, method) || pk_missing_kernel(system, method) ||
         (system->n_inputs && (method->traits & PK_NO_INPUTS)) ||
-        (system->quadratures.n && !method->stage) ||
         (pk_rolls(system) && (method->traits & PK_HOLONOMIC)))
         return pk_fail(it, PK_REFUSED, 0);
     if (pk_check_options(it) < 0)
@@ -119,10 +117,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         it->own->marks = NULL;
     it->q = pk_part(it->own->state, it->n, PK_Q);
     it->v = pk_part(it->own->state, it->n, PK_V);
-    enum pk_status status = pk_integrator_reset(it, t0, q0, v0);
-    if (status >= 0 && system->quadratures.n && (status = pk_quadrature_start(it)) < 0)
-        it->own->ready = 0;
-    return it->status = status;
+    return pk_integrator_reset(it, t0, q0, v0);
 }
 
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
@@ -181,25 +176,10 @@ enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h)
  * end, no step follows. */
 static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
 {
-    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE | PK_HAVE_SERIES);
+    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
     if (status == PK_SINGULAR_TIME || status == PK_SINGULAR_COORDINATES)
         it->own->ready = 0;
     return it->status = status;
-}
-
-/* One step of motion and quadratures into it->own->next, as short as both need it. */
-static enum pk_status try_step(struct pk_integrator *it, pk_real limit)
-{
-    enum pk_status status;
-    do {
-        status = it->own->step(it, limit);
-        if (status >= 0 && !pk_all_finite(it->own->next, PK_LOW_Q * it->n))
-            status = PK_NOT_FINITE;
-        if (status < 0 || !it->z)
-            return status;
-        status = pk_quadrature_step(it);
-    } while (status >= 0 && pk_quadrature_rejects(it));
-    return status;
 }
 
 /* A step with its projection. Where the method can, a failed projection is retried at a quarter of
@@ -212,7 +192,9 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
     const pk_real while_at_rest = (limit - it->t) * FROM_REST;
     int raised = 0;
     for (int cuts = 0;; cuts++) {
-        enum pk_status status = try_step(it, pk_marks_limit(it, limit));
+        enum pk_status status = it->own->step(it, pk_marks_limit(it, limit));
+        if (status >= 0 && !pk_all_finite(it->own->next, PK_LOW_Q * it->n))
+            status = PK_NOT_FINITE;
         const int pushed = status == PK_STEP_UNDERFLOW && !raised &&
                            pk_scale_raise(it, while_at_rest);
         if (pushed || (status >= 0 && pk_marks_reject(it))) {
@@ -230,7 +212,7 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
             return pk_because(it, PK_NO_PROJECTION, where, detail);
         if (status == PK_STEP_UNDERFLOW && it->own->project && pk_project_dependent(it))
             return PK_NO_PROJECTION;
-        if (status != PK_NO_PROJECTION || !it->method->stage_error || cuts == CUTS)
+        if (status != PK_NO_PROJECTION || !pk_repeats(it) || cuts == CUTS)
             return status;
         where = it->where;
         detail = it->detail;
@@ -265,8 +247,6 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     it->own->crossed = it->own->crossed && passes;
     it->own->seen = 0;
     status = passes ? pk_passage_step(it) : advance(it, near ? pk_passage_limit(it, limit) : limit);
-    if (status >= 0 && passes && it->z)
-        status = pk_quadrature_step(it);
     if (status >= 0 && !passes && (near || it->own->seen > PK_SEEN))
         status = pk_passage_judge(it);
     status = status < 0 ? pk_singularity_cause(it, status, fixed) : pk_singularity_step(it);
@@ -275,8 +255,6 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
 
     pk_marks_accept(it);
     pk_exchange(it);
-    if (it->z)
-        pk_quadrature_accept(it);
     pk_step_made(it, fixed);
     pk_scale_step(it);
     if (it->own->passage && (near || it->own->seen != PK_SEEN))
@@ -309,11 +287,9 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
         return pk_integrator_reset(side, t, q, v) < 0 ? it->status = side->status : PK_DONE;
     }
     pk_integrator_reset(side, it->last_t, it->own->next, pk_part(it->own->next, n, PK_V));
-    if (side->status >= 0) { /* what a start lacks of a state amid the motion */
+    if (side->status >= 0) /* what a start lacks of a state amid the motion */
         memcpy(pk_part(side->own->state, n, PK_P), pk_part(it->own->next, n, PK_P),
                (PK_A - PK_P) * n * sizeof *it->own->next);
-        pk_quadrature_aside(it, side);
-    }
     if (side->status >= 0 && (it->method->traits & PK_ADAPTIVE) &&
         (t < it->last_t || t > it->last_t))
         pk_integrator_set_step(side, pk_abs(t - it->last_t));

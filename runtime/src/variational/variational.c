@@ -77,26 +77,6 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
     }
 }
 
-static void keep_stages(struct pk_variational_work *w, int part, const pk_real *q0,
-                        const pk_real *v0)
-{
-    const size_t n = w->n;
-    const int ends = w->table->ends;
-    pk_real *x = w->stages + (size_t)(ends ? 2 * part : part) * (2 + 2 * n);
-    x[0] = ends ? w->t : w->t + w->h / 2;
-    x[1] = ends ? w->h / 2 : w->h;
-    memcpy(x + 2, ends ? q0 : w->q_at, n * sizeof *x);
-    memcpy(x + 2 + n, ends ? v0 : w->v_at, n * sizeof *x);
-    if (!ends)
-        return;
-    memcpy(x + 2 + n, w->V, w->m * sizeof *x);
-    x += 2 + 2 * n;
-    x[0] = w->end;
-    x[1] = w->h / 2;
-    memcpy(x + 2, w->q_end, n * sizeof *x);
-    memcpy(x + 2 + n, w->v_end, n * sizeof *x);
-}
-
 /* The guess: rates at the middle of the last part and at its end, on a straight line. */
 static void guess(struct pk_integrator *it, struct pk_variational_work *w, const pk_real *v)
 {
@@ -112,7 +92,7 @@ static void guess(struct pk_integrator *it, struct pk_variational_work *w, const
         w->kick[i] *= ratio;
 }
 
-static enum pk_status part(struct pk_integrator *it, struct pk_variational_work *w, int which)
+static enum pk_status part(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t n = w->n;
     pk_real *q = pk_part(w->to, n, PK_Q), *v = pk_part(w->to, n, PK_V);
@@ -124,7 +104,6 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     }
     it->own->flags &= ~PK_HAVE_A;
     PK_TRY(pk_variational_solve(it, w));
-    keep_stages(w, which, q, v);
     add_momenta(w, p, low_p);
     for (size_t k = w->rotation; k < n; k++) { /* integrals, for interpolation alone */
         const pk_real mean = k < w->m ? w->V[k] : (v[k] + w->v_end[k]) / 2;
@@ -162,25 +141,14 @@ static enum pk_status variational_step(struct pk_integrator *it, pk_real limit)
         done += parts->drift[i];
         w.end = i + 1 == parts->stages ? it->own->next_t : it->t + done * it->own->h;
         w.h = parts->drift[i] * it->own->h;
-        status = part(it, &w, i);
+        status = part(it, &w);
     }
     return status;
 }
 
-static int variational_stage(struct pk_integrator *it, int k, struct pk_stage *stage, pk_real *room)
-{
-    const struct pk_variational_work w = pk_variational_parts(it);
-    const pk_real *x = w.stages + (size_t)k * (2 + 2 * w.n);
-    (void)room;
-    if (k >= w.table->parts->stages * (w.table->ends ? 2 : 1))
-        return 0;
-    *stage = (struct pk_stage){x[0], x[1], x + 2, x + 2 + w.n, {0, 0}};
-    return 1;
-}
-
 #define VARIATIONAL(of, ends)                                                                     \
     .table = &(const struct pk_variational){&pk_##of##_table, ends}, .size = pk_variational_size, \
-    .init = variational_init, .step = variational_step, .stage = variational_stage
+    .init = variational_init, .step = variational_step
 #define LIE_MIDPOINT(of) .needs = PK_NEEDS_LIE_MIDPOINT, VARIATIONAL(of, 0)
 #define RATTLE(of) .needs = PK_NEEDS_RATTLE, VARIATIONAL(of, 1)
 PK_METHODS_LIE_MIDPOINT(PK_DEFINE_METHOD, LIE_MIDPOINT)

@@ -46,7 +46,6 @@ struct pk_variational_work {
     pk_real *pivot, *A_pivot;          /* of lu; of at.A in the step */
     /* n by n: J at the start; the matrix of Newton's method, factored. */
     pk_real *J, *lu;
-    pk_real *stages; /* 2 + 2 n numbers each */
 };
 
 /* Where all that stands in it->own->work. */

@@ -81,12 +81,10 @@ def alone(part: CompiledPart, settings: Settings) -> Settings:
     def mine(starts: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]:
         return tuple((place[i], x) for i, x in starts if i in place)
 
-    angles = [q.name for q in part.equations.quadrature_names]
-    show = []
-    for column in settings.show:
-        if column.kind in "qv" and column.index in place:
-            show.append(Shown(column.kind, place[column.index], column.name))
-        elif column.kind == "z" and column.name in angles:
-            show.append(Shown("z", angles.index(column.name), column.name))
+    show = [
+        Shown(column.kind, place[column.index], column.name)
+        for column in settings.show
+        if column.kind in "qv" and column.index in place
+    ]
     starts = {"start_q": mine(settings.start_q), "start_v": mine(settings.start_v)}
     return replace(settings, **starts, show=tuple(show), parts=())

@@ -84,11 +84,6 @@ _VECTORS = {
     "momenta": lambda p, _: p.equations.momenta_names,
     "q": lambda p, _: p.equations.coordinates,
     **dict.fromkeys(("v", "dHdp"), lambda p, _: p.equations.rates),
-    "z": lambda p, _: p.equations.quadrature_names,
-    "zdot": lambda p, _: [
-        Quantity(q.name + "'", _rate_unit(p.equations.model, q.unit), "")
-        for q in p.equations.quadrature_names
-    ],
     "H": lambda p, _: [Quantity("H", "" if p.equations.model.dimensionless else "J", "")],
     "lambda_out": lambda p, _: p.equations.constraints.names,
     "out": lambda p, kernel: _OUT[kernel.name](p.equations),

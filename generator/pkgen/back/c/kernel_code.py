@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from ..kernels import KERNELS, STARTS
+from ..kernels import KERNELS
 from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, STORE, TRIG
 from .chunk import ARGUMENTS
 from .program import Block, Kernel, Statement, operations_text
@@ -89,7 +89,7 @@ class KernelCode:
     def unused(self) -> list[str]:
         given = self.spec.given if self.spec else ()
         arguments = ["p", "t", *self.vectors, "u", *given]
-        if self.kernel.name in STARTS:
+        if self.kernel.name == "start":
             arguments = ["p"]
         elif self.kernel.name == "prepare":
             arguments = []

@@ -128,7 +128,6 @@ class _Context:
             "events": tables.events(model.events, model.events),
             "cyclic": (),
             "forms": (),
-            "n_quadratures": 0,
             "n_hoisted": w.hoisted_count,
             "parameter_functions": loop_parameters.functions(
                 model.name,

@@ -15,7 +15,7 @@ from ...graph.differentiate import symbols_in
 from ...graph.graph import BIT, Graph, Kind, Node, Symbol
 from ...middle.derive.switches import sides
 from ...record import record
-from ..kernels import KERNELS, STARTS, KernelSpec, needed_kernels
+from ..kernels import KERNELS, KernelSpec, needed_kernels
 from ..targets import LOAD, STORE, Output, Target
 from .chunk import blocks
 from .expressions import Code, variable
@@ -51,7 +51,7 @@ def lower(
 
 def parameters_read(equations: Equations, kernels: frozenset[str] | None) -> frozenset[int]:
     """The parameters that these kernels read, and the starts."""
-    specs = (KERNELS[name] for name in (*needed_kernels(equations, kernels), *STARTS))
+    specs = (KERNELS[name] for name in (*needed_kernels(equations, kernels), "start"))
     nodes = [x for spec in specs for t in spec.targets(equations) for x in t.nodes]
     return _parameters_in(equations.graph, nodes)
 
@@ -123,8 +123,7 @@ class _Lowering(Hoisting):
             bounds=tuple(self._interval(x.lo, x.hi) for x in parameters),
             prepare=prepare,
             hoisted=self.hoisted_count,
-            start=self._of_parameters("start"),
-            quadrature_start=self._of_parameters("quadrature_start"),
+            start=self._start(),
             kernels=tuple(self._kernel(draft) for draft in drafts),
             float_too=self.work.constants.float_too,
             helpers=tuple(sorted(self.helpers)),
@@ -197,12 +196,10 @@ class _Lowering(Hoisting):
 
     # What depends on parameters alone
 
-    def _of_parameters(self, name: str) -> Kernel:
-        spec = KERNELS[name]
-        targets = spec.targets(self.equations)
-        return self._finished(
-            name, spec.result, spec.outputs(self.equations), self._fixed_code(targets), {}
-        )
+    def _start(self) -> Kernel:
+        spec, e = KERNELS["start"], self.equations
+        code = self._fixed_code(spec.targets(e))
+        return self._finished("start", spec.result, spec.outputs(e), code, {})
 
     def _fixed_code(self, targets: list[Target]) -> Schedule:
         """Code on parameters alone, nothing hoisted."""

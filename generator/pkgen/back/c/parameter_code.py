@@ -105,13 +105,9 @@ def functions(program: Program, factor: str) -> Iterator[Function | str]:
     yield Function(PREPARE.format(model), [*_prepare(program, rows, prepare)])
     bounds = [node for row in rows for node in row.bounds]
     yield Function(BOUNDS.format(model), [*unused(["p"]), *(bounds or unused(["lo", "hi"]))])
-    starts = [(program.start, "pk_real *q, pk_real *v")]
-    if program.equations.quadratures:
-        starts.append((program.quadrature_start, "pk_real *z"))
-    for kernel, outputs in starts:
-        code = KernelCode(model, kernel)
-        yield from code.parts()
-        yield Function(f"void {code.name}(const {type}, {outputs})", [*code.body()])
+    start = KernelCode(model, program.start)
+    yield from start.parts()
+    yield Function(f"void {start.name}(const {type}, pk_real *q, pk_real *v)", [*start.body()])
 
 
 def _prepare(program: Program, rows: list[ParameterCode], code: KernelCode) -> Iterator[Node]:

@@ -151,7 +151,6 @@ class Program:
     prepare: Kernel  # fills the hoisted constants
     hoisted: int  # their number
     start: Kernel
-    quadrature_start: Kernel
     kernels: tuple[Kernel, ...]
     float_too: bool  # whether float can hold its constants
     helpers: tuple[str, ...]  # functions that the C file must define: "min", "step", ...
@@ -162,7 +161,7 @@ class Program:
 
     @property
     def all_kernels(self) -> tuple[Kernel, ...]:
-        return self.prepare, self.start, self.quadrature_start, *self.kernels
+        return self.prepare, self.start, *self.kernels
 
     @property
     def has_sincos(self) -> bool:

@@ -54,7 +54,6 @@ SYSTEM_KERNELS = {
     "redundant": "constraints.redundant",
     "singularity": "singularities.values",
     "event": "events.values",
-    "quadrature": "quadratures.rates",
     "switching": "switches.values",
     "corner": "switches.slopes",
     "marking": "marks.values",
@@ -197,7 +196,6 @@ def _context(program: Program) -> dict[str, Any]:
         ],
         # Whether p is dL/dv of the coordinates, and h made of these.
         "has_lagrangian": int("lagrangian" in present and not equations.inertia),
-        "n_quadratures": len(equations.quadratures),
         "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),
         "n_holonomic": equations.constraints.holonomic if equations.constraints else 0,
         "n_constraints": len(equations.constraints.residual) if equations.constraints else 0,

@@ -20,7 +20,6 @@ def tables(e: Equations) -> dict[str, Sequence[Quantity]]:
         "inputs": e.inputs,
         "observed": e.observed_names,
         "conserved": e.conserved_names,
-        "quadratures": e.quadrature_names,
         "constraints": e.constraints.names if e.constraints else (),
         "redundant_rows": e.constraints.redundant.names if e.redundant_terms else (),
     }
@@ -59,7 +58,6 @@ def indices(program: Program) -> list[dict[str, Any]]:
         ("o", e.observed_names, "into the observed outputs"),
         ("c", e.conserved_names, "into the quantities claimed to be constant"),
         ("e", e.event_names, "into the events"),
-        ("z", e.quadrature_names, "into the quadratures"),
     ]
     return [
         {"stem": stem, "says": says, "rows": families(quantities, own if stem == "x" else 0)}

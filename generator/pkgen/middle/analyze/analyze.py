@@ -71,7 +71,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
         and untouched
         and not jumping
         and (bound is None or bound.workless),
-        variational=unforced and not equations.states and bound is None,
+        variational=n > 0 and unforced and untouched and not equations.attitudes and bound is None,
         smooth=smooth,
         switched=not smooth
         and bool(equations.switches)

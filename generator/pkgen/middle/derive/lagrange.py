@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from ...equations import Attitude, Constraints, Equations, Matrix, Named, Row, Rows, Singularity
 from ...graph.collect import shortened
+from ...graph.count import operations
 from ...graph.graph import ZERO, Graph, Kind, Node, Symbol
 from ...graph.solve import Solution
 from ...record import record
@@ -98,7 +99,8 @@ def derived(
         linear = linear_of(g, motion)
     energy = energy_of(g, energies, motion, wanted)
     shown = shorter(g, energies, wanted)
-    rates = tuple(shortened(g, states))
+    moving = solution.accelerations if solution else motion.force
+    rates = min((states, tuple(shortened(g, states))), key=lambda x: operations(g, [*moving, *x]))
     return Derived(
         motion,
         solution,
@@ -131,9 +133,9 @@ def singularities(
 
 
 def located(equations: Equations) -> Equations:
-    """With the switches of the motion and of the quadratures, those where rates jump, and marks."""
+    """With the switches of the motion, those where rates jump, and marks."""
     e = equations
-    outputs = [*e.pdot, *e.force, *(entry for row in e.mass for entry in row), *e.quadratures]
+    outputs = [*e.pdot, *e.force, *(entry for row in e.mass for entry in row)]
     outputs += e.state_rates
     name = naming(e)
     switches = with_impulses(e, switches_of(e.graph, outputs, name), name, _rate_of(e))

@@ -110,7 +110,7 @@ def as_rates(
         singularities=tuple(replace(x, node=there([x.node])[0]) for x in e.singularities),
         switches=tuple(_switch(x, there, count) for x in e.switches),
         marks=tuple(_switch(x, there, count) for x in e.marks),
-        **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events", "quadratures")},
+        **{x: there(getattr(e, x)) for x in ("observed", "conserved", "events")},
         start_q=(*e.start_q, *[ZERO] * count),
         start_v=(*e.start_v, *e.state_start),
         states=(),

@@ -8,6 +8,7 @@ from dataclasses import replace
 from ...equations import Equations
 from ...graph.differentiate import symbols_in
 from ...graph.solve import looped
+from ...methods import provides
 from ..derive.impulses import NoRate
 from ..motion import COORDINATES
 from ..report import ReportLine
@@ -37,8 +38,6 @@ def cyclic(state: State, needs: Needs) -> State:
         name = e.coordinates[i].name
         if name in used:
             lines.append(ReportLine("cyclic", f"{name} kept", f"it is in {used[name]}"))
-        elif name in needs.columns and not needs.quadratures:
-            lines.append(ReportLine("cyclic", f"{name} kept", "the method makes no quadratures"))
         elif name in needs.columns and state.structure.affine:
             lines.append(ReportLine("cyclic", f"{name} kept", "a linear system has an exact flow"))
         else:
@@ -56,6 +55,13 @@ def cyclic(state: State, needs: Needs) -> State:
         after = _recorded(state, needs, reduced, chosen, angles)
     except (NotReduced, NoRate) as why:
         return _not(state, e, chosen, str(why))
+    lost = [
+        fact
+        for fact in needs.facts
+        if provides(state.structure, fact) and not provides(after.structure, fact)
+    ]
+    if lost:
+        return _not(state, e, chosen, f"the method requires {' and '.join(lost)}")
     before, now = cost(e.graph, e), cost(e.graph, after.equations)
     if now + OF_A_STATE * _states(after.equations) > before + OF_A_STATE * _states(e):
         return _not(state, e, chosen, f"{now} operations instead of {before}")
@@ -64,7 +70,7 @@ def cyclic(state: State, needs: Needs) -> State:
 
 def _states(e: Equations) -> int:
     """The numbers that a method carries."""
-    return 2 * (len(e.coordinates) + len(e.states)) + len(e.quadratures)
+    return 2 * len(e.coordinates) + len(e.states)
 
 
 def _not(state: State, e: Equations, which: list[int], why: str) -> State:
@@ -90,7 +96,7 @@ def _recorded(
             "cyclic",
             e.coordinates[i].name,
             f"{e.momenta_names[i].name} is constant, of the start"
-            + ("; the angle is a quadrature" if i in angles else ""),
+            + ("; the angle is a state" if i in angles else ""),
         )
         for i in chosen
     ]

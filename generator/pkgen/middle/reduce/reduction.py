@@ -22,7 +22,7 @@ class Needs:
 
     columns: frozenset[str]
     events: frozenset[str] = frozenset()
-    quadratures: bool = True  # the method makes them
+    facts: tuple[str, ...] = ()  # that its method requires
     apart: bool = True  # blocks may be integrated apart
     off: frozenset[str] = frozenset()  # reductions that are not to be made
 
@@ -46,4 +46,4 @@ class State:
 
 def cost(g: Graph, equations: Equations) -> int:
     motion = equations.acceleration or (*equations.force, *sum(equations.mass, ()))
-    return operations(g, [*motion, *equations.state_rates, *equations.quadratures])
+    return operations(g, [*motion, *equations.state_rates])

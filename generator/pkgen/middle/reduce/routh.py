@@ -5,9 +5,9 @@ p_c = M_cc v_c + M_cr v_r + b_c constant, the motion of the rest has the Lagrang
 
     R = L - p_c.v_c = v_r.M_rr v_r/2 + b_r.v_r + L0 - y.M_cc^-1 y/2,   y = p_c - b_c - M_cr v_r
 
-and the cyclic rates are v_c = M_cc^-1 y: their coordinates are quadratures, of which only those
-are made that somebody wants. The momenta are parameters that follow from the start, whose values
-are parameters too, so that a start given at run time counts.
+and the cyclic rates are v_c = M_cc^-1 y: their coordinates are states that nothing reads, of
+which only those are made that somebody wants. The momenta are parameters that follow from the
+start, whose values are parameters too, so that a start given at run time counts.
 Reference: E. J. Routh, Stability of a Given State of Motion, Macmillan 1877; L. D. Landau,
 E. M. Lifshitz, Mechanics, 3rd edition, section 41.
 """
@@ -44,7 +44,7 @@ class Reduced:
 
 
 def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) -> Reduced:
-    """The equations without the cyclic coordinates, of which `angles` become quadratures.
+    """The equations without the cyclic coordinates, of which `angles` become states.
 
     Raises NotReduced. That they are cyclic, and L of second degree in the rates, the caller knows.
     """
@@ -83,8 +83,7 @@ def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) ->
         lagrangian,
         (None, None),
         [Output(equations.rates[i], turned[i]) for i in cyclic],
-        [(i, turned[i]) for i in angles],
-        {i: parameters.of(Symbol(Kind.COORDINATE, i)) for i in angles},
+        {i: (turned[i], parameters.of(Symbol(Kind.COORDINATE, i))) for i in angles},
     )
     start = {
         field: tuple(

@@ -75,21 +75,6 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
     return w;
 }
 
-/* Lane l of q and v as a stage, with room for them. */
-static inline void pk_gauss_lane(const struct pk_gauss_lanes *w, size_t n, int l, pk_real t,
-                                 pk_real weight, struct pk_stage *stage, pk_real *room)
-{
-    for (size_t i = 0; i < n; i++) {
-        room[i] = w->q[i * PK_GAUSS_S + (size_t)l];
-        room[n + i] = w->v[i * PK_GAUSS_S + (size_t)l];
-    }
-    stage->t = t;
-    stage->weight = weight;
-    stage->q = room;
-    stage->v = room + n;
-    stage->error[0] = stage->error[1] = 0;
-}
-
 /* y = M x: one sum for each lane, of two halves so that their latencies overlap. */
 static inline void pk_gauss_rows(const pk_real *restrict M, const pk_real *restrict x,
                                  pk_real *restrict y)

@@ -30,7 +30,6 @@
 struct pk_integrator_private {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* method's or system's */
     pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
-    pk_real *quadratures;  /* see src/integrate/quadrature.c */
     pk_real *u, *work;     /* u: inputs at one time, and behind them those of each lane */
     pk_real *atol;         /* absolute tolerances of q and v; NULL: fixed steps; src/core/scale.c */
     unsigned long rounded; /* rejections when rounding was last looked at */
@@ -79,8 +78,7 @@ enum {
     PK_HAVE_LU = 2,
     PK_HAVE_STEP = 4,
     PK_HAVE_DENSE = 8,
-    PK_REFRESH = 16,
-    PK_HAVE_SERIES = 32
+    PK_REFRESH = 16
 };
 
 static inline pk_real *pk_part(pk_real *state, size_t n, int part)
