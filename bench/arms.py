@@ -35,7 +35,7 @@ from .peers.own import pkgen_python
 from .turns import Runner, Timing, take_turns
 
 FOLDER = SOURCES / "arms"
-SIZES = (3, 6, 12, 20, 40, 100)
+SIZES = (3, 6, 12, 20, 50, 100)
 GOALS = {6: 0.3, 20: 0.5, 100: 1.0}  # of Pinocchio's time
 WHAT = ("acceleration", "mass", "force")
 WITH_MASS = 20  # joints: of more, C that writes M is long

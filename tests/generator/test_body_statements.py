@@ -14,7 +14,7 @@ from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
 from pkgen.middle.derive.derive import derive
-from pkgen.source import Source
+from pkgen.source import ModelError, Source
 from trees_of_bodies import FREEDOMS, KINDS, Motion, random_tree, written
 
 
@@ -254,3 +254,47 @@ def test_an_arm_takes_no_more_than_by_places(n, most):
     header = out.files["arm.h"]
     operations = int(re.search(r"acceleration +([0-9]+) operations", header)[1])
     assert most // 3 < operations <= most
+
+
+RIGHT = """model m
+param l = 1 [m]
+gravity [0, 0, -9.81 [m/s^2]]
+body a mass 1 [kg] inertia [0.1, 0.1, 0.1] at [0, 0, -l/2]
+body b mass 1 [kg] inertia [0.1, 0.1, 0.1] at [0, 0, -l/2]
+joint one: ground to a revolute [0, 1, 0]
+joint two: a to b revolute [0, 1, 0] at [0, 0, -l] coord phi
+let tip = b.point([0, 0, -l])
+observe w = b.omega.y
+start one = 1, phi = 0.3
+draw body b box [0.1, 0.1, 1]
+scene s
+  until 1 [s]
+  record one, phi, tip
+end
+"""
+MISTAKES = {  # by the line that is wrong what it says, and what is said of it
+    ("body a mass", "body aa mass"): "unknown body 'a'",
+    ("to a revolute", "to a revolut"): "there is no joint 'revolut'",
+    ("to b revolute", "to bb revolute"): "unknown body 'bb'",
+    ("body a mass 1 [kg]", "body a mass 1 [m]"): "unit mismatch: 1 [m] is a length",
+    ("body a mass 1 [kg]", "body a"): "the body 'a' has no mass",
+    ("coord phi", "cord phi"): "the joint 'two' has no part 'cord'",
+    ("a to b revolute [0, 1, 0]", "a to b revolute"): "a revolute joint has an axis",
+    ("b revolute [0, 1, 0]", "b spherical [0, 1, 0]"): "a spherical joint has no axis",
+    ("b revolute [0, 1, 0]", "b planar [0, 1, 0]"): "a planar joint has 3 coordinates",
+    ("ground to a", "to a"): "'[0, 1, 0]' has no place here",
+    ("ground to a", "grond to a"): "unknown body 'grond'",
+    ("ground to a", "a to ground"): "the ground hangs on no joint",
+    ("joint two: a", "joint two: b"): "the joints two go round in a circle",
+    ("joint two:", "joint one:"): "'one' is declared already",
+}
+
+
+@pytest.mark.parametrize("old, new", MISTAKES)
+def test_one_mistake_is_one_message(old, new):
+    """Whatever reads the places and the coordinates of what is wrong."""
+    model_of(RIGHT)
+    with pytest.raises(ModelError) as error:
+        model_of(RIGHT.replace(old, new))
+    (only,) = error.value.diagnostics
+    assert only.message.startswith(MISTAKES[old, new])

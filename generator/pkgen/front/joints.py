@@ -11,6 +11,8 @@ Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapt
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from ..record import record
 from ..tree import Name
 
@@ -52,6 +54,16 @@ def _kinds():
 
 
 KINDS = dict(_kinds())
+
+
+def loose(bodies: Iterable[str], joints: Iterable) -> frozenset[str]:
+    """Bodies that no joints join to the ground: they have no places, and that is said once."""
+    held, left = {GROUND}, list(joints)
+    names = {*bodies}
+    while more := [j for j in left if j.parent[0] in held and j.child[0] in names]:
+        held |= {j.child[0] for j in more}
+        left = [j for j in left if j not in more]
+    return frozenset((names | {j.child[0] for j in left}) - held)
 
 
 def joint_names(joint) -> tuple[tuple[str, str], ...]:

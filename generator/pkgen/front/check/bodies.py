@@ -9,7 +9,7 @@ Body Dynamics Algorithms, Springer 2008, chapters 4 and 7.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields, replace
 from difflib import get_close_matches
 
@@ -52,6 +52,8 @@ class Bodies(BodyParts):
             self.report.error(message, statement.name_span, "choose another name")
         elif self.names.declare(Entry(name, "body", UNKNOWN, statement.name_span, used=True)):
             self.bodies[name] = statement
+        else:
+            return
         given = self.clauses(statement, CLAUSES["body"], f"the body '{name}'")
         if "mass" not in given:
             message = f"the body '{name}' has no mass"
@@ -86,7 +88,10 @@ class Bodies(BodyParts):
             self.report.error(f"'{child}' hangs on {where} already", child_at, _LOOP)
         if kind is not None:
             self._coordinates(statement, kind)
+        if kind is not None and name not in self.texts:
             self._parts(statement, kind)
+        if len(self.report.errors) > before:
+            self._poison_coordinates(statement)
         if len(self.report.errors) > before:
             self.bad.add(child)
         self.joints.setdefault(child, statement)
@@ -247,21 +252,29 @@ class Bodies(BodyParts):
         self.names.table[what].used = True
 
     def _poison(self, child: str) -> None:
-        for member in SHOWN:
-            name = f"{child}.{member}"
+        self._poisoned(f"{child}.{member}" for member in SHOWN)
+
+    def _poison_coordinates(self, joint: st.Joint) -> None:
+        """Those that it would have, if they are not those of its kind."""
+        given = (e for word, _, items in joint.clauses if word != "turned" for e in items)
+        self._poisoned([joint.name[0], *(e.id for e in given if isinstance(e, Name))])
+
+    def _poisoned(self, names: Iterable[str]) -> None:
+        for name in names:
             self.names.table.setdefault(name, Entry(name, "poisoned", UNKNOWN, Span(0, 0)))
 
     # what is wrong with the tree
 
     def _tree(self) -> None:
         names = [*self.bodies]
-        broken = False
+        broken, told = False, {GROUND, *names}
         for joint in self.joints.values():
             broken |= joint.child[0] == GROUND  # said where it stands
             for name, span in (joint.parent, joint.child):
-                if name in self.bodies or name == GROUND:
+                if name in told:
                     continue
                 broken = True
+                told.add(name)
                 near = get_close_matches(name, [*names, GROUND], 1, 0.6)
                 help = f"did you mean '{near[0]}'?" if near else f"declare it: body {name} mass …"
                 self.report.error(f"unknown body '{name}'", span, help)

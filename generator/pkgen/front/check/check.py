@@ -15,7 +15,7 @@ from ... import limits
 from ... import model as m
 from ...source import Diagnostic, ModelError, Source, Span
 from .. import statements as st
-from ..joints import SHOWN, joint_names
+from ..joints import SHOWN, joint_names, loose
 from ..parse import parse_all
 from ..table import STATEMENTS
 from ..units import NONE, UnitError, over, parse_unit, si_text
@@ -88,6 +88,8 @@ class _Checker:
         self.dimensionless = all(_has_no_dimension(text) for text in file.units)
         poisoned = [n for b in file.broken for n in b.names]
         self.names = Names(self.report, self._line, declared, poisoned)
+        bodies = [s.name for s in file.statements if isinstance(s, st.Body)]
+        self.names.loose = loose(bodies, [s for s in file.statements if isinstance(s, st.Joint)])
         self.names.coordinates = _named(file.statements, "coord")
         self.names.states = _named(file.statements, "state")
         self.names.rotations = _named(file.statements, "rotation")

@@ -227,6 +227,7 @@ class Names:
     coordinates: frozenset[str] = NOTHING  # all of the file, set before checking
     states: frozenset[str] = NOTHING  # likewise
     rotations: frozenset[str] = NOTHING
+    loose: frozenset[str] = NOTHING  # bodies that hang on nothing, which is said of them
 
     @property
     def moving(self) -> frozenset[str]:
@@ -247,7 +248,7 @@ class Names:
         """Reports a name that there is not, once, with what may have been meant, `built_in` names
         too. `missing` is what helps where no name is near, in a scene, where products of two names
         are rarely meant."""
-        if name in self.reported:
+        if name in self.reported or name.partition(".")[0] in self.loose:
             return
         self.reported.add(name)
         place = self.later.get(name)
