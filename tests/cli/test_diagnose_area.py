@@ -214,7 +214,11 @@ def test_states_have_no_part_in_it(pkgen, tmp_path: Path) -> None:
     text = text.replace("coord theta", "coord theta\nstate S").replace("scene", "rate S = L\nscene")
     found, said = area(pkgen, tmp_path, text)
     assert found["winding"] == [0] and all(abs(r[1] + math.pi / 4) < 1e-14 for r in found["rows"])
-    assert "with states, or forces besides those of L, it need not be conserved" in said
+    said_of_states = "with states, or forces besides those of L, it need not be conserved"
+    assert found["conserved"] and said_of_states not in said  # nothing reads S
+    read = text.replace("rate S = L", "rate S = L\nforce theta = -0.01*S")
+    found, said = area(pkgen, tmp_path, read)
+    assert not found["conserved"] and said_of_states in said
     path = tmp_path / "model.lag"
     path.write_text(
         "model m\nstate a, b\nrate a = b\nrate b = -a\nscene ring\n  swarm k = 1..64\n"
