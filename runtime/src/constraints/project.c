@@ -51,13 +51,15 @@ int pk_project_dependent(struct pk_integrator *it)
 
 pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which)
 {
-    pk_real most = 0;
+    pk_real most = 0, largest = 0;
     *which = 0;
+    for (size_t i = 0; i < rows; i++)
+        largest = pk_max(largest, terms[i]);
     for (size_t i = 0; i < rows; i++) {
         const pk_real x = pk_abs(residual[i]);
         if (!(x > 0) && pk_finite(x))
             continue;
-        const pk_real ratio = x / (terms[i] + PK_TINY);
+        const pk_real ratio = x / (terms[i] + PK_EPS * largest + PK_TINY);
         if (!(ratio <= most)) /* what is no number too */
             most = ratio, *which = i;
     }

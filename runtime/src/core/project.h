@@ -45,7 +45,8 @@ struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n
 size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v);
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v);
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v);
-/* The largest residual beside its terms, or what is no number, and of which row it is. */
+/* The largest residual beside its terms, or what is no number, and of which row it is. What the
+ * rounding of other rows' terms moves is no term of its own. */
 pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t rows, size_t *which);
 /* J M^-1 J^T of the first rows, all or those of positions, at a state: factored: 0, or 1 + the row
  * that depends on others. J is there. */
