@@ -27,6 +27,8 @@ class Outputs:
         named |= {"p_" + name: total for name, total in momenta.totals.items()}
         used = {name for item in _outputs(x) for name in _names(item)}
         for name, total in named.items():
+            if name.startswith("p_") and name in used and x.carried:
+                raise Unrolled(f"'{name}' has parts that go through carried values")
             if total is not None and name in used:
                 self.totals.append(total)
                 x.outputs[name] = x.slots.node("sum", str(len(self.totals) - 1))
