@@ -298,3 +298,33 @@ def test_one_mistake_is_one_message(old, new):
         model_of(RIGHT.replace(old, new))
     (only,) = error.value.diagnostics
     assert only.message.startswith(MISTAKES[old, new])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bodies_that_are_fixed_to_each_other(seed):
+    """Two in a row, on what turns, and something that turns on them."""
+    draw = random.Random(seed)
+    links = random_tree(draw, ["revolute", "fixed", "fixed", "revolute"])
+    for k, link in enumerate(links):
+        link.parent = k - 1
+        link.turned = link.turned or [(np.array([0.3, 1.0, -0.2]), 0.7)]
+    compared(links, written(links, draw), draw, frozenset({"acceleration"}))
+
+
+def test_what_is_fixed_costs_little():
+    """Of six links and a seventh body, turned, on the last: by velocities of its own frame 2,108."""
+    text = "model arm\ngravity [0, 0, -9.81]\n"
+    for i in range(6):
+        text += f"body b{i} mass 1 inertia [0.02, 0.03, 0.04] at [0, 0, 0.15]\n"
+        parent, at = (f"b{i - 1}", 0.3) if i else ("ground", 0)
+        axis = ["[0, 0, 1]", "[0, 1, 0]", "[0, 1, 0]", "[1, 0, 0]"][i % 4]
+        text += f"joint q{i}: {parent} to b{i} revolute {axis} at [0, 0, {at}]\n"
+    flange = (
+        "body f mass 1 inertia [0.1, 0.2, 0.3] at [0, 0, 0.02]\n"
+        "joint on: b5 to f fixed at [0, 0, 0.1] turned rot([1, 2, 0], 0.3)\n"
+    )
+    counts = []
+    for model in (text, text + flange):
+        out = compile_model(Source("arm.lag", model), kernels=frozenset(["acceleration"]))
+        counts.append(int(re.search(r"acceleration +([0-9]+) op", out.files["arm.h"])[1]))
+    assert 0 < counts[1] - counts[0] < 350

@@ -21,8 +21,9 @@ KIND_AT = 7  # so many words and signs are before what stands behind the kind of
 CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord")}
 # What a body has, `point` of a vector. The other members are of what is made of it.
 SHOWN = ("com", "origin", "R", "omega", "mass", "point")
+HELD = ("held", "place", "e", "f", "g")  # of a body that is fixed to another: body_parts.py
 MEMBERS = frozenset(
-    (*SHOWN, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
+    (*SHOWN, *HELD, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
 )
 
 # kind | axis | coordinates: what stands behind the joint's name, and what it is | Q | r | w | v

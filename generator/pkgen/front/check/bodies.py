@@ -205,7 +205,10 @@ class Bodies(BodyParts):
         passed = [] if still else [f"inverse({q})*{parent}.omega"]
         yield "omega", self._sum(*passed, rates)
         carried = [] if still else [f"{parent}.velocity", f"cross({parent}.omega, {r})"]
-        if self.names.table[place].facts.moves:
+        moves = self.names.table[place].facts.moves
+        if kind is KINDS["fixed"] and not (still or moves):
+            yield from self.held(child, parent, q, place)
+        if moves:
             carried.append(f"{place}'")
         passed = [f"inverse({q})*({self._sum(*carried)})"] if carried else []
         yield "velocity", self._sum(*passed, velocity)
@@ -233,13 +236,15 @@ class Bodies(BodyParts):
     def _energies(self, name: str, slides: bool) -> Iterator[tuple[str, str]]:
         """`slides`: it is carried by none and carries none, and its coordinates are of space: so
         its mass is best constant there."""
-        if self.massive(name):
-            speed = f"{name}.com'" if slides else f"{name}.speed"
-            yield "kinetic", f"{name}.mass/2*dot({speed}, {speed})"
-            if self.gravity_at is not None:
-                yield "potential", f"-{name}.mass*dot(gravity.field, {name}.com)"
-        for term in self.turning_energy(name):
-            yield "kinetic", term
+        speed = f"{name}.com'" if slides else f"{name}.speed"
+        if name in self.carriers:
+            terms = self.held_energy(name, self.carriers[name])
+        else:
+            moved = [f"{name}.mass/2*dot({speed}, {speed})"] * self.massive(name)
+            terms = (*moved, *self.turning_energy(name))
+        yield from (("kinetic", text) for text in terms)
+        if self.massive(name) and self.gravity_at is not None:
+            yield "potential", f"-{name}.mass*dot(gravity.field, {name}.com)"
 
     def _say(self, what: str, text: str, span: Span) -> None:
         """Adds to an energy, or defines a name."""

@@ -29,6 +29,7 @@ class BodyParts(Checks):
         self.united = self.expressions.time_dimension != NONE
         self.masses: dict[str, Value] = {}
         self.inertias: dict[str, tuple[Value, ...]] = {}  # elements that may not be zero
+        self.carriers: dict[str, str] = {}  # of bodies that are fixed to another
 
     def clauses(
         self, statement: st.Body | st.Joint, words: tuple[str, ...], what: str
@@ -172,18 +173,47 @@ class BodyParts(Checks):
     def massive(self, name: str) -> bool:
         return self.masses[name] != 0
 
+    def held(self, child: str, parent: str, turn: str, at: str) -> Iterator[tuple[str, str]]:
+        """Of a body that is fixed to another: how it stands and where it is in the frame of the
+        body that carries both, and where the axes of that one point in its own."""
+        on = parent in self.carriers
+        self.carriers[child] = self.carriers.get(parent, parent)
+        yield "held", f"{parent}.held*{turn}" if on else turn
+        yield "place", f"{parent}.place + {parent}.held*{at}" if on else at
+        for member, axis in zip("efg", ("[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]"), strict=True):
+            yield member, f"inverse({child}.held)*{axis}"
+
+    def held_energy(self, name: str, carrier: str) -> Iterator[str]:
+        """As one body with its carrier: by velocities of that one's frame."""
+        if self.massive(name):
+            at = f"{name}.place + {name}.held*{name}.at"
+            speed = f"{carrier}.velocity + cross({carrier}.omega, {at})"
+            yield f"{name}.mass/2*dot({speed}, {speed})"
+        elements = [(element, *axes) for _, element, axes in self._elements_of(name)]
+        for i, a in enumerate("efg" if elements else ""):
+            for k, b in enumerate("efg"[i:], i):
+                terms = " + ".join(
+                    f"{name}.{element}*({name}.{a}.{x}*{name}.{b}.{y}"
+                    + (f" + {name}.{a}.{y}*{name}.{b}.{x})" if x != y else ")")
+                    for element, x, y in elements
+                )
+                half = "/2" * (i == k)
+                yield f"({terms}){half}*{carrier}.omega.{'xyz'[i]}*{carrier}.omega.{'xyz'[k]}"
+
     def turning_energy(self, name: str) -> Iterator[str]:
         """Half of w.I.w, a term an element that is not zero."""
-        elements = zip(
+        for half, element, (a, b) in self._elements_of(name):
+            yield f"{name}.{element}{half}*{name}.omega.{a}*{name}.omega.{b}"
+
+    def _elements_of(self, name: str) -> Iterator[tuple[str, str, str]]:
+        for value, element, axes in zip(
             self.inertias[name],
             ("inertia.x", "inertia.y", "inertia.z", "products.x", "products.y", "products.z"),
-            ("x", "y", "z", "xy", "xz", "yz"),
+            ("xx", "yy", "zz", "xy", "xz", "yz"),
             strict=False,
-        )
-        for value, element, axes in elements:
+        ):
             if value != 0:
-                a, b, half = axes[0], axes[-1], "/2" * (len(axes) == 1)
-                yield f"{name}.{element}{half}*{name}.omega.{a}*{name}.omega.{b}"
+                yield "/2" * (axes[0] == axes[1]), element, axes
 
 
 def _zero(span: Span) -> Vector:
