@@ -81,6 +81,16 @@ kinetic sum((x[i]'^2 + y[i]'^2)/(2*N), i = 1..N)
 potential sum(y[i]/N, i = 1..N)
 start theta[i = 1..N] = 0.5*i/N
 """
+RODS = """\
+param l = 1/N
+param b = 1/N
+coord x[1..N], y[1..N]
+fixed x[0] = 0, y[0] = 0
+kinetic sum(l*(x[i]'^2 + y[i]'^2)/2, i = 1..N)
+potential sum(l*9.81*y[i], i = 1..N)
+constraint rod[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
+start x[i = 1..N] = l/(2*sin(b/2))*sin(i*b), y[i = 1..N] = l/(2*sin(b/2))*(cos(i*b) - 1)
+"""
 MEMBERS = "k,q[1]\n" + "".join(f"{1 + k / 100},{k / 50}\n" for k in range(50))
 
 
@@ -102,6 +112,7 @@ CASES = (
     Case("states beside coordinates", DASHPOTS, 100_000, 5),
     Case("sums over all in rates", KURAMOTO, 1000, 2),
     Case("chains of links", LINKS, 1000, 0.1),
+    Case("constraints, a rope of rods", RODS, 10_000, 0.01),
     Case("gauss", PENDULUMS, 10_000, 20, ("--method", "gauss", "--rtol", "1e-13")),
 )
 FEW = 20
