@@ -185,7 +185,7 @@ enum pk_status pk_passage_judge(struct pk_integrator *it)
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     const pk_real *q = it->own->next, *v = pk_part(it->own->next, it->n, PK_V);
     const pk_real h = it->own->next_t - it->t;
-    pk_real off = 0, way = PK_TINY;
+    pk_real off = 0, way = pk_max(PK_TINY, pk_project_rest(it, &w, q) * pk_abs(h));
     for (size_t k = 0; k < w.rotation; k++) {
         const pk_real root = PK_F(sqrt)(pk_project_mass(&w, k));
         off = pk_max(off, root * pk_abs(q[k] - it->q[k] - h / 2 * (v[k] + it->v[k])));

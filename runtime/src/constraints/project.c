@@ -132,8 +132,13 @@ static pk_real beside_way(const struct pk_integrator *it, const struct pk_projec
 
 /* Of a first correction: whether it is too long for the error of a step. */
 static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
-               const pk_real *y, size_t first, size_t count)
+               const pk_real *q, const pk_real *y, size_t first, size_t count)
 {
+    pk_real most = 0;
+    for (size_t k = 0; first && k < count; k++)
+        most = pk_max(most, PK_F(sqrt)(pk_project_mass(w, k)) * pk_abs(w->d[k]));
+    if (first && most <= pk_project_rest(it, w, q))
+        return 0;
     if (!(ratio > NOTICED) || !(it->own->next_t > it->t || it->own->next_t < it->t))
         return 0;
     if (it->own->atol && pk_repeats(it)) /* of those that advance() tries again */
@@ -166,7 +171,8 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
             pk_project_solve(w, rows, residual);
         if (done || singular ||
             (!count &&
-             (of_rates ? off(it, w, ratio, v, it->n, w->m) : off(it, w, ratio, q, 0, w->rotation))))
+             (of_rates ? off(it, w, ratio, q, v, it->n, w->m)
+                       : off(it, w, ratio, q, q, 0, w->rotation))))
             return pk_because(it, PK_NO_PROJECTION, where + which, residual[which]);
         if (of_rates) {
             pk_project_seen(it, w);

@@ -8,19 +8,40 @@
 
 #define DEBRIS (64 * PK_EPS) /* beside the largest number */
 
-size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
-                         const pk_real *terms, const pk_real *slopes, size_t rows, const pk_real *x,
-                         int of_rates)
+static pk_real largest(const struct pk_projection *w, const pk_real *x, int of_rates)
 {
     pk_real most = 0;
     for (size_t k = 0; k < w->m; k++) {
         const pk_real size = k < w->rotation || of_rates ? pk_abs(x[k]) : 1;
         most = pk_max(most, PK_F(sqrt)(pk_project_mass(w, k)) * size);
     }
+    return most;
+}
+
+pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projection *w,
+                        const pk_real *q)
+{
+    const pk_real way = pk_abs(it->own->next_t - it->t);
+    return way > 0 ? DEBRIS * largest(w, q, 0) / way : 0;
+}
+
+/* x is not larger than `least` where all of it is rounding. */
+static size_t broken(const struct pk_projection *w, const pk_real *residual, const pk_real *terms,
+                     const pk_real *slopes, size_t rows, const pk_real *x, int of_rates,
+                     pk_real least)
+{
+    const pk_real most = pk_max(least, largest(w, x, of_rates));
     for (size_t i = 0; i < rows; i++)
         if (!(pk_abs(residual[i]) <= PK_WRITTEN * terms[i] + DEBRIS * slopes[i] * most))
             return i;
     return rows;
+}
+
+size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
+                         const pk_real *terms, const pk_real *slopes, size_t rows, const pk_real *x,
+                         int of_rates)
+{
+    return broken(w, residual, terms, slopes, rows, x, of_rates, 0);
 }
 
 enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const pk_real *q,
@@ -38,6 +59,6 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
     size_t row = pk_project_broken(&w, w.off, w.off_size, w.off_slopes, h, q, 0);
     if (row < h)
         return pk_because(it, status, first + row, w.off[row]);
-    row = pk_project_broken(&w, w.off + h, w.off_size + h, w.off_slopes, w.r, v, 1);
+    row = broken(&w, w.off + h, w.off_size + h, w.off_slopes, w.r, v, 1, pk_project_rest(it, &w, q));
     return row < w.r ? pk_because(it, status, first + w.r + row, w.off[h + row]) : PK_DONE;
 }

@@ -94,6 +94,10 @@ enum pk_status pk_project_start(struct pk_integrator *it);
 size_t pk_project_broken(const struct pk_projection *w, const pk_real *residual,
                          const pk_real *terms, const pk_real *slopes, size_t rows, const pk_real *x,
                          int of_rates);
+/* The rate, in the metric of M, that moves nothing but by rounding in the step: all that there is
+ * of a truss, which cannot move. */
+pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projection *w,
+                        const pk_real *q);
 /* Whether redundant rows hold where all others do: at the start as its numbers are written, later as
  * the rounding of those lets them. PK_OFF_CONSTRAINTS or PK_NO_PROJECTION, it->where behind what
  * the other rows and rotations have. */
