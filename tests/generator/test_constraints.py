@@ -7,6 +7,7 @@ import math
 import random
 
 import numpy
+import pkgen
 import pytest
 from c_harness import COMPILERS, Loaded
 from pkgen.compiler import compile_model
@@ -247,6 +248,34 @@ def test_constraints_that_cannot_be(rows, said):
     shown = caught.value.text()
     assert said in shown
     assert "^" in shown and "model.lag:" in shown
+
+
+FLAT = (
+    "model flat\nparam a = 0.1\nparam b = 0.2\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential x\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("row", "x"), [("(x - 0.3)^2 = 0", "a + b"), ("cos(x) = -1", "3.141592653589793")]
+)
+def test_a_row_that_is_rounding_has_no_force(row, x):
+    said = "has no force at the start: its row is 0 there"
+    with pytest.raises(ModelError) as caught:
+        compile_model(Source("flat.lag", f"{FLAT}constraint s: {row}\nstart x = {x}\n"))
+    assert said in caught.value.text()
+    small = f"{FLAT}constraint s: 1e-12*x = 3e-13\nstart x = {x}\n"
+    if x == "a + b":
+        compile_model(Source("small.lag", small))
+
+
+def test_a_row_that_is_rounding_has_no_force_by_options(tmp_path):
+    path = tmp_path / "flat.lag"
+    path.write_text(f"{FLAT}constraint s: (x - b)^2 = 4\nstart x = b + 2\n")
+    model = pkgen.load(str(path))
+    model.run(until=1)
+    path.write_text(f"{FLAT}constraint s: (x - 0.3)*(y - 0.4) = 0\nstart x = 1, y = 0.4\n")
+    with pytest.raises(pkgen.RunError, match="nothing that moves enters s"):
+        pkgen.load(str(path)).run(until=1, start={"x": 0.1 + 0.2, "y": 0.4})
 
 
 def test_an_input_leaves_the_start_to_the_run():

@@ -86,6 +86,24 @@ enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_rea
     return it->own->project ? pk_project(it, t, q, v, NULL, NULL, &moved) : PK_DONE;
 }
 
+/* 1 + a row that is what rounding of q leaves of 0, or 0. */
+static size_t nothing(struct pk_projection *w, const pk_real *q, const pk_real *v, pk_real *near)
+{
+    for (size_t k = 0; k < w->n; k++)
+        near[k] = q[k] * (1 + 64 * PK_EPS);
+    w->system->constraints.jacobian(w->params, w->t, near, v, w->u, w->W, w->mu);
+    size_t found = 0;
+    for (size_t i = w->c; i-- > 0;) {
+        pk_real size = 0, change = 0;
+        for (size_t k = 0; k < w->m; k++) {
+            size += pk_abs(w->J[i * w->n + k]);
+            change += pk_abs(w->J[i * w->n + k] - w->W[i * w->n + k]);
+        }
+        found = size <= change ? i + 1 : found;
+    }
+    return found;
+}
+
 enum pk_status pk_project_start(struct pk_integrator *it)
 {
     pk_real *q = pk_part(it->own->state, it->n, PK_Q), *v = pk_part(it->own->state, it->n, PK_V);
@@ -111,7 +129,11 @@ enum pk_status pk_project_start(struct pk_integrator *it)
         return pk_because(it, PK_OFF_CONSTRAINTS, 0, (pk_real)NAN);
     size_t row = pk_project_broken(&w, w.phi, w.phi_size, w.mu, w.h, q, 0);
     const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1);
-    const size_t depends = pk_project_factor(&w, w.c, q, v);
+    size_t depends = w.whole ? nothing(&w, q, v, w.d) : 0;
+    if (depends)
+        w.depends[0] = (pk_real)depends, memset(w.depends + 1, 0, w.c * sizeof *w.depends);
+    else
+        depends = pk_project_factor(&w, w.c, q, v);
     if (row < w.h)
         return pk_because(it, PK_OFF_CONSTRAINTS, row, w.phi[row]);
     row = off;

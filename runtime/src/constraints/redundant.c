@@ -6,6 +6,7 @@
  */
 #include "../core/project.h"
 
+#define SHORT PK_C(1e-6)     /* of the time */
 #define DEBRIS (64 * PK_EPS) /* beside the largest number */
 
 static pk_real largest(const struct pk_projection *w, const pk_real *x, int of_rates)
@@ -21,7 +22,8 @@ static pk_real largest(const struct pk_projection *w, const pk_real *x, int of_r
 pk_real pk_project_rest(const struct pk_integrator *it, const struct pk_projection *w,
                         const pk_real *q)
 {
-    const pk_real way = pk_abs(it->own->next_t - it->t);
+    const pk_real t = it->own->next_t; /* steps that get nowhere allow for no more and more */
+    const pk_real way = pk_max(pk_abs(t - it->t), SHORT * pk_abs(t));
     return way > 0 ? DEBRIS * largest(w, q, 0) / way : 0;
 }
 

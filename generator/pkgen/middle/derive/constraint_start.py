@@ -25,6 +25,7 @@ from ..points.samples import started
 EPS = sys.float_info.epsilon
 WRITTEN = 1e-8  # of its terms: starts are written with as many digits as their author has
 DEBRIS = 64 * EPS  # beside the largest number of the start: what rounding leaves of a zero
+SMALL = 1e-9  # a row that may be rounding
 DEPENDENT = math.sqrt(16 * EPS)  # left of a row without its parts along others; squared, a pivot
 
 
@@ -117,10 +118,20 @@ def _broken(c: Rows, k: int, found: float, of_rates: bool) -> Diagnostic:
 
 
 def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
-    """The entries of J by the rate, in units of M."""
+    """The entries of J by the rate, in units of M; 0 where all are what rounding of the start
+    leaves of it."""
     by = gradient(g, residual, BIT[Kind.RATE])
     entries = evaluate(g, by.values(), start.values)
-    return {rate: x / start.unit.get(rate, 1.0) for rate, x in zip(by, entries, strict=True)}
+    row = {rate: x / start.unit.get(rate, 1.0) for rate, x in zip(by, entries, strict=True)}
+    if any(abs(x) > SMALL * max(1.0, start.far) for x in row.values()):
+        return row  # second derivatives are seldom asked for
+    for node, x in zip(by.values(), entries, strict=True):
+        bends = gradient(g, node, BIT[Kind.COORDINATE])
+        slopes = evaluate(g, bends.values(), start.values)
+        ends = [abs(y * start.values[g.data[q]]) for q, y in zip(bends, slopes, strict=True)]
+        if abs(x) > DEBRIS * math.fsum(ends):
+            return row
+    return dict.fromkeys(row, 0.0)
 
 
 def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
