@@ -91,6 +91,14 @@ potential sum(l*9.81*y[i], i = 1..N)
 constraint rod[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
 start x[i = 1..N] = l/(2*sin(b/2))*sin(i*b), y[i = 1..N] = l/(2*sin(b/2))*(cos(i*b) - 1)
 """
+SPINS = """\
+rotation R[1..N]
+free R[N+1]
+kinetic sum(dot(omega(R[i]), omega(R[i]))/2 + omega(R[i]).z^2/4, i = 1..N)
+potential -sum(dot(R[i]*[0, 0, 1], R[i+1]*[0, 0, 1]) + (R[i]*[0, 0, 1]).z/5, i = 1..N)
+start R[i = 1..N] = rot([1, cos(i), 0], 1 + sin(i))
+start omega(R[i = 1..N]) = [0, 0, 2]
+"""
 MEMBERS = "k,q[1]\n" + "".join(f"{1 + k / 100},{k / 50}\n" for k in range(50))
 
 
@@ -113,6 +121,7 @@ CASES = (
     Case("sums over all in rates", KURAMOTO, 1000, 2),
     Case("chains of links", LINKS, 1000, 0.1),
     Case("constraints, a rope of rods", RODS, 10_000, 0.01),
+    Case("rotations", SPINS, 10_000, 5, (*TIGHT, "--record", "R[1],omega(R[N]),energy")),
     Case("gauss", PENDULUMS, 10_000, 20, ("--method", "gauss", "--rtol", "1e-13")),
 )
 FEW = 20

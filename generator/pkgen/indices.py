@@ -53,7 +53,7 @@ def assignments(ranges: tuple[Range, ...], values: Mapping[str, int]) -> Iterato
         yield from assignments(rest, {**values, first.variable: i})
 
 
-def indexed(name: str, index: int | None) -> str:
+def indexed(name: str, index: int | str | None) -> str:
     """A member of a family as it is written: q[3], of a component r.x of a vector r[3].x, of a
     body rate omega(R[3]).x."""
     if index is None:

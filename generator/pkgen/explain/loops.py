@@ -9,6 +9,7 @@ from ..back.facts import loop_facts, loop_invariants
 from ..compiler import Compilation
 from ..describe.drawing import shown
 from ..graph.affine import Affine
+from ..indices import indexed
 from ..middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Part, Total
 from .contents import section
 from .explain import (
@@ -51,11 +52,17 @@ def explain_loops(compilation: Compilation) -> str:
 def loop_freedom(e: LoopEquations) -> str:
     """How many coordinates and states there are."""
     write = Writer(e)
-    own = e.count - e.first_order
-    parts = [f"{write.index(own)} degrees of freedom"] if e.model.coordinates else []
-    parts += [f"{write.index(e.first_order)} states"] if e.states else []
+    kinds = ("degrees of freedom", lambda g: not g.is_state), ("rotations", _is_first)
+    kinds += (("states", lambda g: g.is_state and "." not in g.name),)
+    counts = [(sum((g.count for g in e.coordinates if of(g)), Affine()), x) for x, of in kinds]
+    parts = [f"{write.index(count)} {what}" for count, what in counts if count != Affine()]
     sizes = ", ".join(f"{s.name} = {s.value}" for s in e.model.sizes)
     return f"{' and '.join(parts)} ({sizes}); sizes are set at run time"
+
+
+def _is_first(group: Group) -> bool:
+    """Whether it is the first of the numbers that a rotation is made of."""
+    return group.is_turn and group.name.endswith(".x")
 
 
 def record_loops(compilation: Compilation) -> dict[str, object]:
@@ -90,15 +97,20 @@ def _record(lines: list[EquationLine]) -> dict[str, str]:
 
 
 def name_of(write: Writer, group: Group) -> str:
-    return group.name + (
-        f"[{write.index(group.lo)}..{write.index(group.hi)}]" if group.is_family else ""
-    )
+    over = f"{write.index(group.lo)}..{write.index(group.hi)}" if group.is_family else None
+    return indexed(group.shown, over)
 
 
 def declared(write: Writer) -> list[tuple[str, list[tuple[str, str, str]]]]:
     """Names, units and descriptions, by kind."""
-    own = tuple(g for g in write.e.coordinates if not g.is_state)
-    kinds = {"Coordinates": own, "States": write.e.states, "Parameters": write.e.parameters}
+    numbers = {name for r in write.e.model.rotations for name in r.quaternion}
+    kinds = {
+        "Coordinates": [g for g in write.e.coordinates if not (g.is_state or g.is_turn)],
+        "Body rates": [g for g in write.e.coordinates if g.is_turn],
+        "Attitudes": [g for g in write.e.states if g.name in numbers],
+        "States": [g for g in write.e.states if g.name not in numbers],
+        "Parameters": write.e.parameters,
+    }
     return [
         (kind, [(name_of(write, g), g.declared.unit, g.declared.description) for g in groups])
         for kind, groups in kinds.items()
@@ -164,14 +176,14 @@ def mass_lines(write: Writer) -> list[EquationLine]:
             if own == g.name and order.index(other) <= order.index(own)
         ]
         items += [
-            (partial(_member, write, f"M[{scalar}, {{}}]", g), row.parts)
+            (partial(_member, write, f"M[{write.groups[scalar].shown}, {{}}]", g), row.parts)
             for (scalar, own), row in e.mass.border.items()
             if own == g.name
         ]
         found += write.rows(g, items)
     scalars = [g.name for g in e.scalars]
     return found + [
-        EquationLine(f"M[{a}, {b}]", total_of(write, total))
+        EquationLine(f"M[{write.groups[a].shown}, {write.groups[b].shown}]", total_of(write, total))
         for (a, b), total in e.mass.corner.items()
         if scalars.index(b) <= scalars.index(a) and not write.groups[a].is_state
     ]
@@ -223,19 +235,28 @@ def _rows_of(write: Writer, form: str, states: bool) -> list[EquationLine]:
         if row.parts:
             found += write.rows(group, [(partial(_member, write, form, group), row.parts)])
         elif not e.force.pairs:
-            left = form.format(f"{name}[{write.i}]")
+            left = form.format(indexed(group.shown, write.i))
             found.append(EquationLine(left, "0", write.span(group.lo, group.hi)))
-    totals = {n: t for n, t in e.force.totals.items() if write.groups[n].is_state == states}
-    return found + [EquationLine(form.format(n), total_of(write, t)) for n, t in totals.items()]
+    totals = [(write.groups[n], total) for n, total in e.force.totals.items()]
+    return found + [
+        EquationLine(form.format(g.shown), total_of(write, total))
+        for g, total in totals
+        if g.is_state == states
+    ]
 
 
 def pair_lines(write: Writer, pair: PairForce) -> list[EquationLine]:
     sides = [
-        (("{}'" if write.groups[n].is_state else "f[{}]").format(f"{n}[{write.i}]"), node)
+        (
+            ("{}'" if write.groups[n].is_state else "f[{}]").format(
+                indexed(write.groups[n].shown, write.i)
+            ),
+            node,
+        )
         for n, node in pair.by_row
     ]
-    sides += [(f"f[{n}[{write.j}]]", node) for n, node in pair.by_other]
-    sides += [(f"f[{n}]", node) for n, node in pair.by_scalar]
+    sides += [(f"f[{indexed(write.groups[n].shown, write.j)}]", x) for n, x in pair.by_other]
+    sides += [(f"f[{write.groups[n].shown}]", node) for n, node in pair.by_scalar]
     return [EquationLine(left, write.text([(node, M)])) for left, node in sides]
 
 
@@ -248,16 +269,17 @@ def beyond(write: Writer) -> list[str]:
     """What lies beyond the ends of families."""
     found = []
     for g in write.e.families:
+        if g.is_turn:
+            continue  # as their attitudes
         if g.periodic:
-            found.append(
-                f"{g.name}[{write.i}+{write.index(g.count)}] = {g.name}[{write.i}] (periodic)"
-            )
+            far = indexed(g.name, f"{write.i}+{write.index(g.count)}")
+            found.append(f"{far} = {indexed(g.name, write.i)} (periodic)")
         for at, end in g.ends:
             if end.kind == "fixed":
                 value = write.text([(write.e.given[g.name, at][0], M)])
             else:
-                value = f"{g.name}[{write.index(write.home(g, at))}]"
-            found.append(f"{g.name}[{write.index(at)}] = {value} ({end.kind})")
+                value = indexed(g.name, write.index(write.home(g, at)))
+            found.append(f"{indexed(g.name, write.index(at))} = {value} ({end.kind})")
     return found
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from ..graph.affine import OTHER, ROW, Affine, variable
 from ..graph.differentiate import reachable
 from ..graph.graph import ZERO, Kind, Node, Op, Symbol
+from ..indices import indexed
 from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
 from ..middle.loops.expand import unlike_loops
 from ..middle.loops.loops import Group, LoopEquations, Part, Slot
@@ -118,16 +119,19 @@ class Writer:
                 (f * sp.Symbol(self.index(variable(n))) for n, f in place.terms), place.constant
             )
         name = self.inputs[int(slot.name)] if slot.kind == "input" else slot.name
+        primes, group = PRIMES.get(slot.kind, ""), self.groups.get(slot.name)
+        if group is not None and group.is_turn:
+            name, primes = group.shown, primes[1:]
         if slot.at is not None:
             place = slot.at.replaced({ROW: at})
-            if slot.kind in ("q", "v", "w", "d"):
-                if slot.kind == "w" and self.groups[name].is_carried:
+            if slot.kind in ("q", "v", "w", "d", "s"):
+                if slot.kind == "w" and group.is_carried:
                     return sp.Integer(0)  # L's row as it stands, of which nothing accelerates
-                place = self.home(self.groups[name], place)
-                if slot.kind == "w" and at != M and self._is_own(self.groups[name], place):
+                place = self.home(group, place)
+                if slot.kind == "w" and at != M and self._is_own(group, place):
                     return sp.Integer(0)
-            name = f"{name}[{self.index(place)}]"
-        return sp.Symbol(name + PRIMES.get(slot.kind, ""))
+            name = indexed(name, self.index(place))
+        return sp.Symbol(name + primes)
 
     # -- members ------------------------------------------------------------------------------
 
@@ -163,7 +167,7 @@ class Writer:
         """A member by its name; None of one that is given."""
         place = self.home(group, at)
         given = any(end.kind == "fixed" and p == place for p, end in group.ends)
-        return None if given else f"{group.name}[{self.index(place)}]"
+        return None if given else indexed(group.shown, self.index(place))
 
     # -- rows ---------------------------------------------------------------------------------
 

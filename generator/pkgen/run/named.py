@@ -143,9 +143,12 @@ def _moving(model: Model, rates: bool, states: bool = False) -> Named:
     made = []
     for c in moving:
         is_state = isinstance(c, State)
-        if (is_state and not (rates or states)) or (not is_state and c.rate):
+        own = "" if is_state else c.rate
+        if (is_state and not (rates or states)) or (own and not rates):
             continue
-        name, unit = (c.name + "'", c.rate_unit) if rates and not is_state else (c.name, c.unit)
+        name, unit = (own or c.name + "'", c.rate_unit) if rates else (c.name, c.unit)
+        if is_state:
+            name, unit = c.name, c.unit
         made.append(_declared(Quantity(name, unit, c.description), found[c.name]))
     return Named(made)
 

@@ -133,6 +133,12 @@ struct pk_range {
     int is_family;
 };
 
+/* Where a rotation is in v: its first body rate and the first number of its quaternion; the others
+ * are `step` apart each. */
+struct pk_turning {
+    size_t rate, number, step;
+};
+
 /* Writes `out` at (t, q, v, u). */
 typedef void pk_kernel(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u, pk_real *out);
@@ -245,9 +251,12 @@ struct pk_part_families {
     void (*set_sizes)(void *params);
     size_t (*block_size)(const void *params);
     void (*attach)(void *params, void *block);
-    size_t n_coordinates; /* declared names; the last n_states are states' */
+    size_t n_coordinates; /* declared names; the last n_states are of body rates and states */
     size_t n_states;
     size_t (*first_order)(const void *params); /* NULL: pk_system.n_first_order */
+    /* How many rotations there are and where each is; NULL: there are none. */
+    size_t (*rotations)(const void *params);
+    struct pk_turning (*turning)(const void *params, size_t r);
     /* The members of declared coordinate, parameter or constraint number k. */
     void (*range)(const void *params, enum pk_range_of of, size_t k, struct pk_range *range);
     /* `steps` steps of h of a splitting method in place, in as few passes over memory as can be:
@@ -286,7 +295,7 @@ struct pk_system {
      * quaternions Q = (w, x, y, z), with Q' = Q (0, omega)/2: the matrix R turns by R v = Q v Q*.
      * Of all kernels: p = dL/domega and pdot = X L + p x omega + torque there, X_i the derivative
      * along Q' = Q e_i/2; the momenta are those of the body frame. */
-    size_t n_rotations;
+    size_t n_rotations; /* but of families kept as loops: see pk_system_turning() */
 
     /* Names: n coordinates, n rates, n momenta, and so on. */
     const struct pk_quantity *coordinates, *rates, *momenta, *inputs, *observed, *conserved;
@@ -368,6 +377,19 @@ static inline size_t pk_system_first_order(const struct pk_system *system, const
 static inline size_t pk_system_coordinates(const struct pk_system *system, const void *params)
 {
     return pk_system_count(system, params) - pk_system_first_order(system, params);
+}
+
+static inline size_t pk_system_rotations(const struct pk_system *system, const void *params)
+{
+    return system->families.rotations ? system->families.rotations(params) : system->n_rotations;
+}
+
+static inline struct pk_turning pk_system_turning(const struct pk_system *system,
+                                                  const void *params, size_t r)
+{
+    const size_t first = pk_system_count(system, params) - system->n_first_order;
+    const struct pk_turning found = {first + 3 * r, first + 3 * system->n_rotations + 4 * r, 1};
+    return system->families.turning ? system->families.turning(params, r) : found;
 }
 
 /* Members of declared coordinate number k. */

@@ -36,8 +36,10 @@ static enum pk_status begin(struct pk_projection *w, const struct pk_problem *pr
 
 static pk_real norm_error(const struct pk_projection *w, const pk_real *v, size_t rotation)
 {
-    const pk_real *Q = v + w->m + 4 * rotation;
-    const pk_real norm2 = Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3];
+    const struct pk_turning at = pk_system_turning(w->system, w->params, rotation);
+    pk_real norm2 = 0;
+    for (size_t k = 0; k < 4; k++)
+        norm2 += v[at.number + k * at.step] * v[at.number + k * at.step];
     return pk_abs(norm2 - 1) / (1 + PK_F(sqrt)(norm2));
 }
 
@@ -50,7 +52,7 @@ enum pk_status pk_constraint_residuals(const struct pk_problem *problem, pk_real
     if (!found)
         return PK_BAD_ARGUMENT;
     memset(found, 0, sizeof *found);
-    for (size_t r = 0; r < w.system->n_rotations; r++)
+    for (size_t r = 0; r < pk_system_rotations(w.system, w.params); r++)
         if (norm_error(&w, v, r) > found->norm)
             found->norm = norm_error(&w, v, r), found->rotation = r;
     if (!w.c)
@@ -113,7 +115,7 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     w.t = it->t;
     w.u = pk_eval_input(it, it->t);
-    for (size_t r = 0; r < w.system->n_rotations; r++)
+    for (size_t r = 0; r < pk_system_rotations(w.system, w.params); r++)
         if (!(norm_error(&w, v, r) <= PK_WRITTEN))
             return pk_because(it, PK_OFF_CONSTRAINTS, 2 * w.c + r, norm_error(&w, v, r));
     if (!w.c)
@@ -203,9 +205,10 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
                             ? "; families kept as loops take no rows that follow from others"
                             : "";
     char name[128], others[256], more[400] = "";
-    const size_t behind = it->where - (2 * c + system->n_rotations);
+    const size_t turned = pk_system_rotations(system, it->problem.params);
+    const size_t behind = it->where - (2 * c + turned);
     const size_t r = system->constraints.n_redundant;
-    if (it->where >= 2 * c + system->n_rotations && behind < 2 * r) {
+    if (it->where >= 2 * c + turned && behind < 2 * r) {
         const struct pk_quantity *names = system->constraints.redundant_names;
         named(names, r, behind % r, name, sizeof name);
         return pk_say(it, text, size,
@@ -213,7 +216,7 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
                       "here: %sit is broken by %.3g",
                       what, name, behind < r ? "" : "as rates go, ", (double)it->detail);
     }
-    const size_t whole = 2 * (c + r) + system->n_rotations;
+    const size_t whole = 2 * (c + r) + turned;
     if (it->where > whole && it->where <= whole + c) {
         pk_constraint_name(system, it->problem.params, it->where - whole - 1, name, sizeof name);
         return pk_say(it, text, size,
@@ -221,11 +224,12 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
                       "the motion cannot be told",
                       what, (double)it->detail, name);
     }
-    if (it->where >= 2 * c + system->n_rotations)
+    if (it->where >= 2 * c + turned)
         return pk_say(it, text, size, "%s", what);
     if (it->where >= 2 * c) {
-        const size_t first = it->n - system->n_first_order + 3 * (it->where - 2 * c);
-        pk_system_name(system, it->problem.params, system->rates, first, name, sizeof name);
+        const struct pk_turning at =
+            pk_system_turning(system, it->problem.params, it->where - 2 * c);
+        pk_system_name(system, it->problem.params, system->rates, at.rate, name, sizeof name);
         const char *of = strncmp(name, "omega(", 6) == 0 ? name + 6 : name;
         return snprintf(text, size, "%s: the quaternion of %.*s is not of unit length, by %.3g",
                         what, (int)strcspn(of, ")."), of, (double)it->detail);

@@ -191,8 +191,9 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
 {
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     *moved = 0;
-    for (size_t i = w.m; i < w.m + 4 * w.system->n_rotations; i += 4) {
-        const int turned = pk_normalise(v + i, low_v ? low_v + i : NULL, 1);
+    for (size_t r = 0; r < pk_system_rotations(w.system, w.params); r++) {
+        const struct pk_turning at = pk_system_turning(w.system, w.params, r);
+        const int turned = pk_normalise(v + at.number, low_v ? low_v + at.number : NULL, at.step);
         if (turned < 0)
             return PK_NOT_FINITE;
         *moved |= turned;

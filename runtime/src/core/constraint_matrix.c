@@ -60,7 +60,9 @@ size_t pk_project_room(const struct pk_problem *problem, size_t n)
 size_t pk_project_size(const struct pk_problem *problem, size_t n)
 {
     const struct pk_system *system = problem->system;
-    return system->constraints.n || system->n_rotations ? pk_project_room(problem, n) : 0;
+    if (system->constraints.n)
+        return pk_project_room(problem, n);
+    return system->n_rotations || system->families.rotations ? 2 * n : 0; /* of quaternions alone */
 }
 
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room)

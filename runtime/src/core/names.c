@@ -24,8 +24,8 @@ int pk_system_name(const struct pk_system *system, const void *params,
         return snprintf(text, size, "%s", table[system->families.range ? 0 : i].name);
     if (!range.is_family)
         return snprintf(text, size, "%s", table[k].name);
-    /* Primes stand behind the index. */
-    const int stem = (int)strcspn(table[k].name, "'");
+    /* Components and primes stand behind the index: r[1].x, q[1]', omega(R[1]).x. */
+    const int stem = (int)strcspn(table[k].name, ".)'");
     return snprintf(text, size, "%.*s[%td]%s", stem, table[k].name, range.lo + (ptrdiff_t)i,
                     table[k].name + stem);
 }

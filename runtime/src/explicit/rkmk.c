@@ -12,24 +12,43 @@
 
 #include <pk/step/tables.h>
 
-/* Where the quaternion of rotation r, and its rates, are among the 2 n numbers of a state. */
-static size_t quaternion(const struct pk_integrator *it, size_t r)
+static size_t rotations(const struct pk_integrator *it)
 {
-    const struct pk_system *system = it->problem.system;
-    return 2 * it->n - system->n_first_order + 3 * system->n_rotations + 4 * r;
+    return pk_system_rotations(it->problem.system, it->problem.params);
 }
-static size_t rates(const struct pk_integrator *it, size_t r)
+
+/* Where rotation r is among the 2 n numbers of a state. */
+static struct pk_turning turning(const struct pk_integrator *it, size_t r)
 {
-    return 2 * it->n - it->problem.system->n_first_order + 3 * r;
+    struct pk_turning at = pk_system_turning(it->problem.system, it->problem.params, r);
+    at.rate += it->n;
+    at.number += it->n;
+    return at;
+}
+
+static void gather(pk_real *to, const pk_real *from, size_t count, size_t step)
+{
+    for (size_t k = 0; k < count; k++)
+        to[k] = from[k * step];
 }
 
 /* Slopes k hold theta' in place of Q'. theta of h sum a_j k_j. */
-static void rotation_vector(const struct pk_integrator *it, const pk_real *a, int count, size_t r,
-                            pk_real *theta)
+static void rotation_vector(const struct pk_integrator *it, const pk_real *a, int count,
+                            struct pk_turning at, pk_real *theta)
 {
     for (size_t i = 0; i < 3; i++)
         theta[i] = it->own->h *
-                   pk_row_sum(a, count, it->own->work, 2 * it->n, quaternion(it, r) + i);
+                   pk_row_sum(a, count, it->own->work, 2 * it->n, at.number + i * at.step);
+}
+
+/* The four numbers that it adds to Q. */
+static void added_by(const struct pk_integrator *it, const pk_real *a, int count,
+                     struct pk_turning at, pk_real *added)
+{
+    pk_real Q[4], theta[3];
+    gather(Q, it->own->state + at.number, 4, at.step);
+    rotation_vector(it, a, count, at, theta);
+    pk_exponential_added(Q, theta, added);
 }
 
 /* The argument of stage i. */
@@ -40,13 +59,12 @@ static const pk_real *argument(const struct pk_integrator *it, const struct pk_t
     if (i == 0)
         return it->own->state;
     pk_erk_combine(y, it->own->state, it->own->h, a, i, it->own->work, 2 * it->n);
-    for (size_t r = 0; r < it->problem.system->n_rotations; r++) {
-        const pk_real *Q = it->own->state + quaternion(it, r);
-        pk_real theta[3], added[4];
-        rotation_vector(it, a, i, r, theta);
-        pk_exponential_added(Q, theta, added);
+    for (size_t r = 0; r < rotations(it); r++) {
+        const struct pk_turning at = turning(it, r);
+        pk_real added[4];
+        added_by(it, a, i, at, added);
         for (size_t k = 0; k < 4; k++)
-            y[quaternion(it, r) + k] = Q[k] + added[k];
+            y[at.number + k * at.step] = it->own->state[at.number + k * at.step] + added[k];
     }
     return y;
 }
@@ -54,34 +72,36 @@ static const pk_real *argument(const struct pk_integrator *it, const struct pk_t
 static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
 {
     const struct pk_tableau *table = (const struct pk_tableau *)it->method->table;
-    const size_t n = it->n, m = 2 * n, turned = it->problem.system->n_rotations;
-    pk_real *y = it->own->next, *low = pk_part(it->own->next, n, PK_LOW_Q), theta[3], added[4];
+    const size_t n = it->n, m = 2 * n, turned = rotations(it);
+    pk_real *y = it->own->next, *low = pk_part(it->own->next, n, PK_LOW_Q);
     (void)limit;
     for (int i = 0; i < table->stages; i++) {
         const pk_real *at = argument(it, table, i, y);
         pk_real *k = it->own->work + (size_t)i * m;
         PK_TRY(generic_slope(it, it->t + table->c[i] * it->own->h, at, k));
         for (size_t r = 0; r < turned; r++) {
-            rotation_vector(it, table->a + i * (i - 1) / 2, i, r, theta);
-            pk_dexp_inverse(theta, at + rates(it, r), k + quaternion(it, r));
-            k[quaternion(it, r) + 3] = 0;
+            const struct pk_turning to = turning(it, r);
+            pk_real theta[3], omega[3], slope[4] = {0};
+            rotation_vector(it, table->a + i * (i - 1) / 2, i, to, theta);
+            gather(omega, at + to.rate, 3, to.step);
+            pk_dexp_inverse(theta, omega, slope);
+            for (size_t j = 0; j < 4; j++)
+                k[to.number + j * to.step] = slope[j];
         }
     }
     memcpy(low, pk_part(it->own->state, n, PK_LOW_Q), m * sizeof *low); /* of q and of v */
-    for (size_t i = 0; i < m; i++) {
-        const pk_real before = low[i]; /* of a quaternion: what is added to it comes below */
+    for (size_t i = 0; i < m; i++)
         y[i] = pk_sum(it->own->state[i],
                       it->own->h * pk_row_sum(table->b, table->stages, it->own->work, m, i),
                       &low[i]);
-        if (turned && i >= quaternion(it, 0) && i < quaternion(it, turned))
-            low[i] = before;
-    }
     for (size_t r = 0; r < turned; r++) {
-        const size_t at = quaternion(it, r);
-        rotation_vector(it, table->b, table->stages, r, theta);
-        pk_exponential_added(it->own->state + at, theta, added);
-        for (size_t k = 0; k < 4; k++)
-            y[at + k] = pk_sum(it->own->state[at + k], added[k], &low[at + k]);
+        const struct pk_turning at = turning(it, r);
+        pk_real added[4];
+        added_by(it, table->b, table->stages, at, added);
+        for (size_t k = 0, i = at.number; k < 4; k++, i += at.step) {
+            low[i] = pk_part(it->own->state, n, PK_LOW_Q)[i];
+            y[i] = pk_sum(it->own->state[i], added[k], &low[i]);
+        }
     }
     return PK_DONE;
 }

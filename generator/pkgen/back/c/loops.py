@@ -88,6 +88,8 @@ class Places:
         self.size_texts = {
             unlike_loops(name): f"p->{c_name}" for name, c_name in self.sizes.items()
         }
+        names = Names(frozenset())
+        self.ids = {g.name: names.take(g.name) for g in e.coordinates}  # as parts of names in C
         self.first: dict[str, Affine] = {}  # the flat index of each coordinate's first member
         total = Affine()
         for group in (*e.coordinates, *e.carried_groups):
@@ -131,11 +133,13 @@ class Places:
     def group(self, g: Group) -> dict[str, str | bool]:
         """What the templates see of a declared coordinate or parameter."""
         declared, family = g.declared, g.is_family
+        unseen = "a body rate, in v" if g.is_turn else "a state, in v" if g.is_state else ""
         first = self.first.get(g.name, Affine())
         unit = f"[{declared.unit}]" if declared.unit else ""
         says = [x for x in (declared.description, unit) if x]
         return {
-            "name": g.name,
+            "name": self.ids.get(g.name, g.name),
+            "shown": g.shown,
             "is_family": family,
             "periodic": g.periodic,
             "first": self.index(first),
@@ -144,7 +148,7 @@ class Places:
             "count": self.index(g.count),
             "cell": self.index(first + M - g.lo if family else first),
             "other": self.index(first + J - g.lo if family else first),
-            "says": ", ".join(x for x in (" ".join(says), *["a state, in v"] * g.is_state) if x),
+            "says": ", ".join(x for x in (" ".join(says), unseen) if x),
             "lo_text": g.lo.text() if family else "",
             "hi_text": g.hi.text() if family else "",
             "first_text": first.text(),
@@ -222,7 +226,7 @@ class Lowering(Hoisting):
             first = places.names_in(places.first[slot.name])
             text = f"{array}[{places.index(places.flat(slot.name, slot.at))}]"
             return Code(text, (array, *first, *index))
-        reader = f"{self.prefix}{slot.kind}_{slot.name}"
+        reader = f"{self.prefix}{slot.kind}_{places.ids[slot.name]}"
         text = f"{reader}(p, t, {array}, u, {places.index(slot.at)})"
         return Code(text, (reader, "p", "t", array, "u", *index))
 
@@ -238,7 +242,7 @@ class Lowering(Hoisting):
                 wish = re.sub(r"\W+", "_", slot.name.replace("-", "m")).strip("_")
             else:
                 suffix = {"v": "_dot", "w": "_ddot", "d": "_own"}.get(slot.kind, "")
-                wish = slot.name + _place(slot.at) + suffix
+                wish = self.places.ids.get(slot.name, slot.name) + _place(slot.at) + suffix
             self._names[slot] = self._locals.take(wish)
         return self._names[slot]
 

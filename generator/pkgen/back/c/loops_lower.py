@@ -10,6 +10,7 @@ from typing import Any
 from ...equations import Quantity
 from ...graph.affine import ROW, Affine
 from ...graph.graph import Node
+from ...indices import indexed
 from ...middle.loops.expand import size_values
 from ...middle.loops.loops import Assigned, Bound, Group, Limit, LoopEquations
 from ...middle.quantities import input_quantities
@@ -94,7 +95,7 @@ class _Context:
 
     def text(self) -> dict[str, Any]:
         e, w, plan, index = self.e, self.lowering, self.plan, self.places.index
-        model, group = e.model, self.places.group
+        model, group, ids = e.model, self.places.group, self.places.ids
         diagonal = divides(e)
         alone = diagonal and not e.force.pairs
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
@@ -112,8 +113,10 @@ class _Context:
         in_block = any(g.is_family for g in e.parameters)
         names = {
             "coordinates": [_quantity(g, "{}", "unit", "integral of {}") for g in e.coordinates],
-            "rates": [_quantity(g, "{}'", "rate_unit") for g in e.coordinates],
-            "momentum_names": [_quantity(g, "p_{}", "momentum_unit") for g in e.coordinates],
+            "rates": [_quantity(g, "{}'", "rate_unit", own="rate") for g in e.coordinates],
+            "momentum_names": [
+                _quantity(g, "p_{}", "momentum_unit", own="momentum") for g in e.coordinates
+            ],
             "inputs": input_quantities(model, e.orders),
             "observed": model.observed,
             "conserved": model.conserved,
@@ -147,7 +150,8 @@ class _Context:
             "count": index(e.count),
             "first_order": index(e.first_order),
             "n_first_order": e.first_order.value(size_values(model)),
-            "states": [group(g) for g in e.states],
+            "unseen": [group(g) for g in e.unseen],
+            "rotations": list(self._rotations()),
             "groups": [group(g) for g in e.coordinates],
             "families": [group(g) for g in e.families],
             "scalars": [group(g) for g in e.scalars],
@@ -155,7 +159,7 @@ class _Context:
             "readers": list(self._readers()),
             "row_sets": plan.rows,
             "band_sets": plan.band,
-            "entries": {g.name: [entry for entry, _ in entries(e, g)] for g in e.families},
+            "entries": {ids[g.name]: [x for x, _ in entries(e, g, ids)] for g in e.families},
             "band": None if diagonal or e.carried else self._band(),
             "carried": chain,
             "inner": "whole_" if chain else "",
@@ -248,7 +252,7 @@ class _Context:
         places, used = self.places, {word for b in self.lowering.blocks for word in b.words}
         for g in self.e.families:
             for kind, order in {"q": 0, "v": 1, "s": 0, "w": 2, "d": 3}.items():
-                name = f"{self.lowering.prefix}{kind}_{g.name}"
+                name = f"{self.lowering.prefix}{kind}_{places.ids[g.name]}"
                 if name not in used:
                     continue
                 ends = []
@@ -262,11 +266,20 @@ class _Context:
                     ends.append(item)
                 yield places.group(g) | {"reader": name, "kind": kind, "given": ends}
 
+    def _rotations(self) -> Iterator[dict[str, str]]:
+        """How many there are, where the first one's rate and quaternion begin, and how far apart
+        the numbers of one are."""
+        for rotation in self.e.model.rotations:
+            turn, number = (self.e.group(x[0]) for x in (rotation.turns, rotation.quaternion))
+            first = (self.places.index(self.places.first[g.name]) for g in (turn, number))
+            keys = ("count", "rate", "number")
+            yield dict(zip(keys, (self.places.index(turn.count), *first), strict=True))
+
     def _singularities(self) -> Iterator[dict[str, str]]:
         """What the tables say of each: M's pivots come first."""
         e = self.e
         for g in e.coordinates if e.pivots else ():
-            name = f"the pivot of {g.name}" + "[i]" * g.is_family
+            name = f"the pivot of {indexed(g.shown, 'i' if g.is_family else None)}"
             yield self._singularity(name, "COORDINATES", (g.lo, g.hi) if g.is_family else ())
         for x in e.singularities:
             [over] = [
@@ -284,11 +297,13 @@ class _Context:
 
     def _band(self) -> dict[str, Any]:
         """The shape of M: cells interleaved by index, then scalar coordinates as a border."""
-        e = self.e
+        e, ids = self.e, self.places.ids
         return {
             **shape_of(e, self.places),
             "periodic": any(g.periodic for g in e.families),
-            "corner": [{"a": a, "b": b, "key": f"mass_{a}_{b}"} for a, b in e.mass.corner],
+            "corner": [
+                {"a": a, "b": b, "key": f"mass_{ids[a]}_{ids[b]}"} for a, b in e.mass.corner
+            ],
             "scalars": [g.name for g in e.scalars],
         }
 
@@ -336,6 +351,8 @@ def _multiplier(rows: Bound) -> Quantity:
     return Quantity(f"lambda_{rows.name}", declared.unit, declared.description)
 
 
-def _quantity(g: Group, form: str, unit: str, of_state: str = "{}") -> Quantity:
+def _quantity(g: Group, form: str, unit: str, of_state: str = "{}", own: str = "") -> Quantity:
+    """Of a body rate by its `own` name."""
     form, unit = (of_state, "unit") if g.is_state else (form, unit)
-    return Quantity(form.format(g.name), getattr(g.declared, unit), g.declared.description)
+    name = getattr(g.declared, own) if own and g.is_turn else form.format(g.name)
+    return Quantity(name, getattr(g.declared, unit), g.declared.description)

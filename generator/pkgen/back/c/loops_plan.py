@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -81,7 +81,7 @@ def divides(e: LoopEquations) -> bool:
 
 
 def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
-    plan = Plan()
+    plan, ids = Plan(), make.places.ids
 
     def total(key: str, of, **how: Any) -> None:
         plan.totals[key] = make.total(key, of, **how)
@@ -90,31 +90,35 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
     for kernel, outputs in vectors.items():
         plan.rows[kernel] = [
             make.rows(
-                f"{kernel}_{g.name}", g, [getattr(e, x).rows[g.name] for x in outputs.values()]
+                f"{kernel}_{ids[g.name]}", g, [getattr(e, x).rows[g.name] for x in outputs.values()]
             )
             for g in e.rows
         ]
     # The acceleration of a coordinate that is no member takes its force by itself.
     for what in sorted({"force", *(x for outputs in vectors.values() for x in outputs.values())}):
         for g in e.scalars:
-            total(f"{what}_{g.name}", getattr(e, what).totals[g.name])
+            total(f"{what}_{ids[g.name]}", getattr(e, what).totals[g.name])
     if e.carried:
         plan.chain = Chain(e, make.places, make)
     elif divides(e):
-        plan.rows["mass"] = [make.rows(f"mass_{g.name}", g, [_own(e, g)]) for g in e.families]
+        plan.rows["mass"] = [make.rows(f"mass_{ids[g.name]}", g, [_own(e, g)]) for g in e.families]
         if not e.force.pairs:
             plan.rows["acceleration"] = [
-                make.rows(f"acceleration_{g.name}", g, [e.force.rows[g.name], _own(e, g)], True)
+                make.rows(
+                    f"acceleration_{ids[g.name]}", g, [e.force.rows[g.name], _own(e, g)], True
+                )
                 for g in e.families
             ]
     else:
         plan.band = [
-            make.rows(f"mass_{g.name}", g, [row for _, row in entries(e, g)], ghosts=False)
+            make.rows(
+                f"mass_{ids[g.name]}", g, [row for _, row in entries(e, g, ids)], ghosts=False
+            )
             for g in e.families
         ]
     _plan_bound(e, make, plan)
     for (a, b), of in e.mass.corner.items():
-        total(f"mass_{a}_{b}", of)
+        total(f"mass_{ids[a]}_{ids[b]}", of)
     for what in TOTALS:
         if what in kernels:
             total(what, getattr(e, what))
@@ -162,10 +166,10 @@ def _own(e: LoopEquations, g: Group) -> Row:
     return e.mass.entries.get((g.name, g.name, 0), Row())
 
 
-def entries(e: LoopEquations, g: Group) -> list[tuple[dict[str, Any], Row]]:
+def entries(e: LoopEquations, g: Group, ids: Mapping[str, str]) -> list[tuple[dict[str, Any], Row]]:
     """Entries of M in the rows of a family's cells: with cells, then with scalars."""
     found = [
-        ({"other": other, "shift": shift}, row)
+        ({"other": ids[other], "shift": shift}, row)
         for (own, other, shift), row in e.mass.entries.items()
         if own == g.name
     ]

@@ -38,18 +38,19 @@ class Bodies:
     def views(self, term: Term) -> Iterator[tuple[str, Affine, Node]]:
         """(family, offset, body) for each family slot: the body as seen from that slot's row."""
         body = self.at_row(term)
-        for slot in self.x.slots.below(body):
-            if slot.kind not in ("q", "v") or slot.at is None:
-                continue
-            twin = Slot("q" if slot.kind == "v" else "v", slot.name, slot.at)
-            if slot.kind == "v" and twin in self.x.slots.below(body):
-                continue  # seen already
-            if not term.ranges:
-                yield slot.name, slot.at, body
-                continue
-            shift = slot.at - M
-            yield slot.name, shift, term.at(self.x, M - shift)
+        for names, at in self._moved(body):
+            shift, seen = at, body
+            if at is not None and term.ranges:
+                shift = at - M
+                seen = term.at(self.x, M - shift)
+            for name in names if at is not None else ():
+                yield name, shift, seen
         self.x.members.clear()
+
+    def _moved(self, body: Node) -> list[tuple[tuple[str, ...], Affine | None]]:
+        """Which coordinates, and of which members, move a body."""
+        slots = [slot for slot in self.x.slots.below(body) if slot.kind in CELLS]
+        return list(dict.fromkeys((self.x.rotations.moved(slot), slot.at) for slot in slots))
 
     def at_row(self, term: Term) -> Node:
         """The body at i = m; that its slots are within reach is made sure of."""
@@ -88,8 +89,9 @@ class Bodies:
         if group.periodic:
             for beyond in (-below, -above):
                 if beyond.is_constant:
-                    known = self.found.wraps.get(slot.name, 0)
-                    self.found.wraps[slot.name] = max(known, beyond.constant)
+                    for name in (slot.name, *self.x.rotations.moved(slot)):
+                        known = self.found.wraps.get(name, 0)
+                        self.found.wraps[name] = max(known, beyond.constant)
                 else:
                     self.found.limits.append(Limit(-beyond, hi - lo))
             return
@@ -97,13 +99,7 @@ class Bodies:
         self.found.limits.append(Limit(above + _given(group, 1), hi - lo))
 
     def scalars(self, body: Node) -> list[str]:
-        return list(
-            dict.fromkeys(
-                slot.name
-                for slot in self.x.slots.below(body)
-                if slot.kind in ("q", "v") and slot.at is None
-            )
-        )
+        return [name for names, at in self._moved(body) if at is None for name in names]
 
 
 def _given(group: Group, side: int) -> int:

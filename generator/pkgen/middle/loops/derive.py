@@ -24,8 +24,8 @@ from .terms import Term, terms
 
 def derive_loops(model: Model) -> LoopEquations:
     """The equations of motion with every family kept as a loop. Raises Unrolled."""
-    if model.rotations:
-        raise Unrolled("a model with rotations has its families written out")
+    if model.rotations and model.constraints:
+        raise Unrolled("a model with rotations and constraints has its families written out")
     return entered(model, lambda orders: _derive(LoopExpander(model, orders)))
 
 
@@ -120,6 +120,8 @@ def _forces(x: LoopExpander, gather: Gather) -> None:
             gather.found.limits += [Limit(lo - group.lo, hi - lo), Limit(group.hi - hi, hi - lo)]
         for term in terms(x, item.value, loop):
             gather.applied_term(group, lo, hi, term)
+    for rotation in x.rotations.all:
+        gather.attitude(rotation)
     for group in x.coordinates.values():
         if group.is_state:
             gather.state(group)
@@ -154,11 +156,15 @@ def _check_inertia(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) ->
     own = {a for a, b, shift in mass.entries if (a, 0) == (b, shift)}
     found = inert(own | {a for a, b in mass.corner if a == b}, carried)
     for group in x.coordinates.values():
-        name = group.name
+        name, index = group.name, "i" if group.is_family else None
         if name not in found and not group.is_carried:
-            shown = indexed(name, None) + ("[i]" if group.is_family else "")
+            shown = indexed(name, index)
             message = f"'{shown}' has no inertia: L does not contain the square of {shown}'"
             help = f"give it a kinetic energy, or make '{name}' a param or an input"
+            if group.is_turn:
+                message = f"'{indexed(group.shown, index)}' has no inertia: L does not"
+                message += " contain its square"
+                help = "a body has a moment of inertia about each of its axes"
             findings.append(Diagnostic(message, group.declared.span, help))
     if findings:
         raise ModelError(x.model.source, findings)

@@ -11,13 +11,15 @@ from ...graph.differentiate import Forward
 from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Node
 from ...graph.magnitudes import Magnitudes
 from ...indices import NotAnInteger
-from ...model import Coordinate, Definition, Model, Parameter, State
+from ...model import Coordinate, Definition, End, Model, Parameter, State
 from ...source import Span
 from ...tree import Expr, Name, Range, Sum, children
+from ..attitudes import body_rates
 from ..expand.names import BUILT_IN, Value, next_input
 from ..expand.terms import EXPAND
 from ..quantities import error, input_index
 from .loops import Group, Limit, Total, Unrolled
+from .rotations import Rotations
 from .slots import Slots
 
 Loop = dict[str, Affine]
@@ -36,6 +38,7 @@ class LoopExpander:
         moving = (*model.coordinates, *model.states)
         self.coordinates = {c.name: self._group(c) for c in moving}
         self.parameters = {p.name: self._group(p) for p in model.parameters}
+        self.rotations = Rotations(model, self.slots)
         self.inputs = {item.name: i for i, item in enumerate(model.inputs)}
         self.definitions: dict[str, list[Definition]] = {}
         for item in model.definitions:
@@ -137,6 +140,9 @@ class LoopExpander:
             return self.number(loop[name])
         if name in self.coordinates:
             return self.coordinate(name, index)
+        if name in self.rotations.rates:
+            rotation, axis = self.rotations.rates[name]
+            return self._rate(rotation.turns[axis], index)
         if name in self.parameters:
             if index is not None:
                 group = self.parameters[name]
@@ -188,6 +194,8 @@ class LoopExpander:
     def _carried(self, name: str, index: Affine) -> Value:
         """A member of a `let` that is defined piece by piece, from its own members perhaps."""
         if name not in self.carried:
+            if self.model.rotations:
+                raise Unrolled(f"'{name}' is defined piece by piece, in a model with rotations")
             pieces = self.pieces(name)
             (lo, _, first), (_, hi, _) = pieces[0], pieces[-1]
             around, self.members = self.members, []
@@ -232,14 +240,38 @@ class LoopExpander:
 
     def coordinate(self, name: str, index: Affine | None) -> Node:
         """A coordinate or a state; a given member, named outside loops, as what it is given."""
+        end = self._fixed_at(name, index)
+        return self.given(name, index) if end else self._cell(name, index)
+
+    def _rate(self, name: str, index: Affine | None) -> Node:
+        """Likewise the rate of a coordinate."""
+        end = self._fixed_at(name, index)
+        return self.given_rate(name, index) if end else self.derivative(self._cell(name, index))
+
+    def _fixed_at(self, name: str, index: Affine | None) -> End | None:
+        ends = self.coordinates[name].ends
+        return next((end for at, end in ends if at == index and end.kind == "fixed"), None)
+
+    def given(self, name: str, index: Affine) -> Node:
+        """What a fixed end has; of body rates only the rates have a meaning."""
+        value = self._fixed_at(name, index).value
+        return ZERO if value is None else self.plain(value)
+
+    def given_rate(self, name: str, index: Affine) -> Node:
+        if name not in self.rotations.turns:
+            return self.derivative(self.given(name, index))
+        rotation, axis = self.rotations.turns[name]
+        numbers = tuple(self.given(number, index) for number in rotation.quaternion)
+        return body_rates(self.graph, numbers, tuple(map(self.derivative, numbers)))[axis]
+
+    def _cell(self, name: str, index: Affine | None) -> Node:
+        """A member, for a free or a periodic end the one that stands there."""
         group = self.coordinates[name]
         kind = "s" if group.is_state else "q"
         if index is None or any(index.factor(v) for v in LOOPS):
             return self.slots.node(kind, name, index)
-        for at, end in group.ends:
+        for at, _ in group.ends:
             if at == index:
-                if end.kind == "fixed":
-                    return self.plain(end.value)
                 return self.slots.node(kind, name, group.lo if at == group.lo - 1 else group.hi)
         if group.periodic:
             below, above = index - group.lo, group.hi - index
@@ -286,6 +318,9 @@ class LoopExpander:
             return self.slots.node("input", str(next_input(self.orders, int(slot.name))))
         if slot.kind == "sum":
             raise Unrolled("the rate of a sum is an output")
+        if slot.name in self.rotations.numbers:
+            rotation, k = self.rotations.numbers[slot.name]
+            return self.rotations.moving(rotation, slot.at)[k]
         if slot.kind == "s":
             raise Unrolled("a momentum, an output or a rate has the rate of a state in it")
         if slot.kind in ("v", "w", "d"):

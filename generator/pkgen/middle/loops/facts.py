@@ -27,7 +27,11 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     own = vector_nodes(e.force, frozenset(g.name for g in e.states))
     energies = total_nodes([e.lagrangian])
     entries += [node for item in e.carried for piece in item.pieces for node in piece.by.values()]
-    constant = not _kinds(x, entries) & {"q", "v", "t", "input", "w"}
+    states = any(
+        slot.kind == "s" and slot.name not in x.rotations.numbers
+        for slot in x.slots.below(*energies, *own)
+    )
+    constant = not _kinds(x, entries) & {*CELLS, "t", "input", "w"}
     rows = [node for bound in e.bound for node in bound.nodes]
     steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
     autonomous = steady and not _kinds(x, rows) & {"t", "input"}
@@ -44,7 +48,7 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
         separable=free and not _kinds(x, [*forces, *coasting]) & {"v", "s"},
         autonomous=autonomous,
         conservative=bool(x.model.coordinates)
-        and not (gather.applied or jumping or "s" in _kinds(x, energies + own))
+        and not (gather.applied or jumping or states)
         and steady
         and (autonomous and _workless(x, e) if e.bound else True),
         variational=not (gather.applied or e.states or e.bound),

@@ -77,6 +77,16 @@ class Group:
         return isinstance(self.declared, Definition)
 
     @property
+    def is_turn(self) -> bool:
+        """Whether its rate is a body rate, and its value nothing."""
+        return isinstance(self.declared, Coordinate) and bool(self.declared.rate)
+
+    @property
+    def shown(self) -> str:
+        """Its name where a reader sees it."""
+        return self.declared.rate if self.is_turn else self.name
+
+    @property
     def count(self) -> Affine:
         return Affine(1) if self.lo is None else self.hi - self.lo + 1
 
@@ -342,6 +352,11 @@ class LoopEquations:
         return sum((g.count for g in self.coordinates), Affine())
 
     @property
+    def unseen(self) -> tuple[Group, ...]:
+        """Those whose values mean nothing: of body rates, and of states."""
+        return tuple(g for g in self.coordinates if g.is_turn or g.is_state)
+
+    @property
     def first_order(self) -> Affine:
-        """How many of them are states."""
-        return sum((g.count for g in self.states), Affine())
+        """How many of them have but a rate that means something."""
+        return sum((g.count for g in self.unseen), Affine())

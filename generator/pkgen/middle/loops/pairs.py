@@ -11,6 +11,7 @@ from .terms import Term
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
 RATES = BIT[Kind.RATE]
+ATTITUDES = BIT[Kind.STATE]
 M, J = variable(ROW), variable(OTHER)
 
 
@@ -66,12 +67,13 @@ def pair_force(
     body = signed(x.graph, pair_body(x, term, limits), sign)
     if x.graph.depends[body] & RATES and not drag:
         raise Unrolled("a pair sum has rates in it: M would be dense")
-    kind = "v" if drag else "q"
-    by = gradient(x.graph, body, RATES if drag else STATE)
+    by = gradient(x.graph, body, RATES if drag else STATE | ATTITUDES)
     sides: dict[Affine | None, list[tuple[str, Node]]] = {M: [], J: [], None: []}
-    for slot in x.slots.below(body):
-        if slot.kind == kind:
-            node = by.get(x.slots.node(kind, slot.name, slot.at), ZERO)
-            if node != ZERO:
-                sides[slot.at].append((slot.name, node))
+    slots = [slot for slot in x.slots.below(body) if slot.kind in ("v" if drag else CELLS)]
+    cells = dict.fromkeys((n, slot.at) for slot in slots for n in x.rotations.moved(slot))
+    for name, at in cells:
+        own = by.get(x.slots.node("v", name, at), ZERO)
+        node = own if drag else x.rotations.slope(by, name, at, False)
+        if node != ZERO:
+            sides[at].append((name, node))
     return PairForce(*pair_ranges(term), tuple(sides[M]), tuple(sides[J]), tuple(sides[None]))

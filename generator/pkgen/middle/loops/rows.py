@@ -7,11 +7,12 @@ from dataclasses import replace
 from ...graph.affine import LOOPS, Affine
 from ...graph.differentiate import Forward, gradient
 from ...graph.graph import BIT, ONE, VARIABLE, ZERO, Kind, Node
+from ...model import Rotation
 from ..motion import degree
 from .bodies import Bodies, Gathered
 from .expand import LoopExpander
 from .loops import Group, PairPart, Part, Slot, Total, Unrolled
-from .pairs import RATES, STATE, M, pair_body, pair_force, pair_ranges, pair_row, signed
+from .pairs import ATTITUDES, RATES, STATE, M, pair_body, pair_force, pair_ranges, pair_row, signed
 from .terms import Term
 
 APPLIED = ("pdot", "force")  # what a generalized force is in
@@ -28,9 +29,8 @@ class Gather:
         self.moving = {
             name
             for name, group in x.coordinates.items()
-            for _, end in group.ends
-            if end.kind == "fixed"
-            and x.graph.depends[x.plain(end.value)] & (BIT[Kind.TIME] | BIT[Kind.INPUT])
+            for at, end in group.ends
+            if end.kind == "fixed" and self._moves(name, at)
         }
         self.coast = Forward(x.graph, VARIABLE, self._coasting)
         self.applied = False  # whether there are forces that L does not have
@@ -61,8 +61,8 @@ class Gather:
         """What a body adds to the equations of a family, or where `shift` is None of a scalar
         coordinate; its momentum."""
         at = M if term.ranges and shift is not None else shift
-        by = gradient(self.g, signed(self.g, body, sign), STATE)
-        slope, momentum = self._by(by, "q", name, at), self._by(by, "v", name, at)
+        by = gradient(self.g, signed(self.g, body, sign), STATE | ATTITUDES)
+        slope, momentum = self.x.rotations.slope(by, name, at, True), self._by(by, "v", name, at)
         force = self.g.subtract(slope, self.coast(momentum))
         self._enter(("gradient", "pdot"), name, term, shift, slope)
         self._enter(("momenta",), name, term, shift, momentum)
@@ -117,6 +117,14 @@ class Gather:
                 self.found.totals[what, name] = replace(total, constant=constant)
             else:
                 self.append(self.found.rows[what, name], Part(lo, hi, node))
+
+    def attitude(self, rotation: Rotation) -> None:
+        """Its numbers are states, whose rates follow."""
+        own = self.x.coordinates[rotation.quaternion[0]]
+        at = M if own.is_family else None
+        rates = self.x.rotations.moving(rotation, at)
+        for name, rate in zip(rotation.quaternion, rates, strict=True):
+            self._add_over(APPLIED, name, own.lo, own.hi, rate)
 
     def state(self, group: Group) -> None:
         """In C a state is the rate of a coordinate, with inertia 1: its own momentum."""
@@ -236,6 +244,13 @@ class Gather:
                 raise Unrolled("the inertia of two members far apart is coupled")
             key = (family, slot.name, distance.constant)
             self.add(self.found.entries[key], term, shift, node)
+
+    def _moves(self, name: str, at: Affine) -> bool:
+        """Whether a given cell does."""
+        turning = self.x.rotations.turns.get(name)
+        nodes = [self.x.given(n, at) for n in (turning[0].quaternion if turning else (name,))]
+        driven = BIT[Kind.TIME] | BIT[Kind.INPUT]
+        return any(self.g.depends[node] & driven for node in nodes)
 
     def _by(self, by: dict[Node, Node], kind: str, name: str, at: Affine | None) -> Node:
         return by.get(self.x.slots.node(kind, name, at), ZERO)

@@ -18,6 +18,7 @@ from ...graph.collect import settled
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.ranges import INF, Range, Ranges
 from ...graph.wording import wording
+from ...indices import indexed
 from ..points.singularities import COORDINATES, DIVISOR, about, dangerous, squared, zeros
 from .expand import LoopExpander, unlike_loops
 from .loops import Group, LoopEquations, LoopSingularity, PairPart, Part, Total
@@ -181,8 +182,11 @@ class _Singularities:
             slot = self.x.slots.all[symbol.index]
             if slot.kind == "index":
                 return shown[slot.name]
-            at = "" if slot.at is None else f"[{slot.at.text(shown).replace(' ', '')}]"
-            return slot.name + at + _PRIMES.get(slot.kind, "")
+            at = None if slot.at is None else slot.at.text(shown).replace(" ", "")
+            group = self.x.coordinates.get(slot.name)
+            if group is not None and group.is_turn:
+                return indexed(group.shown, at)
+            return indexed(slot.name, at) + _PRIMES.get(slot.kind, "")
 
         return wording(self.g, about(self.g, node), name)
 

@@ -24,7 +24,9 @@ class Outputs:
         x.sums = self.totals
         x.make_total = lambda expr: gather.total([(term, 1) for term in terms(x, expr)])
         named = {"T": kinetic, "V": potential, "L": lagrangian, "energy": energy}
-        named |= {"p_" + name: total for name, total in momenta.totals.items()}
+        for name, total in momenta.totals.items():
+            if not x.coordinates[name].is_state:
+                named[x.coordinates[name].declared.momentum or f"p_{name}"] = total
         used = {name for item in _outputs(x) for name in _names(item)}
         for name, total in named.items():
             if name.startswith("p_") and name in used and x.carried:
@@ -109,8 +111,8 @@ def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node
         for at, end in group.ends:
             if end.kind != "fixed":
                 continue
-            value = x.plain(end.value)
-            rate = x.derivative(value) if group.name in far else ZERO
+            value = x.given(group.name, at)
+            rate = x.given_rate(group.name, at) if group.name in far else ZERO
             needed = any(s.kind == "w" and s.name == group.name for s in x.slots.all)
             found[group.name, at] = (value, rate, x.derivative(rate) if needed else ZERO)
     return found

@@ -1,0 +1,58 @@
+"""Rotations in families kept as loops: which coordinates a number of an attitude moves, how L
+changes along them, and how the attitudes themselves move. As in attitudes.py, of members."""
+
+from __future__ import annotations
+
+from ...equations import Row
+from ...graph.affine import Affine
+from ...graph.frames import cross
+from ...graph.graph import ZERO, Node
+from ...model import Model, Rotation
+from ..attitudes import along_axes, quaternion_rates
+from .loops import Slot
+from .slots import Slots
+
+Slopes = dict[Node, Node]
+
+
+class Rotations:
+    """Of a model, by the names that they are made of."""
+
+    def __init__(self, model: Model, slots: Slots):
+        self.slots, self.g = slots, slots.graph
+        self.all = model.rotations
+        self.rates = {n: (r, axis) for r in self.all for axis, n in enumerate(r.rates)}
+        self.turns = {n: (r, axis) for r in self.all for axis, n in enumerate(r.turns)}
+        self.numbers = {n: (r, k) for r in self.all for k, n in enumerate(r.quaternion)}
+
+    def moved(self, slot: Slot) -> tuple[str, ...]:
+        """The coordinates whose equations have a derivative by this slot in them."""
+        own = self.turns.get(slot.name) or self.numbers.get(slot.name)
+        if own:
+            return own[0].turns
+        return (slot.name,) if slot.kind in ("q", "v") else ()
+
+    def quaternion(self, rotation: Rotation, at: Affine | None) -> Row:
+        return tuple(self.slots.node("s", name, at) for name in rotation.quaternion)
+
+    def body_rates(self, rotation: Rotation, at: Affine | None) -> Row:
+        return tuple(self.slots.node("v", name, at) for name in rotation.turns)
+
+    def moving(self, rotation: Rotation, at: Affine | None) -> Row:
+        """The rates of its quaternion."""
+        own = self.quaternion(rotation, at)
+        return quaternion_rates(self.g, own, self.body_rates(rotation, at))
+
+    def slope(self, by: Slopes, name: str, at: Affine | None, momenta: bool) -> Node:
+        """Of a function with these derivatives, that along a coordinate; of an L, whose `momenta`
+        turn with the body, with p x w."""
+        if name not in self.turns:
+            return by.get(self.slots.node("q", name, at), ZERO)
+        rotation, axis = self.turns[name]
+        quaternion = self.quaternion(rotation, at)
+        found = along_axes(self.g, quaternion, tuple(by.get(n, ZERO) for n in quaternion))[axis]
+        if not momenta:
+            return found
+        w = self.body_rates(rotation, at)
+        p = tuple(by.get(n, ZERO) for n in w)
+        return self.g.add(found, cross(self.g, p, w)[axis])
