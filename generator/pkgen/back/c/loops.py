@@ -89,7 +89,8 @@ class Places:
             unlike_loops(name): f"p->{c_name}" for name, c_name in self.sizes.items()
         }
         names = Names(frozenset())
-        self.ids = {g.name: names.take(g.name) for g in e.coordinates}  # as parts of names in C
+        own = (*e.coordinates, *e.carried_groups)
+        self.ids = {g.name: names.take(g.name) for g in own}  # as parts of names in C
         self.first: dict[str, Affine] = {}  # the flat index of each coordinate's first member
         total = Affine()
         for group in (*e.coordinates, *e.carried_groups):
