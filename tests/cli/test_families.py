@@ -163,11 +163,6 @@ def test_hostile_sizes_are_told(pkgen, size: str, said: str) -> None:
     assert done.returncode == 2 and f"--size {size}: {said}" in done.stderr
 
 
-def test_methods_with_jacobians_say_that_loops_have_none(pkgen) -> None:
-    done = pkgen("run", FPUT, "--method", "gauss2", "--step", "0.1", "--until", "1")
-    assert done.returncode == 4 and "keeps its families as loops" in done.stderr
-
-
 GRAVITY = """\
 model gravity
 size N = 20

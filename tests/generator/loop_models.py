@@ -265,3 +265,22 @@ UNROLLED = {
         "inside a function",
     ),
 }
+
+# First-order variables: of each member, of all, beside a chain.
+HEATED = """\
+model heated
+size N = 5
+param k = 1.2
+coord q[1..N]
+state u[0..N], s
+fixed q[0] = 0.1*t
+free u[N+1]
+kinetic sum(q[i]'^2*(2 + cos(q[i-1]))/2, i = 1..N)
+potential sum((1 + u[i]^2/3 + s*u[i-1])*(q[i] - q[i-1])^2/2, i = 1..N)
+dissipation sum(u[i]^2*q[i]'^2/20, i = 1..N)
+force q[1] = -k*q[1]' + s*u[1]
+rate u[0] = s^2 - u[0]
+rate u[i = 1..N] = k*(u[i-1] - 2*u[i] + u[i+1]) - u[i]^3 + q[i]*q[i]'*s
+rate s = -s*k + sum(u[i]^2*q[i]', i = 1..N)/N
+"""
+STATES = {"heated": (HEATED, (1, 2, 3, 8))}

@@ -83,9 +83,10 @@ int fput_prepare(struct fput_params *p)
     if (!(p->alpha > -PK_INFINITY && p->alpha < PK_INFINITY))
         return PK_FAILED(PK_FAILURE_PARAMETER, 0);
     p->c_[0] = (PK_C(1.0) / PK_C(3.0)) * p->alpha;
+    p->c_[1] = 2 * p->alpha;
 
     /* x - x is 0 unless x is infinite or not a number. */
-    for (k = 0; k < 1; k++)
+    for (k = 0; k < 2; k++)
         if (!(p->c_[k] - p->c_[k] == 0))
             return PK_FAILED(PK_FAILURE_DERIVED, 0);
     p->failed_ = 0;
@@ -114,6 +115,12 @@ void fput_start(const struct fput_params *p, pk_real *q, pk_real *v)
 }
 
 /* Cells beyond an end: of which cell they are the image, and what they hold. */
+
+static ptrdiff_t fput_home_q(const struct fput_params *p, ptrdiff_t i)
+{
+    (void)p;
+    return i >= 1 && i <= p->N ? i : (1) - 1; /* none: given */
+}
 
 static pk_real fput_q_q(const struct fput_params *p, pk_real t, const pk_real *x,
                         const pk_real *u, ptrdiff_t m)
@@ -351,6 +358,64 @@ static void fput_acceleration_q_part(const struct fput_params *p, pk_real t, con
         r[1] += 1;
 }
 
+PK_INLINE static pk_bits fput_slopes_mass_q_inner(const struct fput_params *p, pk_real t,
+    const pk_real *q, const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
+{
+    (void)p, (void)t, (void)q, (void)v, (void)u;
+    (void)m;
+    r[0] = 1;
+    return 0;
+}
+
+static void fput_slopes_mass_q_part(const struct fput_params *p, pk_real t, const pk_real *q,
+                                    const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
+{
+    (void)p, (void)t, (void)q, (void)v, (void)u;
+    r[0] = 0;
+    (void)m;
+    if (m >= 1 && m <= p->N)
+        r[0] += 1;
+}
+
+PK_INLINE static pk_bits fput_slopes_jacobian_q_inner(const struct fput_params *p, pk_real t,
+    const pk_real *q, const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
+{
+    (void)p, (void)t, (void)q, (void)v, (void)u;
+    (void)m;
+    const pk_real q_ = q[m - 1];
+    const pk_real q_p1 = q[m];
+    const pk_real q_m1 = q[m - 2];
+    r[0] = 1 + p->c_[1] * (q_p1 - q_);
+    r[1] = p->c_[1] * q_m1 - 2 - p->c_[1] * q_p1;
+    r[2] = 1 + p->c_[1] * (q_ - q_m1);
+    return 0;
+}
+
+static void fput_slopes_jacobian_q_part(const struct fput_params *p, pk_real t, const pk_real *q,
+                                        const pk_real *v, const pk_real *u, ptrdiff_t m,
+                                        pk_real *r)
+{
+    (void)p, (void)t, (void)q, (void)v, (void)u;
+    r[0] = 0;
+    r[1] = 0;
+    r[2] = 0;
+    (void)m;
+    if (m >= 0 && m <= p->N) {
+        const pk_real q_ = fput_q_q(p, t, q, u, m);
+        const pk_real q_p1 = fput_q_q(p, t, q, u, m + 1);
+        const pk_real t1 = 1 + p->c_[1] * (q_p1 - q_);
+        r[0] += t1;
+        r[1] += -t1;
+    }
+    if (m >= 1 && m <= p->N + 1) {
+        const pk_real q_ = fput_q_q(p, t, q, u, m);
+        const pk_real q_m1 = fput_q_q(p, t, q, u, m - 1);
+        const pk_real t1 = 1 + p->c_[1] * (q_ - q_m1);
+        r[1] += -t1;
+        r[2] += t1;
+    }
+}
+
 /* f = pdot - (dp/dq) v - dp/dt. */
 void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                 const pk_real *u, pk_real *restrict f)
@@ -513,6 +578,146 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
             dLdq[m - 1] = r[0];
         }
     }
+}
+
+/* Places of rows and columns: cells by index, families side by side, then scalar coordinates. */
+static ptrdiff_t fput_slopes_first(const struct fput_params *p)
+{
+    (void)p;
+    return 1;
+}
+
+/* Places for cells; where one family is shorter than another, some are empty. */
+static ptrdiff_t fput_slopes_places(const struct fput_params *p)
+{
+    return (p->N - fput_slopes_first(p) + 1) * 1;
+}
+
+/* The place of a member of q, or -1 of one that is given. */
+static ptrdiff_t fput_slopes_row_q(const struct fput_params *p, ptrdiff_t i)
+{
+    const ptrdiff_t m = fput_home_q(p, i);
+    if (m < 1 || m > p->N)
+        return -1;
+    return (m - fput_slopes_first(p)) * 1 + 0;
+}
+
+/* Where the coordinate of a place is in q, or -1 where it is empty. */
+static ptrdiff_t fput_slopes_coordinate(const struct fput_params *p, ptrdiff_t i)
+{
+    const ptrdiff_t places = fput_slopes_places(p), m = fput_slopes_first(p) + i / 1;
+    if (i < places)
+        switch (i % 1) {
+        case 0:
+            return m >= 1 && m <= p->N ? m - 1 : -1;
+        default:
+            return -1;
+        }
+    switch (i - places) {
+    default:
+        return -1;
+    }
+}
+
+void fput_slopes_pattern(const struct fput_params *p, size_t *rows, size_t *width, size_t *border)
+{
+    const ptrdiff_t places = fput_slopes_places(p);
+    *width = 1;
+    *rows = (size_t)places;
+    *border = (size_t)places + 0 - *rows;
+}
+
+ptrdiff_t fput_slopes_place(const struct fput_params *p, size_t i)
+{
+    return fput_slopes_coordinate(p, (ptrdiff_t)i);
+}
+
+/* Adds to entry (i, j) of a matrix; what is given has no place, -1. */
+PK_INLINE static void fput_slopes_add(ptrdiff_t rows, ptrdiff_t border, pk_real *A, ptrdiff_t i,
+                                      ptrdiff_t j, pk_real x)
+{
+    const ptrdiff_t right = rows * 3;
+
+    if (i < 0 || j < 0)
+        return;
+    if (i < rows && j < rows)
+        A[i * 3 + j - i + 1] += x;
+    else if (i < rows)
+        A[right + i * border + j - rows] += x;
+    else if (j < rows)
+        A[right + (rows + j) * border + i - rows] += x;
+    else
+        A[right + (2 * rows + i - rows) * border + j - rows] += x;
+}
+
+void fput_slopes_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
+                      const pk_real *u, pk_real *restrict M)
+{
+    const ptrdiff_t places = fput_slopes_places(p);
+    size_t n_rows, width, n_border, i, size;
+    ptrdiff_t rows, border;
+
+    fput_slopes_pattern(p, &n_rows, &width, &n_border);
+    rows = (ptrdiff_t)n_rows;
+    border = (ptrdiff_t)n_border;
+    size = n_rows * (2 * width + 1) + (2 * n_rows + n_border) * n_border;
+    for (i = 0; i < size; i++)
+        M[i] = 0;
+    for (i = 0; i < (size_t)places; i++)
+        if (fput_slopes_coordinate(p, (ptrdiff_t)i) < 0)
+            fput_slopes_add(rows, border, M, (ptrdiff_t)i, (ptrdiff_t)i, 1);
+    {
+        const ptrdiff_t lo = 1;
+        const ptrdiff_t hi = p->N;
+        ptrdiff_t m;
+        for (m = 1 - 1; m <= p->N + 1; m++) {
+            const ptrdiff_t row = fput_slopes_row_q(p, m);
+            pk_real r[1];
+            if (row < 0)
+                continue;
+            if (m < lo || m > hi || fput_slopes_mass_q_inner(p, t, q, v, u, m, r))
+                fput_slopes_mass_q_part(p, t, q, v, u, m, r);
+            fput_slopes_add(rows, border, M, row, fput_slopes_row_q(p, m + 0), r[0]);
+        }
+    }
+    (void)p, (void)places, (void)rows, (void)border, (void)t, (void)q, (void)v, (void)u;
+}
+
+void fput_slopes_jacobian(const struct fput_params *p, pk_real t, const pk_real *q,
+                          const pk_real *v, const pk_real *u, pk_real *restrict p_q,
+                          pk_real *restrict pdot_q, pk_real *restrict pdot_v)
+{
+    const ptrdiff_t places = fput_slopes_places(p);
+    size_t n_rows, width, n_border, i, size;
+    ptrdiff_t rows, border;
+
+    fput_slopes_pattern(p, &n_rows, &width, &n_border);
+    rows = (ptrdiff_t)n_rows;
+    border = (ptrdiff_t)n_border;
+    size = n_rows * (2 * width + 1) + (2 * n_rows + n_border) * n_border;
+    for (i = 0; i < size; i++)
+        p_q[i] = 0;
+    for (i = 0; i < size; i++)
+        pdot_q[i] = 0;
+    for (i = 0; i < size; i++)
+        pdot_v[i] = 0;
+    {
+        const ptrdiff_t lo = 2;
+        const ptrdiff_t hi = p->N - 1;
+        ptrdiff_t m;
+        for (m = 1 - 1; m <= p->N + 1; m++) {
+            const ptrdiff_t row = fput_slopes_row_q(p, m);
+            pk_real r[3];
+            if (row < 0)
+                continue;
+            if (m < lo || m > hi || fput_slopes_jacobian_q_inner(p, t, q, v, u, m, r))
+                fput_slopes_jacobian_q_part(p, t, q, v, u, m, r);
+            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_q(p, m + 1), r[0]);
+            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_q(p, m + 0), r[1]);
+            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_q(p, m + -1), r[2]);
+        }
+    }
+    (void)p, (void)places, (void)rows, (void)border, (void)t, (void)q, (void)v, (void)u;
 }
 
 /* M = dp/dv is diagonal. */
@@ -1209,6 +1414,30 @@ static void fput_sys_range(const void *params, enum pk_range_of of, size_t k,
     }
 }
 
+static void fput_sys_pattern(const void *params, struct pk_pattern *pattern)
+{
+    fput_slopes_pattern(params, &pattern->rows, &pattern->width, &pattern->border);
+    pattern->dense = 0;
+}
+
+static ptrdiff_t fput_sys_slopes_place(const void *p, size_t i)
+{
+    return fput_slopes_place(p, i);
+}
+
+static void fput_sys_slopes_mass(const void *p, pk_real t, const pk_real *q, const pk_real *v,
+                                 const pk_real *u, pk_real *M)
+{
+    fput_slopes_mass(p, t, q, v, u, M);
+}
+
+static void fput_sys_slopes_jacobian(const void *p, pk_real t, const pk_real *q, const pk_real *v,
+                                     const pk_real *u, pk_real *p_q, pk_real *pdot_q,
+                                     pk_real *pdot_v)
+{
+    fput_slopes_jacobian(p, t, q, v, u, p_q, pdot_q, pdot_v);
+}
+
 static void fput_sys_advance(const void *p, int stages, const pk_real *kick, const pk_real *drift,
                              pk_real t, pk_real h, unsigned long steps, pk_real *q, pk_real *v)
 {
@@ -1244,6 +1473,10 @@ const struct pk_system fput_system = {
     .energy = fput_sys_energy,
     .kinetic = fput_sys_kinetic,
     .potential = fput_sys_potential,
+    .families.pattern = fput_sys_pattern,
+    .families.place = fput_sys_slopes_place,
+    .families.mass = fput_sys_slopes_mass,
+    .families.jacobian = fput_sys_slopes_jacobian,
     .families.advance = fput_sys_advance,
     .families.count = fput_sys_count,
     .families.n_sizes = 1,

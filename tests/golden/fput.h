@@ -194,7 +194,7 @@ enum {
 struct fput_params {
     ptrdiff_t N; /* moving masses */
     pk_real alpha;
-    pk_real c_[1]; /* computed by fput_prepare(), like what follows; do not set */
+    pk_real c_[2]; /* computed by fput_prepare(), like what follows; do not set */
     pk_real *work_;
     int failed_;
 };
@@ -244,6 +244,16 @@ int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, 
 size_t fput_mass_size(const struct fput_params *p);
 void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
                const pk_real *u, pk_real *M);
+
+/* M, and the derivatives of p and p', where a matrix is that of struct pk_pattern (pk/system.h). */
+void fput_slopes_pattern(const struct fput_params *p, size_t *rows, size_t *width,
+                         size_t *border);
+ptrdiff_t fput_slopes_place(const struct fput_params *p, size_t i);
+void fput_slopes_mass(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,
+                      const pk_real *u, pk_real *M);
+void fput_slopes_jacobian(const struct fput_params *p, pk_real t, const pk_real *q,
+                          const pk_real *v, const pk_real *u, pk_real *p_q, pk_real *pdot_q,
+                          pk_real *pdot_v);
 
 /** f = pdot - (dp/dq) v - dp/dt */
 void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const pk_real *v,

@@ -54,6 +54,8 @@ struct pk_method {
 
     /* Number of pk_real of work for n degrees of freedom; NULL: 0. */
     size_t (*size)(const struct pk_method *method, size_t n);
+    /* Instead of it, where that depends on the pattern of derivatives. */
+    size_t (*pattern_size)(const struct pk_method *method, size_t n, struct pk_pattern pattern);
     enum pk_status (*init)(struct pk_integrator *it); /* NULL: nothing */
     /* One step into it->own->next, to it->own->next_t, not past `limit`. Must leave it->own->state
      * alone. */

@@ -26,16 +26,16 @@ PK_BEGIN
  * loaded at run time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 61u
+#define PK_ABI 69u
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 62u
+#define PK_ABI 70u
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 63u
+#define PK_ABI 71u
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 60u
+#define PK_ABI 68u
 #endif
 extern const char PK_SCALAR[];
 
@@ -239,6 +239,15 @@ struct pk_part_constraints {
     void (*shares)(const void *params, size_t row, pk_real *out);
 };
 
+/* A matrix of derivatives by coordinates or rates: `rows` of a band that reaches `width` places to
+ * either side, then `border` places whole. Its numbers: rows * (2 width + 1), the diagonal of a row
+ * in the middle; rows * border, the border's columns by rows; rows * border, the border's rows by
+ * columns; border * border. */
+struct pk_pattern {
+    size_t rows, width, border;
+    int dense; /* places are coordinates, all of them in the border */
+};
+
 /* Families kept as loops. pk_system.n is then the count at the default sizes; coordinates, rates,
  * momenta and parameters have an entry for each declared name (q for q[1..N]), `cyclic` is NULL,
  * mass and jacobian are, and the offset of a family of parameters is that of a pointer to its
@@ -264,6 +273,12 @@ struct pk_part_families {
      * Uncompensated. NULL: there is none. */
     void (*advance)(const void *params, int stages, const pk_real *kick, const pk_real *drift,
                     pk_real t, pk_real h, unsigned long steps, pk_real *q, pk_real *v);
+    /* M, and what pk_system.jacobian has, of a pattern; NULL: there are none. place() is the
+     * coordinate that has place i, -1 where there is none: M is 1 there. */
+    void (*pattern)(const void *params, struct pk_pattern *pattern);
+    ptrdiff_t (*place)(const void *params, size_t i);
+    pk_kernel *mass;
+    pk_kernel_3 *jacobian;
 };
 
 /* The particles of which T = sum of m/2 |r'|^2, or what of L is of the second degree in the rates:
@@ -390,6 +405,16 @@ static inline struct pk_turning pk_system_turning(const struct pk_system *system
     const size_t first = pk_system_count(system, params) - system->n_first_order;
     const struct pk_turning found = {first + 3 * r, first + 3 * system->n_rotations + 4 * r, 1};
     return system->families.turning ? system->families.turning(params, r) : found;
+}
+
+/* The pattern of its derivatives: dense ones are a border alone. */
+static inline struct pk_pattern pk_system_pattern(const struct pk_system *system,
+                                                  const void *params)
+{
+    struct pk_pattern pattern = {0, 0, system->n, 1};
+    if (system->families.pattern)
+        system->families.pattern(params, &pattern);
+    return pattern;
 }
 
 /* Members of declared coordinate number k. */

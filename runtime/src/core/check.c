@@ -76,10 +76,11 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
         {"unconstrained", own, system->unconstrained != NULL},
         {"acceleration", ~0u, system->acceleration != NULL},
         {"canonical", PK_JACOBIANS | plain, system->canonical != NULL},
-        {"jacobian", PK_JACOBIANS, system->jacobian != NULL},
+        {"jacobian", PK_JACOBIANS, system->jacobian || system->families.jacobian},
         {"fast", method->needs & PK_FAST ? ~0u : 0, system->fast != NULL},
         {"linear", PK_LINEAR, system->linear != NULL},
-        {"mass", PK_JACOBIANS | PK_LINEAR | plain, system->mass != NULL},
+        {"mass", PK_LINEAR | plain, system->mass != NULL},
+        {"mass", PK_JACOBIANS, system->mass || system->families.mass},
     };
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
         if (!kernels[i].there && (kernels[i].traits == ~0u || method->traits & kernels[i].traits))

@@ -45,7 +45,7 @@ const struct pk_tableau *pk_erk_table(const struct pk_method *method);
 /* R(z) = sum c_k z^k, the step of u' = u; s + 1 numbers. Returns s. */
 int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);
 
-size_t pk_gauss_size(const struct pk_method *method, size_t n);
+size_t pk_gauss_size(const struct pk_method *method, size_t n, struct pk_pattern pattern);
 enum pk_status pk_gauss_init(struct pk_integrator *it);
 
 #endif

@@ -12,12 +12,14 @@
  *    start is near by, and J on average on the way from the start. From one matrix to the next by
  *    |J1^-1 J2 - I| < 1 or |I - J2^-1 J1| < 1: all between them are regular then, which the sign
  *    of a determinant does not say, two eigenvalues at once changing theirs. Convex stiffness
- *    passes, if not in one leap then in some.
+ *    passes, if not in one leap then in some; where derivatives are a band, in none: see bounded().
  * 3. The solution is followed from tau = 0 on, with the same test from one point to the next, and
  *    taken where it arrives. Where it does not there is a fold or a crossing: PK_AMBIGUOUS_STEP.
  *
  * Derivatives are sampled at the stages, so this is no proof over all states between them. The
- * norms are those of pk_gauss_norm, so that units do not matter.
+ * norms are those of pk_gauss_norm, so that units do not matter. Where derivatives are a band,
+ * J1^-1 J2 is dense: twice its spectral radius then stands for its norm, by a power iteration. As
+ * all from J1 to J2 are regular where that radius is below 1, a norm is more than is needed.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.14 (existence
  * and uniqueness); P. Deuflhard, Newton Methods for Nonlinear Problems, 5.1 (continuation).
@@ -31,30 +33,65 @@
 #define LASTING PK_C(0.3)  /* so little between start and stages that steps to come are as sure */
 #define LEAST_LEAP PK_C(1e-4)
 #define NEWTON_RATE PK_C(0.25) /* from a prediction within reach of the solution followed */
-enum { MOST_POINTS = 400 };
+#define TINY PK_F(sqrt)(PK_EPS)
+enum { MOST_POINTS = 400, TURNS = 16 };
+
+/* Twice the spectral radius of J1^-1 J2 - I, J1 factored in w->lu and J2 in w->other, as a power
+ * iteration from a vector without a pattern tells it: of bands, whose inverse is dense. */
+static pk_real radius(const struct pk_gauss_work *w)
+{
+    const size_t m = w->s * w->places;
+    pk_real growth[TURNS], product = 1;
+    unsigned long noise = 1;
+    for (size_t i = 0; i < m; i++) {
+        noise = (noise * 1103515245ul + 12345ul) & 0x7ffffffful;
+        w->x[i] = noise & 0x10000ul ? PK_C(1.0) : -PK_C(1.0);
+    }
+    for (int turn = 0; turn < TURNS; turn++) {
+        pk_real size = 0;
+        memset(w->y, 0, m * sizeof *w->y);
+        pk_band_add_product(&w->other, w->x, w->y);
+        pk_band_solve(&w->lu, w->y);
+        for (size_t i = 0; i < m; i++) {
+            w->y[i] -= w->x[i];
+            if (!(pk_abs(w->y[i]) <= size)) /* so that what is no number gets through */
+                size = pk_abs(w->y[i]);
+        }
+        if (!(size > TINY) || !pk_finite(size))
+            return size;
+        growth[turn] = size;
+        for (size_t i = 0; i < m; i++)
+            w->x[i] = w->y[i] / size;
+    }
+    for (int turn = TURNS / 2; turn < TURNS; turn++)
+        product *= growth[turn];
+    return 2 * PK_F(pow)(product, PK_C(2.0) / TURNS);
+}
 
 /* |J1^-1 J2 - I|, J1 factored in w->lu. */
-static pk_real apart(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J2,
-                     size_t stride, pk_real tau)
+static pk_real apart(struct pk_gauss_work *w, const pk_real *J2, size_t stride, pk_real tau)
 {
-    const size_t m = w->s * it->n;
-    pk_gauss_matrix(it, w, J2, stride, tau, w->other);
+    const size_t m = w->s * w->n;
+    pk_real *X = w->other.corner;
+    pk_gauss_matrix(w, J2, stride, tau, 1, &w->other);
+    if (!w->pattern.dense)
+        return radius(w);
     for (size_t j = 0; j < m; j++) {
         for (size_t i = 0; i < m; i++)
-            w->x[i] = w->other[i * m + j];
-        pk_lu_solve(w->lu, w->pivot, m, w->x);
+            w->x[i] = X[i * m + j];
+        pk_band_solve(&w->lu, w->x);
         for (size_t i = 0; i < m; i++)
-            w->other[i * m + j] = w->x[i] - (i == j ? PK_C(1.0) : PK_C(0.0));
+            X[i * m + j] = w->x[i] - (i == j ? PK_C(1.0) : PK_C(0.0));
     }
-    return pk_gauss_norm(w->other, m, w->x, w->y);
+    return pk_gauss_norm(w, NULL);
 }
 
 static int factor(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J,
                   size_t stride, pk_real tau)
 {
-    pk_gauss_matrix(it, w, J, stride, tau, w->lu);
+    pk_gauss_matrix(w, J, stride, tau, 1, &w->lu);
     it->count.factorisations++;
-    return pk_lu_factor(w->lu, w->pivot, w->s * it->n);
+    return pk_band_factor(&w->lu);
 }
 
 /* Whether all between J1(tau1), factored in w->lu, and J2(tau2) are regular. If so, w->lu is then
@@ -62,17 +99,62 @@ static int factor(struct pk_integrator *it, struct pk_gauss_work *w, const pk_re
 static int leap(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J1,
                 size_t stride1, pk_real tau1, const pk_real *J2, size_t stride2, pk_real tau2)
 {
-    const int near = apart(it, w, J2, stride2, tau2) < REGULAR;
+    const int near = apart(w, J2, stride2, tau2) < REGULAR;
     if (!factor(it, w, J2, stride2, tau2))
         return 0;
-    return near || apart(it, w, J1, stride1, tau1) < REGULAR;
+    return near || apart(w, J1, stride1, tau1) < REGULAR;
+}
+
+/* Makes a matrix symmetric; how far it was not, relative to its largest entry. */
+static pk_real symmetrise(const struct pk_gauss_work *w, pk_real *numbers)
+{
+    const struct pk_band A = pk_gauss_band(w, numbers);
+    pk_real most = PK_TINY, off = 0;
+    for (size_t i = 0; i < w->places; i++)
+        for (size_t j = i < A.rows && i > A.below ? i - A.below : 0; j <= i; j++) {
+            pk_real *x = pk_band_entry(&A, i, j), *y = pk_band_entry(&A, j, i);
+            most = pk_max(most, pk_max(pk_abs(*x), pk_abs(*y)));
+            off = pk_max(off, pk_abs(*x - *y));
+            *x = *y = (*x + *y) / 2;
+        }
+    return off / most;
+}
+
+/* Whether J(tau h) is regular for 0 <= tau <= 1, of one set of derivatives, by a theorem: with p_q =
+ * 0, K = -pdot_q symmetric, K >= -mu M and C = -(pdot_v + pdot_v^T)/2 >= -nu M, a linear motion
+ * grows in the norm q.(K + 2 mu M) q + v.M v by exp((sqrt(mu) + nu) t) at most, and the equations of
+ * a step are solvable where (sqrt(mu) + nu) h is below .5, less than what Gauss's and Radau's tables
+ * have. Hairer, Wanner II, Theorem IV.14.4, (14.24), (14.25). */
+static int bounded(const struct pk_gauss_work *w, const pk_real *J, pk_real h)
+{
+    const size_t nn = w->nn;
+    const pk_real mu = PK_C(0.0625) / (h * h), nu = PK_C(0.2) / pk_abs(h);
+    if (w->table->conjugate)
+        return 0;
+    for (size_t x = 0; x < nn; x++) {
+        if (J[nn + x] > 0 || J[nn + x] < 0)
+            return 0;
+        w->M[x] = -J[2 * nn + x];
+    }
+    if (!(symmetrise(w, w->M) <= 64 * PK_EPS))
+        return 0;
+    for (size_t x = 0; x < nn; x++)
+        w->M[x] += mu * J[x];
+    if (pk_gauss_mass_factor(w, w->M))
+        return 0;
+    for (size_t x = 0; x < nn; x++)
+        w->M[x] = nu * J[x] - J[3 * nn + x];
+    symmetrise(w, w->M);
+    return pk_gauss_mass_factor(w, w->M) == 0;
 }
 
 /* The second test's first part, for the derivatives in w->jacobian; leaves J(h) in w->lu. */
 static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
 {
-    const size_t stride = 4 * it->n * it->n;
+    const size_t stride = 4 * w->nn;
     pk_real at = 0, step = 1 / PK_F(sqrt)(pk_max(w->kept->contraction, PK_C(1.0)));
+    if (!w->pattern.dense && bounded(w, w->start_J, it->own->h))
+        return factor(it, w, w->jacobian, stride, 1);
     if (!factor(it, w, w->jacobian, stride, at))
         return 0;
     for (int count = 0; at < 1 && count < MOST_POINTS; count++) {
@@ -101,7 +183,7 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
         memcpy(w->V + i * n, it->v, n * sizeof *w->V);
     if (!pk_gauss_residual(it, w))
         return 0;
-    pk_lu_solve(w->lu, w->pivot, m, w->G);
+    pk_gauss_lu_solve(w, &w->lu, w->s, w->G);
     for (size_t k = 0; k < m; k++) {
         const pk_real d = w->older_V[k] - it->v[k % n], scale = w->scale[k % n] + PK_TINY;
         most = pk_max(most, pk_abs(d) / scale);
@@ -116,8 +198,8 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
 {
     const size_t n = it->n;
     for (size_t i = 0; i < w->s; i++) {
-        memcpy(w->other, w->jacobian + i * 4 * n * n, n * n * sizeof *w->other);
-        const size_t failed = pk_ldl_factor(w->other, n);
+        memcpy(w->M, w->jacobian + i * 4 * w->nn, w->nn * sizeof *w->M);
+        const size_t failed = pk_gauss_mass_factor(w, w->M);
         if (failed) {
             const pk_real t = it->t + w->c[i] * it->own->h;
             pk_eval_input(it, t);
@@ -132,7 +214,7 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
 static enum pk_status advance(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h,
                               pk_real was, pk_real at, pk_real to)
 {
-    const size_t m = w->s * it->n, stride = 4 * it->n * it->n;
+    const size_t m = w->s * it->n, stride = 4 * w->nn;
     const pk_real further = at > 0 ? (to - at) / (at - was) : 0;
     for (size_t k = 0; k < m; k++)
         w->V[k] = w->old_V[k] + further * (w->old_V[k] - w->older_V[k]);
@@ -150,7 +232,7 @@ static enum pk_status advance(struct pk_integrator *it, struct pk_gauss_work *w,
 
 static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
 {
-    const size_t n = it->n, s = w->s, nn = n * n;
+    const size_t n = it->n, s = w->s, nn = w->nn;
     const pk_real h = it->own->h, contraction = pk_gauss_contraction(it, w, w->start_J, 1);
     pk_real was = 0, at = 0, step = pk_min(PK_C(0.5), PK_GAUSS_SURE / (contraction + PK_TINY));
     enum pk_status status = PK_DONE;
@@ -186,7 +268,7 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
 
 static enum pk_status follow_from_start(struct pk_integrator *it, struct pk_gauss_work *w)
 {
-    pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
+    pk_gauss_derivatives(it, w, it->t, it->q, it->v, w->start_J);
     const enum pk_status status = follow(it, w);
     it->where = status == PK_AMBIGUOUS_STEP ? PK_BY_NEWTON : it->where;
     return status == PK_AMBIGUOUS_STEP ? PK_NO_CONVERGENCE : status;
@@ -194,13 +276,13 @@ static enum pk_status follow_from_start(struct pk_integrator *it, struct pk_gaus
 
 enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *w)
 {
-    const size_t stride = 4 * it->n * it->n;
+    const size_t stride = 4 * w->nn;
     const pk_real ratio = it->own->flags & PK_HAVE_STEP ? pk_abs(it->own->h / w->kept->last_h) : 0;
     pk_real before = w->kept->last_contraction * ratio * pk_max(ratio, PK_C(1.0));
     if (w->kept->sure > 0)
         return PK_DONE;
     if (!(ratio > 0)) {
-        pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
+        pk_gauss_derivatives(it, w, it->t, it->q, it->v, w->start_J);
         before = pk_gauss_contraction(it, w, w->start_J, 1);
     }
     if (w->kept->contraction <= (w->kept->fresh > 0 ? PK_GAUSS_SURE_ONCE : PK_GAUSS_SURE) &&
@@ -209,7 +291,7 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
     pk_gauss_set_scale(it, w);
     pk_gauss_stage_derivatives(it, w);
     if (ratio > 0)
-        pk_gauss_derivatives(it, it->t, it->q, it->v, w->start_J);
+        pk_gauss_derivatives(it, w, it->t, it->q, it->v, w->start_J);
     w->kept->contraction = pk_gauss_contraction(it, w, w->jacobian, w->s);
     PK_TRY(check_mass(it, w));
     w->kept->lu_h = it->own->h;
@@ -218,7 +300,7 @@ enum pk_status pk_gauss_certify(struct pk_integrator *it, struct pk_gauss_work *
         pk_gauss_contraction(it, w, w->start_J, 1) <= PK_GAUSS_SURE_ONCE)
         return factor(it, w, w->jacobian, stride, 1) ? PK_DONE : follow(it, w);
     if (regular(it, w)) {
-        const pk_real varied = apart(it, w, w->start_J, 0, 1);
+        const pk_real varied = apart(w, w->start_J, 0, 1);
         if (varied < REGULAR && (w->kept->noisy > 0 || straight(it, w))) {
             w->kept->sure = varied <= LASTING;
             return PK_DONE;

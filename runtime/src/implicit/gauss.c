@@ -83,13 +83,13 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
         for (size_t i = 0; i < n; i++)
             r[i] = p[i] - r[i];
         if (!constant || !(it->own->flags & PK_HAVE_A)) {
-            system->mass(it->problem.params, t, q, v, pk_eval_input(it, t), w->mass);
-            const size_t failed = pk_ldl_factor(w->mass, n);
+            pk_gauss_mass(it, t, q, v, w->mass);
+            const size_t failed = pk_gauss_mass_factor(w, w->mass);
             if (failed)
                 return pk_eval_failed(it, t, q, v, (int)failed);
             it->own->flags |= PK_HAVE_A;
         }
-        pk_ldl_solve(w->mass, n, r);
+        pk_gauss_mass_solve(w, w->mass, r);
         pk_real size = 0, scale = 0;
         for (size_t i = 0; i < n; i++) {
             v[i] += r[i];
@@ -162,8 +162,7 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
     return PK_DONE;
 }
 
-#define COLLOCATION(of)                                                              \
-    .needs = PK_NEEDS_COLLOCATION, .table = &pk_##of##_table, .size = pk_gauss_size, \
-    .init = pk_gauss_init, .step = gauss_step, \
-    .equations = pk_gauss_equations
+#define COLLOCATION(of)                                                                      \
+    .needs = PK_NEEDS_COLLOCATION, .table = &pk_##of##_table, .pattern_size = pk_gauss_size, \
+    .init = pk_gauss_init, .step = gauss_step, .equations = pk_gauss_equations
 PK_METHODS_COLLOCATION(PK_DEFINE_METHOD, COLLOCATION)

@@ -4,6 +4,7 @@
 #ifndef PK_GAUSS_H
 #define PK_GAUSS_H
 
+#include "../core/band.h"
 #include "../core/internal.h"
 #include "../core/tableau.h"
 
@@ -44,17 +45,22 @@ struct pk_gauss_kept {
 struct pk_gauss_work {
     const struct pk_gauss *table;
     size_t s;
+    struct pk_pattern pattern; /* of derivatives; rows 0: dense */
+    /* Coordinates; places, as many or more; numbers of a matrix of the pattern. */
+    size_t n, places, nn;
+    pk_real *place;             /* the coordinate that has each place, where not dense */
     pk_real *V, *Q, *P, *F, *G; /* stages: rates, coordinates, momenta, h b pdot, residual */
     pk_real *last_V;            /* of the last step made, for the predictor */
     pk_real *jacobian;          /* s of: M, p_q, pdot_q, pdot_v, one spare */
-    pk_real *lu, *pivot, *mass, *mean_q, *mean_v, *scale;
+    struct pk_band lu, other;   /* Newton's matrix, factored; another one, not to be factored */
+    pk_real *mass, *mean_q, *mean_v, *scale;
     pk_real *c, *b, *mu, *mu_p, *hA, *hA_p, *hb, *predict; /* _p: for p */
     pk_real *hh, *norms;        /* h^2 a^_ir a_rj; norms of hA, hA_p, hh */
     pk_real *mu_columns, *rest; /* of gauss8: mu for the lanes; work of gauss_nystrom.c. Of radau:
                                    work of radau.c */
-    /* branch.c: derivatives at the start and at the point before, V there and before that, another
-     * matrix, vectors. newton.c: derivatives an iteration before. */
-    pk_real *start_J, *old_J, *old_V, *older_V, *other, *x, *y, *before_J;
+    /* branch.c: derivatives at the start and at the point before, V there and before that; M of
+     * each stage; vectors, by places. newton.c: derivatives an iteration before. */
+    pk_real *start_J, *old_J, *old_V, *older_V, *M, *x, *y, *z, *before_J;
     struct pk_gauss_kept *kept;
 };
 
@@ -90,15 +96,17 @@ void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
 /* The iteration from V. 0 where it did not converge. */
 int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
 
-/* M, p_q, pdot_q, pdot_v into J, n by n each. */
-void pk_gauss_derivatives(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
-                          pk_real *J);
+/* M alone; M, p_q, pdot_q, pdot_v into J, w->nn numbers each. */
+void pk_gauss_mass(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
+                   pk_real *M);
+void pk_gauss_derivatives(struct pk_integrator *it, const struct pk_gauss_work *w, pk_real t,
+                          const pk_real *q, const pk_real *v, pk_real *J);
 /* The same at each stage. */
 void pk_gauss_stage_derivatives(struct pk_integrator *it, struct pk_gauss_work *w);
-/* Newton's matrix for a step of tau h, not factored. Derivatives of stage j start at
- * J + j * stride, so a stride of 0 is one set for all stages. */
-void pk_gauss_matrix(const struct pk_integrator *it, const struct pk_gauss_work *w,
-                     const pk_real *J, size_t stride, pk_real tau, pk_real *matrix);
+/* Newton's matrix for a step of tau h, not factored, with `mass` times M. Derivatives of stage j
+ * start at J + j * stride, so a stride of 0 is one set for all stages. */
+void pk_gauss_matrix(const struct pk_gauss_work *w, const pk_real *J, size_t stride, pk_real tau,
+                     pk_real mass, const struct pk_band *matrix);
 /* Newton's matrix as the mode wants it, factored into w->lu; 0 where it is singular. */
 int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
 /* Of pk_method: w->lu, where it is that of the step made. */
@@ -106,12 +114,30 @@ const pk_real *pk_gauss_equations(struct pk_integrator *it);
 /* Where a matrix costs less than an iteration or two: it then takes the derivatives at each
  * predicted stage, and is made anew at the first sign of slower convergence. */
 int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w);
+/* M = L D L^T in place; 0, or 1 + the coordinate whose pivot is not positive. x = M^-1 x of what is
+ * factored, x by coordinates. */
+size_t pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M);
+void pk_gauss_mass_solve(const struct pk_gauss_work *w, pk_real *M, pk_real *x);
+/* A matrix whose inverse is no less than |M^-1|, entry by entry, where it is positive definite:
+ * A. M. Ostrowski, Comment. Math. Helv. 10 (1937) 69. */
+void pk_gauss_compare(const struct pk_gauss_work *w, pk_real *M);
+/* x = lu^-1 x, of s stages, x by coordinates; y += A x of one stage. */
+void pk_gauss_lu_solve(const struct pk_gauss_work *w, const struct pk_band *lu, size_t s,
+                       pk_real *x);
+void pk_gauss_add_product(const struct pk_gauss_work *w, pk_real *A, const pk_real *x, pk_real *y);
+/* gauss_places.c: the matrix of a pattern that lies at `numbers`; its unknowns from a vector of s
+ * stages by coordinates, and back. */
+struct pk_band pk_gauss_band(const struct pk_gauss_work *w, pk_real *numbers);
+void pk_gauss_to_places(const struct pk_gauss_work *w, size_t s, const pk_real *x, pk_real *y);
+void pk_gauss_to_coordinates(const struct pk_gauss_work *w, size_t s, const pk_real *y, pk_real *x);
+
 /* A bound on how much one fixed-point iteration contracts, by `count` sets of derivatives; not
  * finite where M is not positive definite. */
 pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                              const pk_real *J, size_t count);
-/* The least of max_i (|X| x)_i / x_i over some x > 0, which bounds X in a norm of weights 1/x. */
-pk_real pk_gauss_norm(const pk_real *X, size_t m, pk_real *x, pk_real *y);
+/* The least of max_i (|M^-1 X| x)_i / x_i over some x > 0, which bounds M^-1 X in a norm of weights
+ * 1/x; X = w->other, M of each stage as factored in w->M, or 1 where that is NULL. */
+pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M);
 
 /* Whether V is the solution that belongs to short steps; if not, that solution, or
  * PK_AMBIGUOUS_STEP with the longest step for which there is one in it->detail. */

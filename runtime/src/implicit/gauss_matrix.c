@@ -16,47 +16,6 @@
 #define LITTLE PK_C(0.8)          /* what is gained in a turn, where many are made */
 enum { MOST_TURNS = 16 };
 
-void pk_gauss_derivatives(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
-                          pk_real *J)
-{
-    const struct pk_system *system = it->problem.system;
-    const size_t nn = it->n * it->n;
-    const pk_real *u = pk_eval_input(it, t);
-    system->mass(it->problem.params, t, q, v, u, J);
-    system->jacobian(it->problem.params, t, q, v, u, J + nn, J + 2 * nn, J + 3 * nn);
-    it->count.jacobians++;
-}
-
-void pk_gauss_stage_derivatives(struct pk_integrator *it, struct pk_gauss_work *w)
-{
-    const size_t n = it->n;
-    for (size_t i = 0; i < w->s; i++)
-        pk_gauss_derivatives(it, it->t + w->c[i] * it->own->h, w->Q + i * n, w->V + i * n,
-                             w->jacobian + i * 4 * n * n);
-}
-
-void pk_gauss_matrix(const struct pk_integrator *it, const struct pk_gauss_work *w,
-                     const pk_real *J, size_t stride, pk_real tau, pk_real *matrix)
-{
-    const size_t n = it->n, s = w->s, m = s * n, nn = n * n;
-    for (size_t i = 0; i < s; i++)
-        for (size_t j = 0; j < s; j++) {
-            pk_real *block = matrix + i * n * m + j * n;
-            const pk_real *Ji = J + i * stride, *Jj = J + j * stride;
-            const pk_real a = tau * w->hA[i * s + j], a_p = tau * w->hA_p[i * s + j];
-            const pk_real *hh = w->hh + (i * s + j) * s;
-            for (size_t k = 0; k < n; k++)
-                for (size_t l = 0; l < n; l++) {
-                    const size_t x = k * n + l;
-                    pk_real sum = 0;
-                    for (size_t r = 0; r < s; r++)
-                        sum += hh[r] * J[r * stride + 2 * nn + x];
-                    block[k * m + l] = (i == j ? Ji[x] : 0) + a * Ji[nn + x] -
-                                       a_p * Jj[3 * nn + x] - tau * tau * sum;
-                }
-        }
-}
-
 int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w)
 {
     return w->s * it->n <= 24;
@@ -68,9 +27,8 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
     it->own->flags &= ~(PK_HAVE_LU | PK_REFRESH);
     it->count.factorisations++;
     if (mode == PK_BY_MASS) {
-        it->problem.system->mass(it->problem.params, it->t, it->q, it->v, pk_eval_input(it, it->t),
-                                 w->jacobian);
-        return pk_ldl_factor(w->jacobian, n) == 0;
+        pk_gauss_mass(it, it->t, it->q, it->v, w->jacobian);
+        return pk_gauss_mass_factor(w, w->jacobian) == 0;
     }
     const int each = mode == PK_FULL || pk_gauss_small(it, w);
     if (each) {
@@ -83,14 +41,14 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
                 w->mean_q[k] += w->Q[i * n + k] / (pk_real)s;
                 w->mean_v[k] += w->V[i * n + k] / (pk_real)s;
             }
-        pk_gauss_derivatives(it, it->t + it->own->h / 2, w->mean_q, w->mean_v, w->jacobian);
+        pk_gauss_derivatives(it, w, it->t + it->own->h / 2, w->mean_q, w->mean_v, w->jacobian);
     }
     w->kept->contraction = pk_gauss_contraction(it, w, w->jacobian, each ? s : 1);
     w->kept->sure = 0;
     w->kept->fresh = 1;
-    pk_gauss_matrix(it, w, w->jacobian, each ? 4 * n * n : 0, 1, w->lu);
+    pk_gauss_matrix(w, w->jacobian, each ? 4 * w->nn : 0, 1, 1, &w->lu);
     w->kept->lu_h = it->own->h;
-    if (!pk_lu_factor(w->lu, w->pivot, s * n))
+    if (!pk_band_factor(&w->lu))
         return 0;
     if (mode == PK_SIMPLIFIED)
         it->own->flags |= PK_HAVE_LU;
@@ -99,20 +57,38 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
 
 const pk_real *pk_gauss_equations(struct pk_integrator *it)
 {
-    return it->own->flags & PK_HAVE_LU ? pk_gauss_parts(it).lu : NULL;
+    const struct pk_gauss_work w = pk_gauss_parts(it);
+    return it->own->flags & PK_HAVE_LU && w.pattern.dense ? w.lu.corner : NULL;
 }
 
-pk_real pk_gauss_norm(const pk_real *X, size_t m, pk_real *x, pk_real *y)
+/* y = |M^-1 X| x, or no less: |M^-1| <= (what M is compared with)^-1, which is in M. */
+static void add_sizes(const struct pk_gauss_work *w, const pk_real *M, const pk_real *x, pk_real *y)
 {
-    pk_real least = PK_INFINITY;
+    const size_t rows = w->pattern.rows, border = w->pattern.border, s = w->s;
+    memset(y, 0, s * w->places * sizeof *y);
+    pk_band_add_sizes(&w->other, x, y);
+    for (size_t i = 0; i < s && M; i++) {
+        const struct pk_band band = pk_gauss_band(w, w->M + i * w->nn);
+        for (size_t k = 0; k < rows; k++)
+            w->z[k] = y[k * s + i];
+        memcpy(w->z + rows, y + rows * s + i * border, border * sizeof *y);
+        pk_band_ldl_solve(&band, w->z);
+        for (size_t k = 0; k < rows; k++)
+            y[k * s + i] = w->z[k];
+        memcpy(y + rows * s + i * border, w->z + rows, border * sizeof *y);
+    }
+}
+
+pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M)
+{
+    const size_t m = w->s * w->places;
+    pk_real least = PK_INFINITY, *x = w->x, *y = w->y;
     for (size_t i = 0; i < m; i++)
         x[i] = 1;
     for (int turn = 0; turn < MOST_TURNS && least > SMALL; turn++) {
         pk_real most = 0, sum = 0;
+        add_sizes(w, M, x, y);
         for (size_t i = 0; i < m; i++) {
-            y[i] = 0;
-            for (size_t j = 0; j < m; j++)
-                y[i] += pk_abs(X[i * m + j]) * x[j];
             if (!(y[i] <= most * x[i])) /* so that what is no number gets through */
                 most = y[i] / x[i];
         }
@@ -141,7 +117,7 @@ static pk_real quick_contraction(const struct pk_integrator *it, const struct pk
 {
     const size_t n = it->n, nn = n * n;
     const int separable = (it->problem.system->facts & PK_SEPARABLE) != 0;
-    pk_real *ldl = w->other, *r = w->x, p_q = 0, pdot_q = 0, pdot_v = 0, least = 1;
+    pk_real *ldl = w->M, *r = w->x, p_q = 0, pdot_q = 0, pdot_v = 0, least = 1;
     for (size_t k = 0; k < count; k++, J += 4 * nn) {
         pk_real det = 1, of_p_q = 0, of_pdot_q = 0, of_pdot_v = 0;
         if (n > 1) {
@@ -179,32 +155,36 @@ static pk_real quick_contraction(const struct pk_integrator *it, const struct pk
     return n > 1 ? PK_C(2.72) * sum / least : sum;
 }
 
-/* |M^-1 (J - M)| itself. */
-static pk_real contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
-                           const pk_real *J, size_t stride)
+/* |M^-1 (J - M)| itself, of bands no less than it. */
+static pk_real contraction(const struct pk_gauss_work *w, const pk_real *J, size_t stride)
 {
-    const size_t n = it->n, s = w->s, m = s * n, nn = n * n;
-    pk_real *X = w->other, *ldl = X + m * m;
-    pk_gauss_matrix(it, w, J, stride, 1, X);
+    const size_t n = w->n, s = w->s, m = s * n, banded = !w->pattern.dense;
+    pk_gauss_matrix(w, J, stride, 1, 0, &w->other);
     for (size_t i = 0; i < s; i++, J += stride) {
-        memcpy(ldl, J, nn * sizeof *ldl);
-        if (pk_ldl_factor(ldl, n))
+        pk_real *M = w->M + (banded ? i * w->nn : 0);
+        memcpy(M, J, w->nn * sizeof *M);
+        if (banded)
+            pk_gauss_compare(w, M);
+        if (pk_gauss_mass_factor(w, M))
             return PK_INFINITY;
-        for (size_t j = 0; j < m; j++) {
-            pk_real *column = X + i * n * m + j;
+        for (size_t j = 0; j < m && !banded; j++) {
+            pk_real *column = w->other.corner + i * n * m + j;
             for (size_t k = 0; k < n; k++)
-                w->x[k] = column[k * m] - (j / n == i ? J[k * n + j % n] : 0);
-            pk_ldl_solve(ldl, n, w->x);
+                w->x[k] = column[k * m];
+            pk_gauss_mass_solve(w, M, w->x);
             for (size_t k = 0; k < n; k++)
                 column[k * m] = w->x[k];
         }
     }
-    return pk_gauss_norm(X, m, w->x, w->y);
+    return pk_gauss_norm(w, banded ? w->M : NULL);
 }
 
 pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                              const pk_real *J, size_t count)
 {
+    const size_t stride = count > 1 ? 4 * w->nn : 0;
+    if (!w->pattern.dense)
+        return contraction(w, J, stride);
     const pk_real quick = quick_contraction(it, w, J, count);
     if (quick <= PK_GAUSS_SURE || !pk_finite(quick))
         return quick;
@@ -214,7 +194,7 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
         w->kept->loose_for -= 1;
         return guess;
     }
-    const pk_real norm = contraction(it, w, J, count > 1 ? 4 * it->n * it->n : 0);
+    const pk_real norm = contraction(w, J, stride);
     w->kept->loose = norm / quick;
     w->kept->loose_for = 16;
     return norm;

@@ -7,41 +7,61 @@
 
 #include <pk/step/gauss_stages.h>
 
-static size_t lay_out(struct pk_gauss_work *w, size_t n, pk_real *base)
+/* With table, n and pattern set. */
+static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
 {
-    const size_t s = w->s, m = s * n, kept = PK_REALS_OF(struct pk_gauss_kept);
-    pk_real *memory = NULL;
+    const size_t n = w->n, s = (size_t)w->table->stages, m = s * n;
+    const size_t rows = w->pattern.rows, border = w->pattern.border, banded = !w->pattern.dense;
+    const size_t places = rows + border, by_places = s * places;
+    const size_t kept = PK_REALS_OF(struct pk_gauss_kept);
+    const size_t nn = rows * (2 * w->pattern.width + 1) + (rows + places) * border;
+    pk_real *memory = NULL, *lu = NULL, *other = NULL;
+    w->s = s;
+    w->places = places;
+    w->nn = nn;
+    w->lu = w->other = (struct pk_band){.rows = s * rows,
+                                        .below = s * w->pattern.width + s - 1,
+                                        .above = s * w->pattern.width + s - 1,
+                                        .border = s * border};
+    w->lu.pivoting = 1;
     /* clang-format off */
     const struct pk_slot slots[] = {
         {&memory, kept},      {&w->V, m},           {&w->Q, m},           {&w->P, m},
-        {&w->F, m},           {&w->G, m},           {&w->last_V, m},      {&w->pivot, m},
-        {&w->jacobian, 5 * s * n * n},              {&w->lu, m * m},      {&w->mass, n * n},
+        {&w->F, m},           {&w->G, m},           {&w->last_V, m},
+        {&w->jacobian, 4 * s * nn},                 {&w->mass, nn},
+        {&lu, pk_band_lay_out(&w->lu, NULL)},       {&other, pk_band_lay_out(&w->other, NULL)},
         {&w->mean_q, n},      {&w->mean_v, n},      {&w->scale, n},       {&w->mu, s * s},
         {&w->mu_p, s * s},    {&w->hA, s * s},      {&w->hA_p, s * s},    {&w->predict, s * (s + 1)},
         {&w->hb, s},          {&w->norms, 3},       {&w->hh, s * s * s},  {&w->mu_columns, s * s},
-        {&w->start_J, 4 * n * n},                   {&w->before_J, 4 * s * n * n},
-        {&w->old_J, 4 * s * n * n},                 {&w->old_V, m},       {&w->older_V, m},
-        {&w->c, s},           {&w->b, s},           {&w->x, m},           {&w->y, m},
-        {&w->other, m * m + n * n},
+        {&w->start_J, 4 * nn},                      {&w->before_J, 4 * s * nn},
+        {&w->old_J, 4 * s * nn},                    {&w->old_V, m},       {&w->older_V, m},
+        {&w->c, s},           {&w->b, s},           {&w->x, by_places},   {&w->y, by_places},
+        {&w->M, banded ? s * nn : nn},              {&w->place, banded * places},
+        {&w->z, banded * (by_places + places)},
         {&w->rest, s == PK_LANES ? pk_gauss_lanes_size(n) : 0}};
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     w->kept = (struct pk_gauss_kept *)(void *)memory;
+    if (base) {
+        pk_band_lay_out(&w->lu, lu);
+        pk_band_lay_out(&w->other, other);
+    }
     return size;
 }
 
-size_t pk_gauss_size(const struct pk_method *method, size_t n)
+size_t pk_gauss_size(const struct pk_method *method, size_t n, struct pk_pattern pattern)
 {
-    const struct pk_gauss *table = (const struct pk_gauss *)method->table;
-    struct pk_gauss_work w = {.table = table, .s = (size_t)table->stages};
-    return lay_out(&w, n, NULL);
+    struct pk_gauss_work w = {
+        .table = (const struct pk_gauss *)method->table, .n = n, .pattern = pattern};
+    return lay_out(&w, NULL);
 }
 
 struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
 {
-    struct pk_gauss_work w = {.table = (const struct pk_gauss *)it->method->table};
-    w.s = (size_t)w.table->stages;
-    lay_out(&w, it->n, it->own->work);
+    struct pk_gauss_work w = {.table = (const struct pk_gauss *)it->method->table,
+                              .n = it->n,
+                              .pattern = pk_system_pattern(it->problem.system, it->problem.params)};
+    lay_out(&w, it->own->work);
     return w;
 }
 
@@ -62,6 +82,8 @@ static void make_tables(struct pk_integrator *it, const struct pk_gauss_work *w)
         }
     if (s == PK_LANES)
         pk_gauss_make_matrices(pk_gauss_lanes(it, it->n, w->rest).M);
+    for (size_t k = 0; k < w->places && !w->pattern.dense; k++)
+        w->place[k] = (pk_real)it->problem.system->families.place(it->problem.params, k);
     it->own->made = 1;
 }
 

@@ -88,9 +88,9 @@ void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
 
 /* How much the derivatives have changed since the iteration before, relative, each of their four
  * kinds by itself. */
-static pk_real changed(const struct pk_integrator *it, const struct pk_gauss_work *w)
+static pk_real changed(const struct pk_gauss_work *w)
 {
-    const size_t nn = it->n * it->n;
+    const size_t nn = w->nn;
     pk_real worst = 0;
     for (size_t kind = 0; kind < 4; kind++) {
         pk_real most = 0, change = 0;
@@ -110,9 +110,9 @@ void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
     const size_t n = it->n, m = w->s * n;
     if (mode == PK_BY_MASS)
         for (size_t i = 0; i < w->s; i++)
-            pk_ldl_solve(w->jacobian, n, w->G + i * n);
+            pk_gauss_mass_solve(w, w->jacobian, w->G + i * n);
     else
-        pk_lu_solve(w->lu, w->pivot, m, w->G);
+        pk_gauss_lu_solve(w, &w->lu, w->s, w->G);
     for (size_t k = 0; k < m; k++) { /* G: what V changes by, 0 where rounding leaves it */
         const pk_real before = w->V[k];
         w->V[k] -= w->G[k];
@@ -172,7 +172,7 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
                           it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h;
         if (mode == PK_FULL || (count == 0 && (mode == PK_BY_MASS || stale))) {
             if (mode == PK_FULL)
-                memcpy(w->before_J, w->jacobian, 4 * w->s * it->n * it->n * sizeof *w->V);
+                memcpy(w->before_J, w->jacobian, 4 * w->s * w->nn * sizeof *w->V);
             if (!pk_gauss_refactor(it, w, mode))
                 return 0;
             fresh = 1;
@@ -189,7 +189,7 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
         const pk_real rate = count ? size / before : PK_C(1.0);
         /* Where the matrix stays, one correction is all there is to do. If more are called for,
          * they are the round-off of the forces: terms that cancel, near rest. */
-        const int same = mode == PK_FULL && count && changed(it, w) <= PK_GAUSS_STEADY;
+        const int same = mode == PK_FULL && count && changed(w) <= PK_GAUSS_STEADY;
         stuck = !same ? 0 : rate > PK_GAUSS_STUCK ? stuck + 2 : stuck + 1;
         if (stuck >= 4) {
             w->kept->noisy = 1;

@@ -18,28 +18,40 @@
 #define KEEP PK_C(1.2) /* a step that might grow by less stays: Newton's matrix too */
 enum { MOST_ITERATIONS = 10 };
 
-static size_t lay_out(struct pk_radau_parts *r, size_t n, pk_real *base)
+static size_t lay_out(struct pk_radau_parts *r, size_t n, struct pk_pattern pattern, pk_real *base)
 {
-    pk_real *kept;
-    const struct pk_slot slots[] = {{&r->E, n * n}, {&r->pivot, n}, {&r->pdot, n},
-                                    {&r->dq, n},    {&r->dv, n},    {&r->of_q, n},
-                                    {&r->of_v, n},  {&r->x, n},     {&kept, PK_REALS_OF(*r->kept)}};
+    pk_real *kept, *E;
+    r->E = (struct pk_band){.rows = pattern.rows,
+                            .below = pattern.width,
+                            .above = pattern.width,
+                            .border = pattern.border,
+                            .pivoting = 1};
+    const struct pk_slot slots[] = {{&E, pk_band_lay_out(&r->E, NULL)},
+                                    {&r->pdot, n},
+                                    {&r->dq, n},
+                                    {&r->dv, n},
+                                    {&r->of_q, n},
+                                    {&r->of_v, n},
+                                    {&r->x, n},
+                                    {&kept, PK_REALS_OF(*r->kept)}};
     const size_t size = PK_LAY_OUT(base, slots);
     r->kept = (struct pk_radau_kept *)(void *)kept;
+    if (base)
+        pk_band_lay_out(&r->E, E);
     return size;
 }
 
 static struct pk_radau_parts parts_of(const struct pk_integrator *it, const struct pk_gauss_work *w)
 {
     struct pk_radau_parts r;
-    lay_out(&r, it->n, w->rest);
+    lay_out(&r, it->n, w->pattern, w->rest);
     return r;
 }
 
-static size_t size(const struct pk_method *method, size_t n)
+static size_t size(const struct pk_method *method, size_t n, struct pk_pattern pattern)
 {
     struct pk_radau_parts r;
-    return pk_gauss_size(method, n) + lay_out(&r, n, NULL);
+    return pk_gauss_size(method, n, pattern) + lay_out(&r, n, pattern, NULL);
 }
 
 static enum pk_status init(struct pk_integrator *it)
@@ -197,8 +209,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-#define RADAU(of)                                                                                 \
-    .needs = PK_NEEDS_RADAU, .table = &pk_##of##_table, .formula = &pk_method_##of, .size = size, \
-    .init = init, .step = step, \
-    .equations = pk_gauss_equations
+#define RADAU(of)                                                                   \
+    .needs = PK_NEEDS_RADAU, .table = &pk_##of##_table, .formula = &pk_method_##of, \
+    .pattern_size = size, .init = init, .step = step, .equations = pk_gauss_equations
 PK_METHODS_RADAU(PK_DEFINE_METHOD, RADAU)

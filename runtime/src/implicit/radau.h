@@ -6,7 +6,8 @@
 
 /* The work behind that of the stages. */
 struct pk_radau_parts {
-    pk_real *E, *pivot, *pdot, *dq, *dv, *of_q, *of_v, *x;
+    struct pk_band E;
+    pk_real *pdot, *dq, *dv, *of_q, *of_v, *x;
     struct pk_radau_kept *kept;
 };
 

@@ -54,7 +54,7 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
 static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
                         const struct pk_radau_parts *r, const pk_real *v, const pk_real *pdot)
 {
-    const size_t n = it->n, nn = n * n;
+    const size_t n = it->n, nn = w->nn;
     const pk_real *J = w->jacobian, *p0 = pk_part(it->own->state, n, PK_P), hg = it->own->h * GAMMA;
     pk_real sum = 0;
     for (size_t k = 0; k < n; k++) {
@@ -66,12 +66,11 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
         r->dq[k] = of_q;
         r->x[k] = of_p;
     }
-    for (size_t k = 0; k < n; k++) {
-        r->dv[k] = r->x[k];
-        for (size_t l = 0; l < n; l++)
-            r->dv[k] += (hg * J[2 * nn + k * n + l] - J[nn + k * n + l]) * r->dq[l];
-    }
-    pk_lu_solve(r->E, r->pivot, n, r->dv);
+    memcpy(r->dv, r->x, n * sizeof *r->dv);
+    for (size_t x = 0; x < nn; x++)
+        w->M[x] = hg * J[2 * nn + x] - J[nn + x];
+    pk_gauss_add_product(w, w->M, r->dq, r->dv);
+    pk_gauss_lu_solve(w, &r->E, 1, r->dv);
     for (size_t k = 0; k < n; k++) {
         r->dq[k] += hg * r->dv[k];
         sum += r->dq[k] / r->of_q[k] * (r->dq[k] / r->of_q[k]) +
@@ -83,12 +82,15 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
 enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int again)
 {
-    const size_t n = it->n, nn = n * n;
-    const pk_real *J = w->jacobian, hg = it->own->h * GAMMA;
-    for (size_t i = 0; i < nn; i++)
-        r->E[i] = J[i] + hg * (J[nn + i] - J[3 * nn + i]) - hg * hg * J[2 * nn + i];
+    const size_t n = it->n;
+    pk_real hg = it->own->h * GAMMA, hh = hg * hg;
+    struct pk_gauss_work one = *w; /* as of a method of one stage */
+    one.s = 1;
+    one.hA = one.hA_p = &hg;
+    one.hh = &hh;
+    pk_gauss_matrix(&one, w->jacobian, 0, 1, 1, &r->E);
     it->count.factorisations++;
-    if (!pk_lu_factor(r->E, r->pivot, n))
+    if (!pk_band_factor(&r->E))
         return PK_NO_CONVERGENCE;
     pk_radau_tolerances(it, r, w->Q + 2 * n, w->V + 2 * n);
     it->own->error = estimate(it, w, r, it->v, r->pdot);
@@ -103,4 +105,3 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
     }
     return pk_finite(it->own->error) ? PK_DONE : PK_NOT_FINITE;
 }
-

@@ -28,6 +28,13 @@ struct pk_options pk_options_default(void)
     return options;
 }
 
+static size_t work_size(const struct pk_problem *problem, const struct pk_method *method, size_t n)
+{
+    if (method->pattern_size)
+        return method->pattern_size(method, n, pk_system_pattern(problem->system, problem->params));
+    return method->size ? method->size(method, n) : pk_splitting_size(problem->system, method, n);
+}
+
 /* Lays out what lies behind `own`, for n coordinates; counts alone where base is NULL. */
 static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem *problem,
                       const struct pk_method *method, size_t n, pk_real *base)
@@ -40,7 +47,7 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
         {&own->atol, pk_scale_size(method, n)},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
         {&own->lane, system->lanes ? 0 : 3 * n + system->n_inputs},
-        {&own->work, method->size ? method->size(method, n) : pk_splitting_size(system, method, n)},
+        {&own->work, work_size(problem, method, n)},
         {&own->singularities, pk_singularity_size(singularities, n)},
         {&own->project, pk_project_size(problem, n)},
         {&own->marks, pk_marks_size(system, n)},

@@ -169,6 +169,8 @@ class _Context:
                 for outputs in [within(e)[kernel["name"]]]
             ],
             **bound_context(e, plan, self.places),
+            "slopes": plan.slopes,
+            "reach": plan.reach,
             "totals": plan.totals,
             "pairs": plan.pairs,
             "vectors": kernels,
@@ -195,7 +197,9 @@ class _Context:
             "constant": labelled(loop_invariants(e.facts)),
             "stepper": self._stepper() if alone and "advance" in self.kernels else None,
             "wraps": any(g.periodic for g in e.families),
-            "homes": [s.group for s in main if plan.band or s.ghosts or s.group["periodic"]],
+            "homes": [
+                s.group for s in main if plan.band or plan.slopes or s.ghosts or s.group["periodic"]
+            ],
         }
 
     def _system_kernels(self) -> dict[str, dict[str, Any]]:
@@ -208,7 +212,7 @@ class _Context:
             name: {"name": name, "result": KERNELS[name].result, "given": ()}
             | {"outputs": [{"name": output} for output in found[name]]}
             for name in KERNELS
-            if name in found and name != "mass"
+            if name in found and name not in ("mass", "jacobian")
         }
 
     def _parameter(self, k: int) -> dict[str, Any]:

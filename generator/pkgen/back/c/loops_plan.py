@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ...middle.loops.loops import Bound, Group, LoopEquations, Row, Total
+from ...middle.loops.loops import Bound, Group, LoopEquations, Row, Total, Unrolled
+from ...middle.loops.slopes import Matrix, slopes_of
 from .loops import Block
 from .loops_chain import Chain
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
@@ -32,6 +33,18 @@ PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}  # to t
 
 
 @dataclass
+class SlopeKernel:
+    """Writes matrices of derivatives into outputs; what each value of a row is added to, and where
+    the totals of scalar coordinates are: (output, row, column) in C."""
+
+    name: str
+    outputs: tuple[str, ...]
+    rows: list[RowSet] = field(default_factory=list)
+    stores: list[list[tuple[str, str, str]]] = field(default_factory=list)  # of each of the rows
+    corner: list[tuple[str, str, str, str]] = field(default_factory=list)  # and the total
+
+
+@dataclass
 class Plan:
     """By kernel, or by the name of a total."""
 
@@ -44,12 +57,15 @@ class Plan:
     jacobian: dict[str, RowSet] = field(default_factory=dict)  # of rows within the band
     border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family
     bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # and by rows
+    slopes: list[SlopeKernel] = field(default_factory=list)
+    reach: int = 0  # of a row of slopes to either side, in places
 
     @property
     def blocks(self) -> Iterator[Block]:
         sets = [*(s for found in self.rows.values() for s in found), *self.band]
         sets += [*self.jacobian.values(), *self.border.values()]
         sets += [s for found in self.bound.values() for s in found.values()]
+        sets += [s for kernel in self.slopes for s in kernel.rows]
         for found in (*sets, *self.totals.values()):
             yield from found.blocks
         yield from (pair.block for pairs in self.pairs.values() for pair in pairs)
@@ -62,7 +78,7 @@ def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
     named = {*VECTORS, *(k for k in TOTALS if getattr(e, k) is not None)}
     if e.carried:
         return frozenset(named if wanted is None else named & wanted | {"force"})
-    named |= {"mass", "advance"}
+    named |= {"mass", "jacobian", "advance"}
     if wanted is None:
         return frozenset(named)
     alone = divides(e) and not e.force.pairs  # a row of the acceleration is made by itself
@@ -124,6 +140,8 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
             total(what, getattr(e, what))
     for k, of in enumerate(e.sums):
         total(f"sum_{k}", of)
+    if "jacobian" in kernels and not (e.bound or e.model.rotations):
+        _plan_slopes(e, make, plan, total)
     plan.singularities = [
         make.total(f"singularity_{k}", singularity.terms, as_derived=True)
         for k, singularity in enumerate(e.singularities)
@@ -160,6 +178,60 @@ def _plan_bound(e: LoopEquations, make: Builder, plan: Plan) -> None:
 def singles(e: LoopEquations, g: Group) -> list[Bound]:
     """The single rows in which members of a family move."""
     return [rows for rows in e.bound if g.name in rows.border]
+
+
+def _plan_slopes(e: LoopEquations, make: Builder, plan: Plan, total: Any) -> None:
+    """The kernels of M and of the derivatives of p and p', where these are no dense matrices."""
+    try:
+        slopes = slopes_of(e, make.interior.slots)
+    except Unrolled:
+        return
+    names = [g.name for g in e.families]
+    plan.reach = max(
+        (
+            abs(shift * len(names) + names.index(b) - names.index(a))
+            for matrix in slopes.all
+            for a, b, shift in matrix.entries
+        ),
+        default=0,
+    )
+    of_mass = SlopeKernel("mass", ("M",))
+    jacobian = SlopeKernel("jacobian", ("p_q", "pdot_q", "pdot_v"))
+    matrices = ((of_mass, slopes.all[:1]), (jacobian, slopes.all[1:]))
+    scalar = {g.name: f"places + {k}" for k, g in enumerate(e.scalars)}
+    prefix = e.model.name
+    for kernel, found in matrices:
+        for g in e.families:
+            rows, stores = [], []
+            for output, matrix in zip(kernel.outputs, found, strict=True):
+                for row, column, value in _of_row(matrix, g, prefix, scalar):
+                    rows.append(value)
+                    stores.append((output, row, column))
+            if rows:
+                name = f"slopes_{kernel.name}_{g.name}"
+                kernel.rows.append(make.rows(name, g, rows, ghosts=False))
+                kernel.stores.append(stores)
+        for output, matrix in zip(kernel.outputs, found, strict=True):
+            for (a, b), of in matrix.corner.items():
+                key = f"slopes_{output}_{a}_{b}"
+                total(key, of)
+                kernel.corner.append((output, scalar[a], scalar[b], key))
+        plan.slopes.append(kernel)
+
+
+def _of_row(
+    matrix: Matrix, g: Group, prefix: str, scalar: dict[str, str]
+) -> Iterator[tuple[str, str, Row]]:
+    """Row and column of the entries that the row of a family's cell knows."""
+    for (own, other, shift), row in matrix.entries.items():
+        if own == g.name:
+            yield "row", f"{prefix}_slopes_row_{other}(p, m + {shift})", row
+    for (own, other), row in matrix.right.items():
+        if own == g.name:
+            yield "row", scalar[other], row
+    for (other, own), row in matrix.bottom.items():
+        if own == g.name:
+            yield scalar[other], "row", row
 
 
 def _own(e: LoopEquations, g: Group) -> Row:

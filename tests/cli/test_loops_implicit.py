@@ -1,0 +1,118 @@
+"""Implicit methods on families kept as loops, by banded Newton: beside members written out, and
+with steps far beyond what explicit methods can."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from pathlib import Path
+
+import pytest
+from conftest import long_but
+from test_loops_features import both, chain, rows  # noqa: F401 (a fixture)
+
+METHODS = {
+    "radau": ("--rtol", "1e-10"),
+    "radau5": ("--step", "0.1"),
+    "radau9": ("--step", "0.3"),
+    "gauss1": ("--step", "0.1"),
+    "gauss2": ("--step", "0.1"),
+    "gauss4": ("--step", "0.3"),
+    "gauss8": ("--step", "0.5"),
+    "lobatto2": ("--step", "0.05"),
+    "lobatto3": ("--step", "0.1"),
+    "lobatto4": ("--step", "0.1"),
+}
+STIFF = {
+    "sine_gordon": """\
+model sine_gordon
+size N = 20
+param d = 0.05
+coord q[1..N]
+fixed q[0] = 0, q[N+1] = 2*pi
+kinetic sum(d*q[i]'^2/2, i = 1..N)
+potential sum((q[i+1] - q[i])^2/(2*d), i = 0..N) + sum(d*(1 - cos(q[i])), i = 1..N)
+start q[i = 1..N] = 2*pi*i/(N+1) + 0.1*sin(i)
+""",
+    "ring": """\
+model ring
+size N = 20
+param k = 1e3
+coord x[1..N], X
+periodic x
+kinetic sum(x[i]'^2/2 + (2 + cos(x[i]))*(x[i+1]' - x[i]')^2/9, i = 1..N) + X'^2
+potential sum(k/2*(x[i+1] - x[i])^2 + (1 - cos(x[i])) + (x[i] - X)^2, i = 1..N)
+dissipation sum((x[i+1]' - x[i]')^2*2, i = 1..N)
+start x[i = 1..N] = 0.3*sin(2*pi*i/N) + 0.1/i, x[1]' = 0.5
+""",
+    "heat": """\
+model heat
+size N = 20
+param D = 1e3
+state u[1..N]
+fixed u[0] = 1 + sin(t)
+free u[N+1]
+rate u[i = 1..N] = D*(u[i-1] - 2*u[i] + u[i+1])*(1 + u[i]^2)
+""",
+}
+
+
+@pytest.mark.parametrize("seed", long_but((2,), range(40)))
+def test_random_chains_are_those_of_members_written_out(seed: int, both) -> None:  # noqa: F811
+    dice = random.Random(seed)
+    while "j =" in (text := chain(dice, coordinates=seed % 4 != 3)):
+        pass  # a sum over all, which has no bands
+    method = list(METHODS)[seed % len(METHODS)]
+    words = ("--until", 1.5, "--every", 0.3, "--method", method, *METHODS[method])
+    (loops, told), (written, said) = both(text, *words)
+    error = 1e-9 if method == "radau" else 1e-12
+    assert len(loops) == len(written) == 6 and told["steps"] == said["steps"]
+    for one, other in zip(loops, written, strict=True):
+        assert one == pytest.approx(other, rel=error, abs=error), text
+
+
+@pytest.mark.parametrize("method", ["gauss1", "gauss3", "radau5"])
+@pytest.mark.parametrize("name", long_but(("ring",), STIFF))
+@pytest.mark.parametrize("size", long_but((20,), (1, 2, 3, 20)))
+def test_stiff_steps_are_those_of_members_written_out(
+    name: str,
+    size: int,
+    method: str,
+    both,  # noqa: F811
+) -> None:
+    words = ("--until", 2, "--every", 1, "--size", f"N={size}")
+    (loops, told), (written, _) = both(STIFF[name], *words, "--method", method, "--step", 0.25)
+    assert told["steps"] == 8
+    for one, other in zip(loops, written, strict=True):
+        assert one == pytest.approx(other, rel=1e-11, abs=1e-11)
+
+
+def test_heat_is_conducted_by_steps_as_long_as_one_likes(pkgen, tmp_path: Path) -> None:
+    """An explicit step is stable up to 2/(4 D): these are a million times as long."""
+    model = tmp_path / "line.lag"
+    model.write_text(
+        "model line\nsize N = 1000\nparam D = 1e8\nstate u[1..N]\nfixed u[0] = 1\n"
+        "fixed u[N+1] = 0\nrate u[i = 1..N] = D*(u[i-1] - 2*u[i] + u[i+1])\n"
+    )
+    words = ("--until", 0.03, "--every", 0.03, "--record", "u[250]", "--json")
+    out = tmp_path / "out.csv"
+    done = pkgen("run", model, *words, "--method", "radau5", "--step", 0.005, "-o", out)
+    assert done.returncode == 0, done.stderr
+    # Fourier's series of the chain, slowest first; each mode k decays by 4 D sin^2.
+    expected = 1 - 250 / 1001
+    for k in range(1, 40):
+        angle = k * math.pi / 1001
+        amplitude = 1 / math.tan(angle / 2) / 1001
+        rate = 4 * 1e8 * math.sin(angle / 2) ** 2
+        expected -= amplitude * math.sin(250 * angle) * math.exp(-rate * 0.03)
+    assert rows(out.read_text())[-1][1] == pytest.approx(expected, abs=1e-4)
+    assert json.loads(done.stdout)["report"]["steps"] == 6
+
+
+def test_sums_over_all_are_refused(pkgen) -> None:
+    done = pkgen(
+        "run", "models/particles/n_body.lag", "--size", "N=40", "--method", "radau", "--until", 1
+    )
+    assert done.returncode == 4
+    assert "are no band: sums over all" in done.stderr
