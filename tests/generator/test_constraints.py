@@ -296,3 +296,23 @@ def test_no_canonical_form():
         with pytest.raises(ModelError) as caught:
             compile_model(Source("model.lag", text), canonical=True)
         assert why in caught.value.diagnostics[0].message
+
+
+RAIL = """\
+model rail
+coord x, y, u, w
+kinetic (x'^2 + y'^2 + u'^2 + w'^2)/2
+potential 9.81*(y + w)
+constraint rod1: x^2 + y^2 = 1
+constraint rod2: (u - x)^2 + (w - y)^2 = 1
+constraint tip: w = -1.5
+start x = sqrt(1-0.81), y = -0.9, u = sqrt(1-0.81) + 0.8, w = -1.5
+event c: lambda_rod1 + 5 either
+"""
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853", "gauss", "radau"])
+def test_a_row_at_rest_but_for_rounding_ends_no_run_that_looks_for_events(tmp_path, method):
+    (tmp_path / "rail.lag").write_text(RAIL)
+    rows = pkgen.load(str(tmp_path / "rail.lag")).run(until=1, at="c", method=method)
+    assert abs(rows["t"][-1] - 0.8536497397) < 1e-8

@@ -109,3 +109,42 @@ def test_a_branch_is_kept_or_the_run_ends(seed, crossed, four_bar):
         assert (turns[1:] * turns[:-1] < 0).sum() > 2  # it does lie flat on the way
         assert off_branch(rows, of, crossed) < 1e-5, options
     assert arrived >= len(METHODS) - 2
+
+
+SLIDER = """\
+model slider
+param M = 0.7
+param g = 2
+coord a, b, x
+kinetic a'^2/2 + M*x'^2/2 + b'^2/10
+potential g*sin(a)
+constraint across: x = cos(a) + cos(b)
+constraint up: sin(a) + sin(b) = 0
+start a = 0.3, b = -0.3, x = 2*cos(0.3), a' = 4, b' = -4, x' = -8*sin(0.3)
+event top: a - pi/2 rising
+"""
+
+
+@pytest.fixture(scope="module")
+def slider(tmp_path_factory):
+    path = tmp_path_factory.mktemp("passage") / "slider.lag"
+    path.write_text(SLIDER)
+    return pkgen.load(str(path))
+
+
+@pytest.mark.parametrize("way", ["event", "row", "end"])
+@pytest.mark.parametrize("options", [METHODS[i] for i in (0, 2, 4, 5, 6, 7)], ids=str)
+def test_a_state_at_the_singular_position_itself(slider, options, way):
+    at = 0.466305263674
+    where = {"event": {"until": 1, "at": "top"}, "row": {"until": 1, "every": at / 4},
+             "end": {"until": at, "every": at}}[way]  # fmt: skip
+    record = ["a", "a'", "b'", "x'", "energy"]
+    rows = slider.run(**where, record=record, **options)
+    k = int(numpy.argmin(abs(rows["t"] - at)))
+    rtol = 3e-4 if options["method"] == "rattle" else 1e-6
+    # by the energy: (a')^2/2 (1 + 4 M sin(a)^2 + 1/5) + g sin(a)
+    rate = math.sqrt((8 * (1.2 + 2.8 * math.sin(0.3) ** 2) + 2 * math.sin(0.3) - 2) / 2)
+    assert abs(rows["a"][k] - math.pi / 2) < 10 * rtol
+    for name, value in (("a'", rate), ("b'", -rate), ("x'", -2 * rate)):
+        assert abs(rows[name][k] / value - 1) < rtol, (name, rows[name][k], value)
+    assert abs(rows["energy"][k] / rows["energy"][0] - 1) < rtol

@@ -58,8 +58,7 @@ void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w, const 
         pk_project_seen(it, w);
 }
 
-/* sigma at (t, q, v); 1 where M is singular. */
-static pk_real least(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v)
+pk_real pk_passage_sigma(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v)
 {
     struct pk_passage *is = pk_passage_of(it);
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
@@ -93,7 +92,7 @@ static enum pk_status aim(struct pk_integrator *it, const struct pk_passage_part
         x->q_here[i] = it->q[i] + little * it->v[i];
         x->v_here[i] = it->v[i] + little * x->a_here[i];
     }
-    const pk_real then = least(it, it->t + little, x->q_here, x->v_here);
+    const pk_real then = pk_passage_sigma(it, it->t + little, x->q_here, x->v_here);
     is->falls = then < is->sigma;
     is->at = it->t + is->sigma * little / (is->sigma - then);
     return PK_DONE;
@@ -106,7 +105,7 @@ static void look(struct pk_integrator *it)
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     const pk_real near = fixed ? 2 * PK_NEAR : PK_NEAR, was = is->sigma;
     is->falls = 0;
-    is->sigma = least(it, it->t, it->q, it->v);
+    is->sigma = pk_passage_sigma(it, it->t, it->q, it->v);
     const pk_real way = it->t - it->last_t;
     if (is->sigma < near && is->sigma < was && (way > 0 || way < 0))
         if (aim(it, &x, way) < 0)

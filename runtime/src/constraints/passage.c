@@ -82,11 +82,13 @@ void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct pk_passage_parts x = pk_passage_parts(it);
     const size_t n = it->n;
-    const pk_real next_t = it->own->next_t;
+    const pk_real next_t = it->own->next_t, row = x.is->row;
     pk_real off = 0;
     along(&x, n, (t - x.is->t) / x.is->h, q, v);
+    const int apart = pk_passage_sigma(it, t, q, v) > PK_SINGULAR;
+    x.is->row = row;
     it->own->next_t = it->t;
-    if (put(it, &x, t, q, v, &off) < 0 || !(off < SURE)) /* too near the place */
+    if (apart && (put(it, &x, t, q, v, &off) < 0 || !(off < SURE)))
         along(&x, n, (t - x.is->t) / x.is->h, q, v);
     it->own->next_t = next_t;
 }

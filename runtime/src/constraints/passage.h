@@ -32,6 +32,8 @@ static inline struct pk_passage *pk_passage_of(const struct pk_integrator *it)
     return (struct pk_passage *)(void *)it->own->passage; /* it is laid out first */
 }
 
+/* sigma at (t, q, v); 1 where M is singular. */
+pk_real pk_passage_sigma(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v);
 /* it->where, of a branch that cannot be told: behind all else, and which row. */
 size_t pk_passage_told(const struct pk_integrator *it);
 

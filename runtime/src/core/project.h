@@ -63,6 +63,9 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
                        const pk_real *J, size_t rows, pk_real *out);
 #define PK_NEAR PK_C(0.2) /* sigma, below which it is watched to fall; of fixed steps twice that */
 #define PK_FAR PK_C(0.9)  /* sigma, above which a fixed step meets no such place */
+/* sigma, below which rounding of positions, some PK_EPS / sigma^2 of rates, is more than steps err:
+ * rates are not projected there, and what J M^-1 J^T is solved for is lost. */
+#define PK_SINGULAR (PK_C(10.0) * PK_F(sqrt)(PK_F(sqrt)(PK_EPS)))
 /* A at the step's end has been factored: how near it is to such a position, in it->own->seen.
  * it->own->near is that of the step's start, where not far, or not known. */
 enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };

@@ -288,10 +288,10 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     if (it->own->atol && side->own->atol)
         memcpy(side->own->atol, it->own->atol,
                pk_scale_size(it->method, n) * sizeof *it->own->atol);
-    if (it->own->crossed) {
-        pk_real *q = pk_part(side->own->next, n, PK_Q), *v = pk_part(side->own->next, n, PK_V);
-        pk_passage_at(it, t, q, v);
-        return pk_integrator_reset(side, t, q, v) < 0 ? it->status = side->status : PK_DONE;
+    if (it->own->crossed) { /* no start: rows may depend on each other there */
+        pk_passage_at(it, t, side->q, side->v);
+        side->t = t;
+        return PK_DONE;
     }
     pk_integrator_reset(side, it->last_t, it->own->next, pk_part(it->own->next, n, PK_V));
     if (side->status >= 0) /* what a start lacks of a state amid the motion */
