@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import math
 import random
+import subprocess
+import sys
 
 import numpy
 import pkgen
@@ -148,3 +150,17 @@ def test_a_state_at_the_singular_position_itself(slider, options, way):
     for name, value in (("a'", rate), ("b'", -rate), ("x'", -2 * rate)):
         assert abs(rows[name][k] / value - 1) < rtol, (name, rows[name][k], value)
     assert abs(rows["energy"][k] / rows["energy"][0] - 1) < rtol
+
+
+@pytest.mark.parametrize("method", ["dop853", "gauss"])
+def test_what_is_lost_at_the_singular_position_is_nan_and_told(slider, tmp_path, method):
+    (tmp_path / "slider.lag").write_text(SLIDER.replace("event", "observe E = g*sin(a)\nevent"))
+    show = ["--record", "a,E,a'',lambda_up", "--at", "top", "--method", method]
+    done = subprocess.run([sys.executable, "-m", "pkgen", "run", str(tmp_path / "slider.lag"),
+                           "--until", "0.5", *show], capture_output=True, text=True)  # fmt: skip
+    assert done.returncode == 0
+    assert "warning: a'' is lost to rounding, and nan, in 1 of 1 rows" in done.stderr
+    cells = [float(x) for x in done.stdout.splitlines()[1].split(",")]
+    assert abs(cells[2] - 2) < 1e-6 and all(math.isnan(x) for x in cells[3:])
+    rows = slider.run(until=1, every=0.05, record=["a''", "lambda_up"], method=method)
+    assert numpy.isfinite(rows["a''"]).all() and numpy.isfinite(rows["lambda_up"]).all()

@@ -42,6 +42,9 @@ enum pk_status pk_constraint_multipliers(const struct pk_problem *problem, pk_re
 /* Puts q and v onto what the system keeps, by the shortest way in the metric of M: what an integrator
  * of the problem, which has begun, does after each step. PK_NO_PROJECTION, PK_NOT_FINITE. */
 enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
+/* Whether rows of constraints all but depend on each other at a state next to where the integrator
+ * is: accelerations and multipliers are lost to rounding there, or some of them. */
+int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v);
 /* The name of a row as its author gave it: "rod" of "lambda_rod"; of one without, "number 2". As
  * snprintf(). */
 int pk_constraint_name(const struct pk_system *system, const void *params, size_t row, char *text,

@@ -156,6 +156,9 @@ struct pk_run {
     const char *not_finite; /* the first energy or observed value that was not, or NULL */
     double bad_t;           /* and in which row, and how many rows there were */
     unsigned long bad_rows;
+    const char *lost; /* the first value lost to rounding at a singular position, or NULL */
+    double lost_t;    /* as above */
+    unsigned long lost_rows;
     double part;               /* of an ensemble that is done */
     double seconds, processor; /* on the wall's clock and the processor's, of the steps and rows */
     struct diagnostics *diagnostics; /* NULL: none asked for */

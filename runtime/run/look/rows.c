@@ -1,10 +1,15 @@
 /* Rows: their columns computed, then written as CSV or kept. CSV quotes a name that holds a comma,
  * a quote or a blank (RFC 4180).
  */
+#include <pk/constraint.h>
+
 #include "look.h"
 
 #include "../base/numbers.h"
 #include "../settings/settings.h"
+
+#define LOST PK_C(1e-3)
+#define ROUNDING (8 * PK_EPSILON)
 
 static void begin(struct pk_run *run)
 {
@@ -85,6 +90,38 @@ pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
     }
 }
 
+/* What rounding of the state moves by more than LOST of it, next to a position where constraints
+ * depend on each other, is no number: accelerations and multipliers there. */
+static void lose(struct pk_run *run, const struct moment *at, pk_real *out)
+{
+    const struct settings *s = &run->settings;
+    const size_t n = s->n, m = s->system->n_observed;
+    const char *found = NULL;
+    pk_real *q = memory_ask(&run->memory, 2 * n + m, sizeof *q), *v = q + n, *near = v + n;
+    if (!q)
+        return;
+    for (size_t i = 0; i < n; i++) {
+        const pk_real by = (i % 2 ? 1 : -1) * ROUNDING * (pk_real)(i + 1) / (pk_real)n;
+        q[i] = at->q[i] * (1 + by);
+        v[i] = at->v[i] * (1 - by);
+    }
+    s->system->observe(s->params, at->t, q, v, s->u, near);
+    for (size_t i = 0; i < m; i++) {
+        const pk_real moved = PK_F(fabs)(near[i] - out[i]);
+        if (moved <= LOST * PK_F(fabs)(out[i]) || moved <= PK_F(sqrt)(PK_EPSILON))
+            continue;
+        out[i] = (pk_real)NAN;
+        for (size_t k = 0; k < s->n_show && !found; k++)
+            if (s->show[k].kind == 'o' && s->show[k].index == i)
+                found = s->system->observed[i].name;
+    }
+    memory_drop(&run->memory, q);
+    if (found && run->lost_rows++ == 0) {
+        run->lost = found;
+        run->lost_t = (double)at->t;
+    }
+}
+
 /* The cells of a row; the name of the first that is not finite, or NULL. */
 static const char *fill(struct pk_run *run, const struct moment *at)
 {
@@ -94,6 +131,10 @@ static const char *fill(struct pk_run *run, const struct moment *at)
     pk_real *out = run->row + 2 * s->n;
     if (system->n_observed)
         system->observe(s->params, at->t, at->q, at->v, s->u, out);
+    const int singular = system->n_observed && system->constraints.n &&
+                         pk_constraint_singular(&run->it, at->t, at->q, at->v);
+    if (singular)
+        lose(run, at, out);
     pk_real *cell = run->cells;
     if (s->asked.members)
         *cell++ = (pk_real)member_number(s, run->member);
@@ -101,7 +142,7 @@ static const char *fill(struct pk_run *run, const struct moment *at)
     for (size_t i = 0; i < s->n_show; i++) {
         const struct pk_run_column *show = &s->show[i];
         const pk_real x = *cell++ = rows_value(run, show, at, out);
-        if (!(x - x == PK_C(0.0)) && !bad)
+        if (!(x - x == PK_C(0.0)) && !bad && !(singular && show->kind == 'o'))
             bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
     }
     return bad;
@@ -182,6 +223,11 @@ enum pk_run_code rows_end(struct pk_run *run, enum pk_run_code code)
 
 enum pk_run_code rows_told(struct pk_run *run, enum pk_run_code code)
 {
+    if (run->lost)
+        run_say(run,
+                "warning: %s is lost to rounding, and nan, in %lu of %lu rows, first at t = %.9g: "
+                "constraints depend on each other there",
+                run->lost, run->lost_rows, run->rows, run->lost_t);
     if (run->not_finite) {
         run_say(run, "%s is not finite in %lu of %lu rows, first at t = %.17g", run->not_finite,
                 run->bad_rows, run->rows, run->bad_t);

@@ -4,6 +4,8 @@
  */
 #include <string.h>
 
+#include <pk/constraint.h>
+
 #include "../core/tableau.h"
 #include "passage.h"
 
@@ -79,6 +81,17 @@ pk_real pk_passage_sigma(struct pk_integrator *it, pk_real t, const pk_real *q, 
             found = w.pivots[i] / w.most[i], is->row = (pk_real)i;
     }
     return PK_F(sqrt)(pk_max(found, 0));
+}
+
+int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v)
+{
+    if (!it->own || !it->own->passage || !(it->own->near || it->own->crossed))
+        return 0;
+    struct pk_passage *is = pk_passage_of(it);
+    const pk_real row = is->row;
+    const pk_real sigma = pk_passage_sigma(it, t, q, v);
+    is->row = row;
+    return sigma < PK_SINGULAR;
 }
 
 /* When sigma vanishes, by its slope along the motion. Roughly in `left`. */

@@ -14,6 +14,8 @@
  */
 #include <string.h>
 
+#include <pk/constraint.h>
+
 #include "../core/tableau.h"
 #include "passage.h"
 
@@ -82,11 +84,10 @@ void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct pk_passage_parts x = pk_passage_parts(it);
     const size_t n = it->n;
-    const pk_real next_t = it->own->next_t, row = x.is->row;
+    const pk_real next_t = it->own->next_t;
     pk_real off = 0;
     along(&x, n, (t - x.is->t) / x.is->h, q, v);
-    const int apart = pk_passage_sigma(it, t, q, v) > PK_SINGULAR;
-    x.is->row = row;
+    const int apart = !pk_constraint_singular(it, t, q, v);
     it->own->next_t = it->t;
     if (apart && (put(it, &x, t, q, v, &off) < 0 || !(off < SURE)))
         along(&x, n, (t - x.is->t) / x.is->h, q, v);

@@ -289,7 +289,8 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
         memcpy(side->own->atol, it->own->atol,
                pk_scale_size(it->method, n) * sizeof *it->own->atol);
     if (it->own->crossed) { /* no start: rows may depend on each other there */
-        pk_passage_at(it, t, side->q, side->v);
+        pk_real *q = pk_part(side->own->state, n, PK_Q), *v = pk_part(side->own->state, n, PK_V);
+        pk_passage_at(it, t, q, v);
         side->t = t;
         return PK_DONE;
     }
