@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from conftest import long_but
 from loop_harness import Looped, Unrolled
+from pkgen.graph.graph import TooLarge
+from pkgen.source import ModelError
 
 SIZES, LONGER = (1, 2, 3, 7), (20,)
 ENDS = (
@@ -48,15 +50,16 @@ def model(dice: random.Random) -> str:
     """Families x, y in the rows of each member, z in single rows, a scalar X beside."""
     text = "model tied\nsize N = 5\nparam k = 0.7\nparam l[i = 1..N+1] = 1 + 0.3*sin(i)\n"
     text += "input w\ncoord x[1..N], y[1..N], z[1..N], X\n"
-    for family in "xyz":
+    rows = dice.choice(FAMILIES)
+    for family in "xyz":  # a rod between a member and itself says nothing
+        ends = ENDS[::3] if " rod[" in rows and family != "z" else ENDS
         given = [dice.choice(("0", "0.3", "sin(t)", "w", "t^2/2")) for _ in range(2)]
-        text += dice.choice(ENDS).format(f=family, g=given[0], h=given[1])
+        text += dice.choice(ends).format(f=family, g=given[0], h=given[1])
     text += "kinetic sum((1 + 0.2*i/N)*x[i]'^2/2 + y[i]'^2 + z[i]'^2/3, i = 1..N) + X'^2"
     text += dice.choice(INERTIA) + "\n"
     text += "potential sum(k*(x[i] - x[i-1])^2 + cos(y[i+1] - y[i]) + z[i]^4, i = 1..N) - X*x[1]\n"
     if dice.random() < 0.5:
         text += "force x[i = 1..N] = -0.1*x[i]' + w\n"
-    rows = dice.choice(FAMILIES)
     name = rows.split()[1].split("[")[0]
     text += rows + "\n"
     if dice.random() < 0.6:
@@ -97,8 +100,16 @@ def test_rows_of_loops_are_those_of_members_written_out(seed: int, tmp_path: Pat
     dice = random.Random(seed)
     text = model(dice)
     loops = Looped(text, tmp_path / "loops")
+    compared = 0
     for size in (*SIZES, *LONGER * (seed > 1)):
-        found = Tied(text, loops, size, tmp_path / f"n{size}", dice)
+        try:
+            found = Tied(text, loops, size, tmp_path / f"n{size}", dice)
+        except (
+            ModelError,
+            TooLarge,
+        ):  # written out a row of one member may say nothing, and M be too large
+            continue
+        compared += 1
         n, c, flat = found.n, found.c, found.flat
         cond = np.linalg.cond(found.J)
         assert cond < 1e5, found.text
@@ -123,6 +134,7 @@ def test_rows_of_loops_are_those_of_members_written_out(seed: int, tmp_path: Pat
         M = np.array(flat.call("inertia", *found.state)[1][0]).reshape(n, n)
         found.same(found.loops("diagonal", n), np.diag(M))
         _projects(found, M, dice)
+    assert compared >= 3, text
 
 
 def _projects(found: Tied, M: np.ndarray, dice: random.Random) -> None:

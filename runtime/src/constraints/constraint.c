@@ -7,6 +7,7 @@
 
 #include "../core/project.h"
 
+enum { SHOWN = 8 };
 #define SHARE PK_C(1e-6) /* of a row in one that depends on it */
 
 size_t pk_constraint_size(const struct pk_problem *problem)
@@ -191,6 +192,10 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
     const size_t last = w.whole ? (size_t)w.depends[0] - 1 : w.c;
     for (size_t i = 0; i < last && used < size; i++)
         if (pk_abs(w.depends[1 + i]) > SHARE) {
+            if (count == SHOWN) { /* a long chain of them */
+                snprintf(text + used, size - used, ", ...");
+                break;
+            }
             pk_constraint_name(w.system, w.params, i, name, sizeof name);
             used += (size_t)snprintf(text + used, size - used, "%s%s", count++ ? ", " : "", name);
         }
