@@ -107,7 +107,7 @@ def test_rows_of_loops_are_those_of_members_written_out(seed: int, tmp_path: Pat
         except (
             ModelError,
             TooLarge,
-        ):  # written out a row of one member may say nothing, and M be too large
+        ):  # a row of one member may say nothing, M be too large
             continue
         compared += 1
         n, c, flat = found.n, found.c, found.flat
