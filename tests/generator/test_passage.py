@@ -164,3 +164,12 @@ def test_what_is_lost_at_the_singular_position_is_nan_and_told(slider, tmp_path,
     assert abs(cells[2] - 2) < 1e-6 and all(math.isnan(x) for x in cells[3:])
     rows = slider.run(until=1, every=0.05, record=["a''", "lambda_up"], method=method)
     assert numpy.isfinite(rows["a''"]).all() and numpy.isfinite(rows["lambda_up"]).all()
+
+
+@pytest.mark.parametrize("options", [METHODS[i] for i in (0, 2, 5)], ids=str)
+def test_a_stop_at_the_singular_position_keeps_its_state(tmp_path, options):
+    (tmp_path / "stop.lag").write_text(SLIDER.replace("rising", "rising stop"))
+    rows = pkgen.load(str(tmp_path / "stop.lag")).run(until=1, every=0.1, **options)
+    assert abs(rows["a"][-1] - math.pi / 2) < 1e-9
+    assert abs(rows["a'"][-1] / -rows["b'"][-1] - 1) < 1e-6
+    assert abs(rows["energy"][-1] / rows["energy"][0] - 1) < 1e-6

@@ -3,6 +3,8 @@
  */
 #include <string.h>
 
+#include <pk/constraint.h>
+
 #include "events.h"
 
 /* The state just behind a crossing. A step of the core's methods gives the same each time, and that
@@ -59,6 +61,15 @@ static void hold(struct pk_events *e)
     }
 }
 
+/* A stop where rows of constraints depend on each other: no start, so that none goes on from there. */
+static void stay(const struct pk_events *e, struct pk_integrator *it)
+{
+    memcpy(pk_part(it->own->state, it->n, PK_Q), e->q, it->n * sizeof *e->q);
+    memcpy(pk_part(it->own->state, it->n, PK_V), e->v, it->n * sizeof *e->v);
+    it->t = it->last_t = e->t;
+    it->own->ready = 0;
+}
+
 enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real attempted = pk_abs(it->t - e->from);
@@ -84,7 +95,9 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
     hold(e);
     if (passed)
         PK_TRY(pk_switches_pass(e, it, last, attempted));
-    if (passed || e->t < it->t || e->t > it->t)
+    if (!passed && pk_constraint_singular(it, e->t, e->q, e->v))
+        stay(e, it);
+    else if (passed || e->t < it->t || e->t > it->t)
         PK_TRY(pk_integrator_reset(it, e->t, e->q, e->v));
     it->event = stopped;
     return it->status = stopped ? PK_STOPPED_EVENT : PK_DONE;
