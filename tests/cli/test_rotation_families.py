@@ -84,6 +84,31 @@ def test_a_spin_wave_of_any_size(method: str, pkgen, tmp_path: Path) -> None:
     assert done.returncode == 0 and "3 of 3 met" in done.stderr, done.stderr
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("--start R[5].w=2", "the quaternion of R[5] is not of unit length"),
+        ("--method lie_midpoint --step 0.01", "lie_midpoint needs M"),
+        ("--method verlet --step 0.01", "verlet needs a system that is separable"),
+    ],
+)
+def test_what_loops_refuse(words: str, says: str, pkgen) -> None:
+    done = pkgen("run", WAVE, "--until", 1, "--every", 1, "--record", "x", *words.split())
+    assert done.returncode and says in done.stderr, done.stderr
+
+
+def test_members_of_an_ensemble_are_single_runs(pkgen, tmp_path: Path) -> None:
+    table = tmp_path / "members.csv"
+    table.write_text("J,omega(R[3]).x\n1,0.5\n2,0.1\n")
+    how = "--until", 1, "--every", 0.5, "--method", "rk4", "--step", 0.05
+    how += "--record", "R[4],omega(R[3])"
+    found = numbers(pkgen, WAVE, *how, "--ensemble", table)
+    for member, (stiff, rate) in enumerate(((1, 0.5), (2, 0.1))):
+        given = "--set", f"J={stiff}", "--start", f"omega(R[3]).x={rate}"
+        alone = numbers(pkgen, WAVE, *how, *given)
+        assert alone == [row[1:] for row in found if row[0] == member + 1]
+
+
 def test_one_of_a_family_is_a_free_body(pkgen, tmp_path: Path) -> None:
     """As long loops, and alone."""
     body = "kinetic {a}0.5*omega({R}).x^2 + omega({R}).y^2 + 2*omega({R}).z^2{b}\n"
