@@ -77,9 +77,11 @@ class Interior:
                 lows.append(part.lo)
                 highs.append(part.hi)
             nodes.append(self.g.sum(bulk))
-        for node in nodes:
-            for slot in self.slots.below(node):
-                if slot.kind in (*CELLS, "d", "w") and slot.at is not None:
+        # Rates and accelerations of given cells have vanished from `inner`, their reach has not.
+        ends = [part.node for row in rows for part in row.parts if part.node != part.inner]
+        for kinds, found in ((CELLS, nodes), (("d", "w"), [*nodes, *ends])):
+            for slot in (slot for node in found for slot in self.slots.below(node)):
+                if slot.kind in kinds and slot.at is not None:
                     other, shift = self.e.group(slot.name), slot.at.without(ROW)
                     if slot.at.factor(ROW):
                         lows.append(other.lo - shift)
