@@ -165,6 +165,26 @@ def test_states_and_events_of_loops_are_those_of_members_written_out(seed: int, 
         assert one["times"] == pytest.approx(other["times"], abs=1e-8), text
 
 
+DRIVEN = """\
+model driven
+size N = 3
+coord q[1..N]
+fixed q[{end}] = sin(t)
+kinetic sum((q[i]' - q[i-1]')^2/2, i = {over})
+potential sum(q[i]^2, i = 1..N)
+"""
+
+
+@pytest.mark.parametrize(("end", "over"), [("0", "1..N"), ("N+1", "2..N+1")])
+def test_an_end_that_accelerates_pulls_by_inertia_alone(end: str, over: str, both) -> None:
+    """Its acceleration is all that the row beside it has of it."""
+    text = DRIVEN.format(end=end, over=over)
+    (loops, _), (written, _) = both(text, "--until", 2, "--every", 1, "--method", "dop853")
+    for one, other in zip(loops, written, strict=True):
+        assert one == pytest.approx(other, rel=1e-8, abs=1e-8)
+    assert max(map(abs, loops[-1][1:4])) > 0.1
+
+
 FOLLOWING = """\
 model following
 size N = {size}
