@@ -73,7 +73,10 @@ def test_loops_are_members_written_out(seed: int, tmp_path: Path, monkeypatch) -
 WAVE = Path(__file__).parent / "spin_wave.lag"
 
 
-@pytest.mark.parametrize("method", ["gauss rtol 1e-12", "dop853 rtol 1e-12", "rkmk8 step 0.05"])
+@pytest.mark.parametrize(
+    "method",
+    long_but(["gauss rtol 1e-12"], ["gauss rtol 1e-12", "dop853 rtol 1e-12", "rkmk8 step 0.05"]),
+)
 def test_a_spin_wave_of_any_size(method: str, pkgen, tmp_path: Path) -> None:
     """The axes of a ring of tops turn about the vertical at one angle a, each k ahead of the one
     before: of (I w n x n' + S n)' = n x J (the two beside it) there is left

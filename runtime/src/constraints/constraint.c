@@ -209,7 +209,7 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
     const char *alone = system->constraints.count
                             ? "; families kept as loops take no rows that follow from others"
                             : "";
-    char name[128], others[256], more[400] = "";
+    char name[128], others[256], more[512] = "";
     const size_t turned = pk_system_rotations(system, it->problem.params);
     const size_t behind = it->where - (2 * c + turned);
     const size_t r = system->constraints.n_redundant;
