@@ -106,6 +106,8 @@ def test_system_table_names_every_kernel(files):
     told = {"defaults", "derive", "prepare", "bounds", "start", "lanes", "members"}
     told |= {"singularities.count", "singularities.place"}
     told |= {field for field in fields if field.startswith("families.")}
+    of_loops = ("count", "rates", "diagonal", "spread", "factor", "solve", "shares")
+    told |= {f"constraints.{field}" for field in of_loops}
     assert fields == told | set(SYSTEM_KERNELS.values())
 
 
