@@ -1,4 +1,6 @@
-"""`python bench/emit.py MODEL FOLDER [OPTIONS]`: the C that `pkgen run MODEL OPTIONS` compiles."""
+"""`python bench/emit.py MODEL FOLDER [OPTIONS]`: the C that `pkgen run MODEL OPTIONS` compiles.
+
+Without options it has every kernel, since programs of several methods are built from it."""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from pkgen.scenes.lengths import UNROLL
 
 def main(model: str, folder: str, *words: str) -> None:
     options = parser_of("run").parse_args([model, *words])
-    use = scene_use.of_run(options)
+    use = scene_use.of_run(options) if words else None
     made = compile_model(read(model), libm=options.libm, unroll=UNROLL, use=use)
     for name, text in made.files.items():
         Path(folder, name).write_text(text)
