@@ -13,18 +13,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..indices import parted
 from ..record import record
 from ..tree import Name
 
 GROUND = "ground"
-KIND_AT = 7  # so many words and signs are before what stands behind the kind of a joint
+WORDS_TO_KIND = 2  # `to` and the kind are words before what stands behind the kind of a joint
 CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord")}
 # What a body has, `point` of a vector. The other members are of what is made of it.
 SHOWN = ("com", "origin", "R", "omega", "mass", "point")
 HELD = ("held", "place", "e", "f", "g")  # of a body that is fixed to another: body_parts.py
-MEMBERS = frozenset(
-    (*SHOWN, *HELD, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
-)
+COLUMNS = ("X", "Y", "Z")  # of R, of families where the index is a loop's
+TURNING = ("R", "held", "turn")  # rotations
+_OWN = ("at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
+MEMBERS = frozenset((*SHOWN, *HELD, *COLUMNS, *_OWN))
 
 # kind | axis | coordinates: what stands behind the joint's name, and what it is | Q | r | w | v
 _KINDS = """
@@ -58,23 +60,26 @@ KINDS = dict(_kinds())
 
 
 def loose(bodies: Iterable[str], joints: Iterable) -> frozenset[str]:
-    """Bodies that no joints join to the ground: they have no places, and that is said once."""
+    """Bodies that no joints join to the ground, and families with such members: they have no
+    places, and that is said once."""
     held, left = {GROUND}, list(joints)
     names = {*bodies}
     while more := [j for j in left if j.parent[0] in held and j.child[0] in names]:
         held |= {j.child[0] for j in more}
         left = [j for j in left if j not in more]
-    return frozenset((names | {j.child[0] for j in left}) - held)
+    found = (names | {j.child[0] for j in left}) - held
+    return frozenset(found | {parted(name)[0] for name in found})
 
 
 def joint_names(joint) -> tuple[tuple[str, str], ...]:
-    """Names and what each is, of a statement; those that `coord` gives, else by the joint's."""
+    """Names and what each is, of a statement; those that `coord` gives, else by the joint's. Of a
+    member of a family they are the families'."""
     kind = KINDS.get(joint.kind[0])
     if kind is None:
         return ()
     given = [e for word, _, items in joint.clauses if word == "coord" for e in items]
     names = [e.id for e in given if isinstance(e, Name)]
-    own = [joint.name[0] + suffix for suffix, _ in kind.coordinates]
+    own = [joint.left.name + suffix for suffix, _ in kind.coordinates]
     return tuple(
         (name, what)
         for name, (_, what) in zip(

@@ -16,7 +16,7 @@ from lark.lexer import Token
 from .. import limits
 from ..source import Diagnostic, Source, Span
 from ..tree import COMPONENTS
-from .joints import CLAUSES, KIND_AT, MEMBERS
+from .joints import CLAUSES, MEMBERS, WORDS_TO_KIND
 from .lexed import Lexed, description
 from .shapes import shapes_of, unknown_shape
 from .stray_characters import stray_character
@@ -178,7 +178,9 @@ class _Lexer:
         """Whether a name in `body` or `joint` is a word: behind what is complete, and behind the
         kind of a joint, which may have no axis."""
         before = self.now.tokens[-1]
-        kind = before.type == "WORD" and len(self.now.tokens) == KIND_AT
+        words = sum(token.type == "WORD" for token in self.now.tokens)
+        of_joint = self.now.tokens[0].type == "JOINT" and before.type == "WORD"
+        kind = of_joint and words == WORDS_TO_KIND
         return before.type in _VALUE_ENDS or (kind and name in CLAUSES["joint"])
 
     def _next_is_bracket(self, at: int) -> bool:

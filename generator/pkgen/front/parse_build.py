@@ -54,14 +54,17 @@ class Build(Transformer):
     def component(self, of, axis):
         return tree.Component(of, axis.value, _over(of, axis))
 
-    def member(self, name, which):
-        """`upper.com`: what a body has is named so."""
-        return tree.Name(f"{name}{which}", None, _over(name, which))
+    def member(self, name, *parts):
+        """`upper.com`, `link[i].com`: what a body has is named so."""
+        *index, which = parts
+        at = index[1] if index else None
+        return tree.Name(f"{name}{which}", at, _over(name, which))
 
-    def point(self, name, point, _, place, close):
+    def point(self, name, *parts):
         """`upper.point(r)`, that is upper.origin + upper.R*r."""
-        at = _over(name, close)
-        origin, turn = (tree.Name(f"{name}.{m}", None, _over(name, point)) for m in ("origin", "R"))
+        *index, point, _, place, close = parts
+        at, to = _over(name, close), index[1] if index else None
+        origin, turn = (tree.Name(f"{name}.{m}", to, _over(name, point)) for m in ("origin", "R"))
         return tree.Add((origin, tree.Multiply((turn, place), (1, 1), at)), (1, 1), at)
 
     def negate(self, sign, of):
@@ -104,6 +107,11 @@ class Build(Transformer):
     def left(self, name, _=None, index=None, close=None):
         one, many = (None, index) if isinstance(index, Range) else (index, None)
         return st.Left(str(name), one, many, _over(name, close or name))
+
+    def left_range(self, name, _, lo, __, hi, close):
+        """`link[1..N]`, whose members need no number."""
+        span = _over(name, close)
+        return st.Left(str(name), None, Range("", lo, hi, span), span)
 
     def left_member(self, name, member):
         return st.Left(f"{name}{member}", None, None, _over(name, member))
@@ -176,15 +184,15 @@ class Build(Transformer):
     def clause(self, word, *items):
         return str(word), _span(word), items
 
-    def body(self, word, name, *clauses):
-        last = clauses[-1][2][-1] if clauses else name
-        said = clauses, self.comment, _over(word, last)
-        return st.Body(str(name), _span(name), *said)
+    def body(self, word, left, *clauses):
+        last = clauses[-1][2][-1] if clauses else left
+        return st.Body(left, clauses, self.comment, _over(word, last))
 
-    def joint(self, word, name, _, parent, to, child, kind, axis, *clauses):
+    def joint(self, word, left, _, parent, to, child, kind, axis, *clauses):
         last = clauses[-1][2][-1] if clauses else axis or kind
-        words = tuple((str(w), _span(w)) for w in (name, parent, to, child, kind))
-        return st.Joint(*words, axis, clauses, self.comment, _over(word, last))
+        to, kind = ((str(w), _span(w)) for w in (to, kind))
+        said = axis, clauses, self.comment, _over(word, last)
+        return st.Joint(left, (parent, child), to, kind, *said)
 
     def start_at(self, word, *items):
         return st.StartAt(items, _over(word, items[-1].value))

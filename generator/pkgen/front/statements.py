@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from ..indices import indexed
 from ..record import record
 from ..source import Diagnostic, Source, Span
-from ..tree import Expr, Range
+from ..tree import Expr, Name, Number, Range
 
 
 @record
@@ -155,30 +156,55 @@ Clauses = tuple[tuple[str, Span, tuple[Expr, ...]], ...]  # a word, where it is,
 Word = tuple[str, Span]
 
 
+def _said(name: str, of: Left | Name) -> Word:
+    """A body or a joint, of a family a member: `link[3]`."""
+    return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None), of.span
+
+
 @record
 class Body:
+    """Families are written out before the check (check/body_families.py)."""
+
     keyword: ClassVar[str] = "body"
-    name: str
-    name_span: Span
+    left: Left
     clauses: Clauses
     description: str
     span: Span
 
+    @property
+    def name(self) -> str:
+        return _said(self.left.name, self.left)[0]
+
+    @property
+    def name_span(self) -> Span:
+        return self.left.span
+
 
 @record
 class Joint:
-    """`joint NAME: PARENT to CHILD KIND AXIS`; `to` as it was written."""
+    """`joint NAME: PARENT to CHILD KIND AXIS`, its ends being both; `to` as it was written."""
 
     keyword: ClassVar[str] = "joint"
-    name: Word
-    parent: Word
+    left: Left
+    ends: tuple[Name, Name]
     to: Word
-    child: Word
     kind: Word
     axis: Expr | None
     clauses: Clauses
     description: str
     span: Span
+
+    @property
+    def name(self) -> Word:
+        return _said(self.left.name, self.left)
+
+    @property
+    def parent(self) -> Word:
+        return _said(self.ends[0].id, self.ends[0])
+
+    @property
+    def child(self) -> Word:
+        return _said(self.ends[1].id, self.ends[1])
 
 
 @record

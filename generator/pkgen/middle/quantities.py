@@ -47,6 +47,21 @@ def error(model: Model, message: str, span: Span, help: str = "") -> ModelError:
     return ModelError(model.source, [Diagnostic(message, span, help)])
 
 
+def has_bodies(model: Model) -> bool:
+    return any(item.name.endswith(".velocity") for item in model.definitions)
+
+
+def smaller(model: Model) -> str:
+    """What to do with a model that is too large."""
+    bodies = has_bodies(model)
+    declared = (*model.coordinates, *model.states)
+    if model.sizes or any(item.range is not None for item in declared):
+        what = "make its families smaller"
+    else:
+        what = f"make it of fewer {'bodies' if bodies else 'terms'}"
+    return what + ", or name the kernels that you need: --kernels acceleration" * bodies
+
+
 def refuse_constant(model: Model, g: Graph, events: Iterable[Node]) -> None:
     """An event whose expression is constant is an error."""
     for item, node in zip(model.events, events, strict=True):

@@ -12,18 +12,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import fields, replace
 from difflib import get_close_matches
+from fractions import Fraction
+from itertools import pairwise
 
+from ...indices import indexed, parted
 from ...source import Source, Span
-from ...tree import Expr, Name
+from ...tree import Expr, Name, Number
 from .. import statements as st
-from ..joints import CLAUSES, GROUND, KINDS, SHOWN, Kind, joint_names
+from ..joints import CLAUSES, COLUMNS, GROUND, KINDS, SHOWN, TURNING, Kind, joint_names
 from ..parse import parse_all
 from ..units import ACCELERATION
+from .body_families import family, with_number
 from .body_parts import BodyParts
-from .names import UNKNOWN, Entry
+from .names import UNKNOWN, Entry, Members
 from .plane import across
+from .scope import PLACES, Scope
 from .shared import Shared
 
+_AXES = ("[1, 0, 0]", "[0, 1, 0]", "[0, 0, 1]")
 _IDENTITY = "rot([0, 0, 1], 0)"
 _REST = "[0, 0, 0]"
 _LOOP = "what hangs on two bodies closes a loop: keep one joint and add a 'constraint'"
@@ -32,9 +38,12 @@ _LOOP = "what hangs on two bodies closes a loop: keep one joint and add a 'const
 class Bodies(BodyParts):
     """`run` checks a statement that is made."""
 
-    def __init__(self, shared: Shared, run: Callable[[st.Statement], None]) -> None:
+    def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
         super().__init__(shared)
-        self.run = run
+        self.run, self.statements = run, file.statements
+        self.expressions.columns = self.columns
+        self.wrong: set[Span] = set()  # statements of families of which a member had an error
+        self.families: dict[str, st.Joint] = {}  # of joints, the first member
         self.bodies: dict[str, st.Body] = {}
         self.joints: dict[str, st.Joint] = {}  # by the body that hangs on it
         self.texts: dict[str, list[str]] = {}  # by the joint: its axis if it has one, its turning
@@ -47,12 +56,15 @@ class Bodies(BodyParts):
 
     def body(self, statement: st.Body) -> None:
         name, before = statement.name, len(self.report.errors)
-        if name == GROUND:
+        if statement.left.name == GROUND:
             message = f"'{GROUND}' is what stands still, and no body"
             self.report.error(message, statement.name_span, "choose another name")
-        elif self.names.declare(Entry(name, "body", UNKNOWN, statement.name_span, used=True)):
+        elif self._declared(statement.left):
             self.bodies[name] = statement
         else:
+            return
+        if statement.span in self.wrong:
+            self.bad.add(name)
             return
         given = self.clauses(statement, CLAUSES["body"], f"the body '{name}'")
         if "mass" not in given:
@@ -65,7 +77,23 @@ class Bodies(BodyParts):
         self.inertia(name, given.get("inertia"))
         if len(self.report.errors) > before:
             self.bad.add(name)
+            self.wrong.add(statement.span)
         self._advance()
+
+    def _declared(self, left: st.Left) -> bool:
+        """Whether the name of a body was free; a member of a family joins the others."""
+        entry, index = self.names.table.get(left.name), left.index
+        members = None if index is None else Members((int(index.value),) * 2)
+        if members is None or entry is None or entry.kind != "body" or entry.members is None:
+            new = Entry(left.name, "body", UNKNOWN, left.span, members, used=True)
+            return self.names.declare(new)
+        (own,) = members.intervals
+        if entry.members.touch(*own):
+            text = with_number(left.name, left)
+            self.report.error(f"'{text}' is declared already", left.span)
+            return False
+        entry.members.add(*own)
+        return True
 
     def gravity(self, statement: st.Single) -> None:
         if self.gravity_at is not None:
@@ -79,6 +107,9 @@ class Bodies(BodyParts):
     def joint(self, statement: st.Joint) -> None:
         before = len(self.report.errors)
         name, (child, child_at) = statement.name[0], statement.child
+        if statement.span in self.wrong:
+            self._hang(statement, True)
+            return
         kind = self._kind(statement)
         if child == GROUND:
             help = f"write it first: joint {name}: ground to {statement.parent[0]} …"
@@ -90,9 +121,13 @@ class Bodies(BodyParts):
             self._coordinates(statement, kind)
         if kind is not None and name not in self.texts:
             self._parts(statement, kind)
-        if len(self.report.errors) > before:
+        self._hang(statement, len(self.report.errors) > before)
+
+    def _hang(self, statement: st.Joint, wrong: bool) -> None:
+        child = statement.child[0]
+        if wrong:
+            self.wrong.add(statement.span)
             self._poison_coordinates(statement)
-        if len(self.report.errors) > before:
             self.bad.add(child)
         self.joints.setdefault(child, statement)
         self.waiting.append(statement)
@@ -132,17 +167,51 @@ class Bodies(BodyParts):
             if not isinstance(e, Name):
                 text = self.expressions.mismatch.text(e)
                 self.report.error(f"'coord' takes names of coordinates, not {text}", e.span)
-        name, at = statement.name
+        (_, at), name = statement.name, statement.left.name
+        ends = None, None
+        if statement.left.index is not None:
+            ends = self._family(statement, pairs)
+            if ends is None:
+                return
         if name not in (coordinate for coordinate, _ in pairs):
             self.names.declare(Entry(name, "joint", UNKNOWN, at, used=True))
         spans = [e.span for e in given] if len(given) == len(pairs) else [at] * len(pairs)
         for (coordinate, what), span in zip(pairs, spans, strict=True):
             text = {"angle": "rad", "length": "m"}.get(what) if self.united else None
             unit = st.UnitText(text, span) if text else None
-            item = st.Declared(coordinate, None, None, unit, span, span)
+            item = st.Declared(coordinate, *ends, unit, span, span)
             word = "rotation" if what == "rotation" else "coord"
             said = statement.description or f"of the joint {name}"
             self.run(st.Declare(word, (item,), said, span))
+
+    def _family(self, statement: st.Joint, pairs) -> tuple[Number, Number] | None:
+        """The ends of a family of joints, the first time it is met: its coordinates are families of
+        all members, wherever these are declared."""
+        name, at = statement.left.name, statement.left.span
+        first = self.families.setdefault(name, statement)
+        if first is not statement:
+            line = self.names.line_of(first.span)
+            if (first.kind[0], joint_names(first)) != (statement.kind[0], pairs):
+                message = f"'{statement.name[0]}' is not as '{first.name[0]}' in line {line} is"
+                help = "joints of a family are of one kind, with one 'coord': choose another name"
+                self.report.error(message, at, help)
+            return None
+        numbers = family(self.statements, st.Joint, name)
+        for one, other in pairwise(numbers):
+            if other != one + 1:
+                twice = other == one
+                message = (
+                    f"there are two joints '{name}[{one}]'"
+                    if twice
+                    else (
+                        f"there is no joint '{name}[{one + 1}]' between '{name}[{one}]' and "
+                        f"'{name}[{other}]'"
+                    )
+                )
+                self.report.error(message, at, "a family of joints is numbered one by one")
+                break
+        lo, hi = (Number(Fraction(k), at) for k in (numbers[0], numbers[-1]))
+        return lo, hi
 
     def _parts(self, statement: st.Joint, kind: Kind) -> None:
         name = statement.name[0]
@@ -189,7 +258,10 @@ class Bodies(BodyParts):
         kind, name = KINDS[joint.kind[0]], joint.name[0]
         axis, turned, e, f = self.texts[name]
         words = dict(a=axis, u=f"{axis}/norm({axis})", e=e, f=f)
-        numbers = ["", *(coordinate for coordinate, _ in joint_names(joint))]
+        numbers = [
+            "",
+            *(with_number(coordinate, joint.left) for coordinate, _ in joint_names(joint)),
+        ]
         turn, shift, rates, velocity = (
             text.format(*numbers, **words)
             for text in (kind.turn, kind.shift, kind.rates, kind.velocity)
@@ -205,7 +277,7 @@ class Bodies(BodyParts):
         passed = [] if still else [f"inverse({q})*{parent}.omega"]
         yield "omega", self._sum(*passed, rates)
         carried = [] if still else [f"{parent}.velocity", f"cross({parent}.omega, {r})"]
-        moves = self.names.table[place].facts.moves
+        moves = self.names.table[parted(place)[0]].facts.moves
         if kind is KINDS["fixed"] and not (still or moves):
             yield from self.held(child, parent, q, place)
         if moves:
@@ -253,8 +325,24 @@ class Bodies(BodyParts):
         if what in ("kinetic", "potential"):
             self.run(st.Single(what, value, span))
             return
-        self.run(st.Define("let", st.Left(what, None, None, span), value, "", span))
-        self.names.table[what].used = True
+        name, index = parted(what)
+        if index is not None and what.rpartition(".")[2] in TURNING:
+            self.keep(what, self.expressions.factor(value, Scope(PLACES["let"]))[1], span)
+            return
+        at = None if index is None else Number(Fraction(index), span)
+        self.run(st.Define("let", st.Left(name, at, None, span), value, "", span))
+        self.names.table[name].used = True
+
+    def columns(self, name: str) -> tuple[str, ...]:
+        """The columns of a family of rotations, vectors that are made when they are needed."""
+        found = tuple(f"{name.rpartition('.')[0]}.{column}" for column in COLUMNS)
+        entry = self.names.table[name]
+        there = self.names.table.get(found[0])
+        for index in sorted(entry.turning):
+            if there is None or not there.members.hold(index, index):
+                for column, axis in zip(found, _AXES, strict=True):
+                    self._say(indexed(column, index), f"{indexed(name, index)}*{axis}", entry.span)
+        return found
 
     def _poison(self, child: str) -> None:
         self._poisoned(f"{child}.{member}" for member in SHOWN)
@@ -262,11 +350,13 @@ class Bodies(BodyParts):
     def _poison_coordinates(self, joint: st.Joint) -> None:
         """Those that it would have, if they are not those of its kind."""
         given = (e for word, _, items in joint.clauses if word != "turned" for e in items)
-        self._poisoned([joint.name[0], *(e.id for e in given if isinstance(e, Name))])
+        self._poisoned([joint.left.name, *(e.id for e in given if isinstance(e, Name))])
 
     def _poisoned(self, names: Iterable[str]) -> None:
         for name in names:
-            self.names.table.setdefault(name, Entry(name, "poisoned", UNKNOWN, Span(0, 0)))
+            own = parted(name)[0]
+            entry = self.names.table.setdefault(own, Entry(own, "poisoned", UNKNOWN, Span(0, 0)))
+            entry.periodic |= own != name  # whatever its index is nothing more is said
 
     # what is wrong with the tree
 

@@ -9,12 +9,13 @@ from difflib import get_close_matches
 from fractions import Fraction
 
 from ... import model as m
+from ...indices import parted
 from ...source import Span
 from ...tree import AXES, Expr, Number, Quantity, Vector
 from .. import statements as st
 from ..units import INERTIA, LENGTH, MASS, NONE, Dimension, si_text
 from .expr import Target
-from .names import Entry, Facts
+from .names import Entry, Facts, Members, joined
 from .scope import PLACES, Scope
 from .shared import Checks, Shared
 
@@ -126,8 +127,7 @@ class BodyParts(Checks):
             self.report.error(f"{text} is no rotation", value.span, help)
         if not (facts.known and facts.turns) or not self._stands(facts, value.span):
             return False
-        own = f"{name}.turn"
-        self.names.declare(Entry(own, "definition", facts, value.span, used=True))
+        self.keep(f"{name}.turn", facts, value.span)
         return True
 
     def _stands(self, facts: Facts, span: Span) -> bool:
@@ -157,9 +157,10 @@ class BodyParts(Checks):
             self._stands(facts, value.span)
         self.shared.use_inputs(facts)
         own = replace(facts, dimension=dimension, vector=vector, value=None, bare=False)
-        self.names.declare(Entry(name, "definition", own, value.span, used=True))
-        unit = si_text(dimension)
-        definition = m.Definition(name, None, None, found, unit, "", value.span)
+        self.keep(name, own, value.span)
+        own_name, index = parted(name)
+        at = None if index is None else Number(Fraction(index), value.span)
+        definition = m.Definition(own_name, at, None, found, si_text(dimension), "", value.span)
         self.parts["definitions"].append(definition)
         if len(self.report.errors) > before:
             return ()
@@ -167,6 +168,24 @@ class BodyParts(Checks):
         if vector and not isinstance(value, Vector):
             return (None,) * len(AXES)
         return tuple(self.expressions.check(item, scope)[1].value for item in items)
+
+    def keep(self, name: str, facts: Facts, span: Span) -> None:
+        """The entry of what a body or a joint has. `link[3].R` is a member of the family `link.R`,
+        of which all members are known by what they have together."""
+        own, index = parted(name)
+        entry = self.names.table.get(own)
+        if index is None or entry is None:
+            members = None if index is None else Members((index, index))
+            entry = Entry(own, "definition", facts, span, members, used=True)
+            self.names.declare(entry)
+            entry.turning = {} if facts.turns and index is not None else None
+        elif entry.kind != "poisoned":
+            vector = facts.vector or entry.facts.vector
+            together = joined(facts.dimension, vector, [entry.facts, facts])
+            entry.facts = replace(together, bare=False)
+            entry.members.add(index, index)
+        if entry.turning is not None:
+            entry.turning[index] = facts
 
     # energies
 

@@ -20,6 +20,7 @@ from ..parse import parse_all
 from ..table import STATEMENTS
 from ..units import NONE, UnitError, over, parse_unit, si_text
 from .bodies import Bodies
+from .body_families import written_out
 from .constraints import Constraints
 from .coordinates import Coordinates
 from .definitions import Definitions
@@ -81,8 +82,9 @@ def _limited(source: Source, errors: list[Diagnostic]) -> ModelError:
 
 class _Checker:
     def __init__(self, file: st.File, given: Mapping[str, int]) -> None:
-        self.file, self.given = file, dict(given)
         self.report = Report()
+        self.file, self.given = written_out(file, given, self.report.error), dict(given)
+        file = self.file
         declared = dict(_declarations(file.statements))
         self.broken = {b.keyword for b in file.broken}
         self.dimensionless = all(_has_no_dimension(text) for text in file.units)
@@ -98,7 +100,7 @@ class _Checker:
         self.expressions = Expressions(*about, lagrangian=lagrangian)
         self.shared = Shared(self.expressions, self.report, self.names, self.given)
         self.states, self.dynamics = States(self.shared), Dynamics(self.shared)
-        self.bodies = Bodies(self.shared, self._check)
+        self.bodies = Bodies(self.shared, self._check, file)
         self.methods = Methods(self.shared, file.source)
         self.scenes = Scenes(self.shared, self.dynamics, self.methods)
         self.checks = {
@@ -218,12 +220,12 @@ def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, S
                 yield left.name, left.span
             case st.Declare(items=items):
                 yield from ((item.name, item.name_span) for item in items)
-            case st.Body(name=name, name_span=span):
-                yield name, span
-            case st.Joint(name=(name, span), child=(child, _)):
-                yield name, span
-                yield from ((coordinate, span) for coordinate, _ in joint_names(statement))
-                yield from ((f"{child}.{member}", span) for member in SHOWN)
+            case st.Body(left=left):
+                yield left.name, left.span
+            case st.Joint(left=left, ends=(_, child)):
+                yield left.name, left.span
+                yield from ((coordinate, left.span) for coordinate, _ in joint_names(statement))
+                yield from ((f"{child.id}.{member}", left.span) for member in SHOWN)
             case st.Event(name=name, name_span=span):
                 yield name, span
             case st.Equation(left=left):

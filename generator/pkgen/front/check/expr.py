@@ -7,8 +7,10 @@ fit anything, so that one mistake is reported once.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
+from ...indices import NotAnInteger, integer
 from ...record import record
 from ...source import Span
 from ...tree import AXES, Add, Expr, Name, Negate, Number, Vector
@@ -16,7 +18,7 @@ from .. import units
 from ..units import NONE, Dimension
 from .calls import Calls
 from .checking import Checked
-from .names import BUILT_IN, KIND_TEXT, UNKNOWN, Entry, Facts, Members, Wrong, joined
+from .names import BUILT_IN, KIND_TEXT, UNKNOWN, Entry, Facts, Members, Turn, Wrong, joined
 from .operators import Operators
 from .rotations import attitude
 from .scope import Place, Scope
@@ -126,7 +128,23 @@ class Expressions(Operators, Calls):
         if entry.kind == "rotation":
             turn = attitude(expr.id, expr.index, expr.span)
             return expr, replace(entry.facts, turns=(turn,))
+        if entry.turning is not None:
+            return expr, self._turning(expr, entry)
         return expr, entry.facts
+
+    columns: Callable[[str], tuple[str, ...]]  # of a body's R: names of vectors, check/bodies.py
+
+    def _turning(self, expr: Name, entry: Entry) -> Facts:
+        """Of a member of a family of rotations; where its index is a loop's, by its columns."""
+        try:
+            member = entry.turning.get(integer(expr.index, self.sizes))
+            if member is None:
+                raise Wrong
+            return member
+        except NotAnInteger:
+            names = self.columns(expr.id)
+            columns = tuple(Name(name, expr.index, expr.span) for name in names)
+            return replace(entry.facts, turns=(Turn(columns=columns),))
 
     def _entry(self, expr: Name, scope: Scope) -> Entry | None:
         name = expr.id
@@ -193,7 +211,8 @@ class Expressions(Operators, Calls):
         elif entry.kind == "multiplier":
             help = "it follows from the motion, and can be used in outputs and events"
         elif entry.kind == "body":
-            help = f"its places are {expr.id}.com, {expr.id}.origin, {expr.id}.point([x, y, z])"
+            name = self.mismatch.text(expr)
+            help = f"its places are {name}.com, {name}.origin, {name}.point([x, y, z])"
         elif entry.kind == "constraint":
             help = f"its multiplier is lambda_{expr.id}, in outputs and events"
         else:

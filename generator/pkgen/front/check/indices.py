@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from ... import limits
-from ...indices import NotAnInteger, assignments, integer
+from ...indices import NotAnInteger, assignments, indexed, integer
 from ...source import Source, Span
 from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, within
 from .names import MOVING, Entry, Names, Report
@@ -157,9 +157,10 @@ class Indices:
         elif self.is_family_left(scope):
             help = f"write {expr.id}[{first}] = … or {expr.id}[i = {first}..{last}] = …"
         elif scope.place is PLACES["record"]:
-            help = f"name its members one by one, e.g. {expr.id}[{first}]"
+            help = f"name its members one by one, e.g. {indexed(expr.id, first)}"
         else:
-            help = f"e.g. {expr.id}[{first}], or {expr.id}[i] in a sum over i"
+            text = indexed(expr.id, first), indexed(expr.id, "i")
+            help = f"e.g. {text[0]}, or {text[1]} in a sum over i"
         self.report.error(f"'{expr.id}' is a family: it needs an index", expr.span, help)
 
     @staticmethod
@@ -196,7 +197,7 @@ class Indices:
     def _outside(
         self, expr: Name, entry: Entry, value: int, at: dict[str, int], recursive: bool
     ) -> None:
-        member, name = f"{expr.id}[{value}]", expr.id
+        member, name = indexed(expr.id, value), expr.id
         there = entry.members.text(name)
         if entry.kind in MOVING:
             lo, hi = entry.members.intervals[0][0], entry.members.intervals[-1][1]

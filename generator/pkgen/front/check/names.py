@@ -11,6 +11,7 @@ from fractions import Fraction
 
 from ... import limits
 from ...functions import FUNCTIONS, MEANT, VECTOR_FUNCTIONS, WRITTEN_OUT
+from ...indices import indexed
 from ...record import record
 from ...source import Diagnostic, Span
 from ...tree import Expr
@@ -34,11 +35,14 @@ def callable_names() -> frozenset[str]:
 @record
 class Turn:
     """A factor of a rotation: rot(axis, angle), or the attitude of a declared one, `quaternion`
-    of its numbers w, x, y, z. `name` and `index` are of one that stands as it is declared."""
+    of its numbers w, x, y, z. `name` and `index` are of one that stands as it is declared. Or
+    vectors, the `columns` of its matrix; of its inverse they are the `rows`."""
 
     axis: Expr | None = None
     angle: Expr | None = None
     quaternion: Expr | None = None
+    columns: tuple[Expr, ...] = ()
+    rows: tuple[Expr, ...] = ()
     name: str = ""
     index: Expr | None = None
 
@@ -123,7 +127,8 @@ class Members:
         return at < len(self.intervals) and self.intervals[at][0] <= hi
 
     def text(self, name: str) -> str:
-        shown = [f"{name}[{a}]" if a == b else f"{name}[{a}..{b}]" for a, b in self.intervals[:4]]
+        ends = [f"{a}" if a == b else f"{a}..{b}" for a, b in self.intervals[:4]]
+        shown = [indexed(name, end) for end in ends]
         return ", ".join(shown) + (", …" if len(self.intervals) > 4 else "")
 
 
@@ -139,6 +144,7 @@ class Entry:
     own: tuple[int, int] | None = None  # of a family of coordinates, without its ends
     periodic: bool = False  # or not known for an error: any index will do
     used: bool = False
+    turning: dict[int, Facts] | None = None  # of a family of rotations by definition, each member's
 
 
 KIND_TEXT = {

@@ -114,6 +114,9 @@ class Rotations(Checks):
             return None, facts
         if any(turn.quaternion is not None for turn in facts.turns):
             return None, facts  # a rotation is no parameter: said already
+        if any(turn.angle is None for turn in facts.turns):
+            self.report.error(f"{what} is a product of rot(AXIS, ANGLE)", value.span)
+            return None, facts
         return quaternion_of(facts.turns, value.span), facts
 
 

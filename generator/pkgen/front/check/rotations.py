@@ -174,10 +174,14 @@ def _of_no_name(turns: Turns) -> str:
         return "of a product of rotations the rates are in several frames: add them as vectors"
     if turns[0].quaternion is not None:
         return "of inverse(R) they are -(R*omega(R))"
+    if turns[0].columns or turns[0].rows:
+        return "of a body they are its omega: link[i].omega"
     return "of rot(n, a) they are a'*n, where n is constant and of length 1"
 
 
 def _backwards(turn: Turn) -> Turn:
+    if turn.columns or turn.rows:
+        return Turn(columns=turn.rows, rows=turn.columns)
     if turn.quaternion is None:
         return replace(turn, angle=Negate(turn.angle, turn.angle.span))
     w, x, y, z = turn.quaternion.items

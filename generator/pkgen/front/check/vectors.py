@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from ...model import Definition
 from ...source import Span
-from ...tree import AXES, COMPONENTS, Call, Component, Expr, Multiply, Name, Sum, Vector
+from ...tree import AXES, COMPONENTS, Add, Call, Component, Expr, Multiply, Name, Sum, Vector
 from .names import Facts, Turns, Wrong
 
 EXAMPLE = "rot([0, 0, 1], angle)*r"
@@ -75,6 +75,14 @@ def applied(turns: Turns, vector: Expr, span: Span) -> Expr:
     for turn in reversed(turns):
         if turn.quaternion is not None:
             vector = Call("attitude", (turn.quaternion, vector), span)
+        elif turn.rows:
+            vector = Vector(tuple(Call("dot", (row, vector), span) for row in turn.rows), span)
+        elif turn.columns:
+            parts = (
+                Multiply((column, component(vector, axis)), (1, 1), span)
+                for axis, column in enumerate(turn.columns)
+            )
+            vector = Add(tuple(parts), (1, 1, 1), span)
         else:
             vector = Call("rotate", (turn.axis, turn.angle, vector), span)
     return vector

@@ -18,7 +18,7 @@ from ...graph.collect import shortened
 from ...graph.graph import ZERO, Kind
 from ...graph.solve import solve
 from ...graph.substitute import substituted
-from ..quantities import error, symbols
+from ..quantities import error, smaller, symbols
 
 
 def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
@@ -60,7 +60,7 @@ def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
             f"there is no canonical form of {n} coordinates that M couples so much: written out"
             " it is too long",
             model.span,
-            "make its families smaller",
+            smaller(model),
         )
     v = solution.accelerations
     twice = g.sum(map(g.multiply, v, excess))

@@ -23,10 +23,12 @@ from ..naming import naming
 from ..quantities import (
     error,
     families,
+    has_bodies,
     indexed,
     input_quantities,
     quantities,
     refuse_constant,
+    smaller,
     symbols,
 )
 from .constrain import CannotConstrain
@@ -217,16 +219,19 @@ def _check_size(model: Model, unrolled: str) -> None:
         what = "coordinates and states" if model.states else "coordinates"
         message = f"{count:,} {what}: M alone has more than {limits.UNROLLED:,} entries"
         why = f", which cannot stay loops: {unrolled}" if unrolled else ""
-        raise error(model, message, largest.span, f"make its families smaller{why}")
+        raise error(model, message, largest.span, smaller(model) + why)
 
 
 def _check_inertia(x: Expander, motion: Motion) -> None:
+    model = x.model
     findings: dict[str, Diagnostic] = {}
     for (item, index), row in zip(x.members, motion.mass, strict=True):
         if all(entry == ZERO for entry in row) and item.name not in findings:
             name = indexed(item.name, index)
             message = f"'{name}' has no inertia: L does not contain the square of {name}'"
             help = f"give it a kinetic energy, or make '{item.name}' a param or an input"
+            if has_bodies(model):
+                help = "what hangs on a joint needs a mass, or an inertia about the joint's axis"
             if item.rate:
                 message = (
                     f"'{indexed(item.rate, index)}' has no inertia: L does not contain its square"
@@ -234,7 +239,7 @@ def _check_inertia(x: Expander, motion: Motion) -> None:
                 help = "a body has a moment of inertia about each of its axes"
             findings[item.name] = Diagnostic(message, item.span, help)
     if findings:
-        raise ModelError(x.model.source, list(findings.values()))
+        raise ModelError(model.source, list(findings.values()))
 
 
 def _singular(x: Expander, coordinate: int) -> ModelError:

@@ -20,7 +20,17 @@ from ...model import Coordinate, End, Model, Rotation
 from ...source import Span
 from ...tree import Expr, Name, Range
 from ..attitudes import body_rates, rate_of_quaternion
-from ..quantities import Family, error, families, indexed, input_index, rate_of_state, sizes
+from ..quantities import (
+    Family,
+    error,
+    families,
+    has_bodies,
+    indexed,
+    input_index,
+    rate_of_state,
+    sizes,
+    smaller,
+)
 
 Vector3 = tuple[Node, ...]
 Value = Node | Vector3
@@ -126,9 +136,11 @@ class Names(ABC):
         except TooLarge:
             raise error(
                 self.model,
-                "the model is too large once its families and sums are unrolled",
+                "the model is too large once its families, sums and bodies are written out"
+                if has_bodies(self.model)
+                else "the model is too large once its families and sums are unrolled",
                 span,
-                "make its families smaller",
+                smaller(self.model),
             ) from None
         except NotAnInteger as wrong:
             raise error(self.model, wrong.message, wrong.span) from None

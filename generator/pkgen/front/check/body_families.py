@@ -1,0 +1,116 @@
+"""Families of bodies and of joints, written out: `body link[1..N] …`, `joint j[i = 2..N]: link[i-1]
+to link[i] …` become a statement each member, with numbers for its indices. A tree is made of
+members, so there is no loop that could be kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import fields, replace
+from fractions import Fraction
+
+from ... import limits
+from ...indices import NotAnInteger, indexed, integer
+from ...source import Span
+from ...tree import Expr, Number, of_member
+from .. import statements as st
+
+OfBodies = st.Body | st.Joint
+
+
+def written_out(
+    file: st.File, given: Mapping[str, int], tell: Callable[[str, Span, str], None]
+) -> st.File:
+    """The file with a statement each member; what is wrong with indices is told, and the statement
+    left out. `given` are sizes of the command line."""
+    if not any(isinstance(s, OfBodies) and _indices(s) for s in file.statements):
+        return file
+    sizes = _sizes(file, given)
+    found: list[st.Statement] = []
+    broken = [*file.broken]
+    for statement in file.statements:
+        if not isinstance(statement, OfBodies):
+            found.append(statement)
+            continue
+        try:
+            for member in _members(statement, sizes):
+                found.append(member)
+                if len(found) > limits.STATEMENTS:
+                    message = f"more than {limits.STATEMENTS:,} statements, families written out"
+                    raise NotAnInteger(message, statement.left.span)
+        except NotAnInteger as wrong:
+            help = "" if "not a size" not in wrong.message else "declare it with 'size'"
+            tell(wrong.message, wrong.span, help)
+            names = statement.left.name, *(end.id for end in getattr(statement, "ends", ()))
+            broken.append(st.Broken(statement.keyword, names, statement.span))
+    return replace(file, statements=tuple(found), broken=tuple(broken))
+
+
+def _indices(statement: OfBodies) -> bool:
+    ends = statement.ends if isinstance(statement, st.Joint) else ()
+    left = statement.left
+    return left.index is not None or left.range is not None or any(e.index for e in ends)
+
+
+def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
+    found: dict[str, int] = {}
+    for statement in file.statements:
+        if isinstance(statement, st.Define) and statement.keyword == "size":
+            with suppress(NotAnInteger):  # its own check says so
+                found[statement.left.name] = integer(statement.value, found)
+            found |= {k: v for k, v in given.items() if k == statement.left.name}
+    return found
+
+
+def _members(statement: OfBodies, sizes: Mapping[str, int]) -> Iterator[OfBodies]:
+    left = statement.left
+    if left.range is None:
+        yield _with_numbers(statement, sizes)
+        return
+    lo, hi = integer(left.range.lo, sizes), integer(left.range.hi, sizes)
+    if lo > hi:
+        raise NotAnInteger(f"an empty family: {lo}..{hi}", left.range.span)
+    variable = left.range.variable
+    if variable in sizes:
+        message = f"the loop variable '{variable}' has another meaning in this model"
+        raise NotAnInteger(message, left.range.span)
+    for k in range(lo, hi + 1):
+        number = Number(Fraction(k), left.range.span)
+        one = replace(statement, left=replace(left, range=None, index=number))
+        yield _with_numbers(_at(one, variable, number) if variable else one, sizes)
+
+
+def _with_numbers(statement: OfBodies, sizes: Mapping[str, int]) -> OfBodies:
+    """Its indices and those of its ends computed."""
+
+    def number(index: Expr | None) -> Number | None:
+        return None if index is None else Number(Fraction(integer(index, sizes)), index.span)
+
+    left = replace(statement.left, index=number(statement.left.index))
+    if isinstance(statement, st.Body):
+        return replace(statement, left=left)
+    ends = tuple(replace(end, index=number(end.index)) for end in statement.ends)
+    return replace(statement, left=left, ends=ends)
+
+
+def _at(part: object, variable: str, number: Number) -> object:
+    """A statement, or a part of it, with a number for the loop variable."""
+    if isinstance(part, Expr):
+        return of_member(part, variable, number)
+    if isinstance(part, tuple):
+        return tuple(_at(item, variable, number) for item in part)
+    if isinstance(part, OfBodies):
+        of = {f.name: _at(getattr(part, f.name), variable, number) for f in fields(part)}
+        return replace(part, **of)
+    return part
+
+
+def family(statements: tuple[st.Statement, ...], kind: type, name: str) -> list[int]:
+    """The numbers of the members of a family, in order; none of what is no family."""
+    found = (s.left for s in statements if isinstance(s, kind) and s.left.name == name)
+    return sorted(int(left.index.value) for left in found if isinstance(left.index, Number))
+
+
+def with_number(name: str, of: st.Left) -> str:
+    """A coordinate of a joint: of a member of a family `phi[3]`."""
+    return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None)
