@@ -22,7 +22,8 @@ FLOORS = """
 record
 system source limits functions version
 tree methods
-model indices front
+indices
+model front
 graph own robots
 equations front/check
 middle middle/points
