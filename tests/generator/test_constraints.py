@@ -11,7 +11,7 @@ import pkgen
 import pytest
 from c_harness import COMPILERS, Loaded
 from pkgen.compiler import compile_model
-from pkgen.explain.contents import freedom
+from pkgen.explain.flat import freedom
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
 from pkgen.graph.rounding import sizes

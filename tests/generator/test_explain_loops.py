@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 from loop_models import MODELS
 from pkgen.compiler import compile_model
-from pkgen.explain.loops import explain_loops, record_loops
+from pkgen.explain.explain import explain, record
 from pkgen.front.check import check
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
@@ -27,7 +27,7 @@ class Shown:
 
     def __init__(self, text: str) -> None:
         source = Source("model.lag", text)
-        self.record = record_loops(compile_model(source))
+        self.record = record(compile_model(source))
         model, _ = check.check_text(source, {"N": N})
         self.unrolled = e = derive.derive(model)
         seeded = random.Random(2385)
@@ -147,7 +147,7 @@ def test_rows_have_the_values_of_the_unrolled_equations(name: str) -> None:
 
 def test_one_equation_stands_for_all_members_and_the_ends_are_apart() -> None:
     def said(name: str) -> list[str]:
-        return explain_loops(compile_model(Source("model.lag", MODELS[name][0]))).splitlines()
+        return explain(compile_model(Source("model.lag", MODELS[name][0]))).splitlines()
 
     fput = said("fput")
     assert "  M[q[i], q[i]] = 1   for i = 1..N" in fput
@@ -166,7 +166,7 @@ def test_where_sizes_would_have_to_be_compared_parts_have_their_ranges() -> None
         "model two\nsize N = 30\nsize K = 20\ncoord q[1..N]\nkinetic sum(q[i]'^2/2, i = 1..N)\n"
         "potential sum(q[i]^2/2, i = 1..N) + sum(q[i]^4/4, i = 1..K)\n"
     )
-    said = explain_loops(compile_model(Source("model.lag", text)))
+    said = explain(compile_model(Source("model.lag", text)))
     assert "f[q[i]] = -q[i]   for i = 1..N\n  f[q[i]] = ... + -q[i]^3   for i = 1..K" in said
 
 
@@ -176,6 +176,6 @@ def test_an_index_has_a_letter_that_the_model_leaves_free():
         "model letters\nsize m = 40\nparam i = 2\ncoord q[1..m]\n"
         "kinetic sum(q[n]'^2/2, n = 1..m)\npotential sum(q[n]^2/2*n/i, n = 1..m)\n"
     )
-    said = explain_loops(compile_model(Source("model.lag", text)))
+    said = explain(compile_model(Source("model.lag", text)))
     assert "V = sum(k*q[k]^2/(2*i), k = 1..m)" in said
     assert "f[q[k]] = -k*q[k]/i   for k = 1..m" in said and "m degrees of freedom" in said

@@ -9,43 +9,44 @@ from ..middle.loops.loops import LoopEquations
 SHOWN = 8  # terms of an invariant's formula, blocks of coordinates
 
 
-def facts(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
+def facts(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
     """Rows of a table: what, and how it is."""
-    own = equations.inertial
+    looped = isinstance(equations, LoopEquations)
+    own = len(equations.model.coordinates) if looped else equations.inertial
+    mass, forces = (_mass_of_loops, _forces_of_loops) if looped else (_mass, _forces)
     rows = [
-        ("mass matrix", _mass(equations, structure) if own else ""),
-        ("definite", _definite(structure) if own else ""),
+        ("mass matrix", mass(equations, structure) if own else ""),
+        ("definite", _definite(structure) if own and not looped else ""),
         ("separable", _separable(structure)),
         ("linear", _yes(structure.affine, "constant coefficients", "")),
         ("explicit time", "no" if structure.autonomous else "yes (or an input)"),
-        ("forces beyond L", _forces(equations) if own else ""),
+        ("forces beyond L", forces(equations) if own else ""),
         ("smooth", _smooth(equations, structure)),
-        ("impulses", _impulses(equations)),
-        ("blocks", _blocks(equations, structure.blocks)),
+        ("impulses", "" if looped else _impulses(equations)),
+        ("blocks", "" if looped else _blocks(equations, structure.blocks)),
     ]
     return [row for row in rows if row[1]]
 
 
-def invariants(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
+def invariants(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
     """The constants of the motion and why each is one, claims last."""
-    return [*found(equations, structure), *claimed(structure)]
+    claims = [(x.name, f"claimed, {x.outcome}: {x.says}") for x in structure.claims]
+    return [*found(equations, structure), *claims]
 
 
-def found(equations: Equations, structure: Structure) -> list[tuple[str, str]]:
+def found(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
     """Those that nobody has claimed."""
     if structure.symmetries is not None and structure.symmetries.searched:
         return found_by_symmetry(structure.symmetries)
     rows = [("energy", "time shift")] if structure.conservative else []
-    momenta = zip(equations.momenta_names, structure.cyclic, strict=True)  # none of a state
-    return rows + [(q.name, "cyclic coordinate") for q, cyclic in momenta if cyclic]
+    if isinstance(structure, Structure):
+        momenta = zip(equations.momenta_names, structure.cyclic, strict=True)  # none of a state
+        rows += [(q.name, "cyclic coordinate") for q, cyclic in momenta if cyclic]
+    return rows
 
 
 def found_by_symmetry(symmetries: Symmetries) -> list[tuple[str, str]]:
     return [(shortened(x.name), _why(x)) for x in symmetries.invariants]
-
-
-def claimed(structure: Facts) -> list[tuple[str, str]]:
-    return [(x.name, f"claimed, {x.outcome}: {x.says}") for x in structure.claims]
 
 
 def _separable(structure: Facts) -> str:
@@ -57,9 +58,7 @@ def _separable(structure: Facts) -> str:
     return _yes(structure.separable, applies, "verlet does not apply")
 
 
-def loop_facts(e: LoopEquations) -> list[tuple[str, str]]:
-    """The same of families kept as loops."""
-    proved = e.facts
+def _mass_of_loops(e: LoopEquations, proved: Facts) -> str:
     shape = "diagonal" if proved.mass_diagonal else "banded"
     if e.carried:
         shape = "of a chain, eliminated from its last member to the first"
@@ -69,25 +68,13 @@ def loop_facts(e: LoopEquations) -> list[tuple[str, str]]:
         once = "a division a row" if proved.mass_diagonal else "factored once"
         once = "with rows of constraints factored at each acceleration" if e.bound else once
         shape += f", constant: {once}"
+    return shape
+
+
+def _forces_of_loops(e: LoopEquations) -> str:
     beyond = "force, dissipation or states" if e.states else "force or dissipation"
     beyond = f"of constraints, perhaps {beyond}" if e.bound else beyond
-    rows = [
-        ("mass matrix", shape),
-        ("separable", _separable(proved)),
-        ("linear", _yes(proved.affine, "constant coefficients", "")),
-        ("explicit time", "no" if proved.autonomous else "yes (or an input)"),
-        ("forces beyond L", "none" if proved.variational else f"yes ({beyond})"),
-        ("smooth", _yes(proved.smooth, "", "abs, min, max or step")),
-    ]
-    of_l = ("mass matrix", "forces beyond L")
-    return [row for row in rows if e.model.coordinates or row[0] not in of_l]
-
-
-def loop_invariants(proved: Facts) -> list[tuple[str, str]]:
-    rows = [("energy", "time shift")] if proved.conservative else []
-    if proved.symmetries is not None and proved.symmetries.searched:
-        rows += [row for row in found_by_symmetry(proved.symmetries) if row not in rows]
-    return rows + claimed(proved)
+    return "none" if e.facts.variational else f"yes ({beyond})"
 
 
 def _why(x: Invariant) -> str:
@@ -103,8 +90,8 @@ def shortened(text: str) -> str:
     return f"{terms[0]} + ... + {terms[-1]} ({len(terms)} terms)".replace("+ -", "- ")
 
 
-def _smooth(equations: Equations, structure: Structure) -> str:
-    if structure.smooth or not equations.switches:
+def _smooth(equations: Equations | LoopEquations, structure: Facts) -> str:
+    if structure.smooth or isinstance(equations, LoopEquations) or not equations.switches:
         return _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")
     names = [switch.quantity.name for switch in equations.switches]
     shown = names if len(names) <= SHOWN else [*names[:2], "...", names[-1], f"({len(names)})"]

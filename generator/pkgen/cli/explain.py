@@ -7,10 +7,9 @@ import json
 from importlib.util import find_spec
 from pathlib import Path
 
-from ..explain import explain as explanation
 from ..explain import scenes as explain_scenes
+from ..explain.explain import explain, record
 from ..explain.html import fragment, html
-from ..explain.loops import explain_loops, record_loops
 from ..explain.scenes import scenes_shown
 from ..scenes import lengths
 from ..scenes import use as scene_use
@@ -46,10 +45,6 @@ def run(options: argparse.Namespace) -> int:
         options, symmetric=True, canonical=options.canonical, use=scene_use.of_compile(options)
     )
     with within_limits(options):
-        if compilation.looped:
-            shown, record = explain_loops, record_loops
-        else:
-            shown, record = explanation.explain, explanation.record
         scenes = [] if options.scene else scenes_shown(compilation, lengths.given(options.size))
         written = html(compilation, scenes) if options.html else ""
         text = ""
@@ -57,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
             found = record(compilation) | {"scenes": explain_scenes.record(scenes)}
             text = json.dumps(found, indent=1)
         elif not options.html:
-            text = shown(compilation).rstrip("\n")
+            text = explain(compilation).rstrip("\n")
             text += f"\n\n{explain_scenes.text(scenes)}" if scenes else ""
     if options.html:
         replace({Path(options.html): written})

@@ -10,16 +10,16 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 from ..back.c.program import operations_text
-from ..back.facts import facts, loop_facts
+from ..back.facts import facts
 from ..compiler import Compilation
 from ..describe.drawing import shown as drawn
 from ..system import page
 from ..version import __version__
-from .contents import freedom
+from .contents import Contents
+from .explain import contents
 from .html_constants import constants
-from .html_equations import EquationSections
+from .html_equations import EquationSections, parameter_table, quantity_rows
 from .html_loops import loop_sections
-from .loops import loop_freedom
 from .prose import Prose
 from .scenes import SceneShown
 from .shown import Shown
@@ -41,18 +41,20 @@ def fragment(compilation: Compilation, scenes: Sequence[SceneShown] = (), level:
     model = compilation.model
     written = Written(model)
     prose = Prose(written, *_words(compilation))
-    e = compilation.equations
+    e, c = compilation.equations, contents(compilation)
     shown = None if compilation.looped else Shown(e)
     if shown is None:
-        count, sections = loop_freedom(e), loop_sections(e, written, prose)
+        equations = loop_sections(e, written)
     else:
-        count, sections = ", ".join(freedom(e)), EquationSections(shown, written, prose).all()
+        equations = EquationSections(shown, written, prose).all()
     parts = [
         f"<p>{prose(model.description)}</p>" if model.description else "",
-        f'<p class="count">{prose(count)}</p>',
-        *sections,
+        f'<p class="count">{prose(c.freedom)}</p>',
+        *_quantities(c, prose),
+        *parameter_table(c, prose),
+        *equations,
         heading("Structure"),
-        facts_table((n, prose(t)) for n, t in _facts(compilation)),
+        facts_table((n, prose(t)) for n, t in facts(e, compilation.structure)),
         *constants(compilation, prose, shown),
         *_reductions(compilation, prose),
         *(part for scene in scenes for part in scene_section(scene, prose)),
@@ -81,9 +83,11 @@ def _words(compilation: Compilation) -> tuple[set[str], set[str]]:
     return names, formulas - names
 
 
-def _facts(compilation: Compilation) -> list[tuple[str, str]]:
-    e = compilation.equations
-    return loop_facts(e) if compilation.looped else facts(e, compilation.structure)
+def _quantities(c: Contents, prose: Prose) -> Iterable[str]:
+    for title, quantities in (*c.declared, ("Inputs", c.inputs)):
+        if quantities:
+            yield heading(title)
+            yield table(("symbol", "unit", "meaning"), quantity_rows(quantities, prose))
 
 
 # -- scenes ---------------------------------------------------------------------------------------

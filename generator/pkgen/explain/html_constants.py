@@ -9,7 +9,6 @@ from ..compiler import Compilation
 from ..equations import Invariant, Structure, Symmetries
 from ..graph.graph import Kind
 from ..middle.analyze import sympy_bridge
-from ..middle.loops.loops import Facts
 from . import mathml
 from .explain import NOTHING
 from .mathml import operator
@@ -25,7 +24,8 @@ def constants(compilation: Compilation, prose: Prose, shown: Shown | None) -> It
     structure = compilation.structure
     symmetries = structure.symmetries
     name = prose.written.name
-    rows = [(name(n), prose(why), "") for n, why in _known(structure, shown)]
+    known = found(compilation.equations, structure)
+    rows = [(name(n), prose(why), "") for n, why in known]
     if symmetries is not None and symmetries.searched:
         rows = [
             (_formula(symmetries, x, prose), prose(_why(x)), _generator(x, prose))
@@ -49,18 +49,11 @@ def constants(compilation: Compilation, prose: Prose, shown: Shown | None) -> It
             yield "<p>Long sums are whole in what <code>explain --json</code> says.</p>"
 
 
-def _known(structure: Structure | Facts, shown: Shown | None) -> list[tuple[str, str]]:
-    """What is constant where no symmetries were searched for."""
-    if shown is None:
-        return [("energy", "time shift")] if structure.conservative else []
-    return found(shown.e, structure)
-
-
 def _meant(structure: Structure, shown: Shown) -> Iterator[str]:
     """The energy and the momenta that occur, as functions of the state."""
     e = shown.e
     symmetries = structure.symmetries
-    used = {name for name, _ in _known(structure, shown)}
+    used = {name for name, _ in found(e, structure)}
     if symmetries is not None and symmetries.searched:
         used = {
             n

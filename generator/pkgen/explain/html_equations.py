@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
@@ -14,8 +14,8 @@ from ..middle.quantities import single_rotations
 from ..model import Event
 from ..tree import Expr, names
 from . import mathml
-from .contents import canonical_rows, constraint_rows, rates_title
-from .explain import named_events
+from .contents import Contents
+from .flat import canonical_rows, constraint_rows, rates_title
 from .mathml import operator, row
 from .prose import Prose
 from .shown import Chunks, Shown
@@ -34,12 +34,10 @@ _OF_MULTIPLIERS = (
 _DIRECTIONS = {1: "rising", -1: "falling", 0: "either way"}
 
 
-def quantity_rows(
-    quantities: Iterable[tuple[str, str, str]], prose: Prose
-) -> Iterator[tuple[str, str, str]]:
+def quantity_rows(quantities: Iterable[Quantity], prose: Prose) -> Iterator[tuple[str, str, str]]:
     """Names, unit, what its author says: one row for neighbours that share the latter."""
-    for (unit, says), group in groupby(quantities, key=lambda x: x[1:]):
-        names = [members(name, prose) for name, *_ in group]
+    for (unit, says), group in groupby(quantities, key=lambda q: (q.unit, q.description)):
+        names = [members(q.name, prose) for q in group]
         if len(names) > MEMBERS:
             names = [*names[:2], "…", names[-1]]
         yield ", ".join(names), prose.unit(unit), escape(says)
@@ -61,9 +59,10 @@ def lets(found: Sequence[Line]) -> list[str]:
     return named([chunks for chunks, _ in found], [note for _, note in found])
 
 
-def parameter_table(written: Written, prose: Prose, units: Mapping[str, str]) -> Iterator[str]:
-    """Those that have a unit in `units`, SI, though it be none; defaults and bounds as written."""
-    rows = []
+def parameter_table(c: Contents, prose: Prose) -> Iterator[str]:
+    """Those that are left, in units of SI; defaults and bounds as written."""
+    units = {x.quantity.name.partition("[")[0]: x.quantity.unit for x in c.parameters}
+    rows, written = [], prose.written
     for s in written.parameters():
         name = s.left.name
         if name in units:
@@ -93,14 +92,18 @@ def _infinite(end: Expr) -> bool:
     return "inf" in names(end)
 
 
+def of_lagrangian(written: Written) -> tuple[list[Line], list[Line]]:
+    """The energies and forces, and the names in them."""
+    kinds = ("kinetic", "potential", "lagrangian", "dissipation", "force")
+    return [*written.energies(), *written.forces()], written.lets_of(kinds)
+
+
 class EquationSections:
     def __init__(self, shown: Shown, written: Written, prose: Prose):
         self.e, self.shown, self.written, self.prose = shown.e, shown, written, prose
 
     def all(self) -> Iterator[str]:
         e = self.e
-        yield from self._quantities()
-        yield from self._parameters()
         if e.coordinates:
             yield from self._lagrangian()
             yield from self._motion()
@@ -109,38 +112,13 @@ class EquationSections:
         yield from self._canonical()
         yield from self._outputs()
 
-    # -- tables -------------------------------------------------------------------------------
-
-    def _quantities(self) -> Iterator[str]:
-        e = self.e
-        for title, quantities in (
-            ("Coordinates", e.seen),
-            ("Body rates", e.rates[len(e.seen) :]),
-            ("Attitudes", e.states[: e.quaternions]),
-            ("States", e.states[e.quaternions :]),
-            ("Inputs", e.inputs),
-        ):
-            if quantities:
-                rows = [(q.name, q.unit, q.description) for q in quantities]
-                yield heading(title)
-                yield table(("symbol", "unit", "meaning"), quantity_rows(rows, self.prose))
-
-    def _parameters(self) -> Iterator[str]:
-        units = {
-            slot.family if slot.length else slot.quantity.name: slot.quantity.unit
-            for slot in self.e.parameters
-        }
-        yield from parameter_table(self.written, self.prose, units)
-
     # -- the Lagrangian and the equations of motion --------------------------------------------
 
     def _lagrangian(self) -> Iterator[str]:
         e, written = self.e, self.written
-        said = [*written.energies(), *written.forces()]
+        said, lets_there = of_lagrangian(written)
         yield heading("Lagrangian")
-        yield from lines(said)
-        lets_there = written.lets_of(("kinetic", "potential", "lagrangian", "dissipation", "force"))
-        yield from lets(lets_there)
+        yield from (*lines(said), *lets(lets_there))
         rows = [("L", e.lagrangian)]
         if e.kinetic is not None and e.potential is not None:
             rows = [("T", e.kinetic), ("V", e.potential)]
@@ -268,7 +246,7 @@ class EquationSections:
             yield heading("Outputs")
             rows = [(self.shown.name(q.name), node) for q, node in named_nodes]
             yield from where(self.shown.where(rows))
-        events = list(named_events(e))
+        events = list(zip(e.event_names, e.model.events, e.events, strict=True))
         if events:
             yield heading("Events")
             yield from self._events(events)

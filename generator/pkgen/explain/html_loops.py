@@ -7,22 +7,19 @@ from collections.abc import Iterable, Iterator
 
 from ..middle.loops.loops import Group, LoopEquations
 from . import mathml
-from .html_equations import lets, lines, parameter_table, quantity_rows
+from .html_equations import lets, lines, of_lagrangian
 from .loops import (
     beyond,
     carried_lines,
     carried_says,
-    declared,
     force_lines,
     mass_lines,
     pair_lines,
-    pair_range,
     rate_lines,
 )
 from .mathml import fenced, operator, row
-from .prose import Prose
 from .rows import EquationLine, Style, Writer
-from .tables import heading, lead, listed, table
+from .tables import heading, lead, listed
 from .typeset import Typesetter
 from .written import Written
 
@@ -31,22 +28,16 @@ _ONE = mathml.number("1")
 _PLACE = re.compile(r"f\[(.*)\]")
 
 
-def loop_sections(e: LoopEquations, written: Written, prose: Prose) -> Iterator[str]:
+def loop_sections(e: LoopEquations, written: Written) -> Iterator[str]:
     write, plain = Writer(e, _style(e, written)), Writer(e)
-    for kind, rows in declared(plain):
-        if kind != "Parameters":
-            yield heading(kind)
-            yield table(("symbol", "unit", "meaning"), quantity_rows(rows, prose))
-    units = {g.name: g.declared.unit for g in e.parameters}
-    yield from parameter_table(written, prose, units)
+    said, lets_there = of_lagrangian(written)
     if e.model.coordinates:
         yield heading("Lagrangian")
-    yield from lines([*written.energies(), *written.forces()])
-    yield from lets(written.lets_of(("kinetic", "potential", "lagrangian", "dissipation", "force")))
+    yield from (*lines(said), *lets(lets_there))
     yield heading("Equations of motion")
     yield from _motion(write)
     for pair in e.force.pairs:
-        yield f"<p>and for each pair {mathml.inline(_range(pair_range(write, pair)))} added:</p>"
+        yield f"<p>and for each pair {mathml.inline(_range(write.over_pairs(pair)))} added:</p>"
         for line in pair_lines(write, pair):
             yield _line(line)
     yield from map(_line, rate_lines(write))

@@ -5,51 +5,66 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from ..back.facts import loop_facts, loop_invariants
 from ..compiler import Compilation
-from ..describe.drawing import shown
+from ..equations import Quantity
 from ..graph.affine import Affine
 from ..indices import indexed
-from ..middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Part, Total
-from .contents import section
-from .explain import (
-    constants_text,
-    drawing,
-    proofs_record,
-    quantities_text,
-    structure_record,
-    title,
-)
+from ..middle.loops.loops import Group, LoopEquations, PairForce, Part
+from ..middle.quantities import input_quantities
+from .contents import Contents, ParameterShown
 from .rows import EquationLine, M, Writer
 
-CONSTRAINTS = "Constraints   0 =, J their derivatives by the rates"
 
-
-def explain_loops(compilation: Compilation) -> str:
-    """The whole report."""
-    e = compilation.equations
+def contents(compilation: Compilation) -> Contents:
+    e, model = compilation.equations, compilation.model
     assert isinstance(e, LoopEquations)
-    write = Writer(e)
-    sections = [
-        title(compilation, loop_freedom(e)),
-        *(quantities_text(kind, groups) for kind, groups in declared(write)),
-        _lagrangian(write),
-        section(
-            "Equations of motion"
-            + "   M q'' = f" * bool(e.model.coordinates)
-            + " + J^T lambda" * bool(e.bound),
-            _equations(write),
-        ),
-        section(CONSTRAINTS, map(str, constraint_lines(write))),
-        drawing(compilation),
-        _structure(compilation, e),
-        constants_text(loop_invariants(e.facts), e.facts.symmetries),
-        section("Loops", compilation.program.context["operations"]),
-    ]
-    return "\n\n".join(section for section in sections if section) + "\n"
+    write, operations = Writer(e), compilation.program.context["operations"]
+    fused = ", kick and drift in one pass over memory"
+    fused *= compilation.program.context["stepper"] is not None
+    energy = [f"{name} = {text}" for name, text in energies(write)]
+    motion = "   M q'' = f" * bool(model.coordinates) + " + J^T lambda" * bool(e.bound)
+    return Contents(
+        e,
+        lambda node: write.text([(node, M)]),
+        freedom(e),
+        declared(write),
+        [
+            ParameterShown(_quantity(write, g), x.node, at.lo, at.hi, own.lo_open, own.hi_open)
+            for g, x, at in zip(e.parameters, e.defaults, e.bounds, strict=True)
+            for own in [g.declared.bounds]
+        ],
+        input_quantities(model, e.orders),
+        [
+            ("Lagrangian   L = T - V" if energy[1:] else "Lagrangian", energy),
+            (f"Equations of motion{motion}", _equations(write)),
+            (
+                "Constraints   0 =, J their derivatives by the rates",
+                map(str, constraint_lines(write)),
+            ),
+        ],
+        (*model.observed, *model.conserved),
+        model.events,
+        f"loops in C, the sizes given at run time{fused}",
+        ("Loops", operations),
+        {
+            "families": "loops",
+            "sizes": {size.name: size.value for size in model.sizes},
+            "coordinates": [name_of(write, g) for g in e.coordinates],
+            "mass": _record(mass_lines(write)),
+            "force": _record(force_lines(write)),
+            "pairs": [
+                {"range": write.over_pairs(pair), "force": _record(pair_lines(write, pair))}
+                for pair in e.force.pairs
+            ],
+            "beyond": beyond(write),
+            "carried": _record(carried_lines(write)),
+            "constraints": _record(constraint_lines(write)),
+            "operations": list(operations),
+        },
+    )
 
 
-def loop_freedom(e: LoopEquations) -> str:
+def freedom(e: LoopEquations) -> str:
     """How many coordinates and states there are."""
     write = Writer(e)
     kinds = ("degrees of freedom", lambda g: not g.is_state), ("rotations", _is_first)
@@ -65,33 +80,6 @@ def _is_first(group: Group) -> bool:
     return group.is_turn and group.name.endswith(".x")
 
 
-def record_loops(compilation: Compilation) -> dict[str, object]:
-    """The same for `--json`."""
-    e = compilation.equations
-    assert isinstance(e, LoopEquations)
-    write = Writer(e)
-    return {
-        "model": compilation.model.name,
-        "description": compilation.model.description,
-        "families": "loops",
-        "sizes": {size.name: size.value for size in compilation.model.sizes},
-        "coordinates": [name_of(write, g) for g in e.coordinates],
-        "mass": _record(mass_lines(write)),
-        "force": _record(force_lines(write)),
-        "pairs": [
-            {"range": pair_range(write, pair), "force": _record(pair_lines(write, pair))}
-            for pair in e.force.pairs
-        ],
-        "beyond": beyond(write),
-        "carried": _record(carried_lines(write)),
-        "constraints": _record(constraint_lines(write)),
-        "structure": structure_record(e.facts),
-        **proofs_record(e.facts),
-        "drawing": list(shown(compilation.declared)),
-        "operations": list(compilation.program.context["operations"]),
-    }
-
-
 def _record(lines: list[EquationLine]) -> dict[str, str]:
     return {f"{x.left} for {x.range}" if x.range else x.left: x.right for x in lines}
 
@@ -101,21 +89,20 @@ def name_of(write: Writer, group: Group) -> str:
     return indexed(group.shown, over)
 
 
-def declared(write: Writer) -> list[tuple[str, list[tuple[str, str, str]]]]:
-    """Names, units and descriptions, by kind."""
-    numbers = {name for r in write.e.model.rotations for name in r.quaternion}
+def _quantity(write: Writer, g: Group) -> Quantity:
+    return Quantity(name_of(write, g), g.declared.unit, g.declared.description)
+
+
+def declared(write: Writer) -> list[tuple[str, list[Quantity]]]:
+    """What moves, by kind."""
+    e, numbers = write.e, {name for r in write.e.model.rotations for name in r.quaternion}
     kinds = {
-        "Coordinates": [g for g in write.e.coordinates if not (g.is_state or g.is_turn)],
-        "Body rates": [g for g in write.e.coordinates if g.is_turn],
-        "Attitudes": [g for g in write.e.states if g.name in numbers],
-        "States": [g for g in write.e.states if g.name not in numbers],
-        "Parameters": write.e.parameters,
+        "Coordinates": [g for g in e.coordinates if not (g.is_state or g.is_turn)],
+        "Body rates": [g for g in e.coordinates if g.is_turn],
+        "Attitudes": [g for g in e.states if g.name in numbers],
+        "States": [g for g in e.states if g.name not in numbers],
     }
-    return [
-        (kind, [(name_of(write, g), g.declared.unit, g.declared.description) for g in groups])
-        for kind, groups in kinds.items()
-        if groups or kind == "Parameters"
-    ]
+    return [(kind, [_quantity(write, g) for g in groups]) for kind, groups in kinds.items()]
 
 
 def energies(write: Writer) -> list[tuple[str, str]]:
@@ -124,21 +111,13 @@ def energies(write: Writer) -> list[tuple[str, str]]:
     parts = [("T", e.kinetic), ("V", e.potential)]
     if e.kinetic is None or e.potential is None:
         parts = [("L", e.lagrangian)]
-    return [(name, total_of(write, total)) for name, total in parts if total is not None]
-
-
-def _lagrangian(write: Writer) -> str:
-    rows = energies(write)
-    if not rows:
-        return ""
-    title = "Lagrangian" if len(rows) == 1 else "Lagrangian   L = T - V"
-    return section(title, (f"{name} = {text}" for name, text in rows))
+    return [(name, write.total(total)) for name, total in parts if total is not None]
 
 
 def _equations(write: Writer) -> Iterator[str]:
     yield from map(str, (*mass_lines(write), *force_lines(write)))
     for pair in write.e.force.pairs:
-        yield f"for each pair {pair_range(write, pair)}:"
+        yield f"for each pair {write.over_pairs(pair)}:"
         yield from (f"  {line.left} += {line.right}" for line in pair_lines(write, pair))
     yield from map(str, rate_lines(write))
     yield from (f"where {line}" for line in beyond(write))
@@ -183,7 +162,7 @@ def mass_lines(write: Writer) -> list[EquationLine]:
         found += write.rows(g, items)
     scalars = [g.name for g in e.scalars]
     return found + [
-        EquationLine(f"M[{write.groups[a].shown}, {write.groups[b].shown}]", total_of(write, total))
+        EquationLine(f"M[{write.groups[a].shown}, {write.groups[b].shown}]", write.total(total))
         for (a, b), total in e.mass.corner.items()
         if scalars.index(b) <= scalars.index(a) and not write.groups[a].is_state
     ]
@@ -215,7 +194,7 @@ def constraint_lines(write: Writer) -> list[EquationLine]:
         single = rows.is_single
         at = group.lo if single else M
         name = rows.name + (f"[{write.index(at)}]" if group.is_family else "")
-        text = total_of(write, what) if single else write.text([(what.parts[0].node, M)])
+        text = write.total(what) if single else write.text([(what.parts[0].node, M)])
         span = "" if single else write.span(group.lo, group.hi)
         found.append(EquationLine(name, text, span))
     return found
@@ -239,7 +218,7 @@ def _rows_of(write: Writer, form: str, states: bool) -> list[EquationLine]:
             found.append(EquationLine(left, "0", write.span(group.lo, group.hi)))
     totals = [(write.groups[n], total) for n, total in e.force.totals.items()]
     return found + [
-        EquationLine(form.format(g.shown), total_of(write, total))
+        EquationLine(form.format(g.shown), write.total(total))
         for g, total in totals
         if g.is_state == states
     ]
@@ -260,11 +239,6 @@ def pair_lines(write: Writer, pair: PairForce) -> list[EquationLine]:
     return [EquationLine(left, write.text([(node, M)])) for left, node in sides]
 
 
-def pair_range(write: Writer, pair: PairForce | PairPart) -> str:
-    others = f"{write.j} = {write.index(pair.first)}..{write.index(pair.last)}"
-    return f"{write.span(pair.lo, pair.hi)}, {others}"
-
-
 def beyond(write: Writer) -> list[str]:
     """What lies beyond the ends of families."""
     found = []
@@ -281,25 +255,3 @@ def beyond(write: Writer) -> list[str]:
                 value = indexed(g.name, write.index(write.home(g, at)))
             found.append(f"{indexed(g.name, write.index(at))} = {value} ({end.kind})")
     return found
-
-
-def total_of(write: Writer, total: Total) -> str:
-    style = write.style
-    parts = [write.text([(total.constant, M)])] if total.constant else []
-    parts += [
-        style.total(write.span(part.lo, part.hi), write.text([(part.node, M)]))
-        for part in total.parts
-    ]
-    parts += [style.total(pair_range(write, p), write.text([(p.node, M)])) for p in total.pairs]
-    return style.plus(parts) if parts else "0"
-
-
-def _structure(compilation: Compilation, e: LoopEquations) -> str:
-    fused = compilation.program.context["stepper"] is not None
-    rows = [
-        ("families", "loops in C, the sizes given at run time"),
-        *loop_facts(e),
-        ("fused steps", "yes: kick and drift in one pass over memory" if fused else "no"),
-        ("constants", "energy" if e.facts.conservative else "none proved"),
-    ]
-    return section("Structure", (f"{name:<16} {text}" for name, text in rows))

@@ -17,7 +17,7 @@ from ..graph.graph import ZERO, Kind, Node, Op, Symbol
 from ..indices import indexed
 from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
 from ..middle.loops.expand import unlike_loops
-from ..middle.loops.loops import Group, LoopEquations, Part, Slot
+from ..middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Part, Slot, Total
 from ..middle.quantities import input_quantities
 from ..record import record
 
@@ -86,7 +86,19 @@ class Writer:
     def span(self, lo: Affine, hi: Affine) -> str:
         return f"{self.i} = {self.index(lo)}..{self.index(hi)}"
 
+    def over_pairs(self, pair: PairForce | PairPart) -> str:
+        others = f"{self.j} = {self.index(pair.first)}..{self.index(pair.last)}"
+        return f"{self.span(pair.lo, pair.hi)}, {others}"
+
     # -- expressions --------------------------------------------------------------------------
+
+    def total(self, total: Total) -> str:
+        style = self.style
+        sums = [(self.span(part.lo, part.hi), part.node) for part in total.parts]
+        sums += [(self.over_pairs(pair), pair.node) for pair in total.pairs]
+        parts = [self.text([(total.constant, M)])] if total.constant else []
+        parts += [style.total(over, self.text([(node, M)])) for over, node in sums]
+        return style.plus(parts) if parts else "0"
 
     def text(self, pieces: Iterable[tuple[Node, Affine]]) -> str:
         """The sum of nodes, each seen from a member."""
@@ -118,7 +130,11 @@ class Writer:
             return sum(
                 (f * sp.Symbol(self.index(variable(n))) for n, f in place.terms), place.constant
             )
+        if slot.kind == "sum":
+            return sp.Symbol(f"({self.total(self.e.sums[int(slot.name)])})")
         name = self.inputs[int(slot.name)] if slot.kind == "input" else slot.name
+        if slot.kind == "lambda":
+            name = next(f"lambda_{x.name}" for x in self.e.bound if x.group.name == slot.name)
         primes, group = PRIMES.get(slot.kind, ""), self.groups.get(slot.name)
         if group is not None and group.is_turn:
             name, primes = group.shown, primes[1:]

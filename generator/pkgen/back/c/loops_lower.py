@@ -15,7 +15,7 @@ from ...middle.loops.expand import size_values
 from ...middle.loops.loops import Assigned, Bound, Group, Limit, LoopEquations
 from ...middle.quantities import input_quantities
 from ...record import record
-from ..facts import loop_facts, loop_invariants
+from ..facts import facts, invariants
 from ..kernels import KERNELS
 from ..targets import RETURN, STORE, Target
 from . import loop_parameters, parameter_code, tables
@@ -193,8 +193,8 @@ class _Context:
             "helpers": helpers(w.helpers),
             "float_too": w.work.constants.float_too,
             "operations": list(self._operations()),
-            "proved": labelled(loop_facts(e)),
-            "constant": labelled(loop_invariants(e.facts)),
+            "proved": labelled(facts(e, e.facts)),
+            "constant": labelled(invariants(e, e.facts)),
             "stepper": self._stepper() if alone and "advance" in self.kernels else None,
             "wraps": any(g.periodic for g in e.families),
             "homes": [

@@ -1,0 +1,188 @@
+"""What `explain` shows of equations with families written out: named expressions.
+
+They are shown in SymPy's words, written out and lightly simplified where they are small; what is
+large is shown by its size only. Rows are names with their nodes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from ..back.c.program import operations_text
+from ..back.facts import found
+from ..compiler import Compilation
+from ..equations import Equations, Quantity, Structure
+from ..graph.graph import BIT, ZERO, Kind, Node
+from ..middle.analyze import sympy_bridge
+from .contents import Contents, ParameterShown
+
+Rows = list[tuple[str, Node]]
+SHOWN_OPERATIONS = 300  # a longer expression is not shown
+
+
+def contents(compilation: Compilation) -> Contents:
+    e, structure, program = compilation.equations, compilation.structure, compilation.program
+
+    def text(node: Node) -> str:
+        return sympy_bridge.text(e, node, SHOWN_OPERATIONS)
+
+    def equal(rows: Iterable[tuple[str, Node]]) -> list[str]:
+        return [f"{name} = {text(node)}" for name, node in rows]
+
+    def named(rows: Iterable[tuple[str, Node]]) -> dict[str, str]:
+        return {name: text(node) for name, node in rows}
+
+    model = e.model
+    families = any(c.range for c in (*model.coordinates, *model.states))
+    kernels = [f"{k.name:<14} {operations_text(k.operations)}" for k in program.kernels]
+    return Contents(
+        e,
+        text,
+        ", ".join(freedom(e)),
+        declared(e),
+        [
+            ParameterShown(x.quantity, x.default, x.lo, x.hi, x.lo_open, x.hi_open)
+            for x in e.parameters
+        ],
+        e.inputs,
+        [
+            ("Lagrangian", equal(lagrangian_rows(e))),
+            (_motion_title(e, structure), equal(motion_rows(e)) if e.coordinates else ()),
+            (
+                "Constraints   0 =, J their derivatives by the rates; and lambda =",
+                _constraints(e, text),
+            ),
+            (rates_title(e), equal(rate_rows(e))),
+            ("Canonical form   q' = dH/dp, p' = -dH/dq + Q", equal(canonical_rows(e))),
+        ],
+        (*e.observed_names, *e.conserved_names),
+        e.event_names,
+        f"unrolled: {e.unrolled}" if families else "",
+        ("Kernels", kernels),
+        {
+            "coordinates": [vars(q) for q in e.coordinates],
+            "parameters": [vars(p.quantity) for p in e.parameters],
+            "lagrangian": text(e.lagrangian),
+            "mass": [[*map(text, row)] for row in e.mass],
+            "force": [*map(text, e.force)],
+            "states": [
+                {**vars(q), "rate": text(node)}
+                for q, node in zip(e.states, e.state_rates, strict=True)
+            ],
+            "canonical": named(canonical_rows(e)),
+            "conserved": [name for name, _ in found(e, structure)],
+            "constraints": named(constraint_rows(e)),
+            "operations": {k.name: dict(k.operations) for k in program.kernels},
+        },
+    )
+
+
+def _motion_title(e: Equations, structure: Structure) -> str:
+    nodes = [*e.force, *sum(e.mass, ())]
+    of_states = any(e.graph.depends[node] & BIT[Kind.STATE] for node in nodes)
+    time = ", x" * of_states + ("" if structure.autonomous else ", t")
+    mass = "M" if structure.mass_constant else "M(q" if structure.quadratic else "M(q, q'"
+    mass += "" if structure.mass_constant else f"{time})"
+    force = "f(q" if structure.separable else "f(q, q'"
+    bound = "" if e.constraints is None else " + J^T lambda"
+    return f"Equations of motion   {mass} q'' = {force}{time}){bound}"
+
+
+def _constraints(e: Equations, text: Callable[[Node], str]) -> list[str]:
+    rows = list(constraint_rows(e))
+    width = max((len(name) for name, _ in rows), default=0)
+    lines = [f"{name:<{width}}  {text(node)}" for name, node in rows]
+    return lines + [f"{name:<{width}}  follows: redundant" for name in redundant_names(e)]
+
+
+def declared(e: Equations) -> list[tuple[str, tuple[Quantity, ...]]]:
+    """What moves, by kind."""
+    return [
+        ("Coordinates", e.seen),
+        ("Body rates", e.rates[len(e.seen) :]),
+        ("Attitudes", e.states[: e.quaternions]),
+        ("States", e.states[e.quaternions :]),
+    ]
+
+
+def lagrangian_rows(e: Equations) -> Rows:
+    if not e.coordinates:
+        return []
+    both = e.kinetic is not None and e.potential is not None
+    return [("L", e.lagrangian), *([("T", e.kinetic), ("V", e.potential)] if both else [])]
+
+
+def free_force(e: Equations) -> tuple[Node, ...]:
+    """The forces but for those of constraints."""
+    return e.force if e.constraints is None else e.constraints.free_force
+
+
+def motion_rows(e: Equations) -> Rows:
+    """The lower triangle of M, and f."""
+    names = e.moving
+    rows = [
+        (f"M[{names[i]}, {names[j]}]", row[j])
+        for i, row in enumerate(e.mass)
+        for j in range(i + 1)
+        if row[j] != ZERO
+    ]
+    return rows + [(f"f[{x}]", node) for x, node in zip(names, free_force(e), strict=True)]
+
+
+def rate_rows(e: Equations) -> Rows:
+    return [(f"{q.name}'", node) for q, node in zip(e.states, e.state_rates, strict=True)]
+
+
+def canonical_rows(e: Equations) -> Rows:
+    """H(q, p) and its gradients, if they were asked for."""
+    h = e.hamiltonian
+    if h is None:
+        return []
+    gradients = zip((*e.coordinates, *e.momenta_names), (*h.by_q, *h.by_p), strict=True)
+    return [("H", h.energy), *((f"dH/d({q.name})", node) for q, node in gradients)]
+
+
+def rates_title(e: Equations) -> str:
+    """Over the rows of x' = g: "Rates of the attitudes and states"."""
+    what = ["attitudes"] if e.quaternions else []
+    what += ["states"] if len(e.states) > e.quaternions or not what else []
+    return f"Rates of the {' and '.join(what)}"
+
+
+def freedom(e: Equations) -> list[str]:
+    """What moves, counted: "2 rates", "1 constraint", "1 degree of freedom"."""
+    n, states = len(e.coordinates), len(e.states) - e.quaternions
+    counts = []
+    if e.constraints is not None:
+        rows, holonomic = len(e.constraints.names), e.constraints.holonomic
+        counts = [f"{n} rates"]
+        counts += [f"{holonomic} constraint{'s' if holonomic != 1 else ''}"] if holonomic else []
+        counts += [f"{rows - holonomic} rolling"] if rows > holonomic else []
+        more = len(e.constraints.redundant_rows)
+        counts += [f"{more} redundant row{'s' if more != 1 else ''}"] if more else []
+        n -= rows
+    counts += [f"{n} degree{'s' if n != 1 else ''} of freedom"] if n or not states else []
+    turning = len(e.attitudes)
+    counts += [f"{turning} rotation{'s' if turning != 1 else ''}"] if turning else []
+    counts += [f"{states} state{'s' if states != 1 else ''}"] if states else []
+    return counts
+
+
+def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
+    """What is kept at zero, then the multipliers."""
+    c = equations.constraints
+    if c is None:
+        return
+    names = [q.name.removeprefix("lambda_") for q in c.names]
+    for name, node in zip(names, (*c.positions, *c.residual[c.holonomic :]), strict=True):
+        yield name, node
+    for name, node in zip(names[: c.holonomic], c.residual, strict=False):
+        yield f"{name}'", node
+    for q, node in zip(c.names, c.multipliers, strict=True):
+        yield q.name, node
+
+
+def redundant_names(equations: Equations) -> list[str]:
+    c = equations.constraints
+    names = c.redundant.names if c is not None and c.redundant else ()
+    return [q.name.removeprefix("lambda_") for q in names]
