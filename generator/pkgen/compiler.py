@@ -41,8 +41,7 @@ from .record import record
 from .source import Diagnostic, Source
 
 if TYPE_CHECKING:
-    from .back.c.loops_lower import LoopProgram
-    from .back.c.program import Program
+    from .back.c.program import LoopProgram, Program
 
 STAGES = ("parse", "check", "derive", "analyze", "reduce", "lower", "render")
 
@@ -141,12 +140,12 @@ def stages(
             equations, gone = _of_loops(equations, needs)
             lines = (*lines, *gone)
         yield equations, equations.facts, Report(lines)
-        from .back.c import loops_lower, loops_render
+        from .back.c import loops_lower, render
 
         with _in_range(model):
             loops = loops_lower.lower_loops(equations, libm, asked(equations, equations.facts))
         yield loops, ()
-        yield loops_render.render_loops(loops)
+        yield render.render_loops(loops)
         return
     structure = analyze.analyze(equations, symmetric, with_claims=True)
     yield structure

@@ -14,11 +14,11 @@ Families are unrolled: everything here is flat, in declaration order.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from .graph.graph import Graph, Node
 from .graph.solve import Pivots
-from .model import Model
+from .model import Definition, Event, Model
 from .record import record
 from .source import Span
 
@@ -33,6 +33,11 @@ class Quantity:
     name: str  # "theta1", "q[3]", "theta1'", "p_theta1"
     unit: str
     description: str
+
+    @staticmethod
+    def each(items: Iterable[Definition | Event]) -> tuple[Quantity, ...]:
+        """As they are declared."""
+        return tuple(Quantity(x.name, x.unit, x.description) for x in items)
 
 
 @record

@@ -8,7 +8,7 @@ from pathlib import Path
 from c_harness import STRICT, Loaded, run
 from pkgen.back.c import lower
 from pkgen.back.c.loops_lower import lower_loops
-from pkgen.back.c.loops_render import render_loops
+from pkgen.back.c.render import render_loops
 from pkgen.front.check import check
 from pkgen.middle.analyze import analyze
 from pkgen.middle.derive import derive

@@ -7,6 +7,7 @@ import random
 from collections.abc import Iterator
 
 from ..compiler import Compilation
+from ..equations import Structure
 from ..graph.differentiate import symbols_in
 from ..graph.evaluate import evaluate
 from ..run import named
@@ -30,17 +31,10 @@ def constants(compilation: Compilation) -> Iterator[dict[str, object]]:
         }
     for k, item in enumerate(model.conserved):
         yield {"name": item.name, "kind": "claim", "index": k, "unit": item.unit}
-    if compilation.looped:
-        return
-    cyclic = getattr(structure, "cyclic", ())
-    for k, quantity in enumerate(compilation.equations.momenta_names):
-        if k < len(cyclic) and cyclic[k]:
-            yield {
-                "name": quantity.name,
-                "kind": "momentum",
-                "index": k,
-                "unit": quantity.unit,
-            }
+    if isinstance(structure, Structure):  # of single coordinates
+        for k, q in enumerate(compilation.equations.momenta_names):
+            if structure.cyclic[k]:
+                yield {"name": q.name, "kind": "momentum", "index": k, "unit": q.unit}
 
 
 def _is_sum(compilation: Compilation) -> bool:

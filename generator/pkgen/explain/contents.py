@@ -5,23 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from ..equations import Equations, Quantity
+from ..equations import Equations, ParameterSlot, Quantity
 from ..graph.graph import Node
 from ..middle.loops.loops import LoopEquations
-from ..model import Definition, Event
 from ..record import record
 
 Section = tuple[str, Iterable[str]]  # its title, its lines
-
-
-@record
-class ParameterShown:
-    quantity: Quantity
-    default: Node
-    lo: Node | None
-    hi: Node | None
-    lo_open: bool
-    hi_open: bool
 
 
 @record
@@ -30,11 +19,8 @@ class Contents:
     text: Callable[[Node], str]
     freedom: str  # what moves, counted
     declared: list[tuple[str, Sequence[Quantity]]]  # what moves, by kind
-    parameters: list[ParameterShown]
-    inputs: Sequence[Quantity]
+    parameters: Sequence[ParameterSlot]
     equations: list[Section]
-    outputs: Sequence[Quantity | Definition]  # with what is claimed to be constant
-    events: Sequence[Quantity | Event]
     families: str  # how they are kept; "" where there are none
     costs: Section
     record: dict[str, object]  # of this alone, for `--json`

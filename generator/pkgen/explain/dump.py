@@ -7,8 +7,7 @@ from dataclasses import fields, is_dataclass
 from fractions import Fraction
 from itertools import islice
 
-from ..back.c.loops_lower import LoopProgram
-from ..back.c.program import Program
+from ..back.c.program import LoopProgram, Program
 from ..compiler import STAGES, stages
 from ..equations import Equations
 from ..graph.graph import Graph, Op

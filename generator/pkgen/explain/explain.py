@@ -9,11 +9,11 @@ from collections.abc import Iterator, Sequence
 from ..back.facts import facts, found, invariants, shortened
 from ..compiler import Compilation
 from ..describe.drawing import shown
-from ..equations import Facts, Quantity, Symmetries
+from ..equations import Facts, ParameterSlot, Quantity, Symmetries
 from ..graph.graph import Node, Op
-from ..model import Definition, Event
+from ..model import Event
 from . import flat, loops
-from .contents import Contents, ParameterShown, section
+from .contents import Contents, section
 
 NOTHING = "no symmetries, for the model is too large"
 WIDE = 40  # columns of an invariant's formula
@@ -28,7 +28,8 @@ def explain(compilation: Compilation) -> str:
     e, structure, model = compilation.equations, compilation.structure, compilation.model
     c = contents(compilation)
     said = model.name + (f": {model.description}" if model.description else "")
-    values = zip(c.outputs, (*e.observed, *e.conserved), strict=True)
+    outputs = *e.observed_names, *e.conserved_names
+    values = zip(outputs, (*e.observed, *e.conserved), strict=True)
     names = ", ".join(name for name, _ in found(e, structure)) or "none proved"
     families = [("families", c.families)] if c.families else []
     rows = [*families, *facts(e, structure), ("constants", names)]
@@ -36,7 +37,7 @@ def explain(compilation: Compilation) -> str:
         f"{said}\n{c.freedom}",
         *(_quantities(kind, quantities) for kind, quantities in c.declared),
         _parameters(c),
-        _quantities("Inputs", c.inputs),
+        _quantities("Inputs", e.inputs),
         *(section(title, lines) for title, lines in c.equations),
         section("Outputs", (f"{q.name} = {_valued(c, q, node)}" for q, node in values)),
         section("Events", _events(c)),
@@ -118,7 +119,7 @@ def _constant(c: Contents, node: Node) -> str:
     return c.text(node)
 
 
-def _bounds(c: Contents, x: ParameterShown) -> str:
+def _bounds(c: Contents, x: ParameterSlot) -> str:
     if x.lo is None and x.hi is None:
         return ""
     lo = "-inf" if x.lo is None else _constant(c, x.lo)
@@ -130,15 +131,15 @@ def _unit(unit: str) -> str:
     return f"[{unit}]" if unit else ""
 
 
-def _valued(c: Contents, quantity: Quantity | Definition | Event, node: Node) -> str:
+def _valued(c: Contents, quantity: Quantity, node: Node) -> str:
     return f"{c.text(node)} {_unit(quantity.unit)}".rstrip()
 
 
 _DIRECTIONS = {1: "rising", -1: "falling", 0: "either"}
 
 
-def named_events(c: Contents) -> Iterator[tuple[Quantity | Event, Event, Node]]:
-    return zip(c.events, c.e.model.events, c.e.events, strict=True)
+def named_events(c: Contents) -> Iterator[tuple[Quantity, Event, Node]]:
+    return zip(c.e.event_names, c.e.model.events, c.e.events, strict=True)
 
 
 def _events(c: Contents) -> Iterator[str]:

@@ -14,7 +14,7 @@ from ..compiler import Compilation
 from ..equations import Equations, Quantity, Structure
 from ..graph.graph import BIT, ZERO, Kind, Node
 from ..middle.analyze import sympy_bridge
-from .contents import Contents, ParameterShown
+from .contents import Contents
 
 Rows = list[tuple[str, Node]]
 SHOWN_OPERATIONS = 300  # a longer expression is not shown
@@ -40,11 +40,7 @@ def contents(compilation: Compilation) -> Contents:
         text,
         ", ".join(freedom(e)),
         declared(e),
-        [
-            ParameterShown(x.quantity, x.default, x.lo, x.hi, x.lo_open, x.hi_open)
-            for x in e.parameters
-        ],
-        e.inputs,
+        e.parameters,
         [
             ("Lagrangian", equal(lagrangian_rows(e))),
             (_motion_title(e, structure), equal(motion_rows(e)) if e.coordinates else ()),
@@ -55,8 +51,6 @@ def contents(compilation: Compilation) -> Contents:
             (rates_title(e), equal(rate_rows(e))),
             ("Canonical form   q' = dH/dp, p' = -dH/dq + Q", equal(canonical_rows(e))),
         ],
-        (*e.observed_names, *e.conserved_names),
-        e.event_names,
         f"unrolled: {e.unrolled}" if families else "",
         ("Kernels", kernels),
         {

@@ -84,7 +84,7 @@ def _words(compilation: Compilation) -> tuple[set[str], set[str]]:
 
 
 def _quantities(c: Contents, prose: Prose) -> Iterable[str]:
-    for title, quantities in (*c.declared, ("Inputs", c.inputs)):
+    for title, quantities in (*c.declared, ("Inputs", c.e.inputs)):
         if quantities:
             yield heading(title)
             yield table(("symbol", "unit", "meaning"), quantity_rows(quantities, prose))

@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from functools import partial
 
 from ..compiler import Compilation
-from ..equations import Quantity
+from ..equations import ParameterSlot, Quantity
 from ..graph.affine import Affine
 from ..indices import indexed
-from ..middle.loops.loops import Group, LoopEquations, PairForce, Part
-from ..middle.quantities import input_quantities
-from .contents import Contents, ParameterShown
+from ..middle.loops.loops import Assigned, Bounded, Group, LoopEquations, PairForce, Part
+from .contents import Contents
 from .rows import EquationLine, M, Writer
 
 
@@ -28,12 +27,7 @@ def contents(compilation: Compilation) -> Contents:
         lambda node: write.text([(node, M)]),
         freedom(e),
         declared(write),
-        [
-            ParameterShown(_quantity(write, g), x.node, at.lo, at.hi, own.lo_open, own.hi_open)
-            for g, x, at in zip(e.parameters, e.defaults, e.bounds, strict=True)
-            for own in [g.declared.bounds]
-        ],
-        input_quantities(model, e.orders),
+        [_slot(write, *at) for at in zip(e.parameters, e.defaults, e.bounds, strict=True)],
         [
             ("Lagrangian   L = T - V" if energy[1:] else "Lagrangian", energy),
             (f"Equations of motion{motion}", _equations(write)),
@@ -42,8 +36,6 @@ def contents(compilation: Compilation) -> Contents:
                 map(str, constraint_lines(write)),
             ),
         ],
-        (*model.observed, *model.conserved),
-        model.events,
         f"loops in C, the sizes given at run time{fused}",
         ("Loops", operations),
         {
@@ -91,6 +83,13 @@ def name_of(write: Writer, group: Group) -> str:
 
 def _quantity(write: Writer, g: Group) -> Quantity:
     return Quantity(name_of(write, g), g.declared.unit, g.declared.description)
+
+
+def _slot(write: Writer, g: Group, default: Assigned, at: Bounded) -> ParameterSlot:
+    """Of all members in one."""
+    own, follows = g.declared.bounds, g.declared.follows
+    shown = (at.lo, at.hi, own.lo_open, own.hi_open)
+    return ParameterSlot(_quantity(write, g), g.name, 0, 0, default.node, follows, *shown)
 
 
 def declared(write: Writer) -> list[tuple[str, list[Quantity]]]:

@@ -18,7 +18,6 @@ from ..indices import indexed
 from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
 from ..middle.loops.expand import unlike_loops
 from ..middle.loops.loops import Group, LoopEquations, PairForce, PairPart, Part, Slot, Total
-from ..middle.quantities import input_quantities
 from ..record import record
 
 if TYPE_CHECKING:
@@ -71,7 +70,7 @@ class Writer:
         self.e = e
         self.style = style
         self.groups = {g.name: g for g in (*e.coordinates, *e.carried_groups)}
-        self.inputs = [q.name for q in input_quantities(e.model, e.orders)]
+        self.inputs = [q.name for q in e.inputs]
         own = {x.name for x in (*e.model.sizes, *e.coordinates, *e.parameters)} | {*self.inputs}
         self.i = next(letter for letter in ("i", "k", "n", "i_") if letter not in own)
         self.j = next(letter for letter in ("j", "l", "o", "j_") if letter not in own)
@@ -131,7 +130,9 @@ class Writer:
                 (f * sp.Symbol(self.index(variable(n))) for n, f in place.terms), place.constant
             )
         if slot.kind == "sum":
-            return sp.Symbol(f"({self.total(self.e.sums[int(slot.name)])})")
+            text = self.total(total := self.e.sums[int(slot.name)])
+            several = len(total.parts) + len(total.pairs) + bool(total.constant) > 1
+            return sp.Symbol(f"({text})" if several else text)
         name = self.inputs[int(slot.name)] if slot.kind == "input" else slot.name
         if slot.kind == "lambda":
             name = next(f"lambda_{x.name}" for x in self.e.bound if x.group.name == slot.name)

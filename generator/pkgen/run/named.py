@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ..compiler import Compilation
 from ..equations import Quantity
 from ..indices import indexed, parted
-from ..middle.quantities import families, input_quantities, single_rotations
+from ..middle.quantities import families, single_rotations
 from ..model import Model, Parameter, State
 from ..record import record
 
@@ -162,22 +162,15 @@ def parameters(compilation: Compilation) -> Named:
 
 def events(compilation: Compilation) -> list[str]:
     """Those that are looked for."""
-    if compilation.looped:
-        return [event.name for event in compilation.model.events]
     return [q.name for q in compilation.equations.event_names]
 
 
 def inputs(compilation: Compilation) -> Named:
-    e = compilation.equations
-    looped = compilation.looped
-    return Named(_each(input_quantities(compilation.model, e.orders) if looped else e.inputs))
+    return Named(_each(compilation.equations.inputs))
 
 
 def observed(compilation: Compilation) -> list[Quantity]:
-    e = compilation.equations
-    if compilation.looped:
-        return [Quantity(o.name, o.unit, o.description) for o in e.model.observed]
-    return list(e.observed_names)
+    return list(compilation.equations.observed_names)
 
 
 def kinds(compilation: Compilation) -> dict[str, Named]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 from ...graph.graph import Graph, Kind, Node, Op, Symbol
 from ..targets import STORE, Target
@@ -58,6 +59,17 @@ class Hoisting(ABC):
             return Code(PI)
         return variable("t") if data.kind is Kind.TIME else self.symbol(data)
 
+    def scheduled(
+        self, targets: Iterable[Target], names: Names, fixed: bool = False, **how: Any
+    ) -> Schedule:
+        """The code of one kernel or block, `fixed` of what nothing is hoisted of."""
+        leaf = self.fixed_leaf if fixed else self.leaf
+        inline = not (self.libm or fixed)
+        found = Schedule(self.work, names, self.prefix, leaf, inline_sincos=inline, **how)
+        found.run(targets)
+        self.helpers |= found.helpers
+        return found
+
     @property
     def hoisted_count(self) -> int:
         return len(set(self.hoisted.values()))
@@ -69,11 +81,8 @@ class Hoisting(ABC):
         new = rewrite(self.work, found, gather=False)
         distinct = sorted({new[node] for node in found})
         places = {node: f"p->c_[{k}]" for k, node in enumerate(distinct)}
-        schedule = Schedule(
-            self.work, names, self.prefix, self.fixed_leaf, known_after=frozenset(places.values())
-        )
-        schedule.run(Target(STORE, places[node], (node,)) for node in distinct)
-        self.helpers |= schedule.helpers
+        targets = [Target(STORE, places[node], (node,)) for node in distinct]
+        schedule = self.scheduled(targets, names, True, known_after=frozenset(places.values()))
         self.hoisted = {node: distinct.index(new[node]) for node in found}
         return schedule
 

@@ -16,14 +16,12 @@ from ...graph.affine import LOOPS, OTHER, ROW, Affine
 from ...graph.graph import Kind, Node, Symbol
 from ...middle.loops.expand import unlike_loops
 from ...middle.loops.loops import Group, LoopEquations, Slot
-from ...middle.quantities import input_quantities
 from ..targets import LOAD, TRIG, Target
 from .expressions import Code, variable
 from .hoist import Hoisting, rewritten
 from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
 from .program import Statement, operations_in
 from .rewrite import rewrite
-from .schedule import Schedule
 
 # Names of the templates where the model's own are written beside them.
 _OURS = (
@@ -168,7 +166,7 @@ class Lowering(Hoisting):
     def __init__(self, equations: LoopEquations, places: Places, libm: bool, blocks: list[Block]):
         super().__init__(equations.graph, equations.model.name, libm)
         self.equations, self.places, self.blocks = equations, places, blocks
-        self.inputs = [q.name for q in input_quantities(equations.model, equations.orders)]
+        self.inputs = [q.name for q in equations.inputs]
         self._locals = Names(LOCAL_RESERVED, _OURS, self.prefix)
         self._names: dict[Slot, str] = {}
         self.carried = {g.name for g in equations.carried_groups}
@@ -255,11 +253,7 @@ class Lowering(Hoisting):
             if isinstance(symbol, Symbol) and symbol.kind not in (Kind.PI, Kind.TIME):
                 slots.append(self.equations.slots[symbol.index])
                 self._local(slots[-1])
-        fixed = where == FIXED
-        leaf, sincos = self.fixed_leaf if fixed else self.leaf, not (self.libm or fixed)
-        schedule = Schedule(self.work, self._free(), self.prefix, leaf, inline_sincos=sincos)
-        schedule.run(targets)
-        self.helpers |= schedule.helpers
+        schedule = self.scheduled(targets, self._free(), where == FIXED)
         used = {name for s in schedule.statements for value in s.values for name in value.names}
         loads = [
             Statement.of(LOAD, self._local(slot), self._access(slot, where))

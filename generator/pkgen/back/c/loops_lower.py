@@ -13,8 +13,6 @@ from ...graph.graph import Node
 from ...indices import indexed
 from ...middle.loops.expand import size_values
 from ...middle.loops.loops import Assigned, Bound, Group, Limit, LoopEquations
-from ...middle.quantities import input_quantities
-from ...record import record
 from ..facts import facts, invariants
 from ..kernels import KERNELS
 from ..targets import RETURN, STORE, Target
@@ -27,20 +25,12 @@ from .loops_chain import chain_context
 from .loops_plan import TOTALS, VECTORS, divides, emitted, entries, planned, within
 from .loops_sets import Builder, Guarded
 from .parameter_code import ParameterCode
-from .program import Interval, operations_text
+from .program import Interval, LoopProgram, operations_text
 from .render import frame, pasted
 from .tree import Declare
 
 BLOCK = 16  # chunks of one stage before the next follows
 LEAD = 2  # chunks that have drifted before one is kicked
-
-
-@record
-class LoopProgram:
-    """All that the templates see: strings, numbers and lists of them."""
-
-    name: str
-    context: dict[str, Any]
 
 
 def lower_loops(
@@ -117,9 +107,9 @@ class _Context:
             "momentum_names": [
                 _quantity(g, "p_{}", "momentum_unit", own="momentum") for g in e.coordinates
             ],
-            "inputs": input_quantities(model, e.orders),
-            "observed": model.observed,
-            "conserved": model.conserved,
+            "inputs": e.inputs,
+            "observed": e.observed_names,
+            "conserved": e.conserved_names,
             "constraints": [_multiplier(rows) for rows in e.bound],
         }
         return {
@@ -128,7 +118,7 @@ class _Context:
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
             "reductions": (),
-            "events": tables.events(model.events, model.events),
+            "events": tables.events(e),
             "cyclic": (),
             "forms": (),
             "n_hoisted": w.hoisted_count,

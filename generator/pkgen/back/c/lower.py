@@ -156,17 +156,7 @@ class _Lowering(Hoisting):
         names = self._names(o.name for o in outputs)
         for name in self.symbols.values():
             names.take(name)
-        schedule = Schedule(
-            self.work,
-            names,
-            self.prefix,
-            self.leaf,
-            hints=draft.hints,
-            kept=draft.kept,
-            inline_sincos=not self.libm,
-        )
-        schedule.run(draft.targets)
-        self.helpers |= schedule.helpers
+        schedule = self.scheduled(draft.targets, names, hints=draft.hints, kept=draft.kept)
         loads = {
             name: Statement.of(LOAD, name, variable(f"{_ARGUMENT[symbol.kind]}[{symbol.index}]"))
             for symbol, name in self.symbols.items()
@@ -204,10 +194,7 @@ class _Lowering(Hoisting):
     def _fixed_code(self, targets: list[Target]) -> Schedule:
         """Code on parameters alone, nothing hoisted."""
         new = rewrite(self.work, [x for t in targets for x in t.nodes], gather=False)
-        schedule = Schedule(self.work, self._names(), self.prefix, self.fixed_leaf)
-        schedule.run(rewritten(targets, new))
-        self.helpers |= schedule.helpers
-        return schedule
+        return self.scheduled(rewritten(targets, new), self._names(), fixed=True)
 
     def _assignment(self, value: Node) -> Assignment:
         *before, last = self._fixed_code([Target(STORE, "", (value,))]).statements

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ...equations import Equations, Structure
 from ...record import record
@@ -179,6 +179,14 @@ class Program:
         lines += [f"default {name} = {default.text}" for name, default in defaults]
         lines += [str(kernel) for kernel in (self.prepare, self.start, *self.kernels)]
         return "\n".join(lines)
+
+
+@record
+class LoopProgram:
+    """Of families kept as loops, all that the templates see: strings, numbers and lists of them."""
+
+    name: str
+    context: dict[str, Any]
 
 
 def operations_in(statements: Iterable[Statement]) -> Counter[str]:

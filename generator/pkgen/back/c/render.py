@@ -29,7 +29,8 @@ from .helpers import helpers
 from .kernel_code import KernelCode
 from .lane_code import LaneCode
 from .lanes import LANE_ARGUMENTS
-from .program import Kernel, Program, operations_text
+from .loop_code import LoopCode
+from .program import Kernel, LoopProgram, Program, operations_text
 
 if TYPE_CHECKING:
     import jinja2
@@ -70,16 +71,25 @@ def render(
 ) -> dict[str, str]:
     """NAME.h and NAME.c; with `self_test` also NAME_selftest.c, a program that checks them. The
     header says what `report` does: what a scene did not need."""
-    name = program.equations.model.name
     lines = report.lines if report else ()
     context = _context(program) | {"reductions": [str(line) for line in lines]}
-    templates = {f"{name}.h": "header.h.j2", f"{name}.c": "source.c.j2"}
+    templates = {".h": "header.h.j2", ".c": "source.c.j2"}
     if self_test:
         _refuse_parts(program)
-        templates[f"{name}_selftest.c"] = "selftest.c.j2"
+        templates["_selftest.c"] = "selftest.c.j2"
+    return _files(program.equations.model.name, context, templates)
+
+
+def render_loops(program: LoopProgram) -> dict[str, str]:
+    """The same of families kept as loops."""
+    context = program.context | {"loops": LoopCode(program.name)}
+    return _files(program.name, context, {".h": "loop_header.h.j2", ".c": "loop_source.c.j2"})
+
+
+def _files(name: str, context: dict[str, Any], templates: dict[str, str]) -> dict[str, str]:
     return {
-        file: environment().get_template(template).render(context)
-        for file, template in templates.items()
+        f"{name}{end}": environment().get_template(template).render(context)
+        for end, template in templates.items()
     }
 
 
@@ -202,7 +212,7 @@ def _context(program: Program) -> dict[str, Any]:
         "n_redundant": len(redundant.names) if redundant else 0,
         "n_redundant_holonomic": redundant.holonomic if redundant else 0,
         "n_particles": len(equations.particles.masses) if equations.particles else 0,
-        "events": tables.events(equations.event_names, equations.model.events),
+        "events": tables.events(equations),
         "marks": [mark.quantity.name for mark in equations.marks],
         "switches": [switch.quantity.name for switch in equations.switches],
         "impulses": [x.impulse for x in equations.switches] if equations.jolted else [],

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...equations import Equations, Quantity
-from ...model import Event
+from ...middle.loops.loops import LoopEquations
 from .describe import families, field_says
 from .names import family_of
 from .program import Program
@@ -35,13 +35,10 @@ def singularities(program: Program) -> list[dict[str, Any]]:
     ]
 
 
-def events(
-    quantities: Sequence[Quantity | Event], declared: Sequence[Event]
-) -> list[dict[str, Any]]:
+def events(e: Equations | LoopEquations) -> list[dict[str, Any]]:
     return [
-        {key: getattr(quantity, key) for key in ("name", "unit", "description")}
-        | {"direction": event.direction, "stop": int(event.stop)}
-        for quantity, event in zip(quantities, declared, strict=True)
+        vars(quantity) | {"direction": event.direction, "stop": int(event.stop)}
+        for quantity, event in zip(e.event_names, e.model.events, strict=True)
     ]
 
 

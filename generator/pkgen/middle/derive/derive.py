@@ -108,7 +108,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         graph=x.graph,
         **vars(named),
         **outputs,
-        event_names=tuple(Quantity(e.name, e.unit, e.description) for e in model.events),
+        event_names=Quantity.each(model.events),
         singularities=ends,
         events=_events(x, found, rates),
         start_q=start_q,

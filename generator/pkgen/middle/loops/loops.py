@@ -17,11 +17,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import field
 
-from ...equations import Facts
+from ...equations import Facts, Quantity
 from ...graph.affine import Affine
 from ...graph.graph import Graph, Node
 from ...model import Constraint, Coordinate, Definition, End, Model, Parameter, State
 from ...record import record
+from ..quantities import input_quantities
 
 
 class Unrolled(Exception):
@@ -346,6 +347,22 @@ class LoopEquations:
     @property
     def states(self) -> tuple[Group, ...]:
         return tuple(g for g in self.coordinates if g.is_state)
+
+    @property
+    def inputs(self) -> tuple[Quantity, ...]:
+        return input_quantities(self.model, self.orders)
+
+    @property
+    def observed_names(self) -> tuple[Quantity, ...]:
+        return Quantity.each(self.model.observed)
+
+    @property
+    def conserved_names(self) -> tuple[Quantity, ...]:
+        return Quantity.each(self.model.conserved)
+
+    @property
+    def event_names(self) -> tuple[Quantity, ...]:
+        return Quantity.each(self.model.events)
 
     @property
     def count(self) -> Affine:
