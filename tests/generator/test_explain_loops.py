@@ -19,7 +19,8 @@ from pkgen.source import Source
 
 N = 9
 NAME = re.compile(r"([A-Za-z_]\w*)\b(?!\()(?:\[([^]]*)\])?('*)")
-SUM = re.compile(r"sum\(((?:[^()]|\([^()]*\))*), i = (\S+?)\.\.([^)\s]+)\)")
+_IN = r"(?:[^()]|\([^()]*\))"  # in brackets up to two deep
+SUM = re.compile(rf"sum\(((?:[^()]|\({_IN}*\))*), i = (\S+?)\.\.([^)\s]+)\)")
 
 
 class Shown:
@@ -134,6 +135,10 @@ def test_rows_have_the_values_of_the_unrolled_equations(name: str) -> None:
                     force[member] += value
     assert [force[n] for n in names] == pytest.approx(evaluate(e.graph, e.force, shown.symbols))
     assert any(force.values())
+
+    observed = evaluate(e.graph, e.observed, shown.symbols)
+    for text, value in zip(shown.record["outputs"].values(), observed, strict=True):
+        assert shown.number(text, {}) == pytest.approx(value), text
 
     mass = {f"{a}, {b}": 0.0 for a in names for b in names}
     for entry, value in shown.rows(shown.record["mass"], {}):

@@ -28,8 +28,6 @@ def explain(compilation: Compilation) -> str:
     e, structure, model = compilation.equations, compilation.structure, compilation.model
     c = contents(compilation)
     said = model.name + (f": {model.description}" if model.description else "")
-    outputs = *e.observed_names, *e.conserved_names
-    values = zip(outputs, (*e.observed, *e.conserved), strict=True)
     names = ", ".join(name for name, _ in found(e, structure)) or "none proved"
     families = [("families", c.families)] if c.families else []
     rows = [*families, *facts(e, structure), ("constants", names)]
@@ -39,7 +37,7 @@ def explain(compilation: Compilation) -> str:
         _parameters(c),
         _quantities("Inputs", e.inputs),
         *(section(title, lines) for title, lines in c.equations),
-        section("Outputs", (f"{q.name} = {_valued(c, q, node)}" for q, node in values)),
+        section("Outputs", (f"{q.name} = {_valued(c, q, node)}" for q, node in _outputs(c))),
         section("Events", _events(c)),
         section("Drawing", shown(compilation.declared)),
         section("Structure", (f"{name:<16} {text}" for name, text in rows)),
@@ -59,6 +57,7 @@ def record(compilation: Compilation) -> dict[str, object]:
         **c.record,
         "structure": structure_record(compilation.structure),
         **proofs_record(compilation.structure),
+        "outputs": {q.name: c.text(node) for q, node in _outputs(c)},
         "events": [
             {"name": q.name, "unit": q.unit, "description": q.description}
             | {"crosses_zero": c.text(node), "direction": _DIRECTIONS[event.direction]}
@@ -136,6 +135,11 @@ def _valued(c: Contents, quantity: Quantity, node: Node) -> str:
 
 
 _DIRECTIONS = {1: "rising", -1: "falling", 0: "either"}
+
+
+def _outputs(c: Contents) -> Iterator[tuple[Quantity, Node]]:
+    names = *c.e.observed_names, *c.e.conserved_names
+    return zip(names, (*c.e.observed, *c.e.conserved), strict=True)
 
 
 def named_events(c: Contents) -> Iterator[tuple[Quantity, Event, Node]]:
