@@ -18,7 +18,6 @@ from ..indices import indexed
 from ..middle.particles.bodies import keys, lengths, places
 from ..middle.quantities import ends
 from ..model import Definition, Drawing, Model
-from ..record import record
 from ..run import named
 from ..source import Span
 from ..tree import (
@@ -167,13 +166,6 @@ def _members(model: Model, item: object) -> Iterator[int | None]:
         return
     lo, hi = ends(model, family)
     yield from range(lo, min(hi, lo + limits.DRAWN - 1) + 1)
-
-
-@record
-class _Asked:
-    """A part whose numbers are named outputs, or plain."""
-
-    names: tuple[str | float, ...]
 
 
 class _Outputs:
