@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from pkgen.back import runtime
 from pkgen.run import build
 from pkgen.system import toolchain
 
@@ -32,7 +33,7 @@ middle/particles
 middle/derive
 middle/reduce middle/loops
 back
-back/c back/web loop_proofs
+back/c back/source back/web loop_proofs
 compiler
 run
 scenes
@@ -250,3 +251,15 @@ def test_functions_are_where_the_page_says() -> None:
         if not any(re.search(rf"\b{name}\b", place.read_text()) for place in _found(path))
     ]
     assert len(places) > 10 and astray == []
+
+
+def test_exports_take_what_a_linker_would(objects: dict[str, set[str]]) -> None:
+    """By the text of each C file of the core those that it calls."""
+    short = {
+        f"{one} -> {other}"
+        for one, used in objects.items()
+        if one.startswith("src/")
+        for other in used - {one}
+        if f"{other}.c" not in runtime.needed((ROOT / "runtime" / f"{one}.c").read_text())
+    }
+    assert short == set()

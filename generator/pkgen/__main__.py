@@ -65,7 +65,7 @@ def parser_of(command: str) -> argparse.ArgumentParser:
     return parser
 
 
-LATER = frozenset(("export", "sweep", "fmt"))
+LATER = frozenset(("sweep", "fmt"))
 
 OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c (default: here)
        pkgen check MODEL.lag        errors and warnings only
@@ -78,6 +78,7 @@ OVERVIEW = """usage: pkgen MODEL.lag [-o DIR]    write DIR/NAME.h and DIR/NAME.c
        pkgen stability MODEL.lag    where each method fails, predicted and measured
        pkgen show MODEL.lag         a live page: one file that opens in a browser
        pkgen describe MODEL.lag     names, units, bounds, methods, drawings as data
+       pkgen export MODEL.lag --as N for other programs: FMI, Python, C and others
        pkgen import ROBOT.urdf -o F the bodies and joints of a robot, as a model
        pkgen methods                the methods, orders, what each requires
        pkgen COMMAND --help         the options of a command ('compile' for the first line's)

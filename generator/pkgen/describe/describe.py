@@ -30,10 +30,14 @@ Given = dict[str, list[float]]  # parameters and start, as they are in memory
 
 
 def described(
-    compilation: Compilation, settings: Settings, given: Given, scene: Scene | None = None
+    compilation: Compilation,
+    settings: Settings,
+    given: Given,
+    scene: Scene | None = None,
+    draw: bool = True,
 ) -> dict[str, object]:
-    """All that is known of a model whose `use` was drawn(); `given` is what its library computed of
-    defaults and starts."""
+    """All that is known of a model, whose `use` was drawn() if it is to `draw`; `given` is what its
+    library computed of defaults and starts."""
     model = compilation.declared
     return {
         "schema": SCHEMA,
@@ -53,13 +57,19 @@ def described(
             "step": settings.step,
             "rtol": settings.rtol,
         },
-        "parameters": list(_parameters(compilation, given)),
+        "parameters": list(_parameters(compilation, settings, given)),
         "inputs": [
-            {"name": q.name, "index": k, "unit": q.unit, "description": q.description}
+            {
+                "name": q.name,
+                "index": k,
+                "unit": q.unit,
+                "description": q.description,
+                "value": dict(settings.inputs).get(k, 0.0),
+            }
             for k, q in enumerate(_each(named.inputs(compilation)))
         ],
-        "coordinates": list(_coordinates(compilation, given)),
-        "states": list(_states(compilation, given)),
+        "coordinates": list(_coordinates(compilation, settings, given)),
+        "states": list(_states(compilation, settings, given)),
         "rotations": list(_rotations(compilation, given)),
         "outputs": [
             {
@@ -78,7 +88,7 @@ def described(
         ],
         "methods": list(_methods(compilation, settings)),
         "scenes": [described_scene(compilation, s) for s in model.scenes if not hidden(s.name)],
-        "drawing": drawing(compilation),
+        "drawing": drawing(compilation) if draw else None,
     }
 
 
@@ -106,11 +116,15 @@ def _flat(found: named.Named) -> Iterator[tuple[int, int, int, named.Declared, o
                 yield item.first + position, k, position, item, item.member(index)
 
 
-def _parameters(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
+def _parameters(
+    compilation: Compilation, settings: Settings, given: Given
+) -> Iterator[dict[str, object]]:
     model = compilation.declared
+    chosen = {*dict(settings.parameters), *((k, j) for k, j, _ in settings.members)}
     declared = {p.name: p for p in model.parameters}
     values = Values(model, {})
-    for flat, k, position, _, quantity in _flat(named.parameters(compilation)):
+    for flat, k, position, item, quantity in _flat(named.parameters(compilation)):
+        place = flat if not compilation.looped else k if item.lo is None else (k, position)
         name, index = parted(quantity.name)
         own = declared.get(name)
         found: dict[str, object] = {
@@ -120,7 +134,7 @@ def _parameters(compilation: Compilation, given: Given) -> Iterator[dict[str, ob
             "description": quantity.description,
             "value": _number(given["parameters"], flat),
             **_bounds(values, own, index),
-            "follows": own is not None and own.follows,
+            "follows": own is not None and own.follows and place not in chosen,
         }
         if compilation.looped:
             found["place"] = [k, position]
@@ -148,10 +162,13 @@ def _number(row: list[float], k: int) -> float | None:
     return row[k] if k < len(row) and math.isfinite(row[k]) else None
 
 
-def _coordinates(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
+def _coordinates(
+    compilation: Compilation, settings: Settings, given: Given
+) -> Iterator[dict[str, object]]:
     rates = [q for *_, q in _flat(named.coordinates(compilation, rates=True))]
     momenta = {c.name: c for c in compilation.declared.coordinates}
-    follow = _following(compilation.declared)
+    follow = _following(compilation.model)
+    set_q, set_v = dict(settings.start_q), dict(settings.start_v)
     for flat, _, _, item, quantity in _flat(named.coordinates(compilation)):
         own = momenta.get(parted(quantity.name)[0])
         rate = next((r for r in rates if r.name == f"{quantity.name}'"), None)
@@ -166,8 +183,8 @@ def _coordinates(compilation: Compilation, given: Given) -> Iterator[dict[str, o
             "description": quantity.description,
             "q": _number(given["q"], flat),
             "v": _number(given["v"], flat),
-            "q_follows": follow(quantity.name, 0),
-            "v_follows": follow(quantity.name, 1),
+            "q_follows": flat not in set_q and follow(quantity.name, 0),
+            "v_follows": flat not in set_v and follow(quantity.name, 1),
             "periodic": own is not None and own.unit == "rad",
             "family": item.quantity.name if item.lo is not None else None,
         }
@@ -187,10 +204,12 @@ def _following(model: Model) -> Callable[[str, int], bool]:
     return lambda name, order: found.get((*parted(name), order), False)
 
 
-def _states(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
+def _states(
+    compilation: Compilation, settings: Settings, given: Given
+) -> Iterator[dict[str, object]]:
     """First-order variables; their indices are among the rates, behind those of coordinates."""
     known = named.states(compilation)
-    follow = _following(compilation.declared)
+    follow, set_v = _following(compilation.model), dict(settings.start_v)
     for flat, _, _, _, quantity in _flat(named.coordinates(compilation, rates=True)):
         if quantity.name in known:
             yield {
@@ -199,7 +218,7 @@ def _states(compilation: Compilation, given: Given) -> Iterator[dict[str, object
                 "unit": quantity.unit,
                 "description": quantity.description,
                 "value": _number(given["v"], flat),
-                "follows": follow(quantity.name, 0),
+                "follows": flat not in set_v and follow(quantity.name, 0),
             }
 
 

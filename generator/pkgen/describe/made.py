@@ -29,16 +29,21 @@ class Described:
 
 
 def describe(
-    options: argparse.Namespace, compiled: Callable[..., Compilation], unroll: int = lengths.UNROLL
+    options: argparse.Namespace,
+    compiled: Callable[..., Compilation],
+    unroll: int = lengths.UNROLL,
+    draw: bool = True,
 ) -> Described:
-    """`compiled(options, **how)` compiles the model. Raises UsageError, ModelError, BuildError, or
+    """`compiled(options, **how)` compiles the model; not to `draw` keeps the numbers of its drawing
+    out of its C. Raises UsageError, ModelError, BuildError, or
     NumericsFailed where the values of parameters cannot be."""
-    compilation = compiled(options, unroll=unroll, use=drawn(scene_use.whole(options)))
+    use = scene_use.whole(options)
+    compilation = compiled(options, unroll=unroll, use=drawn(use) if draw else use)
     chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
     settings = asked.settings(options, compilation, chosen=chosen)
     library = build(compilation, settings, None)
     run = load(library).run(settings, idle=True, bare=True)
     if run.messages.strip():
         raise NumericsFailed(run.messages.strip())
-    found = described(compilation, settings, run.given(), chosen)
+    found = described(compilation, settings, run.given(), chosen, draw)
     return Described(compilation, settings, library, found)

@@ -1,0 +1,91 @@
+"""Which files of the runtime a C file needs: what every export takes of it, and no more.
+
+The text says it: a file needs those that define the `pk_` names in it, and the headers that it
+includes. So no compiler is asked; tests/test_architecture.py compares with what a
+linker finds. Only the core is looked at, which links with libm alone.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+import pkgen_runtime
+
+RUNTIME = Path(pkgen_runtime.__file__).parent
+_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+_INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
+_NAME = re.compile(r"\bpk_\w+")
+# At the start of a line, as clang-format lays it out.
+_FUNCTION = re.compile(r"^(?:\w[^;{}=#]*?)\b(pk_\w+)\([^;{}]*\)\s*\{", re.MULTILINE)
+_OBJECT = re.compile(r"^const [^;{}()=]*?\b(pk_\w+)(?:\[[^\]]*\])*\s*=", re.MULTILINE)
+_PROTOTYPE = re.compile(r"^[a-z][^;{}#]*\([^;{}#]*;", re.MULTILINE)
+_LOCAL = ("static", "extern", "typedef")
+_ROWS = re.compile(r"^PK_METHODS_(\w+)\(PK_DEFINE_METHOD", re.MULTILINE)
+_FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
+_ROW = re.compile(r"X\(A, (\w+),")
+_REGISTRY = re.compile(r"\bPK_METHODS_CORE\((?!PK_DECLARE_METHOD|X\b)")  # an array of all methods
+
+
+def sources(texts: Iterable[str]) -> dict[str, str]:
+    """By their paths in the runtime (`src/core/root.c`, `include/pk/real.h`) the files that C of
+    these texts needs beside itself."""
+    found: dict[str, str] = {}
+    waiting = list(texts)
+    while waiting:
+        for path in needed(waiting.pop()):
+            if path not in found:
+                found[path] = _read(path)
+                waiting.append(found[path])
+    return dict(sorted(found.items()))
+
+
+def licence() -> str:
+    return _read("LICENSE")
+
+
+def needed(text: str) -> list[str]:
+    """The headers that a C text includes, and the files that define what it names."""
+    headers, homes = _headers(), _homes()
+    included = _INCLUDE.findall(text)
+    included = [name if name.startswith("pk/") else Path(name).name for name in included]
+    found = [headers[name] for name in included if name in headers]
+    text = _PROTOTYPE.sub("", _COMMENT.sub("", text))
+    names = _NAME.findall(text)
+    if _REGISTRY.search(text):
+        names += [name for name in homes if name.startswith("pk_method_")]
+    return found + [homes[name] for name in dict.fromkeys(names) if name in homes]
+
+
+@cache
+def _read(path: str) -> str:
+    return (RUNTIME / path).read_text(encoding="utf-8")
+
+
+@cache
+def _headers() -> dict[str, str]:
+    """Where a header is: public ones by what an #include calls them, those of the core by their
+    name, which is unique."""
+    public = sorted((RUNTIME / "include").rglob("*.h"))
+    found = {path.relative_to(RUNTIME / "include").as_posix(): path for path in public}
+    found |= {path.name: path for path in sorted((RUNTIME / "src").rglob("*.h"))}
+    return {name: path.relative_to(RUNTIME).as_posix() for name, path in found.items()}
+
+
+@cache
+def _homes() -> dict[str, str]:
+    """By each name that is not static the C file of the core that defines it. Methods are rows of
+    pk/methods.h, of which the file of their family makes objects."""
+    rows = dict(_FAMILY.findall(_read("include/pk/methods.h")))
+    found: dict[str, str] = {}
+    for path in sorted((RUNTIME / "src").rglob("*.c")):
+        place = path.relative_to(RUNTIME).as_posix()
+        text = _COMMENT.sub("", _read(place))
+        for pattern in (_FUNCTION, _OBJECT):
+            heads = pattern.finditer(text)
+            found |= {head[1]: place for head in heads if not head[0].startswith(_LOCAL)}
+        for family in _ROWS.findall(text):
+            found |= {f"pk_method_{name}": place for name in _ROW.findall(rows[family])}
+    return found

@@ -1,0 +1,1 @@
+"""A model with the runtime's core as C sources, which compile alone."""

@@ -1,0 +1,115 @@
+"""`pkgen export`: a model for other programs, each host by the back end of its folder."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from ..back.exported import Exported, Host
+from ..back.source.make import SOURCE
+from ..describe.made import describe
+from ..system.exits import DONE, UsageError
+from ..system.files import replace
+from ..system.near import near
+from . import arguments as shared
+from .compilation import compile_within_limits
+
+HOSTS = (SOURCE,)
+BY_NAME = {host.name: host for host in HOSTS}
+USAGE = "pkgen export MODEL.lag --as NAME [-o PATH] [options]"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    shared.as_of_a_run(parser)
+    add = parser.add_argument
+    add("--as", dest="host", metavar="NAME", help="what it is made for; the list is below")
+    add("-o", dest="path", metavar="PATH", help="a folder, or a file where there is one")
+    shared.of_a_motion(parser, "10")
+    add("--method", metavar="NAME", help="what integrates it unless its user chooses another")
+    add("--step", metavar="H", help="of a method with fixed steps")
+    add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
+    shared.own_methods(parser)
+    for flag, hosts in _flags().items():
+        how = dict(hosts[0].options)[flag]
+        names = ", ".join(host.name for host in hosts)
+        add(flag, **{**how, "default": None, "help": f"{how['help']} ({names})"})
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = "\n".join(["hosts:", *_listed()])
+
+
+def _listed() -> Iterator[str]:
+    for host in HOSTS:
+        tools = f"; needs {host.tools}" if host.tools else ""
+        yield f"  {host.name:12} {host.doc}{tools}"
+
+
+def _flags() -> dict[str, list[Host]]:
+    """Which hosts have an option."""
+    found: dict[str, list[Host]] = {}
+    for host in HOSTS:
+        for flag, _ in host.options:
+            found.setdefault(flag, []).append(host)
+    return found
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write what another program needs to have the model: its C, what calls it, its description."""
+    host = _host(options)
+    found = describe(
+        options,
+        lambda options, **how: compile_within_limits(options, **how, **host.how(options)),
+        draw=host.drawing,
+    )
+    made = found.compilation
+    model = Exported(made.model.name, found.description, made.files, made.model.methods, options)
+    files = _placed(host, model.name, host.make(model), options.path)
+    for folder in {path.parent for path in files}:
+        folder.mkdir(parents=True, exist_ok=True)
+    replace(files)
+    if options.json:
+        print(json.dumps({"files": [str(path) for path in files]}))
+        return DONE
+    size = sum(map(len, files.values())) / 1000
+    shown = next(iter(files)) if host.suffix else f"{_folder(host, model.name, options.path)}/"
+    count = "" if host.suffix else f"{len(files)} files, "
+    print(f"{shown}: {count}{size:.0f} kB")
+    return DONE
+
+
+def _host(options: argparse.Namespace) -> Host:
+    """The one that is named, with no option of another."""
+    if options.host is None:
+        raise UsageError("--as: name what it is made for:\n" + "\n".join(_listed()))
+    if options.host not in BY_NAME:
+        raise UsageError(f"--as {options.host}: {near(options.host, list(BY_NAME), 'host')}")
+    host = BY_NAME[options.host]
+    for flag, hosts in _flags().items():
+        if getattr(options, flag[2:].replace("-", "_")) is not None and host not in hosts:
+            names = " or ".join(other.name for other in hosts)
+            raise UsageError(f"{flag}: this is of --as {names}, not of --as {host.name}")
+    return host
+
+
+def _folder(host: Host, name: str, path: str | None) -> Path:
+    return Path(path or f"{name}-{host.name}")
+
+
+def _placed(
+    host: Host, name: str, made: Mapping[str, bytes], path: str | None
+) -> dict[Path, bytes]:
+    """Where the files go: one file to `path` if that has its suffix, else into that folder."""
+    if not host.suffix:
+        folder = _folder(host, name, path)
+        if folder.exists() and not folder.is_dir():
+            raise UsageError(f"-o {folder}: this is a file; give a folder")
+        return {folder / file: data for file, data in made.items()}
+    ((file, data),) = made.items()
+    if path is None:
+        return {Path(file): data}
+    if path.endswith(host.suffix) and not Path(path).is_dir():
+        return {Path(path): data}
+    if Path(path).suffix and not Path(path).is_dir():
+        raise UsageError(f"-o {path}: the file's name must end in {host.suffix}")
+    return {Path(path) / file: data}

@@ -1,0 +1,86 @@
+"""`pkgen export`: names, options, places of files; and that what is exported compiles alone."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import ROOT, run_pkgen
+from pkgen.cli.export import HOSTS
+
+PENDULUM = ROOT / "models" / "double_pendulum.lag"
+MAIN = """#include <stdio.h>
+#include <pk/pk.h>
+#include "double_pendulum.h"
+int main(void)
+{
+    static double block[1 << 16];
+    struct double_pendulum_params params;
+    double q[2], v[2];
+    double_pendulum_system.defaults(&params);
+    double_pendulum_system.start(&params, q, v);
+    const struct pk_problem problem = {&double_pendulum_system, &params, 0, 0};
+    const struct pk_method *method = pk_method_find("gauss");
+    const struct pk_options options = pk_options_default();
+    struct pk_integrator it;
+    pk_integrator_init(&it, &problem, method, &options, 0, q, v, block, sizeof block);
+    pk_integrator_to(&it, 1);
+    printf("%.17g %.17g\\n", it.q[0], it.q[1]);
+    return 0;
+}
+"""
+
+
+def test_sources_compile_alone_and_run(tmp_path: Path) -> None:
+    done = run_pkgen("export", PENDULUM, "--as", "source", "-o", tmp_path / "p")
+    assert done.returncode == 0, done.stderr
+    folder = tmp_path / "p"
+    (folder / "main.c").write_text(MAIN)
+    sources = sorted(map(str, folder.rglob("*.c")))
+    flags = ["-std=c11", "-O0", "-DPK_RUNTIME", f"-I{folder}/include", f"-I{folder}"]
+    subprocess.run(["gcc", *flags, *sources, "-o", folder / "main", "-lm"], check=True)
+    said = subprocess.run([folder / "main"], capture_output=True, text=True, check=True).stdout
+    run = run_pkgen("run", PENDULUM, "--until", "1", "--every", "1")
+    expected = run.stdout.splitlines()[-1].split(",")[1:3]
+    assert [float(x) for x in said.split()] == pytest.approx([float(x) for x in expected], abs=1e-9)
+    model = json.loads((folder / "model.json").read_text())
+    assert model["model"] == "double_pendulum" and model["drawing"] is None
+    assert not [o for o in model["outputs"] if o["hidden"]]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "--as: name what it is made for"),
+        (("--as", "sourse"), "did you mean 'source'?"),
+        (("--as", "source", "-o", str(PENDULUM)), "this is a file; give a folder"),
+        (("--as", "source", "--scene", "nosuch"), "no such scene"),
+        (("--as", "source", "--metod", "rk4"), "did you mean '--method'?"),
+    ],
+)
+def test_what_is_wrong_is_said(words: tuple[str, ...], said: str, tmp_path: Path) -> None:
+    done = run_pkgen("export", PENDULUM, *words, cwd=tmp_path)
+    assert done.returncode == 2 and said in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_earlier_export_stays_where_the_model_is_wrong(tmp_path: Path) -> None:
+    good = run_pkgen("export", PENDULUM, "--as", "source", "-o", "p", cwd=tmp_path)
+    assert good.returncode == 0
+    (tmp_path / "p" / "mine.c").write_text("int mine;\n")
+    before = {path: path.read_bytes() for path in (tmp_path / "p").rglob("*") if path.is_file()}
+    bad = tmp_path / "double_pendulum.lag"
+    bad.write_text(PENDULUM.read_text() + "\nparam x\n")
+    done = run_pkgen("export", bad, "--as", "source", "-o", "p", cwd=tmp_path)
+    assert done.returncode == 1
+    after = {path: path.read_bytes() for path in (tmp_path / "p").rglob("*") if path.is_file()}
+    assert before == after
+
+
+def test_hosts_that_share_an_option_mean_the_same() -> None:
+    said: dict[str, object] = {}
+    for host in HOSTS:
+        for flag, how in host.options:
+            assert said.setdefault(flag, how) == how
