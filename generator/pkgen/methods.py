@@ -63,7 +63,7 @@ class Own(Method):
         )
 
 
-REGISTRY = Path(pkgen_runtime.__file__).parent / "include" / "pk" / "methods.h"
+HEADERS = Path(pkgen_runtime.__file__).parent / "include" / "pk"
 INLINED = ("ERK", "EMBEDDED", "SPLITTING", "GAUSS")  # families that -DPK_INLINE_ names
 _FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
 _ROW = re.compile(r"X\(A, (\w+), \d+, \d+, \d+, ([\w |]+),\s*\\?\s*\w+,")
@@ -88,7 +88,7 @@ def _read(text: str) -> dict[str, Method]:
     }
 
 
-METHODS = _read(REGISTRY.read_text(encoding="utf-8"))
+METHODS = _read("".join((HEADERS / name).read_text("utf-8") for name in ("methods.h", "gsl.h")))
 
 
 def known(own: Iterable[Own] = ()) -> dict[str, Method]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -25,6 +26,10 @@ class Exported:
     def runtime(self, *texts: str) -> dict[str, str]:
         """The runtime's files that the model and C of these texts need, by their paths there."""
         return sources([*self.files.values(), *texts])
+
+    def json(self) -> str:
+        """The description, as `pkgen describe --json` writes it."""
+        return json.dumps(self.description, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 @record

@@ -7,8 +7,9 @@ linker finds. Only the core is looked at, which links with libm alone.
 
 from __future__ import annotations
 
+import posixpath
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -17,6 +18,8 @@ import pkgen_runtime
 RUNTIME = Path(pkgen_runtime.__file__).parent
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
+_PUBLIC = re.compile(r"^([ \t]*#[ \t]*include[ \t]*)<(pk/[^>]+)>", re.MULTILINE)
+_WITH_RUNTIME = "#ifndef PK_RUNTIME\n#define PK_RUNTIME\n#endif\n"
 _NAME = re.compile(r"\bpk_\w+")
 # At the start of a line, as clang-format lays it out.
 _FUNCTION = re.compile(r"^(?:\w[^;{}=#]*?)\b(pk_\w+)\([^;{}]*\)\s*\{", re.MULTILINE)
@@ -40,6 +43,21 @@ def sources(texts: Iterable[str]) -> dict[str, str]:
                 found[path] = _read(path)
                 waiting.append(found[path])
     return dict(sorted(found.items()))
+
+
+def alone(files: Mapping[str, str]) -> dict[str, str]:
+    """C that compiles without -I and -D: the runtime's headers by their place, and the model with
+    what is behind PK_RUNTIME."""
+    homes = _headers()
+
+    def placed(path: str, text: str) -> str:
+        here = posixpath.dirname(path)
+        found = _PUBLIC.sub(
+            lambda m: f'{m[1]}"{posixpath.relpath(homes.get(m[2], m[2]), here or ".")}"', text
+        )
+        return f"{_WITH_RUNTIME}{found}" if not path.startswith(("include/", "src/")) else found
+
+    return {path: placed(path, text) for path, text in files.items()}
 
 
 def licence() -> str:
