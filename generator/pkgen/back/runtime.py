@@ -28,7 +28,8 @@ _PROTOTYPE = re.compile(r"^[a-z][^;{}#]*\([^;{}#]*;", re.MULTILINE)
 _LOCAL = ("static", "extern", "typedef")
 _ROWS = re.compile(r"^PK_METHODS_(\w+)\(PK_DEFINE_METHOD", re.MULTILINE)
 _FAMILY = re.compile(r"#define PK_METHODS_(\w+)\(X, A\)((?:.*\\\n)+.*)")
-_ROW = re.compile(r"X\(A, (\w+),")
+_ROW = re.compile(r"X\(A, (\w+),[^\"]*?(\w+),\s*\\?\s*\"")  # a method, its table
+_TABLES = re.compile(r"(?<!extern )const struct pk_gauss pk_##\w+##_table")  # of collocation
 _REGISTRY = re.compile(r"\bPK_METHODS_CORE\((?!PK_DECLARE_METHOD|X\b)")  # an array of all methods
 
 
@@ -74,6 +75,9 @@ def needed(text: str) -> list[str]:
     names = _NAME.findall(text)
     if _REGISTRY.search(text):
         names += [name for name in homes if name.startswith("pk_method_")]
+    for family in _ROWS.findall(text):
+        for _, table in _ROW.findall(_rows()[family]):
+            names += [f"pk_{table}_table", *([f"pk_method_{table}"] * ("pk_method_##" in text))]
     return found + [homes[name] for name in dict.fromkeys(names) if name in homes]
 
 
@@ -93,10 +97,16 @@ def _headers() -> dict[str, str]:
 
 
 @cache
+def _rows() -> dict[str, str]:
+    """The rows of pk/methods.h by their family."""
+    return dict(_FAMILY.findall(_read("include/pk/methods.h")))
+
+
+@cache
 def _homes() -> dict[str, str]:
     """By each name that is not static the C file of the core that defines it. Methods are rows of
     pk/methods.h, of which the file of their family makes objects."""
-    rows = dict(_FAMILY.findall(_read("include/pk/methods.h")))
+    rows = _rows()
     found: dict[str, str] = {}
     for path in sorted((RUNTIME / "src").rglob("*.c")):
         place = path.relative_to(RUNTIME).as_posix()
@@ -105,5 +115,7 @@ def _homes() -> dict[str, str]:
             heads = pattern.finditer(text)
             found |= {head[1]: place for head in heads if not head[0].startswith(_LOCAL)}
         for family in _ROWS.findall(text):
-            found |= {f"pk_method_{name}": place for name in _ROW.findall(rows[family])}
+            found |= {f"pk_method_{name}": place for name, _ in _ROW.findall(rows[family])}
+        if _TABLES.search(text):
+            found |= {f"pk_{t}_table": place for _, t in _ROW.findall(rows["COLLOCATION"])}
     return found
