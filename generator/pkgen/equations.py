@@ -283,6 +283,11 @@ class Equations:
         return sum(len(a.numbers) for a in self.attitudes)
 
     @property
+    def own(self) -> int:
+        """How many coordinates come before those whose rates are first-order variables."""
+        return len(self.coordinates) - self.n_first_order
+
+    @property
     def inertial(self) -> int:
         """How many rows of M are of a Lagrangian: coordinates and body rates, of which those of
         rotations are counted among the states in C."""

@@ -82,7 +82,7 @@ int pk_bound_derivatives(struct search *s)
 {
     const struct pk_system *system = s->problem->system;
     const size_t n = s->n, Q = quaternions(s), w = Q - 3 * system->n_rotations;
-    const size_t m = n - system->n_first_order, c = system->constraints.n;
+    const size_t m = coordinates(s), c = system->constraints.n;
     if (pk_gsl_linearised(s->problem, 0, s->q, s->v, s->A) != PK_DONE ||
         pk_gsl_kept(s->problem, s->q, s->v, s->C) != PK_DONE)
         return 0;

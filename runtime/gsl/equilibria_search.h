@@ -40,10 +40,15 @@ struct search {
     const struct pk_equilibria *known; /* roots to keep away from; NULL: none */
 };
 
+static inline size_t coordinates(const struct search *s)
+{
+    return pk_system_coordinates(s->problem->system, s->problem->params);
+}
+
 static inline int is_cyclic(const struct search *s, size_t i)
 {
-    const struct pk_system *system = s->problem->system;
-    return system->cyclic && i < s->n - system->n_first_order && system->cyclic[i];
+    const unsigned char *cyclic = s->problem->system->cyclic;
+    return cyclic && i < coordinates(s) && cyclic[i];
 }
 
 /* There are rotations or constraints. */
@@ -55,7 +60,7 @@ static inline int is_bound(const struct search *s)
 /* The first quaternion among v. */
 static inline size_t quaternions(const struct search *s)
 {
-    return s->n - s->problem->system->n_first_order + 3 * s->problem->system->n_rotations;
+    return coordinates(s) + 3 * s->problem->system->n_rotations;
 }
 
 static inline int is_body_rate(const struct search *s, size_t i)
@@ -73,7 +78,7 @@ static inline double turned(const double *Q, const double *R)
 /* What is sought of i is v_i: where it is cyclic, and of first-order variables. */
 static inline int is_by_rate(const struct search *s, size_t i)
 {
-    return i >= s->n - s->problem->system->n_first_order || is_cyclic(s, i);
+    return i >= coordinates(s) || is_cyclic(s, i);
 }
 
 /* Unknown i of the state: q_i or v_i. */

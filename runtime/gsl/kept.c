@@ -35,8 +35,8 @@ static void fill(const struct pk_problem *problem, const double *v, const double
                  gsl_matrix *C)
 {
     const struct pk_system *system = problem->system;
-    const size_t n = pk_system_count(system, problem->params);
-    const size_t m = n - system->n_first_order, first = m + 3 * system->n_rotations;
+    const size_t m = pk_system_coordinates(system, problem->params);
+    const size_t first = m + 3 * system->n_rotations;
     for (size_t j = 0; j < m; j++)
         gsl_matrix_set(C, to, j, row[j]);
     for (size_t r = 0; r < system->n_rotations; r++) {
@@ -55,7 +55,8 @@ static void by_places(const struct pk_problem *problem, double *q, double *v, do
 {
     const struct pk_system *system = problem->system;
     const struct pk_part_constraints *kept = &system->constraints;
-    const size_t n = pk_system_count(system, problem->params), m = n - system->n_first_order;
+    const size_t n = pk_system_count(system, problem->params);
+    const size_t m = pk_system_coordinates(system, problem->params);
     double *const up = work + kept->n * n, *const down = up + kept->n, most = 0;
     for (size_t i = 0; i < m; i++)
         most = fmax(most, fabs(q[i]));
@@ -79,7 +80,8 @@ enum pk_status pk_gsl_kept(const struct pk_problem *problem, const double *q, co
 {
     const struct pk_system *system = problem->system;
     const struct pk_part_constraints *kept = &system->constraints;
-    const size_t n = pk_system_count(system, problem->params), m = n - system->n_first_order;
+    const size_t n = pk_system_count(system, problem->params);
+    const size_t m = pk_system_coordinates(system, problem->params);
     const size_t c = kept->n, h = kept->n_holonomic, first = m + 3 * system->n_rotations;
     double *block = (double *)calloc(2 * c * n + 3 * c + 2 * n, sizeof *block);
     double *const J = block, *const place = J + c * n, *const work = place + 2 * n;

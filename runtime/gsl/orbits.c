@@ -59,7 +59,7 @@ static int same_rates(struct probe *x, size_t i, double by)
 
 static size_t choose(struct probe *x, size_t *of, unsigned char *turns)
 {
-    const size_t seen = x->n - x->of->system->n_first_order;
+    const size_t seen = pk_system_coordinates(x->of->system, x->of->params);
     size_t d = 0;
     for (size_t i = 0; i < 2 * x->n; i++) {
         const int place = i < seen || i >= x->n + seen; /* else a rate */

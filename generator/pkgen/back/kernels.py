@@ -47,7 +47,7 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
 
 def _has_energy(equations: Equations) -> bool:
     """States alone have none; body rates have."""
-    return len(equations.coordinates) > equations.n_first_order or bool(equations.attitudes)
+    return equations.own > 0 or bool(equations.attitudes)
 
 
 def _scalar(name: str, says: str) -> KernelSpec:

@@ -44,7 +44,7 @@ static enum pk_status leap(struct pk_stability *s, struct pk_integrator *it,
                            struct pk_integrator *motion, size_t count, double *most)
 {
     const struct pk_system *system = s->problem.system;
-    const size_t m = s->n - system->n_first_order, r = system->n_rotations;
+    const size_t m = s->coordinates, r = system->n_rotations;
     const size_t kinds[] = {0, m, m + 3 * r, m + 7 * r, s->n}; /* body rates, quaternions */
     enum pk_status status = pk_integrator_reset(it, motion->t, motion->q, motion->v);
     const double from = motion->t, h = it->options.h;

@@ -21,7 +21,7 @@ static void clear_doubtful(struct pk_stability *s, const double *q, const double
 {
     double *const place = s->work, *const rate = place + s->n;
     for (size_t i = 0; i < s->n; i++) {
-        const int c = i >= s->n - s->problem.system->n_first_order || stability_idle(s, i);
+        const int c = i >= s->coordinates || stability_idle(s, i);
         place[i] = q[i] + (c ? 0 : doubt[i]);
         rate[i] = v[i] + (c ? doubt[i] : 0);
     }

@@ -35,8 +35,7 @@ static void go_on(struct pk_stability *s, double until, double *far)
         if (s->motion < 0)
             break;
         keep(s, it->t, it->q, it->v);
-        condition_step(s->looking, NULL, s->settings->until,
-                       &(struct moment){it->t, it->q, it->v});
+        condition_step(s->looking, NULL, s->settings->until, &(struct moment){it->t, it->q, it->v});
         for (size_t i = 0; i < s->n; i++)
             far[i] = fmax(far[i], fabs(stability_apart(s, it->q, it->v, i)));
     }
@@ -138,7 +137,7 @@ static void widen(double *box, size_t from, size_t to, double others)
 
 void stability_cover(struct pk_stability *s)
 {
-    const size_t n = s->n, m = n - s->problem.system->n_first_order;
+    const size_t n = s->n, m = s->coordinates;
     const size_t r = s->problem.system->n_rotations;
     /* Coordinates, integrals of first-order variables, rates, body rates, quaternions, others. */
     const size_t kinds[] = {0, m, n, n + m, n + m + 3 * r, n + m + 7 * r, 2 * n};

@@ -37,7 +37,7 @@ static void add_mode(struct pk_stability *s, size_t k, double amplitude)
     const struct pk_mode mode = s->modes[k];
     const double *re = s->shapes + k * 2 * n, *im = re + n;
     for (size_t i = 0; i < n; i++) {
-        const int first_order = i >= n - s->problem.system->n_first_order;
+        const int first_order = i >= s->coordinates;
         s->work[i] += first_order ? 0 : amplitude * re[i];
         s->work[n + i] += amplitude *
                           (first_order ? re[i] : mode.growth * re[i] - mode.frequency * im[i]);

@@ -22,7 +22,7 @@ void stability_energies(struct pk_stability *s, double t, const double *q, const
     (system->unconstrained ? system->unconstrained : system->canonical)(s->problem.params, t, q, v,
                                                                         s->settings->u, p, pdot);
     *energy = system->energy(s->problem.params, t, q, v, s->settings->u);
-    for (size_t i = 0; i < s->n - system->n_first_order + 3 * system->n_rotations; i++)
+    for (size_t i = 0; i < s->coordinates + 3 * system->n_rotations; i++)
         *vp += v[i] * p[i];
     *size = fabs(*vp) + fabs(*vp - *energy);
 }

@@ -24,7 +24,7 @@ static void print(struct pk_stability *s, const double *states, size_t count, do
         json_text(j, "status", pk_status_name(status));
         double turns = 0; /* of bodies; their quaternions, which are linearised, by half */
         for (size_t r = 0; r < s->problem.system->n_rotations; r++) {
-            const double *w = at + 2 * n - s->problem.system->n_first_order + 3 * r;
+            const double *w = at + n + s->coordinates + 3 * r;
             turns = fmax(turns, hypot(hypot(w[0], w[1]), w[2]));
         }
         json_numbers(j, "growth", room, found);

@@ -7,15 +7,14 @@
 static void find_idle(struct pk_stability *s)
 {
     const struct pk_system *system = s->problem.system;
-    const size_t coordinates = s->n - system->n_first_order;
 #ifdef PK_WITH_GSL
-    if (system->n_first_order > 7 * system->n_rotations)
+    if (s->n > s->coordinates + 7 * system->n_rotations)
         pk_gsl_unread(&s->problem, s->settings->q, s->settings->v, s->idle);
 #endif
     for (size_t i = 0; i < s->n; i++) {
-        if (i < coordinates)
+        if (i < s->coordinates)
             s->idle[i] = system->cyclic && system->cyclic[i];
-        else if (i >= coordinates + 7 * system->n_rotations && !s->idle[i])
+        else if (i >= s->coordinates + 7 * system->n_rotations && !s->idle[i])
             s->by_norm = 1;
     }
 }
@@ -39,6 +38,7 @@ static void prepare(void *context)
     s->run->settings.options.stop = ending;
     s->run->settings.options.context = s;
     s->problem = run_problem(s->run);
+    s->coordinates = pk_system_coordinates(s->problem.system, s->problem.params);
     s->work = memory_take(memory, 4 * n + 1, sizeof *s->work);
     s->far = memory_take(memory, 3 * n, sizeof *s->far);
 #ifdef PK_WITH_GSL

@@ -44,10 +44,10 @@ struct pk_stability {
     struct pk_run *run; /* not integrated: its settings, problem, memory and messages */
     const struct settings *settings;
     struct pk_problem problem;
-    size_t n;
-    struct json out;  /* of the answer, which is in */
-    char *answer;     /* of malloc() */
-    const char *what; /* is asked */
+    size_t n, coordinates; /* of the n, before the integrals of first-order variables */
+    struct json out;       /* of the answer, which is in */
+    char *answer;          /* of malloc() */
+    const char *what;      /* is asked */
     const struct pk_stability_question *question;
     double until; /* seconds of the processor's at which integrations end */
     int good;     /* whether there is an answer */
@@ -93,8 +93,7 @@ static inline int stability_idle(const struct pk_stability *s, size_t i) { retur
 static inline double stability_apart(const struct pk_stability *s, const double *q, const double *v,
                                      size_t i)
 {
-    return i < s->n - s->problem.system->n_first_order ? q[i] - s->settings->q[i]
-                                                       : v[i] - s->settings->v[i];
+    return i < s->coordinates ? q[i] - s->settings->q[i] : v[i] - s->settings->v[i];
 }
 
 /* What a motion is judged by, its range and the size that round-off of it is relative to: energy,

@@ -23,7 +23,8 @@ void stability_watch_begin(struct pk_stability *s, struct watched *w)
 {
     struct memory *memory = &s->run->memory;
     const size_t size = pk_monitor_size(&s->problem);
-    *w = (struct watched){.lost = HUGE_VAL, .exchange = (double)NAN, .moved = (double)NAN, .follows = (double)NAN};
+    *w = (struct watched){
+        .lost = HUGE_VAL, .exchange = (double)NAN, .moved = (double)NAN, .follows = (double)NAN};
     w->share = memory_take(memory, 2 * s->n, sizeof *w->share);
     w->swift = w->share + s->n;
     w->block = memory_take(memory, size + 1, 1);
@@ -45,7 +46,7 @@ void stability_watch(struct pk_stability *s, struct watched *w, double t, const 
     const double *p = s->work + 2 * s->n; /* of stability_energies() */
     if (s->by_norm)
         return;
-    for (size_t i = 0; i < s->n - s->problem.system->n_first_order; i++) {
+    for (size_t i = 0; i < s->coordinates; i++) {
         w->share[i] = fmax(w->share[i], fabs(v[i] * p[i]));
         w->most = fmax(w->most, w->share[i]);
         w->swift[i] = fmax(w->swift[i], fabs(v[i]));
@@ -73,7 +74,7 @@ static int is_apart(const struct pk_stability *s, size_t k, double t, const doub
     const double *a = s->states + k * 2 * n, *b = a + 2 * n;
     const double h = s->records[k + 1].t - s->records[k].t, x = (t - s->records[k].t) / h;
     const double y = 1 - x;
-    for (size_t i = 0; i < n - s->problem.system->n_first_order; i++) {
+    for (size_t i = 0; i < s->coordinates; i++) {
         const double there = y * y * ((1 + 2 * x) * a[i] + x * h * a[n + i]) +
                              x * x * ((1 + 2 * y) * b[i] - y * h * b[n + i]);
         const double rate = y * a[n + i] + x * b[n + i];
@@ -104,7 +105,7 @@ static int counts(const struct pk_stability *s, size_t i)
 
 static double exchange(const struct pk_stability *s, const struct watched *w)
 {
-    const size_t n = s->n - s->problem.system->n_first_order;
+    const size_t n = s->coordinates;
     double most = 0;
     size_t several = 0;
     for (size_t i = 0; i < n; i++) {

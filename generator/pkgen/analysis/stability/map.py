@@ -290,7 +290,7 @@ def _quaternions(compilation: Compilation) -> range:
     """Their numbers among the rates."""
     count = len(single_rotations(compilation.model))
     # The body rates before them are no first-order variables here.
-    first = len(compilation.equations.coordinates) - compilation.equations.n_first_order
+    first = compilation.equations.own
     return range(first, first + 4 * count)
 
 

@@ -54,7 +54,7 @@ def _rate_unit(model: Model, unit: str) -> str:
 def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) -> list[Quantity]:
     """The quantities' time derivatives, called `name` with the coordinate's own name in it."""
     model, e = program.equations.model, program.equations
-    own = len(e.coordinates) - e.n_first_order
+    own = e.own
     names = [name.format(c.name) for c in e.coordinates[:own]] + [
         f"{q.name}'" for q in e.rates[own:]
     ]

@@ -225,7 +225,7 @@ def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
 def _local_names(equations: Equations) -> dict[Symbol, str]:
     """What coordinates, rates, inputs, accelerations and momenta are called in the kernels."""
     names = Names(LOCAL_RESERVED, (), equations.model.name + "_")
-    own = len(equations.coordinates) - equations.n_first_order
+    own = equations.own
     accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates[:own]]
     accelerations += [replace(x, name=x.name + "'") for x in equations.rates[own:]]
     rows = [

@@ -201,9 +201,7 @@ def _context(program: Program) -> dict[str, Any]:
         "sizes": [],
         "n": len(equations.coordinates),
         "n_first_order": equations.n_first_order,
-        "states": [
-            q.name for q in equations.rates[len(equations.rates) - equations.n_first_order :]
-        ],
+        "states": [q.name for q in equations.rates[equations.own :]],
         # Whether p is dL/dv of the coordinates, and h made of these.
         "has_lagrangian": int("lagrangian" in present and not equations.inertia),
         "n_rotations": sum(bool(a.numbers) for a in equations.attitudes),

@@ -45,7 +45,7 @@ def events(e: Equations | LoopEquations) -> list[dict[str, Any]]:
 def indices(program: Program) -> list[dict[str, Any]]:
     """Named indices, one for a plain quantity or the first of a family."""
     e = program.equations
-    own = len(e.coordinates) - e.n_first_order
+    own = e.own
     of_states = "into v: a state's value is there, its rate in a; q there has no meaning"
     rows: list[tuple[str, Sequence[Quantity], str]] = [
         ("q", e.coordinates[:own], "into q, v, momenta, ..."),
