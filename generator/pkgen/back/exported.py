@@ -46,3 +46,10 @@ class Host:
     tools: str = ""  # what must be there to make it, for people
     how: Callable[[argparse.Namespace], Mapping[str, Any]] = lambda _: {}
     drawing: bool = False  # whether the C has the numbers of the drawing among its outputs
+
+
+# Machines that binaries are for; see library.py.
+TARGET_OPTION = (
+    "--target",
+    {"metavar": "LIST", "help": "machines: linux-x86_64,linux-aarch64,windows-x86_64,macos-..."},
+)

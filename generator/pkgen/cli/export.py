@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ..back.exported import Exported, Host
+from ..back.fmu.make import FMU
 from ..back.source.make import SOURCE
 from ..describe.made import describe
 from ..system.exits import DONE, UsageError
@@ -16,7 +17,7 @@ from ..system.near import near
 from . import arguments as shared
 from .compilation import compile_within_limits
 
-HOSTS = (SOURCE,)
+HOSTS = (SOURCE, FMU)
 BY_NAME = {host.name: host for host in HOSTS}
 USAGE = "pkgen export MODEL.lag --as NAME [-o PATH] [options]"
 

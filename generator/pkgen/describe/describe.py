@@ -70,7 +70,7 @@ def described(
         ],
         "coordinates": list(_coordinates(compilation, settings, given)),
         "states": list(_states(compilation, settings, given)),
-        "rotations": list(_rotations(compilation, given)),
+        "rotations": list(_rotations(compilation, settings, given)),
         "outputs": [
             {
                 "name": q.name,
@@ -81,6 +81,8 @@ def described(
             }
             for k, q in enumerate(named.observed(compilation))
         ],
+        "whole": _whole(compilation),
+        "switches": _switches(compilation),
         "constants": list(constants(compilation)),
         "events": list(_events(compilation)),
         "constraints": [
@@ -158,6 +160,17 @@ def _bounds(values: Values, item: Parameter | None, index: int | None) -> dict[s
     return found
 
 
+def _whole(compilation: Compilation) -> bool:
+    """Whether all members of families are listed."""
+    kinds = (named.parameters, named.inputs, named.coordinates)
+    return all(item.count <= LISTED for kind in kinds for item in kind(compilation).declared)
+
+
+def _switches(compilation: Compilation) -> int:
+    """Arguments of step, abs and the like at whose zeros the equations change."""
+    return 0 if compilation.looped else len(compilation.equations.switches)
+
+
 def _number(row: list[float], k: int) -> float | None:
     return row[k] if k < len(row) and math.isfinite(row[k]) else None
 
@@ -222,16 +235,21 @@ def _states(
             }
 
 
-def _rotations(compilation: Compilation, given: Given) -> Iterator[dict[str, object]]:
+def _rotations(
+    compilation: Compilation, settings: Settings, given: Given
+) -> Iterator[dict[str, object]]:
+    follow, set_v = _following(compilation.model), dict(settings.start_v)
     indices = {q.name: k for k, *_, q in _flat(named.coordinates(compilation, rates=True))}
     for r in single_rotations(compilation.declared):
         found = [indices.get(name) for name in r.rates]
+        follows = any(follow(name, order) for name in (r.name, *r.rates) for order in (0, 1))
         yield {
             "name": r.name,
             "quaternion": list(r.quaternion),
             "rates": list(r.rates),
             "rate_indices": found,
             "rate_values": [None if k is None else _number(given["v"], k) for k in found],
+            "rates_follow": follows and not any(k in set_v for k in found),
             "rate_unit": r.rate_unit,
             "description": r.description,
         }

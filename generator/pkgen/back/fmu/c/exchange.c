@@ -1,0 +1,140 @@
+/* A unit in model exchange: the importer integrates. The sides of switches are held between events,
+ * so that what it integrates is smooth. */
+#include "unit.h"
+
+#include <math.h>
+#include <string.h>
+
+static double sign(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
+
+/* Sides as the switches are now: of one that is zero, as before. */
+static enum unit_status take_sides(struct unit *unit)
+{
+    const struct pk_system *s = unit->system;
+    unit_functions(unit);
+    for (size_t k = 0; k < unit->n_switches; k++) {
+        const double side = sign(unit->indicators[unit->n_events + k]);
+        const double old = unit->sides[k];
+        if (side == 0 || side == old)
+            continue;
+        if (old != 0 && s->switches.impulses && s->switches.impulses[k])
+            return unit_say(unit, UNIT_ERROR, "logStatusError",
+                            "rates jump where %s changes its sign, at t = %g: the unit does that in "
+                            "co-simulation, not in model exchange",
+                            s->switches.names[k].name, *unit->time);
+        unit->sides[k] = side;
+    }
+    if (unit->n_switches)
+        memcpy((char *)unit->held + s->switches.sides, unit->sides,
+               unit->n_switches * sizeof *unit->sides);
+    unit_forget(unit);
+    return UNIT_OK;
+}
+
+/* Which events have crossed zero since the last time; not 0 in *ends: one of them stops. */
+static void cross(struct unit *unit, int *ends)
+{
+    const struct pk_event *table = unit->system->events.table;
+    unit_functions(unit);
+    for (size_t k = 0; k < unit->n_events; k++) {
+        const double now = sign(unit->indicators[k]), before = unit->before[k];
+        if (before != 0 && now != before) {
+            const int direction = before < 0 ? 1 : -1;
+            if (!table[k].direction || table[k].direction == direction) {
+                unit_say(unit, UNIT_OK, "logEvents", "%s at t = %.17g", table[k].what.name,
+                         *unit->time);
+                *ends |= table[k].stop;
+            }
+        }
+        if (now != 0)
+            unit->before[k] = now;
+    }
+}
+
+enum unit_status unit_update(struct unit *unit, int *ends)
+{
+    *ends = 0;
+    enum unit_status status = unit_refresh(unit);
+    if (status == UNIT_OK)
+        cross(unit, ends);
+    return status == UNIT_OK ? take_sides(unit) : status;
+}
+
+enum unit_status unit_completed(struct unit *unit)
+{
+    unit_functions(unit);
+    for (size_t k = 0; k < unit->n_events; k++)
+        if (unit->before[k] == 0) /* it began at zero, which is no crossing */
+            unit->before[k] = sign(unit->indicators[k]);
+    return UNIT_OK;
+}
+
+enum unit_status unit_set_time(struct unit *unit, double t)
+{
+    if (!isfinite(t))
+        return unit_say(unit, UNIT_ERROR, "logStatusError", "the time is not finite");
+    *unit->time = t;
+    unit_forget(unit);
+    return UNIT_OK;
+}
+
+static enum unit_status right(const struct unit *unit, const void *values, size_t n, size_t wanted)
+{
+    if (n == wanted && (values || !n))
+        return UNIT_OK;
+    return unit_say(unit, UNIT_ERROR, "logStatusError", "%zu numbers are given, not %zu",
+                    values ? n : 0, wanted);
+}
+
+enum unit_status unit_set_states(struct unit *unit, const double *x, size_t n)
+{
+    enum unit_status status = right(unit, x, n, unit->n_x);
+    if (status != UNIT_OK)
+        return status;
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(x[i]))
+            return unit_say(unit, UNIT_DISCARD, "logStatusDiscard",
+                            "state %zu is not finite at t = %g", i, *unit->time);
+    memcpy(unit->q, x, unit->n_q * sizeof *x);
+    memcpy(unit->v, x + unit->n_q, unit->n * sizeof *x);
+    unit_forget(unit);
+    return UNIT_OK;
+}
+
+enum unit_status unit_get_states(struct unit *unit, double *x, size_t n)
+{
+    enum unit_status status = right(unit, x, n, unit->n_x);
+    if (status == UNIT_OK)
+        status = unit_refresh(unit);
+    if (status != UNIT_OK)
+        return status;
+    memcpy(x, unit->q, unit->n_q * sizeof *x);
+    memcpy(x + unit->n_q, unit->v, unit->n * sizeof *x);
+    return UNIT_OK;
+}
+
+enum unit_status unit_derivatives(struct unit *unit, double *rates, size_t n)
+{
+    enum unit_status status = right(unit, rates, n, unit->n_x);
+    if (status == UNIT_OK)
+        status = unit_refresh(unit);
+    if (status == UNIT_OK)
+        status = unit_rates(unit);
+    if (status != UNIT_OK)
+        return status;
+    memcpy(rates, unit->v, unit->n_q * sizeof *rates);
+    memcpy(rates + unit->n_q, unit->rates, unit->n * sizeof *rates);
+    return UNIT_OK;
+}
+
+enum unit_status unit_indicators(struct unit *unit, double *values, size_t n)
+{
+    enum unit_status status = right(unit, values, n, unit->n_events + unit->n_switches);
+    if (status == UNIT_OK)
+        status = unit_refresh(unit);
+    if (status == UNIT_OK)
+        status = unit_functions(unit);
+    if (status == UNIT_OK && n)
+        memcpy(values, unit->indicators, n * sizeof *values);
+    return status;
+}

@@ -1,0 +1,347 @@
+/* A unit: its memory, its modes, its parameters and start. */
+#include "unit.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char MARK[8] = {'p', 'k', 'u', 'n', 'i', 't', '0', '1'};
+
+enum unit_status unit_say(const struct unit *unit, enum unit_status status, const char *category,
+                          const char *format, ...)
+{
+    char text[UNIT_LONGEST_TEXT];
+    va_list rest;
+    if (!unit->log || (status == UNIT_OK && !unit->logging))
+        return status;
+    va_start(rest, format);
+    vsnprintf(text, sizeof text, format, rest);
+    va_end(rest);
+    unit->log(unit, status, category, text);
+    return status;
+}
+
+enum unit_status unit_allowed(const struct unit *unit, const char *call, int modes)
+{
+    static const char *const names[] = {"instantiated", "in initialization mode", "in event mode",
+                                        "in continuous-time mode", "in step mode", "terminated"};
+    if (!unit)
+        return UNIT_ERROR;
+    const int mode = (int)*unit->mode;
+    if (unit->busy && !(modes & UNIT_WITHIN))
+        return unit_say(unit, UNIT_ERROR, "logStatusError",
+                        "%s cannot be called within a callback", call);
+    if (mode & modes)
+        return UNIT_OK;
+    size_t k = 0;
+    while (mode >> (k + 1))
+        k++;
+    return unit_say(unit, UNIT_ERROR, "logStatusError",
+                    "%s cannot be called while the unit is %s", call, names[k]);
+}
+
+/* Parts of `all`; NULL: only their number. */
+static size_t lay_out(struct unit *unit, double *all)
+{
+    const size_t n_p = unit->model->n_parameters, n_u = unit->n_inputs;
+    const struct {
+        double **part;
+        size_t count;
+    } parts[] = {{&unit->mode, 1},
+                 {&unit->time, 1},
+                 {&unit->input_time, 1},
+                 {&unit->settings, UNIT_SETTINGS},
+                 {&unit->length, 1},
+                 {&unit->parameters, n_p},
+                 {&unit->is_set, n_p},
+                 {&unit->start, unit->n_x},
+                 {&unit->start_is_set, unit->n_x},
+                 {&unit->q, unit->n},
+                 {&unit->v, unit->n},
+                 {&unit->inputs, n_u},
+                 {&unit->slopes, UNIT_ORDERS * n_u},
+                 {&unit->sides, unit->n_switches},
+                 {&unit->before, unit->n_events}};
+    size_t at = 0;
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
+        if (all)
+            *parts[k].part = all + at;
+        at += parts[k].count;
+    }
+    return at;
+}
+
+/* Room for the families that the params point to; 0: no memory. */
+static int make_params(struct unit *unit)
+{
+    const struct pk_system *s = unit->system;
+    unit->params = calloc(1, s->params_size);
+    unit->held = calloc(1, s->params_size);
+    unit->places = (double **)calloc(unit->model->n_parameters + 1, sizeof *unit->places);
+    if (!unit->params || !unit->held || !unit->places)
+        return 0;
+    if (s->families.block_size) {
+        s->families.set_sizes(unit->params);
+        const size_t size = s->families.block_size(unit->params);
+        unit->room = calloc(1, size + 1);
+        if (!unit->room)
+            return 0;
+        if (size)
+            s->families.attach(unit->params, unit->room);
+    }
+    s->defaults(unit->params);
+    for (size_t k = 0, flat = 0; k < s->n_parameters; k++) {
+        struct pk_range range = {0, 1, 0};
+        if (s->families.range)
+            s->families.range(unit->params, PK_OF_PARAMETER, k, &range);
+        char *const place = (char *)unit->params + s->parameters[k].offset;
+        double *first = (double *)(void *)place;
+        if (range.is_family)
+            memcpy(&first, place, sizeof first);
+        for (size_t i = 0; i < range.count && flat < unit->model->n_parameters; i++)
+            unit->places[flat++] = first + i;
+    }
+    return 1;
+}
+
+struct unit *unit_new(const char *name, const char *token, int co_simulation)
+{
+    const struct unit_model *model = &unit_model;
+    if (!name || !token || strcmp(token, model->token) != 0)
+        return NULL;
+    struct unit *unit = (struct unit *)calloc(1, sizeof *unit);
+    if (!unit)
+        return NULL;
+    const struct pk_system *s = model->system;
+    unit->model = model;
+    unit->system = s;
+    unit->co_simulation = co_simulation;
+    unit->n_inputs = s->n_inputs;
+    unit->n_outputs = s->n_observed;
+    unit->n_events = s->events.n;
+    unit->n_switches = s->switches.n;
+    unit->name = (char *)malloc(strlen(name) + 1);
+    if (!unit->name || !make_params(unit)) {
+        unit_free(unit);
+        return NULL;
+    }
+    strcpy(unit->name, name);
+    unit->n = pk_system_count(s, unit->params);
+    unit->n_q = pk_system_coordinates(s, unit->params);
+    unit->n_x = unit->n_q + unit->n;
+    unit->n_all = lay_out(unit, NULL);
+    unit->all = (double *)calloc(unit->n_all, sizeof *unit->all);
+    const size_t values = unit->n + unit->n_outputs + s->n_conserved + unit->n_events +
+                          unit->n_switches + 1;
+    unit->rates = (double *)calloc(values, sizeof *unit->rates);
+    if (!unit->all || !unit->rates) {
+        unit_free(unit);
+        return NULL;
+    }
+    unit->outputs = unit->rates + unit->n;
+    unit->claims = unit->outputs + unit->n_outputs;
+    unit->indicators = unit->claims + s->n_conserved;
+    lay_out(unit, unit->all);
+    unit_reset(unit);
+    return unit;
+}
+
+static void drop_integrator(struct unit *unit)
+{
+    free(unit->block);
+    free(unit->events_block);
+    unit->block = unit->events_block = NULL;
+    unit->ready = 0;
+}
+
+void unit_free(struct unit *unit)
+{
+    if (!unit || unit->busy)
+        return;
+    drop_integrator(unit);
+    free(unit->name);
+    free(unit->params);
+    free(unit->held);
+    free(unit->room);
+    free(unit->places);
+    free(unit->all);
+    free(unit->rates);
+    free(unit);
+}
+
+void unit_forget(struct unit *unit) { unit->known = 0; }
+
+enum unit_status unit_reset(struct unit *unit)
+{
+    const struct unit_model *m = unit->model;
+    memset(unit->all, 0, unit->n_all * sizeof *unit->all);
+    *unit->mode = UNIT_INSTANTIATED;
+    unit->settings[UNIT_METHOD] = (double)m->method;
+    unit->settings[UNIT_STEP] = m->step;
+    unit->settings[UNIT_RTOL] = m->rtol;
+    for (size_t k = 0; k < m->n_parameters; k++) {
+        unit->parameters[k] = m->parameters[k];
+        unit->is_set[k] = !m->follows[k];
+    }
+    for (size_t i = 0; i < unit->n_inputs; i++)
+        unit->inputs[i] = m->inputs[i];
+    for (size_t i = 0; i < unit->n_x; i++) {
+        unit->start[i] = m->start[i];
+        unit->start_is_set[i] = !m->start_follows[i];
+    }
+    unit->stale = 1;
+    unit->ready = 0;
+    unit_forget(unit);
+    return UNIT_OK;
+}
+
+/* What prepare() refuses, by the name of the parameter. */
+static enum unit_status refuse(struct unit *unit, int failure)
+{
+    const struct pk_system *s = unit->system;
+    const char *name = "";
+    if (PK_FAILURE(failure) == PK_FAILURE_PARAMETER)
+        name = s->parameters[PK_FAILURE_AT(failure)].what.name;
+    return unit_say(unit, UNIT_ERROR, "logStatusError",
+                    *name ? "%s is outside its bounds"
+                          : "what is computed from the parameters is not finite%s",
+                    name);
+}
+
+/* Params of the values that are set; those that follow others are computed, and put where they are
+ * read. */
+static enum unit_status apply(struct unit *unit)
+{
+    const struct pk_system *s = unit->system;
+    unsigned char *given = (unsigned char *)calloc(s->n_parameters + 1, 1);
+    if (!given)
+        return unit_say(unit, UNIT_ERROR, "logStatusError", "there is no memory");
+    s->defaults(unit->params);
+    for (size_t k = 0, flat = 0; k < s->n_parameters; k++) {
+        struct pk_range range = {0, 1, 0};
+        if (s->families.range)
+            s->families.range(unit->params, PK_OF_PARAMETER, k, &range);
+        for (size_t i = 0; i < range.count && flat < unit->model->n_parameters; i++, flat++)
+            if (unit->is_set[flat]) {
+                *unit->places[flat] = unit->parameters[flat];
+                given[k] = 1;
+            }
+    }
+    if (s->derive)
+        s->derive(unit->params, given);
+    free(given);
+    const int failure = s->prepare(unit->params);
+    if (failure)
+        return refuse(unit, failure);
+    for (size_t k = 0; k < unit->model->n_parameters; k++)
+        unit->parameters[k] = *unit->places[k];
+    memcpy(unit->held, unit->params, s->params_size);
+    if (unit->n_switches && !unit->co_simulation)
+        memcpy((char *)unit->held + s->switches.sides, unit->sides,
+               unit->n_switches * sizeof *unit->sides);
+    return UNIT_OK;
+}
+
+enum unit_status unit_refresh(struct unit *unit)
+{
+    if (!unit->stale)
+        return UNIT_OK;
+    const enum unit_status status = apply(unit);
+    if (status != UNIT_OK)
+        return status;
+    unit->stale = 0;
+    if (!((int)*unit->mode & UNIT_BEFORE))
+        return UNIT_OK;
+    unit->system->start(unit->params, unit->q, unit->v);
+    for (size_t i = 0; i < unit->n_x; i++) {
+        double *const x = i < unit->n_q ? unit->q + i : unit->v + (i - unit->n_q);
+        if (unit->start_is_set[i])
+            *x = unit->start[i];
+    }
+    return UNIT_OK;
+}
+
+const void *unit_params(const struct unit *unit)
+{
+    return unit->co_simulation ? unit->params : unit->held;
+}
+
+enum unit_status unit_enter_initialization(struct unit *unit, double t, int with_rtol, double rtol)
+{
+    if (!isfinite(t))
+        return unit_say(unit, UNIT_ERROR, "logStatusError", "the start time is not finite");
+    if (with_rtol && unit->settings[UNIT_RTOL] == unit->model->rtol) {
+        if (!(rtol > 0) || !isfinite(rtol))
+            return unit_say(unit, UNIT_ERROR, "logStatusError", "the tolerance is not positive");
+        unit->settings[UNIT_RTOL] = rtol;
+    }
+    *unit->time = *unit->input_time = t;
+    *unit->mode = UNIT_INITIALIZATION;
+    unit_forget(unit);
+    return UNIT_OK;
+}
+
+double *unit_state(const struct unit *unit)
+{
+    double *state = (double *)malloc(unit->n_all * sizeof *state);
+    if (state)
+        memcpy(state, unit->all, unit->n_all * sizeof *state);
+    return state;
+}
+
+enum unit_status unit_restore(struct unit *unit, const double *state)
+{
+    memcpy(unit->all, state, unit->n_all * sizeof *state);
+    unit->stale = 1;
+    unit->ready = 0;
+    unit_forget(unit);
+    return UNIT_OK;
+}
+
+size_t unit_serial_size(const struct unit *unit)
+{
+    return sizeof MARK + sizeof(uint64_t) + unit->n_all * sizeof(double);
+}
+
+/* Of the model's text: states of another model are refused. */
+static uint64_t mark_of(const struct unit *unit)
+{
+    uint64_t mark = unit->n_all;
+    for (const char *c = unit->model->token; *c; c++)
+        mark = mark * 1099511628211u ^ (unsigned char)*c;
+    return mark;
+}
+
+void unit_serialise(const struct unit *unit, const double *state, unsigned char *bytes)
+{
+    const uint64_t mark = mark_of(unit);
+    memcpy(bytes, MARK, sizeof MARK);
+    memcpy(bytes + sizeof MARK, &mark, sizeof mark);
+    memcpy(bytes + sizeof MARK + sizeof mark, state, unit->n_all * sizeof *state);
+}
+
+/* NULL: these bytes are no state of this model. */
+double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, size_t size)
+{
+    const uint64_t mark = mark_of(unit);
+    if (size != unit_serial_size(unit) || memcmp(bytes, MARK, sizeof MARK) != 0 ||
+        memcmp(bytes + sizeof MARK, &mark, sizeof mark) != 0)
+        return NULL;
+    double *state = unit_state(unit);
+    if (!state)
+        return NULL;
+    memcpy(state, bytes + sizeof MARK + sizeof mark, unit->n_all * sizeof *state);
+    /* What is used as a number of something. */
+    const double mode = state[unit->mode - unit->all],
+                 method = state[unit->settings - unit->all + UNIT_METHOD];
+    const int known = mode == UNIT_INSTANTIATED || mode == UNIT_INITIALIZATION ||
+                      mode == UNIT_EVENT || mode == UNIT_CONTINUOUS || mode == UNIT_STEPPING ||
+                      mode == UNIT_TERMINATED;
+    if (known && method >= 0 && method < (double)unit->model->n_methods && method == floor(method))
+        return state;
+    free(state);
+    return NULL;
+}

@@ -1,0 +1,156 @@
+"""A model, the runtime that it needs, and C of a host's as one shared library, for this machine or
+for others; without GSL, for any processor of its kind.
+
+Other machines' are made by zig, of the registry's `ziglang` (pip install 'pkgen[targets]').
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import shutil
+import sys
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from importlib.util import find_spec
+
+from ..record import record
+from ..system.cache import cached
+from ..system.exits import BuildError
+from ..system.near import near
+from ..system.toolchain import DECLARED, FLAGS, STANDARD, find_toolchain, run
+
+OLD_GLIBC = "2.17"
+# The least of what zig calls a C library's fault: its own check of undefined behaviour traps.
+ZIG = ("-fno-sanitize=undefined",)
+
+
+@record
+class Target:
+    """`zig` is what that calls it; `fmi3` and `fmi2` are folders in a unit, `wheel` a tag."""
+
+    name: str
+    zig: str
+    suffix: str
+    fmi3: str
+    fmi2: str
+
+
+TARGETS = {
+    t.name: t
+    for t in (
+        Target("linux-x86_64", f"x86_64-linux-gnu.{OLD_GLIBC}", ".so", "x86_64-linux", "linux64"),
+        Target(
+            "linux-aarch64",
+            f"aarch64-linux-gnu.{OLD_GLIBC}",
+            ".so",
+            "aarch64-linux",
+            "aarch64-linux",
+        ),
+        Target("windows-x86_64", "x86_64-windows-gnu", ".dll", "x86_64-windows", "win64"),
+        Target("macos-x86_64", "x86_64-macos", ".dylib", "x86_64-darwin", "darwin64"),
+        Target("macos-aarch64", "aarch64-macos", ".dylib", "aarch64-darwin", "aarch64-darwin"),
+    )
+}
+
+
+def this_machine() -> str:
+    """Its name among TARGETS. Raises BuildError."""
+    system = {"darwin": "macos", "win32": "windows"}.get(sys.platform, sys.platform)
+    machine = {"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine())
+    name = f"{system}-{machine}"
+    if name not in TARGETS:
+        raise BuildError(f"no library can be made for {name}; there are: {', '.join(TARGETS)}")
+    return name
+
+
+def named(text: str) -> list[Target]:
+    """`--target linux-x86_64,windows-x86_64`."""
+    found = []
+    for name in dict.fromkeys(word.strip() for word in text.split(",")):
+        if name not in TARGETS:
+            raise BuildError(f"--target {name}: {near(name, list(TARGETS), 'option')}")
+        found.append(TARGETS[name])
+    return found
+
+
+def library(files: Mapping[str, str], shown: str, target: Target | None = None) -> bytes:
+    """Of C files and headers, by their paths; what begins with `shown` is what it shows. None: of
+    this machine, by its own compiler. Raises BuildError."""
+    there = target or TARGETS[this_machine()]
+    compiler = _own() if target is None else _zig(target)
+    options = ["-fPIC"] if there.suffix != ".dll" else []
+    compiles = [*compiler, STANDARD, DECLARED, *FLAGS, "-fvisibility=hidden", *options]
+    link = [*compiler, "-shared", "-s", *_exports(there, shown)]
+    libraries = [] if there.suffix == ".dll" else ["-lm"]
+    core = {path: text for path, text in files.items() if path.startswith(("src/", "include/"))}
+    name = f"library{there.suffix}"
+    digest = _digest(compiles, link, sorted(files.items()))
+
+    def make(new) -> None:
+        objects = _core(core, compiles)
+        for path in (path for path in core if path.endswith(".h")):
+            (new / path).parent.mkdir(parents=True, exist_ok=True)
+            (new / path).write_text(core[path], encoding="utf-8")
+        sources = [path for path in files if path not in core and path.endswith(".c")]
+        for path in files:
+            if path not in core:
+                (new / path).write_text(files[path], encoding="utf-8")
+        (new / "exports").write_text(f"{{ global: {shown}*; local: *; }};\n", encoding="utf-8")
+        _each(compiles, sources, new)
+        made = [f"{source}.o" for source in sources]
+        run([*link, *made, *map(str, sorted(objects.glob("*.o"))), *libraries, "-o", name], new)
+        for path in list(new.iterdir()):
+            if path.name != name:
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+    return (cached("libraries", digest, make) / name).read_bytes()
+
+
+def _digest(*what: object) -> str:
+    return hashlib.sha256(repr(what).encode()).hexdigest()[:24]
+
+
+def _core(files: Mapping[str, str], compiles: Sequence[str]):
+    """Objects of the runtime's files, made once."""
+
+    def make(new) -> None:
+        for path, text in files.items():
+            (new / path).parent.mkdir(parents=True, exist_ok=True)
+            (new / path).write_text(text, encoding="utf-8")
+        sources = [path for path in files if path.endswith(".c")]
+        _each(compiles, sources, new)
+        for path in sources:
+            os.replace(new / f"{path}.o", new / f"{path.replace('/', '_')}.o")
+        for folder in ("src", "include"):
+            shutil.rmtree(new / folder, ignore_errors=True)
+
+    return cached("cores", _digest(compiles, sorted(files.items())), make)
+
+
+def _each(compiles: Sequence[str], sources: Sequence[str], folder) -> None:
+    def one(source: str) -> None:
+        run([*compiles, "-c", source, "-o", f"{source}.o"], folder)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(one, sources))
+
+
+def _own() -> list[str]:
+    return list(find_toolchain().cc)
+
+
+def _zig(target: Target) -> list[str]:
+    if find_spec("ziglang") is None:
+        raise BuildError(
+            f"--target {target.name}: zig compiles for other machines: pip install 'pkgen[targets]'"
+        )
+    return [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, *ZIG]
+
+
+def _exports(target: Target, shown: str) -> list[str]:
+    """What keeps the runtime's names in: two units in one process have their own."""
+    if target.suffix == ".so":
+        return ["-Wl,--version-script=exports", "-Wl,-z,defs"]
+    return []

@@ -1,0 +1,88 @@
+"""`pkgen export --as fmu`: units of both versions, validated and run by FMPy, against `pkgen run`
+and the kernels."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import ROOT, long_but, run_pkgen
+
+fmpy = pytest.importorskip("fmpy", reason="FMPy is missing: pip install 'pkgen[fmu]'")
+from fmpy.validation import validate_fmu  # noqa: E402
+
+MODELS = sorted((ROOT / "models").rglob("*.lag"))
+PENDULUM = ROOT / "models" / "double_pendulum.lag"
+TOP = ROOT / "models" / "bodies" / "heavy_top_rotation.lag"
+BOTH = ("3", "2")
+
+
+@pytest.fixture(scope="session")
+def unit(tmp_path_factory):
+    """The path of a unit of a model, made once."""
+    made: dict[tuple, Path] = {}
+
+    def make(model: Path | str, version: str = "3", *more: str) -> Path:
+        key = (model, version, more)
+        if key not in made:
+            folder = tmp_path_factory.mktemp("unit")
+            path = model
+            if isinstance(model, str):
+                path = folder / "m.lag"
+                path.write_text(model)
+            done = run_pkgen("export", path, "--as", "fmu", "--fmi", version, "-o", folder, *more)
+            assert done.returncode == 0, done.stderr
+            (made[key],) = folder.glob("*.fmu")
+        return made[key]
+
+    return make
+
+
+def method(path: Path, name: str) -> int:
+    """Its number in the enumeration."""
+    found = fmpy.read_model_description(str(path))
+    (variable,) = (v for v in found.modelVariables if v.name == "integrator.method")
+    return next(int(item.value) for item in variable.declaredType.items if item.name == name)
+
+
+def columns(result: np.ndarray) -> dict[str, np.ndarray]:
+    return {name: result[name] for name in result.dtype.names}
+
+
+def ran(model: Path, *words: object) -> dict[str, np.ndarray]:
+    done = run_pkgen("run", model, *map(str, words))
+    assert done.returncode == 0, done.stderr
+    names, *rows = done.stdout.splitlines()
+    values = np.array([[float(x) for x in row.split(",")] for row in rows])
+    return dict(zip(names.split(","), values.T, strict=True))
+
+
+def agree(unit_rows: dict, rows: dict, within: float) -> float:
+    """The largest difference of what both have, in units of each column's size, at least 1."""
+    common = (unit_rows.keys() & rows.keys()) - {"t", "time"}
+    assert len(common) >= 3
+    assert len(rows["t"]) == len(unit_rows["time"])
+    worst = 0.0
+    for name in common:
+        size = max(1.0, float(np.max(np.abs(rows[name]))))
+        worst = max(worst, float(np.max(np.abs(rows[name] - unit_rows[name]))) / size)
+    assert worst <= within
+    return worst
+
+
+@pytest.mark.parametrize("version", BOTH)
+@pytest.mark.parametrize("model", long_but({PENDULUM, TOP}, MODELS), ids=lambda m: m.stem)
+def test_a_unit_is_valid_and_steps_as_a_run_does(model: Path, version: str, unit, pkgen) -> None:
+    path = unit(model, version)
+    assert validate_fmu(str(path)) == []
+    h, steps = 2.0**-7, 16
+    found = fmpy.simulate_fmu(
+        str(path),
+        fmi_type="CoSimulation",
+        stop_time=h * steps,
+        output_interval=h,
+        start_values={"integrator.step": h, "integrator.method": method(path, "rk4")},
+    )
+    options = ("--method", "rk4", "--step", h, "--until", h * steps, "--every", h)
+    agree(columns(found), ran(model, *options), 1e-9)
