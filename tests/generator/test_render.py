@@ -82,7 +82,7 @@ def test_every_symbol_has_the_models_name(files):
 
 
 def _members(header: str, struct: str) -> set[str]:
-    """Names of the functions in a struct of pk/system.h."""
+    """Names of the functions in a struct of pk/system*.h."""
     body = header.split(f"\nstruct {struct} {{")[1].split("\n};")[0]
     found = re.findall(r"\(\*(\w+)\)\(", body)
     for kernels in re.findall(r"pk_kernel\w*\s+([^;]+);", body):
@@ -98,7 +98,8 @@ def test_system_table_names_every_kernel(files):
     for kernel in program.kernels:
         if kernel.name in SYSTEM_KERNELS:
             assert f".{SYSTEM_KERNELS[kernel.name]} = {name}_sys_{kernel.name}," in table
-    header = (ROOT / "runtime/include/pk/system.h").read_text()
+    headers = sorted((ROOT / "runtime/include/pk").glob("system*.h"))
+    header = "".join(path.read_text() for path in headers)
     parts = dict(re.findall(r"struct (pk_part_\w+) (\w+);", header))
     fields = _members(header, "pk_system")
     for struct, field in parts.items():

@@ -14,10 +14,11 @@
 #ifndef PK_SYSTEM_H
 #define PK_SYSTEM_H
 
-#include <stddef.h>
-
-#include <pk/real.h>
+#include <pk/kernel.h>
 #include <pk/status.h>
+#include <pk/system_constraints.h>
+#include <pk/system_families.h>
+#include <pk/system_singular.h>
 
 PK_BEGIN
 
@@ -57,51 +58,12 @@ enum pk_fact {
     PK_FAST = 1u << 12          /* separable, and a part of the forces is named: see fast() */
 };
 
-/* What may jump across a switch: L or a constraint of positions; a rolling's row. */
-enum pk_impulse { PK_IMPULSE_ENERGY = 1, PK_IMPULSE_ROLLING = 2 };
-
-/* A named quantity as its author declared it. `unit` is SI, "" if it has none. */
-struct pk_quantity {
-    const char *name;
-    const char *unit;
-    const char *description;
-};
-
 /* A parameter: where it is in struct NAME_params, and where its value may lie. */
 struct pk_parameter {
     struct pk_quantity what;
     size_t offset; /* in bytes */
     int follows;   /* its default is computed from other parameters */
     int lo_open, hi_open;
-};
-
-/* An expression that the acceleration divides by, or takes a root or a logarithm of. At a zero
- * there ends one of three: the coordinates, if M is singular there (the pole of a sphere); the
- * motion itself (a collision); or the expression alone, if the quotient has a limit. */
-enum pk_singularity_kind {
-    PK_SINGULARITY_COORDINATES,
-    PK_SINGULARITY_DIVISOR,
-    PK_SINGULARITY_ROOT,
-    PK_SINGULARITY_LOGARITHM,
-    PK_SINGULARITY_ARC /* 1 - x^2 of an asin or acos of x */
-};
-struct pk_singularity {
-    struct pk_quantity what; /* name: the expression as text, "sin(theta)" */
-    enum pk_singularity_kind kind;
-};
-
-/* Of a family kept as loops a singularity is one for each member i, or for each pair of i and j,
- * which stand in its name: "x[i+1] - x[i]". */
-struct pk_singularity_place {
-    size_t singularity; /* in the table */
-    ptrdiff_t i, j;
-};
-
-/* What `event` declares: a zero of a function of the state, crossed in a direction. */
-struct pk_event {
-    struct pk_quantity what;
-    int direction; /* +1 rising, -1 falling, 0 either */
-    int stop;
 };
 
 /* A method's step with the kernels of one system compiled into it; see pk/inlined.h. */
@@ -119,167 +81,7 @@ struct pk_block_stepper {
     unsigned long long (*step)(struct pk_block *block);
 };
 
-/* The length of families, in struct NAME_params: a ptrdiff_t. */
-struct pk_size {
-    struct pk_quantity what;
-    size_t offset;
-};
-
-/* The members of a declared name: lo, lo + 1, ...; or it is no family, and count is 1. */
-enum pk_range_of { PK_OF_COORDINATE, PK_OF_PARAMETER, PK_OF_ROW };
-struct pk_range {
-    ptrdiff_t lo;
-    size_t count;
-    int is_family;
-};
-
-/* Where a rotation is in v: its first body rate and the first number of its quaternion; the others
- * are `step` apart each. */
-struct pk_turning {
-    size_t rate, number, step;
-};
-
-/* Writes `out` at (t, q, v, u). */
-typedef void pk_kernel(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                       const pk_real *u, pk_real *out);
-/* Writes two. */
-typedef void pk_kernel_2(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                         const pk_real *u, pk_real *out, pk_real *second);
-/* Writes three. */
-typedef void pk_kernel_3(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                         const pk_real *u, pk_real *out, pk_real *second, pk_real *third);
-/* Returns a number. */
-typedef pk_real pk_kernel_number(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                                 const pk_real *u);
-
 /* The parts of a system. One that is zero is not there. */
-
-/* Where the equations end: n expressions, whose values are watched from step to step. Of families
- * kept as loops `count` says how many values there are, and `place` which expression and members
- * value number k belongs to; NULL: n, one each. */
-struct pk_part_singularities {
-    size_t n;
-    const struct pk_singularity *table;
-    pk_kernel *values;
-    size_t (*count)(const void *params);
-    void (*place)(const void *params, size_t k, struct pk_singularity_place *place);
-};
-
-/* What `event` declares. */
-struct pk_part_events {
-    size_t n;
-    const struct pk_event *table;
-    pk_kernel *values;
-};
-
-/* Switches: arguments s of step(s), abs(s), and a - b of min(a, b), at whose zeros the equations
- * change from one smooth form to another. Side 1 fixes the form of s > 0, -1 that of s < 0,
- * whatever s is; 0, the default, takes the side of s. With all sides given the equations are smooth
- * (PK_SWITCHED). Switches within a root or a power that is no integer are not held, since beyond
- * their zeros these have no value. The sides are n pk_real from the byte `sides` of the params on;
- * see pk/events.h, which sets them in a copy.
- *
- * Of each switch whether rates may jump there, for L or a row of constraints does: bits of enum
- * pk_impulse; `impulses` NULL: nowhere. Then there are `slopes`, which writes ds/dq (n by the
- * degrees of freedom, along body rates; 0 of others) and ds/dt, and unconstrained, inertia and
- * energy. See pk/events.h; a step by pk_integrator_step() alone is refused. */
-struct pk_part_switches {
-    size_t n;
-    const struct pk_quantity *names; /* the expressions as text, "t - t0" */
-    size_t sides;
-    pk_kernel *values;
-    const unsigned char *impulses;
-    pk_kernel_2 *slopes;
-};
-
-/* Marks: u of exp(u) and the like in the equations, which are constant, zero or huge where u is
- * beyond +-36. The integrator looks at them along each step (src/core/marks.c). */
-struct pk_part_marks {
-    size_t n;
-    const struct pk_quantity *names; /* the calls as text, "exp(-x^2/w^2)" */
-    pk_kernel *values;
-};
-
-/* Constraints. Rows J v + j0 = 0 of the rates, of which the first n_holonomic are the rates of
- * phi(t, q) = 0; the motion is that of d'Alembert, with the force J^T lambda, which is in force(),
- * canonical() and acceleration() as a function of (t, q, v). */
-struct pk_part_constraints {
-    size_t n, n_holonomic;
-    const struct pk_quantity *names; /* "lambda_rod": unit and description of the multipliers */
-    pk_kernel *values;               /* the n_holonomic phi; NULL where they are none */
-    /* J (n by the degrees of freedom, row-major; the columns of quaternions and first-order
-     * variables are 0) and J v + j0. */
-    pk_kernel_2 *jacobian;
-    /* The sizes of the terms that phi and J v + j0 are sums of, in whose units of rounding a
-     * residual is judged. */
-    pk_kernel_2 *scale;
-    pk_kernel *multipliers; /* lambda */
-    /* Rows that follow from these where the model starts, and have no force. `redundant` writes what
-     * their phi, then their J v + j0 are off, the sizes of the terms of all that, and their J; a run
-     * ends where they cease to follow. */
-    size_t n_redundant, n_redundant_holonomic;
-    const struct pk_quantity *redundant_names;
-    pk_kernel_3 *redundant;
-    /* Of families kept as loops, in place of `jacobian`, each in O(N). n and n_holonomic are then
-     * those at the default sizes, names have an entry for each of n_declared constraints, and count()
-     * says how many rows there are. No row may depend on others. */
-    size_t (*count)(const void *params, int holonomic); /* NULL: n, n_holonomic */
-    size_t n_declared;
-    pk_kernel *rates;    /* J v + j0 */
-    pk_kernel *diagonal; /* of M */
-    void (*spread)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                   const pk_real *u, const pk_real *x, pk_real *out); /* |J| x */
-    /* [M J^T; J 0] factored in the memory of params, with all rows or those of positions, as
-     * acceleration() fails; of each row the pivot, and what that is without other rows. Then
-     * M d - J^T mu = f, J d = r; f NULL: 0. Where a row had no pivot, shares(): x with x J = 0, 1 of
-     * that row. */
-    int (*factor)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
-                  const pk_real *u, int holonomic, pk_real *pivots, pk_real *norms);
-    void (*solve)(const void *params, const pk_real *f, const pk_real *r, pk_real *d, pk_real *mu);
-    void (*shares)(const void *params, size_t row, pk_real *out);
-};
-
-/* A matrix of derivatives by coordinates or rates: `rows` of a band that reaches `width` places to
- * either side, then `border` places whole. Its numbers: rows * (2 width + 1), the diagonal of a row
- * in the middle; rows * border, the border's columns by rows; rows * border, the border's rows by
- * columns; border * border. */
-struct pk_pattern {
-    size_t rows, width, border;
-    int dense; /* places are coordinates, all of them in the border */
-};
-
-/* Families kept as loops. pk_system.n is then the count at the default sizes; coordinates, rates,
- * momenta and parameters have an entry for each declared name (q for q[1..N]), `cyclic` is NULL,
- * mass and jacobian are, and the offset of a family of parameters is that of a pointer to its
- * members. Before defaults(): set_sizes() and any sizes of one's own, then attach() with
- * block_size() bytes, aligned for pk_real (0: none needed, or a size is too small). */
-struct pk_part_families {
-    size_t (*count)(const void *params); /* degrees of freedom; NULL: pk_system.n */
-    size_t n_sizes;
-    const struct pk_size *sizes;
-    void (*set_sizes)(void *params);
-    size_t (*block_size)(const void *params);
-    void (*attach)(void *params, void *block);
-    size_t n_coordinates; /* declared names; the last n_states are of body rates and states */
-    size_t n_states;
-    size_t (*first_order)(const void *params); /* NULL: pk_system.n_first_order */
-    /* How many rotations there are and where each is; NULL: there are none. */
-    size_t (*rotations)(const void *params);
-    struct pk_turning (*turning)(const void *params, size_t r);
-    /* The members of declared coordinate, parameter or constraint number k. */
-    void (*range)(const void *params, enum pk_range_of of, size_t k, struct pk_range *range);
-    /* `steps` steps of h of a splitting method in place, in as few passes over memory as can be:
-     * kicks v += kick[i] h a(q, t), i = 0 .. stages, and drifts q += drift[i] h v between them.
-     * Uncompensated. NULL: there is none. */
-    void (*advance)(const void *params, int stages, const pk_real *kick, const pk_real *drift,
-                    pk_real t, pk_real h, unsigned long steps, pk_real *q, pk_real *v);
-    /* M, and what pk_system.jacobian has, of a pattern; NULL: there are none. place() is the
-     * coordinate that has place i, -1 where there is none: M is 1 there. */
-    void (*pattern)(const void *params, struct pk_pattern *pattern);
-    ptrdiff_t (*place)(const void *params, size_t i);
-    pk_kernel *mass;
-    pk_kernel_3 *jacobian;
-};
 
 /* The particles of which T = sum of m/2 |r'|^2, or what of L is of the second degree in the rates:
  * masses, and x, y, z (0 beside a plane) of r, r' and r'' of each, with a = q'' given. */

@@ -1,0 +1,34 @@
+/* What a system is told in: quantities and kernels. */
+#ifndef PK_KERNEL_H
+#define PK_KERNEL_H
+
+#include <stddef.h>
+
+#include <pk/begin.h>
+#include <pk/real.h>
+
+PK_BEGIN
+
+/* A named quantity as its author declared it. `unit` is SI, "" if it has none. */
+struct pk_quantity {
+    const char *name;
+    const char *unit;
+    const char *description;
+};
+
+/* Writes `out` at (t, q, v, u). */
+typedef void pk_kernel(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                       const pk_real *u, pk_real *out);
+/* Writes two. */
+typedef void pk_kernel_2(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                         const pk_real *u, pk_real *out, pk_real *second);
+/* Writes three. */
+typedef void pk_kernel_3(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                         const pk_real *u, pk_real *out, pk_real *second, pk_real *third);
+/* Returns a number. */
+typedef pk_real pk_kernel_number(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                                 const pk_real *u);
+
+PK_END
+
+#endif
