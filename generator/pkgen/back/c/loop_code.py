@@ -5,7 +5,7 @@ The templates of loops see `LoopCode`: what they want of a set of rows, as text.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from .kernel_code import statements
 from .loops import Block
@@ -27,6 +27,7 @@ from .tree import (
 )
 
 STATE = "p, t, q, v, u"
+KICKED = "p, t, q, q, u"  # of a force that depends on no rates
 ONE_CELL = "ptrdiff_t m, pk_real *r"
 
 
@@ -120,85 +121,80 @@ class LoopCode:
 
     # -- loops over rows ----------------------------------------------------------------------
 
-    def bonds(
+    def _chunks(self, begin: str, end: str, body: Callable[[str], list[Node]]) -> list[Node]:
+        """`body` of the members from `chunk` to before its argument, a constant number but in the
+        last."""
+        length = f"{self.name}_CHUNK"
+        step = f"chunk = {begin}; chunk + {length} <= {end}; chunk += {length}"
+        return [Loop(step, body(f"chunk + {length}")), If(f"chunk < {end}", body(end))]
+
+    def bonds(self, s: RowSet, begin: str, end: str, arguments: str = STATE) -> list[Node]:
+        """The forces of the bonds from `begin` to before `end`, each for both of its ends."""
+        return self._chunks(begin, end, lambda last: [self._bonds(s, "chunk", last, arguments)])
+
+    def _bonds(self, s: RowSet, begin: str, end: str, arguments: str) -> Node:
+        place = f"flux + (m - base + {self.name}_BOND)"
+        call = f"{self.name}_{s.name}_bond({arguments}, m, {place})"
+        noted = Assign("far", call, "|=") if s.flux_trig else Call(f"(void){call}")
+        return Loop(f"m = {begin}; m < {end}; m++", [noted])
+
+    def rows(
         self,
         s: RowSet,
         begin: str,
         end: str,
-        indent: int,
-        arguments: str,
-        flux: str = "flux",
-        far: str = "far",
-    ) -> str:
-        """The forces of the bonds from `begin` to before `end`, each for both of its ends."""
-        return (
-            "\n".join(rendered([self._bonds(s, begin, end, arguments, flux, far)], indent)) + "\n"
-        )
-
-    def _bonds(self, s: RowSet, begin: str, end: str, arguments: str, flux: str, far: str) -> Node:
-        place = f"{flux} + (m - base + {self.name}_BOND)"
-        call = f"{self.name}_{s.name}_bond({arguments}, m, {place})"
-        noted = Assign(far, call, "|=") if s.flux_trig else Call(f"(void){call}")
-        return Loop(f"m = {begin}; m < {end}; m++", [noted])
-
-    def _rows(
-        self,
-        s: RowSet,
-        count: str,
         inside: Sequence[str],
-        outside: Sequence[str],
-        arguments: str,
-        flux: str,
-        far: str,
+        outside: Sequence[str] = (),
+        arguments: str = STATE,
+        first: Sequence[Node] = (),
+        then: Sequence[str] = (),
     ) -> list[Node]:
-        """The interior rows base .. base + count - 1, once their bonds are there: `inside` follows
-        each; where an angle was too large for the inline sine, all are made again and followed by
-        `outside`."""
-        place = f"{flux} + (m - base + {self.name}_BOND), " if s.flux else ""
+        """The interior rows from `begin` to before `end`, once their bonds are there: `inside`
+        follows each; where an angle was too large for the inline sine, those of a chunk are made
+        again and followed by `outside`. `first` and, of each member, `then` are about a chunk."""
+        place = f"flux + (m - base + {self.name}_BOND), " if s.flux else ""
         call = f"{self.name}_{s.name}_inner({arguments}, {place}m, r)"
-        noted = Assign(far, call, "|=") if s.inner.trig else Call(f"(void){call}")
+        noted = Assign("far", call, "|=") if s.inner.trig else Call(f"(void){call}")
         row = Declare("pk_real", f"r[{s.outputs}]")
-        nodes: list[Node] = [
-            Loop(f"m = base; m < base + {count}; m++", [row, noted, *_stated(inside)])
-        ]
-        if s.trig:
-            again = [row, Call(f"{self.edge(s)}({arguments}, m, r)"), *_stated(outside)]
-            nodes.append(Loop(f"m = base; {far} && m < base + {count}; m++", again))
-        return nodes
 
-    def _span(self, s: RowSet, count: str, inside: Sequence[str], outside: Sequence[str]) -> Scope:
-        """Bonds and rows."""
-        body: list[Node] = []
-        if s.flux:
-            length = f"{s.n_flux} * ({self.name}_CHUNK + {self.name}_BOND)"
-            body.append(Declare("pk_real", f"flux[{length}]"))
-        if s.trig:
-            body.append(Declare("pk_bits", "far", "0"))
-        if s.flux:
-            for begin, end in ((f"base - {s.span}", "base"), ("base", f"base + {count}")):
-                body.append(self._bonds(s, begin, end, STATE, "flux", "far"))
-        return Scope([*body, *self._rows(s, count, inside, outside, STATE, "flux", "far")])
+        def chunk(last: str) -> list[Node]:
+            each = f"m = chunk; m < {last}; m++"
+            nodes = list(first)
+            if s.trig:
+                nodes.append(Declare("pk_bits", "far", "0"))
+            if s.flux_trig:
+                nodes.append(self._bonds(s, f"chunk - {s.span}", last, arguments))
+            nodes.append(Loop(each, [row, noted, *_stated(inside)]))
+            if s.trig:
+                again = [row, Call(f"{self.edge(s)}({arguments}, m, r)"), *_stated(outside)]
+                nodes.append(Loop(f"m = chunk; far && m < {last}; m++", again))
+            return [*nodes, Loop(each, _stated(then))] if then else nodes
+
+        return self._chunks(begin, end, chunk)
+
+    def flux(self, s: RowSet) -> list[Node]:
+        """Room for the forces of the bonds of a block."""
+        length = f"{s.n_flux} * ({self.name}_BLOCK + {self.name}_BOND)"
+        return [Declare("pk_real", f"flux[{length}]")] if s.flux else []
 
     def row_loop(self, s: RowSet, inside: Sequence[str], outside: Sequence[str]) -> str:
         """Goes over all cells of a family: `outside` follows a row at an end, `inside` one in the
         interior."""
-        chunk = f"{self.name}_CHUNK"
         row = Declare("pk_real", f"r[{s.outputs}]")
         at_end = [row, Call(f"{self.edge(s)}({STATE}, m, r)"), *_stated(outside)]
-        last = [
-            Declare("const ptrdiff_t", "count", "hi + 1 - base"),
-            self._span(s, "count", inside, outside),
-            Assign("base", "hi + 1"),
-        ]
-        step = f"base = m; base + {chunk} - 1 <= hi; base += {chunk}"
+        block = f"{self.name}_BLOCK"
+        stop = f"{self.name}_least(base + {block}, hi + 1)"
+        span = [*self.flux(s), Declare("const ptrdiff_t", "stop", stop)]
+        if s.bonds:
+            span += self.bonds(s, f"base - {s.span}", "stop")
+        span += self.rows(s, "base", "stop", inside, outside)
         body = [
             *self._ends(s, f"{s.group['hi']} + 1"),
-            Declare("ptrdiff_t", "m, base"),
+            Declare("ptrdiff_t", "m, base, chunk"),
             Blank(),
             Loop(f"m = {s.group['lo']}; m < lo && m < end; m++", at_end),
-            Loop(step, [self._span(s, chunk, inside, outside)]),
-            If("base <= hi", last),
-            Loop("m = base; m < end; m++", at_end),
+            Loop(f"base = m; base <= hi; base += {block}", span),
+            Loop(f"m = {self.most(('m', 'hi + 1'), 'most')}; m < end; m++", at_end),
         ]
         return "\n".join(rendered([Scope(body)])) + "\n"
 
@@ -282,19 +278,29 @@ class LoopCode:
 
     # -- kicks --------------------------------------------------------------------------------
 
-    def kicks(
-        self, s: RowSet, count: str, indent: int, flux: str = "flux", far: str = "far"
-    ) -> str:
-        """Rows of a chunk as kicks. Where they may be made again, v changes once all are good."""
-        v, arguments = f"v[{s.group['cell']}]", "p, t, q, q, u"
+    def kicks(self, s: RowSet, drift: str = "") -> str:
+        """The rows from .. to - 1 as kicks, and with `drift` its statement behind each. Where they
+        may be made again, v changes once all of a chunk are good."""
+        v = f"v[{s.group['cell']}]"
         if s.trig:
-            inside = [f"a[m - base] = {self.scaled(s)};"]
-            again = ["a[m - base] = r[0] / r[1];"]
-            kick = Loop(f"m = base; m < base + {count}; m++", [Assign(v, "h * a[m - base]", "+=")])
-            rows = self._rows(s, count, inside, again, arguments, flux, far)
-            nodes = [Declare("pk_real", f"a[{self.name}_CHUNK]"), *rows, kick]
+            own = [Declare("pk_real", f"a[{self.name}_CHUNK]")]
+            inside, again = f"a[m - chunk] = {self.scaled(s)};", "a[m - chunk] = r[0] / r[1];"
+            then = f"{v} += h * a[m - chunk];"
+            nodes = self.rows(s, "from", "to", [inside], [again], KICKED, own, [then])
         else:
             scale = [Declare("const pk_real", "g", f"h * {s.scale.value}")] if s.scale else []
-            kick = f"{v} += {'g' if s.scale else 'h'} * r[0];"
-            nodes = [*scale, *self._rows(s, count, [kick], [], arguments, flux, far)]
-        return "\n".join(rendered(nodes, indent)) + "\n"
+            inside = [f"{v} += {'g' if s.scale else 'h'} * r[0];", *([drift] if drift else [])]
+            nodes = [*scale, *self.rows(s, "from", "to", inside, arguments=KICKED)]
+        return "\n".join(rendered(nodes)) + "\n"
+
+    def kicked_bonds(self, s: RowSet) -> str:
+        """Those of the rows begin .. stop - 1, from a whole line of memory on in chunks."""
+        first, line = f"begin - {s.span}", f"{self.name}_line(begin - {s.span}, from)"
+        nodes = [
+            Declare("const ptrdiff_t", "base", "from"),
+            Declare("const ptrdiff_t", "whole", self.most(("stop", line), "least")),
+            Declare("ptrdiff_t", "m, chunk"),
+            self._bonds(s, first, "whole", KICKED),
+            *self.bonds(s, "whole", "stop", KICKED),
+        ]
+        return "\n".join(rendered(nodes, 8)) + "\n"

@@ -32,8 +32,9 @@ _OURS = (
 )
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
 CHUNK = 64  # members that are gone through at once
-WIDEST_BOND = 4  # members between the ends of a bond whose force is computed once
-FLUX_STRIDE = CHUNK + WIDEST_BOND
+BLOCK = 1024  # whose forces of bonds are kept: rows read them once they have left the store queue
+WIDEST_BOND = 8  # members between the ends of a bond whose force is computed once, a whole line
+FLUX_STRIDE = BLOCK + WIDEST_BOND
 M, J = Affine(0, ((ROW, 1),)), Affine(0, ((OTHER, 1),))
 
 

@@ -19,7 +19,7 @@ from ..targets import RETURN, STORE, Target
 from . import loop_parameters, parameter_code, tables
 from .describe import labelled
 from .helpers import helpers
-from .loops import CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
+from .loops import BLOCK, CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
 from .loops_bound import bound_context, shape_of
 from .loops_chain import chain_context
 from .loops_plan import TOTALS, VECTORS, divides, emitted, entries, planned, within
@@ -29,8 +29,8 @@ from .program import Interval, LoopProgram, operations_text
 from .render import frame, pasted
 from .tree import Declare
 
-BLOCK = 16  # chunks of one stage before the next follows
-LEAD = 2  # chunks that have drifted before one is kicked
+LINE = 8  # members, so that rows begin where a line of memory does
+STAGES = 32  # in flight: with a block within 32 KiB
 
 
 def lower_loops(
@@ -177,6 +177,7 @@ class _Context:
             "n_sums": len(e.sums),
             "with_lambda": any(slot.kind == "lambda" for slot in e.slots),
             "chunk": CHUNK,
+            "block": BLOCK,
             "widest": WIDEST_BOND,
             "acceleration": acceleration,
             "constant_mass": e.facts.mass_constant,
@@ -314,21 +315,29 @@ class _Context:
         if not e.facts.separable or e.scalars or e.model.inputs:
             return None
         nodes = [node for s in rows for block in s.blocks for node in block.nodes]
-        places = [s.at for s in self.slots.below(*nodes) if s.kind == "q" and s.at is not None]
-        if not all(at.factor(ROW) for at in places):
+        cells = [s.at for s in self.slots.below(*nodes) if s.kind == "q" and s.at is not None]
+        if not all(at.factor(ROW) for at in cells):
             return None  # one member is felt by all
-        if max((abs(at.constant) for at in places), default=0) > CHUNK:
+        reach = max((abs(at.constant) for at in cells), default=0)
+        if reach > CHUNK or not all((g.lo - e.families[0].lo).is_constant for g in e.families):
             return None
-        if not all((g.lo - e.families[0].lo).is_constant for g in e.families):
-            return None
+        # Behind a drift rows still need cells that have not drifted: theirs, or beyond a free end.
+        reach = max([1, reach, *(s.span for s in rows)]) + max(max(s.below, s.above) for s in rows)
+        trail = -(-reach // LINE) * LINE
+        block = max(1, BLOCK // CHUNK // len(e.families)) * CHUNK
+        own = [s.at for s in self.slots.below(*rows[0].inner.nodes) if s.kind == "q"]
         together = not any(g.periodic for g in e.families)
-        # What stages in flight hold of q and v stays below 64 KiB: measured against 24 to 144.
-        cells = 4096 // len(e.families)
         return {
-            "stages": max(1, (cells - BLOCK * CHUNK) // ((LEAD + 1) * CHUNK)) if together else 1,
-            "block": BLOCK,
-            "lead": LEAD,
+            "stages": STAGES if together else 1,
+            "block": block,
+            "line": LINE,
+            "trail": trail,
             "together": together,
+            # Rows that find what is behind them in bonds alone drift as they are kicked.
+            "merged": len(rows) == 1
+            and bool(rows[0].flux)
+            and not rows[0].trig
+            and all(at is not None and at.constant >= 0 for at in own),
             "lows": list(dict.fromkeys(x for s in rows for x in s.lows)),
             "highs": list(dict.fromkeys(x for s in rows for x in s.highs)),
             "least": [index(g.lo) for g in e.families],

@@ -60,6 +60,11 @@ class RowSet:
         return self.inner.trig or self.flux_trig
 
     @property
+    def bonds(self) -> bool:
+        """Whether the forces of bonds come before all rows of a block."""
+        return bool(self.flux) and not self.flux_trig
+
+    @property
     def n_flux(self) -> int:
         return len(self.flux.targets) if self.flux else 0
 
