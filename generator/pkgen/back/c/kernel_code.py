@@ -134,7 +134,7 @@ class KernelCode:
         const = "" if self.kernel.name == "prepare" else "const "
         types = {"p": f"{const}struct {self.model}_params *p", **TYPES}
         typed = [types[a] for a in arguments]
-        return ", ".join(typed + [f"pk_real *restrict {output}" for output in outputs])
+        return ", ".join(typed + [f"pk_real *PK_RESTRICT {output}" for output in outputs])
 
     def body(self) -> Iterator[Node]:
         """The work array, the calls of the parts, the last part."""
@@ -164,4 +164,4 @@ class KernelCode:
         body: list[Node] = [Text(dense)] if self.kernel.solves else [*self.body()]
         if self.kernel.result == "int" and not self.kernel.solves:
             body.append(Return("0"))
-        return Function(self.declaration("restrict "), body, self.says)
+        return Function(self.declaration("PK_RESTRICT "), body, self.says)

@@ -53,7 +53,7 @@ class LaneCode:
             yield from self._side_by_side(form)
 
     def _inline(self, body: list[Node]) -> Function:
-        signature = f"static int {self.stem}_inline({self.code.arguments('restrict ')})"
+        signature = f"static int {self.stem}_inline({self.code.arguments('PK_RESTRICT ')})"
         return Function(signature, body, before="PK_INLINE")
 
     # -- one state ----------------------------------------------------------------------------
@@ -68,7 +68,7 @@ class LaneCode:
             body += [Assign(f"sc[{i}]", name) for i, name in enumerate(pairs)]
             yield Function(
                 f"static pk_bits {self.stem}_angles(enum pk_pass pass, {inputs}, "
-                "pk_real *restrict sc)",
+                "pk_real *PK_RESTRICT sc)",
                 [*body, Return("bad")],
                 f"Sine and cosine of angles that need no others: {', '.join(pairs)}.",
                 "PK_INLINE",
@@ -83,7 +83,7 @@ class LaneCode:
         body = self._with_angles("PK_ONCE", "const pk_bits far = ")
         yield self._inline([*body, If(once, [again]), Return("0")])
         body = [Return(f"{self.stem}_inline(p, t, q, v, u, a)")]
-        yield Function(self.code.declaration("restrict "), body)
+        yield Function(self.code.declaration("PK_RESTRICT "), body)
 
     def _pass(self, inputs: str) -> Function:
         algebra, pairs = self.algebra, self.pairs
@@ -94,7 +94,7 @@ class LaneCode:
         body += [Declare("const pk_real", name, f"sc[{i}]") for i, name in enumerate(pairs)]
         body += [Blank(), *grouped(algebra.statements, "pass", self.uniform), Return("bad")]
         sc = ", const pk_real *sc" if pairs else ""
-        signature = f"{self.stem}_pass(enum pk_pass pass, {inputs}{sc}, pk_real *restrict a)"
+        signature = f"{self.stem}_pass(enum pk_pass pass, {inputs}{sc}, pk_real *PK_RESTRICT a)"
         return Function(f"static pk_bits {signature}", body, self.code.says, "PK_INLINE")
 
     def _with_angles(self, how: str, before: str) -> list[Node]:
@@ -167,7 +167,7 @@ class LaneCode:
     def _side_by_side(self, form: str) -> Iterator[Function]:
         of = "p" if form == "lanes" else "P"
         name = f"{self.model}_{form}"
-        restrict = self.arguments[form].replace("pk_real *a", "pk_real *restrict a")
+        restrict = self.arguments[form].replace("pk_real *a", "pk_real *PK_RESTRICT a")
         apart = f"{name}_apart(W, NULL, {of}, t, q, v, u, a)"
         body = [*self._loops(form, of)] if self.plain else [Return(apart)]
         yield Function(

@@ -5,6 +5,7 @@ and lists, made here.
 from __future__ import annotations
 
 import hashlib
+import re
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -96,6 +97,42 @@ def _files(name: str, context: dict[str, Any], templates: dict[str, str]) -> dic
 PORTABLE = "#define PK_PORTABLE 1 /* no fused multiply-add: the same bits with and without */\n"
 
 
+@cache
+def _order() -> list[str]:
+    """The members of struct pk_system and of its parts, "events.table", as they are declared."""
+    text = re.sub(r"/\*.*?\*/", "", pasted("system.h"), flags=re.DOTALL)
+    members = {}
+    for struct, body in re.findall(r"struct (pk_\w+) \{(.*?)\n\};", text, re.DOTALL):
+        members[struct] = [
+            (declared.split()[1], name)  # what follows `struct`, if that is what it begins with
+            for declared in body.split(";")[:-1]
+            for name in re.findall(r"\(\*(\w+)\)", declared) or re.findall(r"(\w+)(?=,|$)", declared)
+        ]
+    return [
+        f"{name}.{inner}" if inner else name
+        for of, name in members["pk_system"]
+        for _, inner in ([("", "")] + members[of] if of.startswith("pk_part_") else [("", "")])
+    ]
+
+
+def in_order(text: str) -> str:
+    """The entries `.events.n = 1,` of struct pk_system as C++ takes them: in the order of their
+    declaration, those of a part in braces."""
+    found = dict(re.findall(r"^ {4}\.([\w.]+) = (.*?),$(?=\n {4}\.|\s*\Z)", text, re.DOTALL | re.M))
+    assert len(found) == len(re.findall(r"^ {4}\.", text, re.M)), text
+    order = {name: k for k, name in enumerate(_order())}
+    entries: dict[str, list[str]] = {}
+    for name in sorted(found, key=order.__getitem__):
+        part, _, member = name.rpartition(".")
+        value = " ".join(found[name].split())
+        entries.setdefault(part or name, []).append(f".{member} = {value}")
+    lines = []
+    for name, values in entries.items():
+        whole = values[0] if name in found else f".{name} = {{{', '.join(values)}}}"
+        lines.append(fold(f"{whole},", 4))
+    return "\n".join(lines) + "\n"
+
+
 def portable(files: dict[str, str]) -> dict[str, str]:
     """C that uses no fused multiply-add, as with -DPK_PORTABLE."""
     return {
@@ -137,6 +174,7 @@ def environment() -> jinja2.Environment:
         "paragraph": paragraph,
         "fold": fold,
         "fold_call": fold_call,
+        "in_order": in_order,
     }
     texts = [path.read_bytes() for path in sorted(TEMPLATES.iterdir())]
     made_by = repr((texts, jinja2.__version__, sys.version_info[:2]))

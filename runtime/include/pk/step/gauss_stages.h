@@ -76,8 +76,8 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
 }
 
 /* y = M x: one sum for each lane, of two halves so that their latencies overlap. */
-static inline void pk_gauss_rows(const pk_real *restrict M, const pk_real *restrict x,
-                                 pk_real *restrict y)
+static inline void pk_gauss_rows(const pk_real *PK_RESTRICT M, const pk_real *PK_RESTRICT x,
+                                 pk_real *PK_RESTRICT y)
 {
     PK_GAUSS_LOOP
     for (int l = 0; l < PK_GAUSS_S; l++) {
@@ -93,7 +93,7 @@ static inline void pk_gauss_rows(const pk_real *restrict M, const pk_real *restr
 }
 
 /* Of halves first, which are vectors. */
-static inline pk_real pk_gauss_dot(const pk_real *restrict b, const pk_real *restrict x)
+static inline pk_real pk_gauss_dot(const pk_real *PK_RESTRICT b, const pk_real *PK_RESTRICT x)
 {
     pk_real sum[PK_GAUSS_S / 2];
     PK_GAUSS_LOOP
@@ -102,7 +102,7 @@ static inline pk_real pk_gauss_dot(const pk_real *restrict b, const pk_real *res
     return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
-static inline pk_real pk_gauss_sum(const pk_real *restrict x)
+static inline pk_real pk_gauss_sum(const pk_real *PK_RESTRICT x)
 {
     pk_real sum[PK_GAUSS_S / 2];
     PK_GAUSS_LOOP
@@ -175,7 +175,7 @@ static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
     for (size_t i = 0; i < n; i++) {
         const pk_real q0 = it->q[i], v0 = it->v[i];
         const pk_real *a = w->a + i * PK_GAUSS_S;
-        pk_real *restrict q = w->q + i * PK_GAUSS_S, *restrict v = w->v + i * PK_GAUSS_S;
+        pk_real *PK_RESTRICT q = w->q + i * PK_GAUSS_S, *PK_RESTRICT v = w->v + i * PK_GAUSS_S;
         pk_real d[PK_GAUSS_S];
         pk_gauss_rows(w->M->A2, a, d);
         PK_GAUSS_LOOP
@@ -247,8 +247,8 @@ static inline int PK_STEPPER(gauss_compare)(struct pk_integrator *it,
     const size_t n = PK_STEPPER_N(it);
     pk_real change[PK_GAUSS_S] = {0}, size[PK_GAUSS_S] = {0};
     for (size_t i = 0; i < n; i++) {
-        pk_real *restrict a = w->a + i * PK_GAUSS_S;
-        const pk_real *restrict b = w->next_a + i * PK_GAUSS_S;
+        pk_real *PK_RESTRICT a = w->a + i * PK_GAUSS_S;
+        const pk_real *PK_RESTRICT b = w->next_a + i * PK_GAUSS_S;
         const pk_real weight = w->weight[i];
         PK_GAUSS_LOOP
         for (int l = 0; l < PK_GAUSS_S; l++) {

@@ -12,15 +12,19 @@
  */
 #include <pk/step/tables.h>
 
+#ifndef PK_WITHOUT_RUNTIME
 PK_BEGIN
 enum pk_status pk_linear_drag_step(struct pk_integrator *it, const struct pk_splitting *table);
 PK_END
+#endif
 
 static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
                                                       const struct pk_splitting *table)
 {
+#ifndef PK_WITHOUT_RUNTIME
     if (!(it->problem.system->facts & PK_SEPARABLE))
         return pk_linear_drag_step(it, table);
+#endif
     const size_t n = PK_STEPPER_N(it);
     const pk_real h = it->own->h, *from = it->own->state, *a = from + PK_A * n;
     pk_real *to = it->own->next, *a1 = to + PK_A * n;

@@ -5,20 +5,8 @@
 #ifndef PK_STEP_STATE_H
 #define PK_STEP_STATE_H
 
-#include <float.h>
-
 #include <pk/integrator.h>
-
-#define PK_EPS PK_EPSILON
-#if defined PK_FLOAT
-#define PK_TINY FLT_MIN
-#elif defined PK_LONG_DOUBLE
-#define PK_TINY LDBL_MIN
-#elif defined PK_FLOAT128
-#define PK_TINY FLT128_MIN
-#else
-#define PK_TINY DBL_MIN
-#endif
+#include <pk/step/numbers.h>
 
 /* Whether fma() is an instruction, and as good everywhere. */
 #if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
@@ -68,10 +56,6 @@ struct pk_integrator_private {
     void *extra; /* of a foreign library */
 };
 
-/* Parts of it->own->state and of it->own->next, n numbers each: q, v, p, the compensations (low
- * parts) of q and of v or p, and an acceleration that belongs to this state and may be reused. */
-enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
-
 /* it->own->flags */
 enum {
     PK_HAVE_A = 1,
@@ -80,15 +64,6 @@ enum {
     PK_HAVE_DENSE = 8,
     PK_REFRESH = 16
 };
-
-static inline pk_real *pk_part(pk_real *state, size_t n, int part)
-{
-    return state + (size_t)part * n;
-}
-
-static inline pk_real pk_max(pk_real a, pk_real b) { return a > b ? a : b; }
-static inline pk_real pk_min(pk_real a, pk_real b) { return a < b ? a : b; }
-static inline pk_real pk_abs(pk_real a) { return PK_F(fabs)(a); }
 
 /* What number i of q and v, which goes from a to b, may err by. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
@@ -101,32 +76,6 @@ static inline pk_real pk_scale_shown(pk_real tolerance)
 {
     return tolerance > PK_C(1e6) * PK_F(sqrt)(PK_TINY) ? tolerance : PK_INFINITY;
 }
-
-/* x - x is 0 for finite x alone; works for every scalar type, as isfinite() does not. */
-static inline int pk_finite(pk_real x) { return x - x == PK_C(0.0); }
-
-/* a + b = the result + *rest, exactly: Knuth's two-sum. */
-static inline pk_real pk_pair_sum(pk_real a, pk_real b, pk_real *rest)
-{
-    const pk_real sum = a + b, back = sum - a;
-    *rest = (a - (sum - back)) + (b - back);
-    return sum;
-}
-
-/* x + low + d, rounded once, and its new low part, exact also where |d| > |x|.
- * Compensated summation after Kahan (1965), Babuska, Neumaier (1974). */
-static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
-{
-    return pk_pair_sum(x, d + *low, low);
-}
-
-/* What fails ends the function, with its status. */
-#define PK_TRY(call)                           \
-    do {                                       \
-        const enum pk_status of_call = (call); \
-        if (of_call < 0)                       \
-            return of_call;                    \
-    } while (0)
 
 PK_BEGIN
 /* it->own->atol for a step of length h: rounding of forces counts over the step that is tried. */

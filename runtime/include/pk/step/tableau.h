@@ -5,7 +5,7 @@
 #ifndef PK_STEP_TABLEAU_H
 #define PK_STEP_TABLEAU_H
 
-#include <pk/step/state.h>
+#include <pk/step/numbers.h>
 
 /* An explicit Runge-Kutta method of s stages; the derivative at the new point counts as number s
  * where `e` or `d` uses it. Of a step: y1 = y0 + h sum b_i k_i. */

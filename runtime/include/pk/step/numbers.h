@@ -1,0 +1,62 @@
+/* The arithmetic of steps: round-off, compensated sums, what a state is made of. Of no more than
+ * pk/real.h, for what is exported without the runtime has this text too.
+ */
+#ifndef PK_STEP_NUMBERS_H
+#define PK_STEP_NUMBERS_H
+
+#include <float.h>
+#include <stddef.h>
+
+#include <pk/real.h>
+
+#define PK_EPS PK_EPSILON
+#if defined PK_FLOAT
+#define PK_TINY FLT_MIN
+#elif defined PK_LONG_DOUBLE
+#define PK_TINY LDBL_MIN
+#elif defined PK_FLOAT128
+#define PK_TINY FLT128_MIN
+#else
+#define PK_TINY DBL_MIN
+#endif
+
+/* Parts of it->own->state and of it->own->next, n numbers each: q, v, p, the compensations (low
+ * parts) of q and of v or p, and an acceleration that belongs to this state and may be reused. */
+enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
+
+static inline pk_real *pk_part(pk_real *state, size_t n, int part)
+{
+    return state + (size_t)part * n;
+}
+
+static inline pk_real pk_max(pk_real a, pk_real b) { return a > b ? a : b; }
+static inline pk_real pk_min(pk_real a, pk_real b) { return a < b ? a : b; }
+static inline pk_real pk_abs(pk_real a) { return PK_F(fabs)(a); }
+
+/* x - x is 0 for finite x alone; works for every scalar type, as isfinite() does not. */
+static inline int pk_finite(pk_real x) { return x - x == PK_C(0.0); }
+
+/* a + b = the result + *rest, exactly: Knuth's two-sum. */
+static inline pk_real pk_pair_sum(pk_real a, pk_real b, pk_real *rest)
+{
+    const pk_real sum = a + b, back = sum - a;
+    *rest = (a - (sum - back)) + (b - back);
+    return sum;
+}
+
+/* x + low + d, rounded once, and its new low part, exact also where |d| > |x|.
+ * Compensated summation after Kahan (1965), Babuska, Neumaier (1974). */
+static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
+{
+    return pk_pair_sum(x, d + *low, low);
+}
+
+/* What fails ends the function, with its status. */
+#define PK_TRY(call)                           \
+    do {                                       \
+        const enum pk_status of_call = (call); \
+        if (of_call < 0)                       \
+            return of_call;                    \
+    } while (0)
+
+#endif
