@@ -34,6 +34,7 @@ middle/derive
 middle/reduce middle/loops
 back
 back/c back/fmu back/source back/web loop_proofs
+back/alone
 compiler
 run
 scenes

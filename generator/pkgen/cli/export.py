@@ -7,6 +7,7 @@ import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from ..back.alone.make import ARDUINO, FREESTANDING, SINGLE
 from ..back.exported import Exported, Host
 from ..back.fmu.make import FMU
 from ..back.source.make import SOURCE
@@ -17,7 +18,13 @@ from ..system.near import near
 from . import arguments as shared
 from .compilation import compile_within_limits
 
-HOSTS = (SOURCE, FMU)
+HOSTS = (
+    SOURCE,
+    FMU,
+    SINGLE,
+    FREESTANDING,
+    ARDUINO,
+)
 BY_NAME = {host.name: host for host in HOSTS}
 USAGE = "pkgen export MODEL.lag --as NAME [-o PATH] [options]"
 

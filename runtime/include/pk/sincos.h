@@ -10,7 +10,8 @@
  * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
  * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
  * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a
- * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over.
+ * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over;
+ * with -DPK_BOUNDED_ANGLES nothing does, and the results are not numbers.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -27,6 +28,9 @@
 #endif
 #endif
 
+#if defined PK_BOUNDED_ANGLES && !defined PK_SINCOS_INLINE
+#error "bounded angles are for float and double, without excess precision"
+#endif
 #ifdef PK_SINCOS_INLINE
 #include <string.h>
 
@@ -167,10 +171,14 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
 #else
     (void)pass;
 #endif
+#ifdef PK_BOUNDED_ANGLES
+    pk_sincos_bounded(pk_sincos_far(x) ? PK_INFINITY - PK_INFINITY : x, sine, cosine);
+#else
     if (sine)
         *sine = PK_F(sin)(x);
     if (cosine)
         *cosine = PK_F(cos)(x);
+#endif
     return 0;
 }
 

@@ -1,0 +1,35 @@
+"""C without the parts that conditions leave out."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+_DIRECTIVE = re.compile(r"\s*#\s*(ifdef|ifndef|if|elif|else|endif)\b\s*(\w*)")
+
+
+def plain(text: str, known: Mapping[str, bool]) -> str:
+    """Without `#ifdef NAME` of known names, and what stands behind it if that is not defined."""
+    lines: list[str] = []
+    kept: list[bool | None] = []  # of each condition that is open whether it holds; None: unknown
+    for line in text.splitlines():
+        found = _DIRECTIVE.match(line)
+        word, name = (found[1], found[2]) if found else ("", "")
+        if word in ("ifdef", "ifndef", "if"):
+            mine = word != "if" and name in known
+            kept.append(known[name] == (word == "ifdef") if mine else None)
+            if mine:
+                continue
+        elif word in ("else", "endif") and kept[-1] is not None:
+            kept[-1] = not kept[-1]
+            if word == "endif":
+                kept.pop()
+            continue
+        elif word == "endif":
+            if False not in kept:
+                lines.append(line)
+            kept.pop()
+            continue
+        if False not in kept:
+            lines.append(line)
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines)) + "\n"
