@@ -10,7 +10,7 @@ ifeq ($(origin CC),default)
 CC := gcc
 endif
 
-.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install clean
+.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install install-runtime clean
 .DEFAULT_GOAL := help
 
 help:
@@ -120,15 +120,22 @@ fuzz: $(STAMP)
 	$(PYTHON) tests/fuzz/models.py $$(($(FUZZ_SECONDS) / 2)) $(SEED)
 	@$(MAKE) fuzz-runtime FUZZ_SECONDS=$$(($(FUZZ_SECONDS) / 2))
 
-# PREFIX/bin/pkgen with a Python environment of its own, the runtime's headers and libraries.
-install: runtime
+# PREFIX/bin/pkgen with a Python environment of its own, the runtime's headers and libraries, and
+# what finds them: pkg-config's pk.pc, CMake's find_package(pk). What is built elsewhere: BUILT=DIR.
+VERSION = $(shell sed -n 's/^__version__ = "\(.*\)"/\1/p' generator/pkgen/version.py)
+BUILT ?= build/runtime
+install: runtime install-runtime
 	PKGEN_PREFIX=$(abspath $(PREFIX)) sh tools/setup.sh
-	install -d $(PREFIX)/bin $(PREFIX)/lib/pkgconfig $(PREFIX)/include/pk/step
+	install -d $(PREFIX)/bin
 	ln -sf ../lib/pkgen/bin/pkgen $(PREFIX)/bin/pkgen
+install-runtime:
+	install -d $(PREFIX)/lib/pkgconfig $(PREFIX)/lib/cmake/pk $(PREFIX)/include/pk/step
 	install -m 644 runtime/include/pk/*.h $(PREFIX)/include/pk/
 	install -m 644 runtime/include/pk/step/*.h $(PREFIX)/include/pk/step/
-	install -m 644 build/runtime/*.a $(PREFIX)/lib/
-	sed 's|@PREFIX@|$(abspath $(PREFIX))|' tools/pk.pc.in > $(PREFIX)/lib/pkgconfig/pk.pc
+	install -m 644 $(BUILT)/*.a $(PREFIX)/lib/
+	sed 's|@VERSION@|$(VERSION)|' tools/install/pk.pc.in > $(PREFIX)/lib/pkgconfig/pk.pc
+	install -m 644 tools/install/pkConfig.cmake $(PREFIX)/lib/cmake/pk/
+	sed 's|@VERSION@|$(VERSION)|' tools/install/pkConfigVersion.cmake.in > $(PREFIX)/lib/cmake/pk/pkConfigVersion.cmake
 
 clean:
 	rm -rf build/* $(VENV) generator/*.egg-info *.egg-info

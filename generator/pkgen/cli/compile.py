@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
+from pathlib import Path
 
 from ..back.kernels import KERNELS
 from ..back.kernels_canonical import CANONICAL
 from ..compiler import STAGES
-from ..front.read import read
+from ..front.read import READ, read
 from ..scenes import asked as parsing
 from ..scenes import check as scene_check
 from ..scenes import lengths, scene
@@ -29,6 +31,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.sincos(parser)
     shared.canonical(parser)
     parser.add_argument("--self-test", action="store_true", help="a program that tests the kernels")
+    help_ = "for make: the C files depend on these"
+    parser.add_argument("--depfile", metavar="FILE", help=help_)
     parser.add_argument(
         "--dump", choices=STAGES, metavar="STAGE", help="show a stage's result as text"
     )
@@ -61,9 +65,21 @@ def run(options: argparse.Namespace) -> int:
         scene_check.refuse_method(compilation, chosen)
     directory = parsing.directory(options.directory)
     directory.mkdir(parents=True, exist_ok=True)
-    replace({directory / name: text for name, text in compilation.files.items()})
+    files = {directory / name: text for name, text in compilation.files.items()}
+    if options.depfile:
+        files[Path(options.depfile)] = _depends(list(files))
+    replace(files)
     if options.json:
         files = [str(directory / name) for name in compilation.files]
         warnings = [w.record(source) for w in compilation.warnings]
         print(json.dumps({"files": files, "warnings": warnings}))
     return DONE
+
+
+def _depends(made: list[Path]) -> str:
+    """A rule of make: what was made of which files."""
+    left, right = (
+        " ".join(re.sub(r"([ #\\])", r"\\\1", str(path)).replace("$", "$$") for path in paths)
+        for paths in (made, READ)
+    )
+    return f"{left}: {right}\n"

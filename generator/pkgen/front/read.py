@@ -11,6 +11,9 @@ from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
 
 
+READ: dict[str, None] = {}  # the files read so far, in this order: what is made depends on them
+
+
 class UnreadableModel(ModelError):
     """The file cannot be read at all: there is no line to point at."""
 
@@ -30,6 +33,7 @@ def read(path: str | os.PathLike[str], what: str = "a .lag file") -> Source:
     """
     shown = os.fspath(path)
     data = _bytes(shown, what)
+    READ[shown] = None
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
