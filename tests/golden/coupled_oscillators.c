@@ -76,7 +76,7 @@ void coupled_oscillators_start(const struct coupled_oscillators_params *p, pk_re
 PK_INLINE
 static pk_bits coupled_oscillators_acceleration_pass(enum pk_pass pass,
     const struct coupled_oscillators_params *p, pk_real t, const pk_real *q, const pk_real *v,
-    const pk_real *u, pk_real *restrict a)
+    const pk_real *u, pk_real *PK_RESTRICT a)
 {
     pk_bits bad = 0;
     (void)t;
@@ -108,7 +108,7 @@ static int coupled_oscillators_acceleration_carefully(const struct coupled_oscil
 
 PK_INLINE
 static int coupled_oscillators_acceleration_inline(const struct coupled_oscillators_params *p,
-    pk_real t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
+    pk_real t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT a)
 {
     if (coupled_oscillators_acceleration_pass(PK_ONCE, p, t, q, v, u, a))
         return coupled_oscillators_acceleration_carefully(p, t, q, v, u, a);
@@ -117,7 +117,7 @@ static int coupled_oscillators_acceleration_inline(const struct coupled_oscillat
 
 int coupled_oscillators_acceleration(const struct coupled_oscillators_params *p, pk_real t,
                                      const pk_real *q, const pk_real *v, const pk_real *u,
-                                     pk_real *restrict a)
+                                     pk_real *PK_RESTRICT a)
 {
     return coupled_oscillators_acceleration_inline(p, t, q, v, u, a);
 }
@@ -179,7 +179,7 @@ static unsigned long long coupled_oscillators_members_apart(size_t W, const pk_b
 PK_INLINE
 static unsigned long long coupled_oscillators_lanes_inline(size_t W,
     const struct coupled_oscillators_params *p, const pk_real *t, const pk_real *q,
-    const pk_real *v, const pk_real *u, pk_real *restrict a)
+    const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT a)
 {
     pk_bits bad[64], any = 0;
 
@@ -207,7 +207,8 @@ unsigned long long coupled_oscillators_lanes(const struct coupled_oscillators_pa
 
 PK_INLINE
 static unsigned long long coupled_oscillators_members_inline(size_t W, const pk_real *P,
-    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
+    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u,
+    pk_real *PK_RESTRICT a)
 {
     pk_bits bad[64], any = 0;
 
@@ -239,7 +240,7 @@ unsigned long long coupled_oscillators_members(const pk_real *P, const pk_real *
 /* M = dp/dv. No operations. */
 void coupled_oscillators_mass(const struct coupled_oscillators_params *p, pk_real t,
                               const pk_real *q, const pk_real *v, const pk_real *u,
-                              pk_real *restrict M)
+                              pk_real *PK_RESTRICT M)
 {
     (void)t;
     (void)q;
@@ -260,7 +261,7 @@ void coupled_oscillators_mass(const struct coupled_oscillators_params *p, pk_rea
 /* f = pdot - (dp/dq) v - dp/dt. 9 operations: 1 +, 4 -, 4 *. */
 void coupled_oscillators_force(const struct coupled_oscillators_params *p, pk_real t,
                                const pk_real *q, const pk_real *v, const pk_real *u,
-                               pk_real *restrict f)
+                               pk_real *PK_RESTRICT f)
 {
     (void)t;
     (void)v;
@@ -279,7 +280,7 @@ void coupled_oscillators_force(const struct coupled_oscillators_params *p, pk_re
 /* p = dL/dv and pdot = dL/dq + Q - dD/dv. 12 operations: 1 +, 4 -, 7 *. */
 void coupled_oscillators_canonical(const struct coupled_oscillators_params *p, pk_real t,
                                    const pk_real *q, const pk_real *v, const pk_real *u,
-                                   pk_real *restrict momenta, pk_real *restrict pdot)
+                                   pk_real *PK_RESTRICT momenta, pk_real *PK_RESTRICT pdot)
 {
     (void)t;
     (void)u;
@@ -303,7 +304,7 @@ void coupled_oscillators_canonical(const struct coupled_oscillators_params *p, p
 /* p = dL/dv. 3 operations: 3 *. */
 void coupled_oscillators_momenta(const struct coupled_oscillators_params *p, pk_real t,
                                  const pk_real *q, const pk_real *v, const pk_real *u,
-                                 pk_real *restrict momenta)
+                                 pk_real *PK_RESTRICT momenta)
 {
     (void)t;
     (void)q;
@@ -321,7 +322,7 @@ void coupled_oscillators_momenta(const struct coupled_oscillators_params *p, pk_
 /* dL/dq. 9 operations: 1 +, 4 -, 4 *. */
 void coupled_oscillators_gradient(const struct coupled_oscillators_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u,
-                                  pk_real *restrict dLdq)
+                                  pk_real *PK_RESTRICT dLdq)
 {
     (void)t;
     (void)v;
@@ -340,8 +341,8 @@ void coupled_oscillators_gradient(const struct coupled_oscillators_params *p, pk
 /* dp/dq, d(pdot)/dq, d(pdot)/dv. 2 operations: 2 neg. */
 void coupled_oscillators_jacobian(const struct coupled_oscillators_params *p, pk_real t,
                                   const pk_real *q, const pk_real *v, const pk_real *u,
-                                  pk_real *restrict p_q, pk_real *restrict pdot_q,
-                                  pk_real *restrict pdot_v)
+                                  pk_real *PK_RESTRICT p_q, pk_real *PK_RESTRICT pdot_q,
+                                  pk_real *PK_RESTRICT pdot_v)
 {
     (void)t;
     (void)q;
@@ -366,8 +367,8 @@ void coupled_oscillators_jacobian(const struct coupled_oscillators_params *p, pk
 /* derivatives of r = f - M a by q, v and t, with a and the inputs held. 2 operations: 2 neg. */
 void coupled_oscillators_linear(const struct coupled_oscillators_params *p, pk_real t,
                                 const pk_real *q, const pk_real *v, const pk_real *u,
-                                const pk_real *a, pk_real *restrict r_q, pk_real *restrict r_v,
-                                pk_real *restrict r_t)
+                                const pk_real *a, pk_real *PK_RESTRICT r_q,
+                                pk_real *PK_RESTRICT r_v, pk_real *PK_RESTRICT r_t)
 {
     (void)t;
     (void)q;
@@ -499,96 +500,101 @@ const struct coupled_oscillators_quantity coupled_oscillators_momentum_names[3] 
 /* For the runtime, which does not know the type of the parameters. */
 static void coupled_oscillators_sys_defaults(void *p)
 {
-    coupled_oscillators_defaults(p);
+    coupled_oscillators_defaults((struct coupled_oscillators_params *)p);
 }
 
 static void coupled_oscillators_sys_derive(void *p, const unsigned char *given)
 {
-    coupled_oscillators_derive(p, given);
+    coupled_oscillators_derive((struct coupled_oscillators_params *)p, given);
 }
 
 static int coupled_oscillators_sys_prepare(void *p)
 {
-    return coupled_oscillators_prepare(p);
+    return coupled_oscillators_prepare((struct coupled_oscillators_params *)p);
 }
 
 static void coupled_oscillators_sys_bounds(const void *p, pk_real *lo, pk_real *hi)
 {
-    coupled_oscillators_bounds(p, lo, hi);
+    coupled_oscillators_bounds((const struct coupled_oscillators_params *)p, lo, hi);
 }
 
 static void coupled_oscillators_sys_start(const void *p, pk_real *q, pk_real *v)
 {
-    coupled_oscillators_start(p, q, v);
+    coupled_oscillators_start((const struct coupled_oscillators_params *)p, q, v);
 }
 
 static int coupled_oscillators_sys_acceleration(const void *p, pk_real t, const pk_real *q,
                                                 const pk_real *v, const pk_real *u, pk_real *a)
 {
-    return coupled_oscillators_acceleration(p, t, q, v, u, a);
+    return coupled_oscillators_acceleration((const struct coupled_oscillators_params *)p, t, q, v,
+        u, a);
 }
 
 static void coupled_oscillators_sys_mass(const void *p, pk_real t, const pk_real *q,
                                          const pk_real *v, const pk_real *u, pk_real *M)
 {
-    coupled_oscillators_mass(p, t, q, v, u, M);
+    coupled_oscillators_mass((const struct coupled_oscillators_params *)p, t, q, v, u, M);
 }
 
 static void coupled_oscillators_sys_force(const void *p, pk_real t, const pk_real *q,
                                           const pk_real *v, const pk_real *u, pk_real *f)
 {
-    coupled_oscillators_force(p, t, q, v, u, f);
+    coupled_oscillators_force((const struct coupled_oscillators_params *)p, t, q, v, u, f);
 }
 
 static void coupled_oscillators_sys_canonical(const void *p, pk_real t, const pk_real *q,
                                               const pk_real *v, const pk_real *u,
                                               pk_real *momenta, pk_real *pdot)
 {
-    coupled_oscillators_canonical(p, t, q, v, u, momenta, pdot);
+    coupled_oscillators_canonical((const struct coupled_oscillators_params *)p, t, q, v, u,
+        momenta, pdot);
 }
 
 static void coupled_oscillators_sys_gradient(const void *p, pk_real t, const pk_real *q,
                                              const pk_real *v, const pk_real *u, pk_real *dLdq)
 {
-    coupled_oscillators_gradient(p, t, q, v, u, dLdq);
+    coupled_oscillators_gradient((const struct coupled_oscillators_params *)p, t, q, v, u, dLdq);
 }
 
 static void coupled_oscillators_sys_jacobian(const void *p, pk_real t, const pk_real *q,
                                              const pk_real *v, const pk_real *u, pk_real *p_q,
                                              pk_real *pdot_q, pk_real *pdot_v)
 {
-    coupled_oscillators_jacobian(p, t, q, v, u, p_q, pdot_q, pdot_v);
+    coupled_oscillators_jacobian((const struct coupled_oscillators_params *)p, t, q, v, u, p_q,
+        pdot_q, pdot_v);
 }
 
 static void coupled_oscillators_sys_linear(const void *p, pk_real t, const pk_real *q,
                                            const pk_real *v, const pk_real *u, const pk_real *a,
                                            pk_real *r_q, pk_real *r_v, pk_real *r_t)
 {
-    coupled_oscillators_linear(p, t, q, v, u, a, r_q, r_v, r_t);
+    coupled_oscillators_linear((const struct coupled_oscillators_params *)p, t, q, v, u, a, r_q,
+        r_v, r_t);
 }
 
 static pk_real coupled_oscillators_sys_energy(const void *p, pk_real t, const pk_real *q,
                                               const pk_real *v, const pk_real *u)
 {
-    return coupled_oscillators_energy(p, t, q, v, u);
+    return coupled_oscillators_energy((const struct coupled_oscillators_params *)p, t, q, v, u);
 }
 
 static pk_real coupled_oscillators_sys_kinetic(const void *p, pk_real t, const pk_real *q,
                                                const pk_real *v, const pk_real *u)
 {
-    return coupled_oscillators_kinetic(p, t, q, v, u);
+    return coupled_oscillators_kinetic((const struct coupled_oscillators_params *)p, t, q, v, u);
 }
 
 static pk_real coupled_oscillators_sys_potential(const void *p, pk_real t, const pk_real *q,
                                                  const pk_real *v, const pk_real *u)
 {
-    return coupled_oscillators_potential(p, t, q, v, u);
+    return coupled_oscillators_potential((const struct coupled_oscillators_params *)p, t, q, v,
+        u);
 }
 
 static unsigned long long coupled_oscillators_sys_lanes(const void *p, const pk_real *t,
     const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a)
 {
-    return coupled_oscillators_lanes(p, t, q, v, u, a);
+    return coupled_oscillators_lanes((const struct coupled_oscillators_params *)p, t, q, v, u, a);
 }
 
 static const unsigned char coupled_oscillators_sys_cyclic[3] = {0, 0, 0};
@@ -621,8 +627,6 @@ const struct pk_system coupled_oscillators_system = {
     .prepare = coupled_oscillators_sys_prepare,
     .bounds = coupled_oscillators_sys_bounds,
     .start = coupled_oscillators_sys_start,
-    .lanes = coupled_oscillators_sys_lanes,
-    .members = coupled_oscillators_members,
     .acceleration = coupled_oscillators_sys_acceleration,
     .mass = coupled_oscillators_sys_mass,
     .force = coupled_oscillators_sys_force,
@@ -633,7 +637,9 @@ const struct pk_system coupled_oscillators_system = {
     .kinetic = coupled_oscillators_sys_kinetic,
     .potential = coupled_oscillators_sys_potential,
     .linear = coupled_oscillators_sys_linear,
+    .lanes = coupled_oscillators_sys_lanes,
+    .members = coupled_oscillators_members,
     .steppers = PK_INLINE_STEPPERS,
-    .block_steppers = PK_INLINE_BLOCK_STEPPERS
+    .block_steppers = PK_INLINE_BLOCK_STEPPERS,
 };
 #endif

@@ -17,7 +17,8 @@
  * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
  * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
  * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a
- * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over.
+ * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over;
+ * with -DPK_BOUNDED_ANGLES nothing does, and the results are not numbers.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -34,6 +35,9 @@
 #endif
 #endif
 
+#if defined PK_BOUNDED_ANGLES && !defined PK_SINCOS_INLINE
+#error "bounded angles are for float and double, without excess precision"
+#endif
 #ifdef PK_SINCOS_INLINE
 #include <string.h>
 
@@ -174,10 +178,14 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
 #else
     (void)pass;
 #endif
+#ifdef PK_BOUNDED_ANGLES
+    pk_sincos_bounded(pk_sincos_far(x) ? PK_INFINITY - PK_INFINITY : x, sine, cosine);
+#else
     if (sine)
         *sine = PK_F(sin)(x);
     if (cosine)
         *cosine = PK_F(cos)(x);
+#endif
     return 0;
 }
 
@@ -309,7 +317,7 @@ void double_pendulum_start(const struct double_pendulum_params *p, pk_real *q, p
 PK_INLINE
 static pk_bits double_pendulum_acceleration_angles(enum pk_pass pass,
     const struct double_pendulum_params *p, pk_real t, const pk_real *q, const pk_real *v,
-    const pk_real *u, pk_real *restrict sc)
+    const pk_real *u, pk_real *PK_RESTRICT sc)
 {
     pk_bits bad = 0;
     (void)p;
@@ -337,7 +345,7 @@ static pk_bits double_pendulum_acceleration_pass(enum pk_pass pass,
                                                  const struct double_pendulum_params *p,
                                                  pk_real t, const pk_real *q, const pk_real *v,
                                                  const pk_real *u, const pk_real *sc,
-                                                 pk_real *restrict a)
+                                                 pk_real *PK_RESTRICT a)
 {
     pk_bits bad = 0;
     (void)t;
@@ -387,7 +395,7 @@ static int double_pendulum_acceleration_carefully(const struct double_pendulum_p
 PK_INLINE
 static int double_pendulum_acceleration_inline(const struct double_pendulum_params *p, pk_real t,
                                                const pk_real *q, const pk_real *v,
-                                               const pk_real *u, pk_real *restrict a)
+                                               const pk_real *u, pk_real *PK_RESTRICT a)
 {
     pk_real sc[4];
     const pk_bits far = double_pendulum_acceleration_angles(PK_ONCE, p, t, q, v, u, sc);
@@ -399,7 +407,7 @@ static int double_pendulum_acceleration_inline(const struct double_pendulum_para
 
 int double_pendulum_acceleration(const struct double_pendulum_params *p, pk_real t,
                                  const pk_real *q, const pk_real *v, const pk_real *u,
-                                 pk_real *restrict a)
+                                 pk_real *PK_RESTRICT a)
 {
     return double_pendulum_acceleration_inline(p, t, q, v, u, a);
 }
@@ -461,7 +469,7 @@ static unsigned long long double_pendulum_members_apart(size_t W, const pk_bits 
 PK_INLINE
 static unsigned long long double_pendulum_lanes_inline(size_t W,
     const struct double_pendulum_params *p, const pk_real *t, const pk_real *q, const pk_real *v,
-    const pk_real *u, pk_real *restrict a)
+    const pk_real *u, pk_real *PK_RESTRICT a)
 {
     pk_bits bad[64], any = 0;
     pk_real sc[4 * 64];
@@ -500,7 +508,8 @@ unsigned long long double_pendulum_lanes(const struct double_pendulum_params *p,
 
 PK_INLINE
 static unsigned long long double_pendulum_members_inline(size_t W, const pk_real *P,
-    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
+    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u,
+    pk_real *PK_RESTRICT a)
 {
     pk_bits bad[64], any = 0;
     pk_real sc[4 * 64];
@@ -545,7 +554,7 @@ unsigned long long double_pendulum_members(const pk_real *P, const pk_real *t, c
 
 /* M = dp/dv. 8 operations: 1 +, 3 *, 2 cos, 2 sin. */
 void double_pendulum_mass(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
-                          const pk_real *v, const pk_real *u, pk_real *restrict M)
+                          const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT M)
 {
     (void)t;
     (void)v;
@@ -564,7 +573,7 @@ void double_pendulum_mass(const struct double_pendulum_params *p, pk_real t, con
 
 /* f = pdot - (dp/dq) v - dp/dt. 18 operations: 3 -, 10 *, 1 neg, 2 cos, 2 sin. */
 void double_pendulum_force(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
-                           const pk_real *v, const pk_real *u, pk_real *restrict f)
+                           const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT f)
 {
     (void)t;
     (void)u;
@@ -584,7 +593,7 @@ void double_pendulum_force(const struct double_pendulum_params *p, pk_real t, co
 /* p = dL/dv and pdot = dL/dq + Q - dD/dv. 26 operations: 3 +, 3 -, 15 *, 1 neg, 2 cos, 2 sin. */
 void double_pendulum_canonical(const struct double_pendulum_params *p, pk_real t,
                                const pk_real *q, const pk_real *v, const pk_real *u,
-                               pk_real *restrict momenta, pk_real *restrict pdot)
+                               pk_real *PK_RESTRICT momenta, pk_real *PK_RESTRICT pdot)
 {
     (void)t;
     (void)u;
@@ -607,7 +616,7 @@ void double_pendulum_canonical(const struct double_pendulum_params *p, pk_real t
 
 /* p = dL/dv. 15 operations: 3 +, 8 *, 2 cos, 2 sin. */
 void double_pendulum_momenta(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
-                             const pk_real *v, const pk_real *u, pk_real *restrict momenta)
+                             const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT momenta)
 {
     (void)t;
     (void)u;
@@ -626,7 +635,7 @@ void double_pendulum_momenta(const struct double_pendulum_params *p, pk_real t, 
 
 /* dL/dq. 15 operations: 3 -, 7 *, 1 neg, 2 cos, 2 sin. */
 void double_pendulum_gradient(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
-                              const pk_real *v, const pk_real *u, pk_real *restrict dLdq)
+                              const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT dLdq)
 {
     (void)t;
     (void)u;
@@ -646,8 +655,8 @@ void double_pendulum_gradient(const struct double_pendulum_params *p, pk_real t,
 
 /* dp/dq, d(pdot)/dq, d(pdot)/dv. 25 operations: 1 +, 3 -, 13 *, 4 neg, 2 cos, 2 sin. */
 void double_pendulum_jacobian(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
-                              const pk_real *v, const pk_real *u, pk_real *restrict p_q,
-                              pk_real *restrict pdot_q, pk_real *restrict pdot_v)
+                              const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT p_q,
+                              pk_real *PK_RESTRICT pdot_q, pk_real *PK_RESTRICT pdot_v)
 {
     (void)t;
     (void)u;
@@ -682,7 +691,8 @@ void double_pendulum_jacobian(const struct double_pendulum_params *p, pk_real t,
  * -, 18 *, 3 neg, 2 cos, 2 sin. */
 void double_pendulum_linear(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                             const pk_real *v, const pk_real *u, const pk_real *a,
-                            pk_real *restrict r_q, pk_real *restrict r_v, pk_real *restrict r_t)
+                            pk_real *PK_RESTRICT r_q, pk_real *PK_RESTRICT r_v,
+                            pk_real *PK_RESTRICT r_t)
 {
     (void)t;
     (void)u;
@@ -819,96 +829,99 @@ const struct double_pendulum_quantity double_pendulum_momentum_names[2] = {
 /* For the runtime, which does not know the type of the parameters. */
 static void double_pendulum_sys_defaults(void *p)
 {
-    double_pendulum_defaults(p);
+    double_pendulum_defaults((struct double_pendulum_params *)p);
 }
 
 static void double_pendulum_sys_derive(void *p, const unsigned char *given)
 {
-    double_pendulum_derive(p, given);
+    double_pendulum_derive((struct double_pendulum_params *)p, given);
 }
 
 static int double_pendulum_sys_prepare(void *p)
 {
-    return double_pendulum_prepare(p);
+    return double_pendulum_prepare((struct double_pendulum_params *)p);
 }
 
 static void double_pendulum_sys_bounds(const void *p, pk_real *lo, pk_real *hi)
 {
-    double_pendulum_bounds(p, lo, hi);
+    double_pendulum_bounds((const struct double_pendulum_params *)p, lo, hi);
 }
 
 static void double_pendulum_sys_start(const void *p, pk_real *q, pk_real *v)
 {
-    double_pendulum_start(p, q, v);
+    double_pendulum_start((const struct double_pendulum_params *)p, q, v);
 }
 
 static int double_pendulum_sys_acceleration(const void *p, pk_real t, const pk_real *q,
                                             const pk_real *v, const pk_real *u, pk_real *a)
 {
-    return double_pendulum_acceleration(p, t, q, v, u, a);
+    return double_pendulum_acceleration((const struct double_pendulum_params *)p, t, q, v, u, a);
 }
 
 static void double_pendulum_sys_mass(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                      const pk_real *u, pk_real *M)
 {
-    double_pendulum_mass(p, t, q, v, u, M);
+    double_pendulum_mass((const struct double_pendulum_params *)p, t, q, v, u, M);
 }
 
 static void double_pendulum_sys_force(const void *p, pk_real t, const pk_real *q,
                                       const pk_real *v, const pk_real *u, pk_real *f)
 {
-    double_pendulum_force(p, t, q, v, u, f);
+    double_pendulum_force((const struct double_pendulum_params *)p, t, q, v, u, f);
 }
 
 static void double_pendulum_sys_canonical(const void *p, pk_real t, const pk_real *q,
                                           const pk_real *v, const pk_real *u, pk_real *momenta,
                                           pk_real *pdot)
 {
-    double_pendulum_canonical(p, t, q, v, u, momenta, pdot);
+    double_pendulum_canonical((const struct double_pendulum_params *)p, t, q, v, u, momenta,
+        pdot);
 }
 
 static void double_pendulum_sys_gradient(const void *p, pk_real t, const pk_real *q,
                                          const pk_real *v, const pk_real *u, pk_real *dLdq)
 {
-    double_pendulum_gradient(p, t, q, v, u, dLdq);
+    double_pendulum_gradient((const struct double_pendulum_params *)p, t, q, v, u, dLdq);
 }
 
 static void double_pendulum_sys_jacobian(const void *p, pk_real t, const pk_real *q,
                                          const pk_real *v, const pk_real *u, pk_real *p_q,
                                          pk_real *pdot_q, pk_real *pdot_v)
 {
-    double_pendulum_jacobian(p, t, q, v, u, p_q, pdot_q, pdot_v);
+    double_pendulum_jacobian((const struct double_pendulum_params *)p, t, q, v, u, p_q, pdot_q,
+        pdot_v);
 }
 
 static void double_pendulum_sys_linear(const void *p, pk_real t, const pk_real *q,
                                        const pk_real *v, const pk_real *u, const pk_real *a,
                                        pk_real *r_q, pk_real *r_v, pk_real *r_t)
 {
-    double_pendulum_linear(p, t, q, v, u, a, r_q, r_v, r_t);
+    double_pendulum_linear((const struct double_pendulum_params *)p, t, q, v, u, a, r_q, r_v,
+        r_t);
 }
 
 static pk_real double_pendulum_sys_energy(const void *p, pk_real t, const pk_real *q,
                                           const pk_real *v, const pk_real *u)
 {
-    return double_pendulum_energy(p, t, q, v, u);
+    return double_pendulum_energy((const struct double_pendulum_params *)p, t, q, v, u);
 }
 
 static pk_real double_pendulum_sys_kinetic(const void *p, pk_real t, const pk_real *q,
                                            const pk_real *v, const pk_real *u)
 {
-    return double_pendulum_kinetic(p, t, q, v, u);
+    return double_pendulum_kinetic((const struct double_pendulum_params *)p, t, q, v, u);
 }
 
 static pk_real double_pendulum_sys_potential(const void *p, pk_real t, const pk_real *q,
                                              const pk_real *v, const pk_real *u)
 {
-    return double_pendulum_potential(p, t, q, v, u);
+    return double_pendulum_potential((const struct double_pendulum_params *)p, t, q, v, u);
 }
 
 static unsigned long long double_pendulum_sys_lanes(const void *p, const pk_real *t,
     const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a)
 {
-    return double_pendulum_lanes(p, t, q, v, u, a);
+    return double_pendulum_lanes((const struct double_pendulum_params *)p, t, q, v, u, a);
 }
 
 static const unsigned char double_pendulum_sys_cyclic[2] = {0, 0};
@@ -940,8 +953,6 @@ const struct pk_system double_pendulum_system = {
     .prepare = double_pendulum_sys_prepare,
     .bounds = double_pendulum_sys_bounds,
     .start = double_pendulum_sys_start,
-    .lanes = double_pendulum_sys_lanes,
-    .members = double_pendulum_members,
     .acceleration = double_pendulum_sys_acceleration,
     .mass = double_pendulum_sys_mass,
     .force = double_pendulum_sys_force,
@@ -952,7 +963,9 @@ const struct pk_system double_pendulum_system = {
     .kinetic = double_pendulum_sys_kinetic,
     .potential = double_pendulum_sys_potential,
     .linear = double_pendulum_sys_linear,
+    .lanes = double_pendulum_sys_lanes,
+    .members = double_pendulum_members,
     .steppers = PK_INLINE_STEPPERS,
-    .block_steppers = PK_INLINE_BLOCK_STEPPERS
+    .block_steppers = PK_INLINE_BLOCK_STEPPERS,
 };
 #endif

@@ -17,7 +17,8 @@
  * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
  * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
  * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a
- * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over.
+ * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over;
+ * with -DPK_BOUNDED_ANGLES nothing does, and the results are not numbers.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -34,6 +35,9 @@
 #endif
 #endif
 
+#if defined PK_BOUNDED_ANGLES && !defined PK_SINCOS_INLINE
+#error "bounded angles are for float and double, without excess precision"
+#endif
 #ifdef PK_SINCOS_INLINE
 #include <string.h>
 
@@ -174,10 +178,14 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
 #else
     (void)pass;
 #endif
+#ifdef PK_BOUNDED_ANGLES
+    pk_sincos_bounded(pk_sincos_far(x) ? PK_INFINITY - PK_INFINITY : x, sine, cosine);
+#else
     if (sine)
         *sine = PK_F(sin)(x);
     if (cosine)
         *cosine = PK_F(cos)(x);
+#endif
     return 0;
 }
 
@@ -306,7 +314,7 @@ void heavy_top_start(const struct heavy_top_params *p, pk_real *q, pk_real *v)
 PK_INLINE
 static pk_bits heavy_top_acceleration_angles(enum pk_pass pass, const struct heavy_top_params *p,
                                              pk_real t, const pk_real *q, const pk_real *v,
-                                             const pk_real *u, pk_real *restrict sc)
+                                             const pk_real *u, pk_real *PK_RESTRICT sc)
 {
     pk_bits bad = 0;
     (void)p;
@@ -328,7 +336,7 @@ PK_INLINE
 static pk_bits heavy_top_acceleration_pass(enum pk_pass pass, const struct heavy_top_params *p,
                                            pk_real t, const pk_real *q, const pk_real *v,
                                            const pk_real *u, const pk_real *sc,
-                                           pk_real *restrict a)
+                                           pk_real *PK_RESTRICT a)
 {
     pk_bits bad = 0;
     (void)t;
@@ -381,7 +389,7 @@ static int heavy_top_acceleration_carefully(const struct heavy_top_params *p, pk
 PK_INLINE
 static int heavy_top_acceleration_inline(const struct heavy_top_params *p, pk_real t,
                                          const pk_real *q, const pk_real *v, const pk_real *u,
-                                         pk_real *restrict a)
+                                         pk_real *PK_RESTRICT a)
 {
     pk_real sc[2];
     const pk_bits far = heavy_top_acceleration_angles(PK_ONCE, p, t, q, v, u, sc);
@@ -392,7 +400,7 @@ static int heavy_top_acceleration_inline(const struct heavy_top_params *p, pk_re
 }
 
 int heavy_top_acceleration(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                           const pk_real *v, const pk_real *u, pk_real *restrict a)
+                           const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT a)
 {
     return heavy_top_acceleration_inline(p, t, q, v, u, a);
 }
@@ -455,7 +463,7 @@ PK_INLINE
 static unsigned long long heavy_top_lanes_inline(size_t W, const struct heavy_top_params *p,
                                                  const pk_real *t, const pk_real *q,
                                                  const pk_real *v, const pk_real *u,
-                                                 pk_real *restrict a)
+                                                 pk_real *PK_RESTRICT a)
 {
     pk_bits bad[64], any = 0;
     pk_real sc[2 * 64];
@@ -493,7 +501,7 @@ unsigned long long heavy_top_lanes(const struct heavy_top_params *p, const pk_re
 
 PK_INLINE
 static unsigned long long heavy_top_members_inline(size_t W, const pk_real *P, const pk_real *t,
-    const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
+    const pk_real *q, const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT a)
 {
     pk_bits bad[64], any = 0;
     pk_real sc[2 * 64];
@@ -536,7 +544,7 @@ unsigned long long heavy_top_members(const pk_real *P, const pk_real *t, const p
 
 /* M = dp/dv. 8 operations: 1 +, 5 *, 1 cos, 1 sin. */
 void heavy_top_mass(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                    const pk_real *v, const pk_real *u, pk_real *restrict M)
+                    const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT M)
 {
     (void)t;
     (void)v;
@@ -559,7 +567,7 @@ void heavy_top_mass(const struct heavy_top_params *p, pk_real t, const pk_real *
 
 /* f = pdot - (dp/dq) v - dp/dt. 16 operations: 2 +, 1 -, 11 *, 1 cos, 1 sin. */
 void heavy_top_force(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                     const pk_real *v, const pk_real *u, pk_real *restrict f)
+                     const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT f)
 {
     (void)t;
     (void)u;
@@ -580,8 +588,8 @@ void heavy_top_force(const struct heavy_top_params *p, pk_real t, const pk_real 
 
 /* p = dL/dv and pdot = dL/dq + Q - dD/dv. 18 operations: 3 +, 1 -, 12 *, 1 cos, 1 sin. */
 void heavy_top_canonical(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                         const pk_real *v, const pk_real *u, pk_real *restrict momenta,
-                         pk_real *restrict pdot)
+                         const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT momenta,
+                         pk_real *PK_RESTRICT pdot)
 {
     (void)t;
     (void)u;
@@ -605,7 +613,7 @@ void heavy_top_canonical(const struct heavy_top_params *p, pk_real t, const pk_r
 
 /* p = dL/dv. 12 operations: 2 +, 8 *, 1 cos, 1 sin. */
 void heavy_top_momenta(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                       const pk_real *v, const pk_real *u, pk_real *restrict momenta)
+                       const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT momenta)
 {
     (void)t;
     (void)u;
@@ -625,7 +633,7 @@ void heavy_top_momenta(const struct heavy_top_params *p, pk_real t, const pk_rea
 
 /* dL/dq. 9 operations: 1 +, 1 -, 5 *, 1 cos, 1 sin. */
 void heavy_top_gradient(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                        const pk_real *v, const pk_real *u, pk_real *restrict dLdq)
+                        const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT dLdq)
 {
     (void)t;
     (void)u;
@@ -644,8 +652,8 @@ void heavy_top_gradient(const struct heavy_top_params *p, pk_real t, const pk_re
 
 /* dp/dq, d(pdot)/dq, d(pdot)/dv. 21 operations: 2 +, 2 -, 14 *, 1 neg, 1 cos, 1 sin. */
 void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                        const pk_real *v, const pk_real *u, pk_real *restrict p_q,
-                        pk_real *restrict pdot_q, pk_real *restrict pdot_v)
+                        const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT p_q,
+                        pk_real *PK_RESTRICT pdot_q, pk_real *PK_RESTRICT pdot_v)
 {
     (void)t;
     (void)u;
@@ -690,8 +698,9 @@ void heavy_top_jacobian(const struct heavy_top_params *p, pk_real t, const pk_re
 /* derivatives of r = f - M a by q, v and t, with a and the inputs held. 45 operations: 4 +, 5
  * -, 33 *, 1 neg, 1 cos, 1 sin. */
 void heavy_top_linear(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                      const pk_real *v, const pk_real *u, const pk_real *a, pk_real *restrict r_q,
-                      pk_real *restrict r_v, pk_real *restrict r_t)
+                      const pk_real *v, const pk_real *u, const pk_real *a,
+                      pk_real *PK_RESTRICT r_q, pk_real *PK_RESTRICT r_v,
+                      pk_real *PK_RESTRICT r_t)
 {
     (void)t;
     (void)u;
@@ -811,7 +820,7 @@ pk_real heavy_top_potential(const struct heavy_top_params *p, pk_real t, const p
 /* what the equations divide by, or take a root or a logarithm of: they end where it is 0. 1
  * operation: 1 sin. */
 void heavy_top_singularity(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                           const pk_real *v, const pk_real *u, pk_real *restrict out)
+                           const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT out)
 {
     (void)p;
     (void)t;
@@ -827,7 +836,7 @@ void heavy_top_singularity(const struct heavy_top_params *p, pk_real t, const pk
 
 /* quantities claimed to be constant. 4 operations: 1 +, 2 *, 1 cos. */
 void heavy_top_conserve(const struct heavy_top_params *p, pk_real t, const pk_real *q,
-                        const pk_real *v, const pk_real *u, pk_real *restrict out)
+                        const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT out)
 {
     (void)t;
     (void)u;
@@ -880,107 +889,107 @@ const struct heavy_top_quantity heavy_top_conserved[1] = {
 /* For the runtime, which does not know the type of the parameters. */
 static void heavy_top_sys_defaults(void *p)
 {
-    heavy_top_defaults(p);
+    heavy_top_defaults((struct heavy_top_params *)p);
 }
 
 static void heavy_top_sys_derive(void *p, const unsigned char *given)
 {
-    heavy_top_derive(p, given);
+    heavy_top_derive((struct heavy_top_params *)p, given);
 }
 
 static int heavy_top_sys_prepare(void *p)
 {
-    return heavy_top_prepare(p);
+    return heavy_top_prepare((struct heavy_top_params *)p);
 }
 
 static void heavy_top_sys_bounds(const void *p, pk_real *lo, pk_real *hi)
 {
-    heavy_top_bounds(p, lo, hi);
+    heavy_top_bounds((const struct heavy_top_params *)p, lo, hi);
 }
 
 static void heavy_top_sys_start(const void *p, pk_real *q, pk_real *v)
 {
-    heavy_top_start(p, q, v);
+    heavy_top_start((const struct heavy_top_params *)p, q, v);
 }
 
 static int heavy_top_sys_acceleration(const void *p, pk_real t, const pk_real *q,
                                       const pk_real *v, const pk_real *u, pk_real *a)
 {
-    return heavy_top_acceleration(p, t, q, v, u, a);
+    return heavy_top_acceleration((const struct heavy_top_params *)p, t, q, v, u, a);
 }
 
 static void heavy_top_sys_mass(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                const pk_real *u, pk_real *M)
 {
-    heavy_top_mass(p, t, q, v, u, M);
+    heavy_top_mass((const struct heavy_top_params *)p, t, q, v, u, M);
 }
 
 static void heavy_top_sys_force(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                 const pk_real *u, pk_real *f)
 {
-    heavy_top_force(p, t, q, v, u, f);
+    heavy_top_force((const struct heavy_top_params *)p, t, q, v, u, f);
 }
 
 static void heavy_top_sys_canonical(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                     const pk_real *u, pk_real *momenta, pk_real *pdot)
 {
-    heavy_top_canonical(p, t, q, v, u, momenta, pdot);
+    heavy_top_canonical((const struct heavy_top_params *)p, t, q, v, u, momenta, pdot);
 }
 
 static void heavy_top_sys_gradient(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                    const pk_real *u, pk_real *dLdq)
 {
-    heavy_top_gradient(p, t, q, v, u, dLdq);
+    heavy_top_gradient((const struct heavy_top_params *)p, t, q, v, u, dLdq);
 }
 
 static void heavy_top_sys_jacobian(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                    const pk_real *u, pk_real *p_q, pk_real *pdot_q,
                                    pk_real *pdot_v)
 {
-    heavy_top_jacobian(p, t, q, v, u, p_q, pdot_q, pdot_v);
+    heavy_top_jacobian((const struct heavy_top_params *)p, t, q, v, u, p_q, pdot_q, pdot_v);
 }
 
 static void heavy_top_sys_linear(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                  const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v,
                                  pk_real *r_t)
 {
-    heavy_top_linear(p, t, q, v, u, a, r_q, r_v, r_t);
+    heavy_top_linear((const struct heavy_top_params *)p, t, q, v, u, a, r_q, r_v, r_t);
 }
 
 static pk_real heavy_top_sys_energy(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                     const pk_real *u)
 {
-    return heavy_top_energy(p, t, q, v, u);
+    return heavy_top_energy((const struct heavy_top_params *)p, t, q, v, u);
 }
 
 static pk_real heavy_top_sys_kinetic(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                      const pk_real *u)
 {
-    return heavy_top_kinetic(p, t, q, v, u);
+    return heavy_top_kinetic((const struct heavy_top_params *)p, t, q, v, u);
 }
 
 static pk_real heavy_top_sys_potential(const void *p, pk_real t, const pk_real *q,
                                        const pk_real *v, const pk_real *u)
 {
-    return heavy_top_potential(p, t, q, v, u);
+    return heavy_top_potential((const struct heavy_top_params *)p, t, q, v, u);
 }
 
 static void heavy_top_sys_singularity(const void *p, pk_real t, const pk_real *q,
                                       const pk_real *v, const pk_real *u, pk_real *out)
 {
-    heavy_top_singularity(p, t, q, v, u, out);
+    heavy_top_singularity((const struct heavy_top_params *)p, t, q, v, u, out);
 }
 
 static void heavy_top_sys_conserve(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                    const pk_real *u, pk_real *out)
 {
-    heavy_top_conserve(p, t, q, v, u, out);
+    heavy_top_conserve((const struct heavy_top_params *)p, t, q, v, u, out);
 }
 
 static unsigned long long heavy_top_sys_lanes(const void *p, const pk_real *t, const pk_real *q,
                                               const pk_real *v, const pk_real *u, pk_real *a)
 {
-    return heavy_top_lanes(p, t, q, v, u, a);
+    return heavy_top_lanes((const struct heavy_top_params *)p, t, q, v, u, a);
 }
 
 static const struct pk_singularity heavy_top_sys_singularities[1] = {
@@ -1017,8 +1026,6 @@ const struct pk_system heavy_top_system = {
     .prepare = heavy_top_sys_prepare,
     .bounds = heavy_top_sys_bounds,
     .start = heavy_top_sys_start,
-    .lanes = heavy_top_sys_lanes,
-    .members = heavy_top_members,
     .acceleration = heavy_top_sys_acceleration,
     .mass = heavy_top_sys_mass,
     .force = heavy_top_sys_force,
@@ -1030,10 +1037,11 @@ const struct pk_system heavy_top_system = {
     .potential = heavy_top_sys_potential,
     .conserve = heavy_top_sys_conserve,
     .linear = heavy_top_sys_linear,
-    .singularities.values = heavy_top_sys_singularity,
-    .singularities.n = 1,
-    .singularities.table = heavy_top_sys_singularities,
+    .lanes = heavy_top_sys_lanes,
+    .members = heavy_top_members,
     .steppers = PK_INLINE_STEPPERS,
-    .block_steppers = PK_INLINE_BLOCK_STEPPERS
+    .block_steppers = PK_INLINE_BLOCK_STEPPERS,
+    .singularities = {.n = 1, .table = heavy_top_sys_singularities,
+        .values = heavy_top_sys_singularity},
 };
 #endif

@@ -77,7 +77,7 @@ PK_INLINE
 static pk_bits thrown_stone_acceleration_pass(enum pk_pass pass,
                                               const struct thrown_stone_params *p, pk_real t,
                                               const pk_real *q, const pk_real *v,
-                                              const pk_real *u, pk_real *restrict a)
+                                              const pk_real *u, pk_real *PK_RESTRICT a)
 {
     pk_bits bad = 0;
     (void)t;
@@ -106,7 +106,7 @@ static int thrown_stone_acceleration_carefully(const struct thrown_stone_params 
 PK_INLINE
 static int thrown_stone_acceleration_inline(const struct thrown_stone_params *p, pk_real t,
                                             const pk_real *q, const pk_real *v, const pk_real *u,
-                                            pk_real *restrict a)
+                                            pk_real *PK_RESTRICT a)
 {
     if (thrown_stone_acceleration_pass(PK_ONCE, p, t, q, v, u, a))
         return thrown_stone_acceleration_carefully(p, t, q, v, u, a);
@@ -114,7 +114,7 @@ static int thrown_stone_acceleration_inline(const struct thrown_stone_params *p,
 }
 
 int thrown_stone_acceleration(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
-                              const pk_real *v, const pk_real *u, pk_real *restrict a)
+                              const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT a)
 {
     return thrown_stone_acceleration_inline(p, t, q, v, u, a);
 }
@@ -175,7 +175,8 @@ static unsigned long long thrown_stone_members_apart(size_t W, const pk_bits *ba
  * them they would make gcc 12 keep what it loaded, in a way that it has no vector code for. */
 PK_INLINE
 static unsigned long long thrown_stone_lanes_inline(size_t W, const struct thrown_stone_params *p,
-    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
+    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u,
+    pk_real *PK_RESTRICT a)
 {
     pk_bits bad[64], any = 0;
 
@@ -201,7 +202,8 @@ unsigned long long thrown_stone_lanes(const struct thrown_stone_params *p, const
 
 PK_INLINE
 static unsigned long long thrown_stone_members_inline(size_t W, const pk_real *P,
-    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *restrict a)
+    const pk_real *t, const pk_real *q, const pk_real *v, const pk_real *u,
+    pk_real *PK_RESTRICT a)
 {
     pk_bits bad[64], any = 0;
 
@@ -229,7 +231,7 @@ unsigned long long thrown_stone_members(const pk_real *P, const pk_real *t, cons
 
 /* M = dp/dv. No operations. */
 void thrown_stone_mass(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
-                       const pk_real *v, const pk_real *u, pk_real *restrict M)
+                       const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT M)
 {
     (void)t;
     (void)q;
@@ -241,7 +243,7 @@ void thrown_stone_mass(const struct thrown_stone_params *p, pk_real t, const pk_
 
 /* f = pdot - (dp/dq) v - dp/dt. 5 operations: 1 -, 2 *, 1 neg, 1 abs. */
 void thrown_stone_force(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
-                        const pk_real *v, const pk_real *u, pk_real *restrict f)
+                        const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT f)
 {
     (void)t;
     (void)q;
@@ -254,8 +256,8 @@ void thrown_stone_force(const struct thrown_stone_params *p, pk_real t, const pk
 
 /* p = dL/dv and pdot = dL/dq + Q - dD/dv. 6 operations: 1 -, 3 *, 1 neg, 1 abs. */
 void thrown_stone_canonical(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
-                            const pk_real *v, const pk_real *u, pk_real *restrict momenta,
-                            pk_real *restrict pdot)
+                            const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT momenta,
+                            pk_real *PK_RESTRICT pdot)
 {
     (void)t;
     (void)q;
@@ -269,7 +271,7 @@ void thrown_stone_canonical(const struct thrown_stone_params *p, pk_real t, cons
 
 /* p = dL/dv. 1 operation: 1 *. */
 void thrown_stone_momenta(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
-                          const pk_real *v, const pk_real *u, pk_real *restrict momenta)
+                          const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT momenta)
 {
     (void)t;
     (void)q;
@@ -282,7 +284,7 @@ void thrown_stone_momenta(const struct thrown_stone_params *p, pk_real t, const 
 
 /* dL/dq. 1 operation: 1 neg. */
 void thrown_stone_gradient(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
-                           const pk_real *v, const pk_real *u, pk_real *restrict dLdq)
+                           const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT dLdq)
 {
     (void)t;
     (void)q;
@@ -294,8 +296,8 @@ void thrown_stone_gradient(const struct thrown_stone_params *p, pk_real t, const
 
 /* dp/dq, d(pdot)/dq, d(pdot)/dv. 6 operations: 1 +, 2 *, 1 neg, 1 abs, 1 sign. */
 void thrown_stone_jacobian(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
-                           const pk_real *v, const pk_real *u, pk_real *restrict p_q,
-                           pk_real *restrict pdot_q, pk_real *restrict pdot_v)
+                           const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT p_q,
+                           pk_real *PK_RESTRICT pdot_q, pk_real *PK_RESTRICT pdot_v)
 {
     (void)t;
     (void)q;
@@ -314,7 +316,8 @@ void thrown_stone_jacobian(const struct thrown_stone_params *p, pk_real t, const
  * *, 1 neg, 1 abs, 1 sign. */
 void thrown_stone_linear(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                          const pk_real *v, const pk_real *u, const pk_real *a,
-                         pk_real *restrict r_q, pk_real *restrict r_v, pk_real *restrict r_t)
+                         pk_real *PK_RESTRICT r_q, pk_real *PK_RESTRICT r_v,
+                         pk_real *PK_RESTRICT r_t)
 {
     (void)t;
     (void)q;
@@ -384,7 +387,7 @@ pk_real thrown_stone_potential(const struct thrown_stone_params *p, pk_real t, c
 
 /* functions whose zeros are the events. No operations. */
 void thrown_stone_event(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
-                        const pk_real *v, const pk_real *u, pk_real *restrict out)
+                        const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT out)
 {
     (void)p;
     (void)t;
@@ -399,7 +402,7 @@ void thrown_stone_event(const struct thrown_stone_params *p, pk_real t, const pk
 
 /* the arguments of step, abs, min and max at whose zeros the equations change. No operations. */
 void thrown_stone_switching(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
-                            const pk_real *v, const pk_real *u, pk_real *restrict out)
+                            const pk_real *v, const pk_real *u, pk_real *PK_RESTRICT out)
 {
     (void)p;
     (void)t;
@@ -442,109 +445,109 @@ const struct thrown_stone_quantity thrown_stone_momentum_names[1] = {
 /* For the runtime, which does not know the type of the parameters. */
 static void thrown_stone_sys_defaults(void *p)
 {
-    thrown_stone_defaults(p);
+    thrown_stone_defaults((struct thrown_stone_params *)p);
 }
 
 static void thrown_stone_sys_derive(void *p, const unsigned char *given)
 {
-    thrown_stone_derive(p, given);
+    thrown_stone_derive((struct thrown_stone_params *)p, given);
 }
 
 static int thrown_stone_sys_prepare(void *p)
 {
-    return thrown_stone_prepare(p);
+    return thrown_stone_prepare((struct thrown_stone_params *)p);
 }
 
 static void thrown_stone_sys_bounds(const void *p, pk_real *lo, pk_real *hi)
 {
-    thrown_stone_bounds(p, lo, hi);
+    thrown_stone_bounds((const struct thrown_stone_params *)p, lo, hi);
 }
 
 static void thrown_stone_sys_start(const void *p, pk_real *q, pk_real *v)
 {
-    thrown_stone_start(p, q, v);
+    thrown_stone_start((const struct thrown_stone_params *)p, q, v);
 }
 
 static int thrown_stone_sys_acceleration(const void *p, pk_real t, const pk_real *q,
                                          const pk_real *v, const pk_real *u, pk_real *a)
 {
-    return thrown_stone_acceleration(p, t, q, v, u, a);
+    return thrown_stone_acceleration((const struct thrown_stone_params *)p, t, q, v, u, a);
 }
 
 static void thrown_stone_sys_mass(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                   const pk_real *u, pk_real *M)
 {
-    thrown_stone_mass(p, t, q, v, u, M);
+    thrown_stone_mass((const struct thrown_stone_params *)p, t, q, v, u, M);
 }
 
 static void thrown_stone_sys_force(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                    const pk_real *u, pk_real *f)
 {
-    thrown_stone_force(p, t, q, v, u, f);
+    thrown_stone_force((const struct thrown_stone_params *)p, t, q, v, u, f);
 }
 
 static void thrown_stone_sys_canonical(const void *p, pk_real t, const pk_real *q,
                                        const pk_real *v, const pk_real *u, pk_real *momenta,
                                        pk_real *pdot)
 {
-    thrown_stone_canonical(p, t, q, v, u, momenta, pdot);
+    thrown_stone_canonical((const struct thrown_stone_params *)p, t, q, v, u, momenta, pdot);
 }
 
 static void thrown_stone_sys_gradient(const void *p, pk_real t, const pk_real *q,
                                       const pk_real *v, const pk_real *u, pk_real *dLdq)
 {
-    thrown_stone_gradient(p, t, q, v, u, dLdq);
+    thrown_stone_gradient((const struct thrown_stone_params *)p, t, q, v, u, dLdq);
 }
 
 static void thrown_stone_sys_jacobian(const void *p, pk_real t, const pk_real *q,
                                       const pk_real *v, const pk_real *u, pk_real *p_q,
                                       pk_real *pdot_q, pk_real *pdot_v)
 {
-    thrown_stone_jacobian(p, t, q, v, u, p_q, pdot_q, pdot_v);
+    thrown_stone_jacobian((const struct thrown_stone_params *)p, t, q, v, u, p_q, pdot_q, pdot_v);
 }
 
 static void thrown_stone_sys_linear(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                     const pk_real *u, const pk_real *a, pk_real *r_q,
                                     pk_real *r_v, pk_real *r_t)
 {
-    thrown_stone_linear(p, t, q, v, u, a, r_q, r_v, r_t);
+    thrown_stone_linear((const struct thrown_stone_params *)p, t, q, v, u, a, r_q, r_v, r_t);
 }
 
 static pk_real thrown_stone_sys_energy(const void *p, pk_real t, const pk_real *q,
                                        const pk_real *v, const pk_real *u)
 {
-    return thrown_stone_energy(p, t, q, v, u);
+    return thrown_stone_energy((const struct thrown_stone_params *)p, t, q, v, u);
 }
 
 static pk_real thrown_stone_sys_kinetic(const void *p, pk_real t, const pk_real *q,
                                         const pk_real *v, const pk_real *u)
 {
-    return thrown_stone_kinetic(p, t, q, v, u);
+    return thrown_stone_kinetic((const struct thrown_stone_params *)p, t, q, v, u);
 }
 
 static pk_real thrown_stone_sys_potential(const void *p, pk_real t, const pk_real *q,
                                           const pk_real *v, const pk_real *u)
 {
-    return thrown_stone_potential(p, t, q, v, u);
+    return thrown_stone_potential((const struct thrown_stone_params *)p, t, q, v, u);
 }
 
 static void thrown_stone_sys_event(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                                    const pk_real *u, pk_real *out)
 {
-    thrown_stone_event(p, t, q, v, u, out);
+    thrown_stone_event((const struct thrown_stone_params *)p, t, q, v, u, out);
 }
 
 static void thrown_stone_sys_switching(const void *p, pk_real t, const pk_real *q,
                                        const pk_real *v, const pk_real *u, pk_real *out)
 {
-    thrown_stone_switching(p, t, q, v, u, out);
+    thrown_stone_switching((const struct thrown_stone_params *)p, t, q, v, u, out);
 }
 
 static unsigned long long thrown_stone_sys_lanes(const void *p, const pk_real *t,
                                                  const pk_real *q, const pk_real *v,
                                                  const pk_real *u, pk_real *a)
 {
-    return thrown_stone_lanes(p, t, q, v, u, a);
+    return thrown_stone_lanes((const struct thrown_stone_params *)p, t, q, v, u, a);
 }
 
 static const struct pk_quantity thrown_stone_sys_switches[1] = {
@@ -580,10 +583,6 @@ const struct pk_system thrown_stone_system = {
     .prepare = thrown_stone_sys_prepare,
     .bounds = thrown_stone_sys_bounds,
     .start = thrown_stone_sys_start,
-    .lanes = thrown_stone_sys_lanes,
-    .members = thrown_stone_members,
-    .events.n = 2,
-    .events.table = thrown_stone_events,
     .acceleration = thrown_stone_sys_acceleration,
     .mass = thrown_stone_sys_mass,
     .force = thrown_stone_sys_force,
@@ -594,12 +593,13 @@ const struct pk_system thrown_stone_system = {
     .kinetic = thrown_stone_sys_kinetic,
     .potential = thrown_stone_sys_potential,
     .linear = thrown_stone_sys_linear,
-    .events.values = thrown_stone_sys_event,
-    .switches.values = thrown_stone_sys_switching,
-    .switches.n = 1,
-    .switches.names = thrown_stone_sys_switches,
-    .switches.sides = offsetof(struct thrown_stone_params, side_),
+    .lanes = thrown_stone_sys_lanes,
+    .members = thrown_stone_members,
     .steppers = PK_INLINE_STEPPERS,
-    .block_steppers = PK_INLINE_BLOCK_STEPPERS
+    .block_steppers = PK_INLINE_BLOCK_STEPPERS,
+    .events = {.n = 2, .table = thrown_stone_events, .values = thrown_stone_sys_event},
+    .switches = {.n = 1, .names = thrown_stone_sys_switches,
+        .sides = offsetof(struct thrown_stone_params, side_),
+        .values = thrown_stone_sys_switching},
 };
 #endif

@@ -148,6 +148,15 @@ typedef uint64_t pk_bits;
  * makes vector code of lanes from SSE4.2 on, not of plain SSE2: give -march=native. */
 #define PK_LANES 8
 
+/* C++ has no such word, but compilers have. */
+#if defined __cplusplus && (defined __GNUC__ || defined _MSC_VER)
+#define PK_RESTRICT __restrict
+#elif defined __cplusplus
+#define PK_RESTRICT
+#else
+#define PK_RESTRICT restrict
+#endif
+
 #if defined __GNUC__
 #define PK_INLINE inline __attribute__((always_inline, unused))
 #define PK_RARELY __attribute__((noinline, cold))

@@ -10,7 +10,6 @@ from difflib import get_close_matches
 from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
 
-
 READ: dict[str, None] = {}  # the files read so far, in this order: what is made depends on them
 
 

@@ -178,4 +178,10 @@
                                                  .traits = flags,                                  \
                                                  A(of)};
 
+/* Each by its name, pk_method_rk4: a program that names the one it takes links its family alone,
+ * where pk_method_find() links all of them. */
+PK_BEGIN
+PK_METHODS_CORE(PK_DECLARE_METHOD, )
+PK_END
+
 #endif

@@ -16,6 +16,7 @@
 #include <pk/limits.h>
 #include <pk/lyapunov.h>
 #include <pk/method.h>
+#include <pk/methods.h>
 #include <pk/particles.h>
 #include <pk/real.h>
 #include <pk/reversal.h>

@@ -28,7 +28,6 @@ void pk_gauss_make_matrices(struct pk_gauss_matrices *M);
 #define PK_DECLARE_TABLE(A, name, p, s, p_dense, flags, of, text) \
     extern const struct pk_gauss pk_##of##_table;
 PK_METHODS_COLLOCATION(PK_DECLARE_TABLE, )
-PK_METHODS_CORE(PK_DECLARE_METHOD, )
 /* Coordinates that `exponential` is for: of so many, its matrix takes seconds to make. */
 enum { PK_EXPONENTIAL_MOST = 256 };
 

@@ -36,7 +36,9 @@ def table(name: str, own: Iterable[Own]) -> str:
     stages = re.search(_ROWS.format(name=name), text)
     assert stages and len(lists) == 2, name
     entries = f"{stages[1]}, pk_{name}_kick, pk_{name}_drift"
-    return "\n".join([*lists, f"static const struct pk_splitting pk_{name}_table = {{{entries}}};\n"])
+    return "\n".join(
+        [*lists, f"static const struct pk_splitting pk_{name}_table = {{{entries}}};\n"]
+    )
 
 
 def _words(text: str) -> list[str]:

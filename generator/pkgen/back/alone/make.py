@@ -12,7 +12,13 @@ from ..templates import filled
 from .step import HERE, KERNELS, Step
 
 OPTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("--scalar", {"choices": ("double", "float"), "help": "the type of its numbers: double, of firmware float"}),
+    (
+        "--scalar",
+        {
+            "choices": ("double", "float"),
+            "help": "the type of its numbers: double, of firmware float",
+        },
+    ),
     ("--no-libm", {"action": "store_true", "help": "angles up to 1.5e6 (float: 1.5e3), no libm"}),
 )
 EVERY: tuple[tuple[str, dict[str, Any]], ...] = (

@@ -100,7 +100,9 @@ class Step:
             if there
         )
         text = plain(text, {"PK_RUNTIME": False})
-        return text.replace(at, defined.replace("NAME", self.name) + "\n" + at, 1) if defined else text
+        return (
+            text.replace(at, defined.replace("NAME", self.name) + "\n" + at, 1) if defined else text
+        )
 
     def step_header(self, include: str) -> str:
         return filled(HERE, "step.h.j2", header=include, **self._context())

@@ -106,7 +106,8 @@ def _order() -> list[str]:
         members[struct] = [
             (declared.split()[1], name)  # what follows `struct`, if that is what it begins with
             for declared in body.split(";")[:-1]
-            for name in re.findall(r"\(\*(\w+)\)", declared) or re.findall(r"(\w+)(?=,|$)", declared)
+            for name in re.findall(r"\(\*(\w+)\)", declared)
+            or re.findall(r"(\w+)(?=,|$)", declared)
         ]
     return [
         f"{name}.{inner}" if inner else name

@@ -54,9 +54,9 @@ static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t
 }
 
 /* y = y0 + h sum a_j k_j, m numbers, rows of k `stride` apart. */
-static PK_INLINE void pk_block_combine(pk_real *PK_RESTRICT y, const pk_real *PK_RESTRICT y0, pk_real h,
-                                       const pk_real *a, int count, const pk_real *PK_RESTRICT k,
-                                       size_t stride, size_t m)
+static PK_INLINE void pk_block_combine(pk_real *PK_RESTRICT y, const pk_real *PK_RESTRICT y0,
+                                       pk_real h, const pk_real *a, int count,
+                                       const pk_real *PK_RESTRICT k, size_t stride, size_t m)
 {
     PK_LANE_LOOP
     for (size_t i = 0; i < m; i++)
@@ -65,8 +65,9 @@ static PK_INLINE void pk_block_combine(pk_real *PK_RESTRICT y, const pk_real *PK
 
 /* The same with a compensated sum. */
 static PK_INLINE void pk_block_sum(pk_real *PK_RESTRICT y, const pk_real *PK_RESTRICT y0,
-                                   pk_real *PK_RESTRICT low, const pk_real *PK_RESTRICT low0, pk_real h,
-                                   const pk_real *b, int count, const pk_real *PK_RESTRICT k, size_t m)
+                                   pk_real *PK_RESTRICT low, const pk_real *PK_RESTRICT low0,
+                                   pk_real h, const pk_real *b, int count,
+                                   const pk_real *PK_RESTRICT k, size_t m)
 {
     PK_LANE_LOOP
     for (size_t i = 0; i < m; i++) {

@@ -30,40 +30,34 @@ struct pk_integrator_private {
     pk_real judged_passed;  /* by their progress: that, their number with those rejected, and t */
     pk_real judged_t;
     unsigned long judged;
-    pk_real next_t;         /* end of the step being made */
-    pk_real h;              /* signed step, made or to be made */
-    pk_real anchor, grid;   /* fixed steps: t = anchor + grid * h, never a running sum */
-    pk_real error;          /* adaptive: of the last accepted step, in units of the tolerance */
-    int off_grid;           /* fixed steps: the one being made is shorter, and ends the grid */
-    int ready;              /* a start was accepted; without it nothing steps */
-    int made;               /* what the method makes once, whatever the start */
-    int direction;          /* +1, -1, 0 before the first step */
-    int flags;              /* the method's own */
-    pk_real condition;      /* of a singular M: the least pivot beside its diagonal entry */
-    pk_real *project;       /* rotations and constraints: src/constraints/project.c; NULL: none */
-    pk_real *passage;       /* src/constraints/passage.c; NULL: there are no constraints */
+    pk_real next_t;          /* end of the step being made */
+    pk_real h;               /* signed step, made or to be made */
+    pk_real anchor, grid;    /* fixed steps: t = anchor + grid * h, never a running sum */
+    pk_real error;           /* adaptive: of the last accepted step, in units of the tolerance */
+    int off_grid;            /* fixed steps: the one being made is shorter, and ends the grid */
+    int ready;               /* a start was accepted; without it nothing steps */
+    int made;                /* what the method makes once, whatever the start */
+    int direction;           /* +1, -1, 0 before the first step */
+    int flags;               /* the method's own */
+    pk_real condition;       /* of a singular M: the least pivot beside its diagonal entry */
+    pk_real *project;        /* rotations and constraints: src/constraints/project.c; NULL: none */
+    pk_real *passage;        /* src/constraints/passage.c; NULL: there are no constraints */
     int crossed, near, seen; /* the last step was made by it; where the step is near one */
-    pk_real *params;        /* room for a copy of them */
-    pk_real *marks;         /* values at the begin, ...: src/core/marks.c; NULL: there are none */
-    int marked, unlooked;   /* whether those at the begin are known; steps not looked at */
-    pk_real reach, rise;    /* how long the next step may be for them, 0: any; the one behind */
-    pk_real calm;           /* so long a step was made in which they hardly vary */
-    pk_real range, varied;  /* by how much they vary in the trial step, and where they matter */
-    enum pk_status trouble; /* what the last trial step that broke down met, when, and its */
-    pk_real trouble_t;      /* where and condition: the cause to name if steps then shrink to */
-    size_t trouble_where;   /* nothing just before it */
+    pk_real *params;         /* room for a copy of them */
+    pk_real *marks;          /* values at the begin, ...: src/core/marks.c; NULL: there are none */
+    int marked, unlooked;    /* whether those at the begin are known; steps not looked at */
+    pk_real reach, rise;     /* how long the next step may be for them, 0: any; the one behind */
+    pk_real calm;            /* so long a step was made in which they hardly vary */
+    pk_real range, varied;   /* by how much they vary in the trial step, and where they matter */
+    enum pk_status trouble;  /* what the last trial step that broke down met, when, and its */
+    pk_real trouble_t;       /* where and condition: the cause to name if steps then shrink to */
+    size_t trouble_where;    /* nothing just before it */
     pk_real trouble_condition;
     void *extra; /* of a foreign library */
 };
 
 /* it->own->flags */
-enum {
-    PK_HAVE_A = 1,
-    PK_HAVE_LU = 2,
-    PK_HAVE_STEP = 4,
-    PK_HAVE_DENSE = 8,
-    PK_REFRESH = 16
-};
+enum { PK_HAVE_A = 1, PK_HAVE_LU = 2, PK_HAVE_STEP = 4, PK_HAVE_DENSE = 8, PK_REFRESH = 16 };
 
 /* What number i of q and v, which goes from a to b, may err by. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
