@@ -67,7 +67,8 @@ def run(options: argparse.Namespace) -> int:
     directory.mkdir(parents=True, exist_ok=True)
     files = {directory / name: text for name, text in compilation.files.items()}
     if options.depfile:
-        files[Path(options.depfile)] = _depends(list(files))
+        source = directory / f"{compilation.model.name}.c"
+        files[Path(options.depfile)] = _depends([source, *(f for f in files if f != source)])
     replace(files)
     if options.json:
         files = [str(directory / name) for name in compilation.files]
@@ -77,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _depends(made: list[Path]) -> str:
-    """A rule of make: what was made of which files."""
+    """A rule of make: what was made of which files. ninja knows it by its first name."""
     left, right = (
         " ".join(re.sub(r"([ #\\])", r"\\\1", str(path)).replace("$", "$$") for path in paths)
         for paths in (made, READ)
