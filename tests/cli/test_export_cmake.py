@@ -1,4 +1,4 @@
-"""A model in projects of CMake, make with pkg-config, and Meson: the examples of the docs, from clean folders."""
+"""A model in projects of CMake, make with pkg-config, Meson: the examples of the docs."""
 
 from __future__ import annotations
 
