@@ -1,0 +1,137 @@
+"""A model with one method and no runtime: one C file, firmware, an Arduino library."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import ROOT, STRICT, long_but, run_pkgen, table
+from pkgen.methods import METHODS
+
+MODELS = sorted((ROOT / "models").rglob("*.lag"))
+PENDULUM = ROOT / "models/double_pendulum.lag"
+KEPLER = ROOT / "models/particles/kepler.lag"
+FREE = ["-ffp-contract=off", "-fno-math-errno"]
+
+
+def export(model: Path, host: str, to: Path, *words: object) -> subprocess.CompletedProcess[str]:
+    return run_pkgen("export", model, "--as", host, "-o", to, *words)
+
+
+def rows_of(folder: Path, model: Path, *words: object, flags: list[str]) -> str:
+    """What the exported program prints; the file alone is compiled, in a folder of its own."""
+    done = export(model, "single", folder / "one.c", *words)
+    assert done.returncode == 0, done.stderr
+    command = ["gcc", "-std=c99", "-O2", *FREE, *flags, "one.c", "-o", "one", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    return subprocess.run([folder / "one"], capture_output=True, text=True, check=True).stdout
+
+
+def compare(said: str, model: Path, *words: object) -> float:
+    """Heads are the same; the largest difference, relative to the largest number of its column."""
+    run = run_pkgen("run", model, *words)
+    assert run.returncode == 0, run.stderr
+    (head, rows), (expected, wanted) = table(said), table(run.stdout)
+    assert head == expected and len(rows) == len(wanted) > 10
+    worst = 0.0
+    for column in range(len(head)):
+        scale = max(abs(row[column]) for row in wanted) or 1.0
+        pairs = zip(rows, wanted, strict=True)
+        worst = max(worst, *(abs(a[column] - b[column]) / scale for a, b in pairs))
+    return worst
+
+
+FIXED = [n for n, m in METHODS.items() if m.family in ("ERK", "SPLITTING")]
+
+
+@pytest.mark.parametrize("method", long_but(["rk4", "verlet", "blanes_moan4"], FIXED))
+def test_rows_are_those_of_a_run_to_the_bit(method: str, tmp_path: Path) -> None:
+    words = ("--method", method, "--step", "0.01", "--until", "5", "--every", "0.1")
+    model = ROOT / "models/coupled_oscillators.lag"
+    said = rows_of(tmp_path, model, *words, flags=["-march=native"])
+    assert compare(said, model, *words) == 0
+    assert compare(said, model, *words[:3], "0.02", *words[4:]) > 0  # it does follow the step
+
+
+def test_values_and_starts_that_are_given_are_in_it(tmp_path: Path) -> None:
+    words = ("--method", "rk4", "--step", "1e-3", "--until", "1", "--every", "0.05")
+    words += ("--set", "l2=0.5", "--start", "theta1=20 [deg]", "--start", "theta2'=0.7")
+    said = rows_of(tmp_path, PENDULUM, *words, flags=["-march=native"])
+    assert compare(said, PENDULUM, *words) == 0
+
+
+def test_a_tableau_of_ones_own_is_taken(tmp_path: Path) -> None:
+    words = ("--composition", "0.3,0.4,0.3", "--method", "composition", "--step", "0.01")
+    words += ("--until", "2", "--every", "0.1")
+    model = ROOT / "models/coupled_oscillators.lag"
+    assert compare(rows_of(tmp_path, model, *words, flags=["-march=native"]), model, *words) == 0
+
+
+def fits(model: Path) -> bool:
+    """Without what a step alone does not do."""
+    text = re.sub(r"#.*", "", model.read_text())
+    return not re.search(r"^\s*(constraint|rotation|body|event|input)\b|\b(abs|step)\(", text, re.M)
+
+
+ALL = [model for model in MODELS if fits(model)]
+
+
+@pytest.mark.parametrize("model", long_but([KEPLER], ALL), ids=lambda path: path.stem)
+def test_every_model_is_that_of_a_run(model: Path, tmp_path: Path) -> None:
+    """Without fused multiply-add on both sides, by any compiler's flags."""
+    words = ("--method", "rk4", "--step", "1e-3", "--until", "0.1", "--every", "0.002")
+    said = rows_of(tmp_path, model, *words, flags=["-march=native", "-DPK_PORTABLE"])
+    assert compare(said, model, *words, "--portable") <= 1e-15
+
+
+@pytest.mark.parametrize("host", ["freestanding", "arduino"])
+def test_firmware_has_no_double_and_no_libm(host: str, tmp_path: Path) -> None:
+    """Compiled as the strictest users do; what it needs of a library is what is said."""
+    words = ("--method", "rk4", "--step", "1e-3", "--no-libm")
+    done = export(PENDULUM, host, tmp_path / "f", *words)
+    assert done.returncode == 0, done.stderr
+    sources = sorted((tmp_path / "f").rglob("*.c"))
+    assert len(sources) == 2
+    command = ["gcc", *STRICT, "-Os", *FREE, "-fno-stack-protector", "-c", *map(str, sources)]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    said = subprocess.run(
+        ["nm", "-u", *map(str, tmp_path.glob("*.o"))], capture_output=True, text=True, check=True
+    ).stdout
+    needed = set(re.findall(r"U (\w+)", said))
+    assert {n for n in needed if not n.startswith("double_pendulum_")} <= {"memcpy", "memset"}
+
+
+WRONG = [
+    (PENDULUM, ("--step", "1e-3"), "the method gauss is not one of fixed explicit steps"),
+    (PENDULUM, ("--method", "verlet", "--step", "1e-3"), "give --method: euler, rk2, rk3, rk4"),
+    (PENDULUM, ("--method", "rk4"), "give it by --step H"),
+    (ROOT / "models/constrained/pendulum_rod.lag", (), "has constraints"),
+    (ROOT / "models/bodies/free_body.lag", (), "has rotations"),
+    (PENDULUM, ("--step", "0.003"), "give whole multiples"),
+]
+
+
+@pytest.mark.parametrize(("model", "words", "said"), WRONG)
+def test_what_it_has_not_is_said(
+    model: Path, words: tuple[str, ...], said: str, tmp_path: Path
+) -> None:
+    if "--method" not in words and said[:3] != "the":
+        words = (*words, "--method", "rk4")
+    if "--step" not in words and "--step" not in said:
+        words = (*words, "--step", "1e-3")
+    done = export(model, "single", tmp_path / "one.c", *words)
+    assert done.returncode == 2 and said in done.stderr, done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_motion_that_ends_says_when(tmp_path: Path) -> None:
+    """An angle beyond those that firmware is for."""
+    words = ("--method", "rk4", "--step", "1e-3", "--until", "1", "--every", "0.1", "--no-libm")
+    words += ("--start", "theta1=1530", "--start", "theta1'=9", "--scalar", "float")
+    done = export(PENDULUM, "single", tmp_path / "one.c", *words)
+    assert done.returncode == 0, done.stderr
+    subprocess.run(["gcc", "-O2", *FREE, "one.c", "-o", "one"], cwd=tmp_path, check=True)
+    ran = subprocess.run([tmp_path / "one"], capture_output=True, text=True, check=False)
+    assert ran.returncode == 4 and "the last valid time is 0." in ran.stderr
