@@ -69,21 +69,21 @@ def test_a_tableau_of_ones_own_is_taken(tmp_path: Path) -> None:
     assert compare(rows_of(tmp_path, model, *words, flags=["-march=native"]), model, *words) == 0
 
 
-def fits(model: Path) -> bool:
-    """Without what a step alone does not do."""
-    text = re.sub(r"#.*", "", model.read_text())
-    return not re.search(r"^\s*(constraint|rotation|body|event|input)\b|\b(abs|step)\(", text, re.M)
-
-
-ALL = [model for model in MODELS if fits(model)]
-
-
-@pytest.mark.parametrize("model", long_but([KEPLER], ALL), ids=lambda path: path.stem)
+@pytest.mark.parametrize("model", long_but([KEPLER], MODELS), ids=lambda path: path.stem)
 def test_every_model_is_that_of_a_run(model: Path, tmp_path: Path) -> None:
-    """Without fused multiply-add on both sides, by any compiler's flags."""
+    """Without fused multiply-add on both sides, or it is refused for what a step alone is without.
+    Families that a run keeps as loops are written out here: other roundings."""
     words = ("--method", "rk4", "--step", "1e-3", "--until", "0.1", "--every", "0.002")
-    said = rows_of(tmp_path, model, *words, flags=["-march=native", "-DPK_PORTABLE"])
-    assert compare(said, model, *words, "--portable") <= 1e-15
+    done = export(model, "single", tmp_path / "one.c", *words)
+    if done.returncode == 2:
+        assert re.search(r"has (constraints|rotations)", done.stderr), done.stderr
+        assert not list(tmp_path.iterdir())
+        return
+    said = rows_of(tmp_path, model, *words, flags=["-DPK_PORTABLE"])
+    loops = re.search(r"1\.\.N", model.read_text())
+    worst = compare(said, model, *words, "--portable")
+    print(model.stem, worst)
+    assert worst <= (1e-11 if loops else 1e-15)
 
 
 @pytest.mark.parametrize("host", ["freestanding", "arduino"])

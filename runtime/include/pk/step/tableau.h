@@ -82,8 +82,9 @@ static PK_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *
 static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h, const pk_real *a,
                                      int count, const pk_real *k, size_t m)
 {
+    const size_t whole = m - m % 4;
     size_t i = 0;
-    for (; i + 4 <= m; i += 4) { /* four sums at once hide their latency */
+    for (; i < whole; i += 4) { /* four sums at once hide their latency */
         pk_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
         int any = 0;
         PK_UNROLL
