@@ -7,8 +7,10 @@
 
 /* Members that are gone through at once: a constant, so that compilers vectorise plain loops. */
 #define fput_CHUNK 64
+/* Those whose forces of bonds are kept. */
+#define fput_BLOCK 1024
 /* A bond reaches over so many members at most where its force is computed once for both ends. */
-#define fput_BOND 4
+#define fput_BOND 8
 
 PK_INLINE static ptrdiff_t fput_most(ptrdiff_t a, ptrdiff_t b)
 {
@@ -424,31 +426,29 @@ void fput_force(const struct fput_params *p, pk_real t, const pk_real *q, const 
         const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 2;
         const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m, base;
+        ptrdiff_t m, base, chunk;
 
         for (m = 1; m < lo && m < end; m++) {
             pk_real r[1];
             fput_force_q_part(p, t, q, v, u, m, r);
             f[m - 1] = r[0];
         }
-        for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            for (m = base; m < base + fput_CHUNK; m++) {
-                pk_real r[1];
-                (void)fput_force_q_inner(p, t, q, v, u, m, r);
-                f[m - 1] = r[0];
-            }
-        if (base <= hi) {
-            const ptrdiff_t count = hi + 1 - base;
-            {
-                for (m = base; m < base + count; m++) {
+        for (base = m; base <= hi; base += fput_BLOCK) {
+            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
+            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
+                for (m = chunk; m < chunk + fput_CHUNK; m++) {
                     pk_real r[1];
                     (void)fput_force_q_inner(p, t, q, v, u, m, r);
                     f[m - 1] = r[0];
                 }
-            }
-            base = hi + 1;
+            if (chunk < stop)
+                for (m = chunk; m < stop; m++) {
+                    pk_real r[1];
+                    (void)fput_force_q_inner(p, t, q, v, u, m, r);
+                    f[m - 1] = r[0];
+                }
         }
-        for (m = base; m < end; m++) {
+        for (m = fput_most(m, hi + 1); m < end; m++) {
             pk_real r[1];
             fput_force_q_part(p, t, q, v, u, m, r);
             f[m - 1] = r[0];
@@ -464,7 +464,7 @@ void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, co
         const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 2;
         const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m, base;
+        ptrdiff_t m, base, chunk;
 
         for (m = 1; m < lo && m < end; m++) {
             pk_real r[2];
@@ -472,26 +472,24 @@ void fput_canonical(const struct fput_params *p, pk_real t, const pk_real *q, co
             momenta[m - 1] = r[0];
             pdot[m - 1] = r[1];
         }
-        for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            for (m = base; m < base + fput_CHUNK; m++) {
-                pk_real r[2];
-                (void)fput_canonical_q_inner(p, t, q, v, u, m, r);
-                momenta[m - 1] = r[0];
-                pdot[m - 1] = r[1];
-            }
-        if (base <= hi) {
-            const ptrdiff_t count = hi + 1 - base;
-            {
-                for (m = base; m < base + count; m++) {
+        for (base = m; base <= hi; base += fput_BLOCK) {
+            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
+            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
+                for (m = chunk; m < chunk + fput_CHUNK; m++) {
                     pk_real r[2];
                     (void)fput_canonical_q_inner(p, t, q, v, u, m, r);
                     momenta[m - 1] = r[0];
                     pdot[m - 1] = r[1];
                 }
-            }
-            base = hi + 1;
+            if (chunk < stop)
+                for (m = chunk; m < stop; m++) {
+                    pk_real r[2];
+                    (void)fput_canonical_q_inner(p, t, q, v, u, m, r);
+                    momenta[m - 1] = r[0];
+                    pdot[m - 1] = r[1];
+                }
         }
-        for (m = base; m < end; m++) {
+        for (m = fput_most(m, hi + 1); m < end; m++) {
             pk_real r[2];
             fput_canonical_q_part(p, t, q, v, u, m, r);
             momenta[m - 1] = r[0];
@@ -508,31 +506,29 @@ void fput_momenta(const struct fput_params *p, pk_real t, const pk_real *q, cons
         const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 1;
         const ptrdiff_t hi = p->N;
-        ptrdiff_t m, base;
+        ptrdiff_t m, base, chunk;
 
         for (m = 1; m < lo && m < end; m++) {
             pk_real r[1];
             fput_momenta_q_part(p, t, q, v, u, m, r);
             momenta[m - 1] = r[0];
         }
-        for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            for (m = base; m < base + fput_CHUNK; m++) {
-                pk_real r[1];
-                (void)fput_momenta_q_inner(p, t, q, v, u, m, r);
-                momenta[m - 1] = r[0];
-            }
-        if (base <= hi) {
-            const ptrdiff_t count = hi + 1 - base;
-            {
-                for (m = base; m < base + count; m++) {
+        for (base = m; base <= hi; base += fput_BLOCK) {
+            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
+            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
+                for (m = chunk; m < chunk + fput_CHUNK; m++) {
                     pk_real r[1];
                     (void)fput_momenta_q_inner(p, t, q, v, u, m, r);
                     momenta[m - 1] = r[0];
                 }
-            }
-            base = hi + 1;
+            if (chunk < stop)
+                for (m = chunk; m < stop; m++) {
+                    pk_real r[1];
+                    (void)fput_momenta_q_inner(p, t, q, v, u, m, r);
+                    momenta[m - 1] = r[0];
+                }
         }
-        for (m = base; m < end; m++) {
+        for (m = fput_most(m, hi + 1); m < end; m++) {
             pk_real r[1];
             fput_momenta_q_part(p, t, q, v, u, m, r);
             momenta[m - 1] = r[0];
@@ -548,31 +544,29 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
         const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 2;
         const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m, base;
+        ptrdiff_t m, base, chunk;
 
         for (m = 1; m < lo && m < end; m++) {
             pk_real r[1];
             fput_gradient_q_part(p, t, q, v, u, m, r);
             dLdq[m - 1] = r[0];
         }
-        for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            for (m = base; m < base + fput_CHUNK; m++) {
-                pk_real r[1];
-                (void)fput_gradient_q_inner(p, t, q, v, u, m, r);
-                dLdq[m - 1] = r[0];
-            }
-        if (base <= hi) {
-            const ptrdiff_t count = hi + 1 - base;
-            {
-                for (m = base; m < base + count; m++) {
+        for (base = m; base <= hi; base += fput_BLOCK) {
+            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
+            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
+                for (m = chunk; m < chunk + fput_CHUNK; m++) {
                     pk_real r[1];
                     (void)fput_gradient_q_inner(p, t, q, v, u, m, r);
                     dLdq[m - 1] = r[0];
                 }
-            }
-            base = hi + 1;
+            if (chunk < stop)
+                for (m = chunk; m < stop; m++) {
+                    pk_real r[1];
+                    (void)fput_gradient_q_inner(p, t, q, v, u, m, r);
+                    dLdq[m - 1] = r[0];
+                }
         }
-        for (m = base; m < end; m++) {
+        for (m = fput_most(m, hi + 1); m < end; m++) {
             pk_real r[1];
             fput_gradient_q_part(p, t, q, v, u, m, r);
             dLdq[m - 1] = r[0];
@@ -728,31 +722,29 @@ void fput_mass(const struct fput_params *p, pk_real t, const pk_real *q, const p
         const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 1;
         const ptrdiff_t hi = p->N;
-        ptrdiff_t m, base;
+        ptrdiff_t m, base, chunk;
 
         for (m = 1; m < lo && m < end; m++) {
             pk_real r[1];
             fput_mass_q_part(p, t, q, v, u, m, r);
             M[m - 1] = r[0];
         }
-        for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK)
-            for (m = base; m < base + fput_CHUNK; m++) {
-                pk_real r[1];
-                (void)fput_mass_q_inner(p, t, q, v, u, m, r);
-                M[m - 1] = r[0];
-            }
-        if (base <= hi) {
-            const ptrdiff_t count = hi + 1 - base;
-            {
-                for (m = base; m < base + count; m++) {
+        for (base = m; base <= hi; base += fput_BLOCK) {
+            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
+            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
+                for (m = chunk; m < chunk + fput_CHUNK; m++) {
                     pk_real r[1];
                     (void)fput_mass_q_inner(p, t, q, v, u, m, r);
                     M[m - 1] = r[0];
                 }
-            }
-            base = hi + 1;
+            if (chunk < stop)
+                for (m = chunk; m < stop; m++) {
+                    pk_real r[1];
+                    (void)fput_mass_q_inner(p, t, q, v, u, m, r);
+                    M[m - 1] = r[0];
+                }
         }
-        for (m = base; m < end; m++) {
+        for (m = fput_most(m, hi + 1); m < end; m++) {
             pk_real r[1];
             fput_mass_q_part(p, t, q, v, u, m, r);
             M[m - 1] = r[0];
@@ -786,7 +778,7 @@ int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, 
         const ptrdiff_t end = p->N + 1;
         const ptrdiff_t lo = 2;
         const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m, base;
+        ptrdiff_t m, base, chunk;
 
         for (m = 1; m < lo && m < end; m++) {
             pk_real r[2];
@@ -794,39 +786,33 @@ int fput_acceleration(const struct fput_params *p, pk_real t, const pk_real *q, 
             bad |= !(r[1] > 0);
             a[m - 1] = r[0] / r[1];
         }
-        for (base = m; base + fput_CHUNK - 1 <= hi; base += fput_CHUNK) {
-            pk_real flux[1 * (fput_CHUNK + fput_BOND)];
-            for (m = base - 1; m < base; m++)
-                (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux + (m - base + fput_BOND));
-            for (m = base; m < base + fput_CHUNK; m++)
-                (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux + (m - base + fput_BOND));
-            for (m = base; m < base + fput_CHUNK; m++) {
-                pk_real r[2];
-                (void)fput_acceleration_q_inner(p, t, q, v, u, flux + (m - base + fput_BOND), m,
-                    r);
-                a[m - 1] = r[0];
-            }
-        }
-        if (base <= hi) {
-            const ptrdiff_t count = hi + 1 - base;
-            {
-                pk_real flux[1 * (fput_CHUNK + fput_BOND)];
-                for (m = base - 1; m < base; m++)
+        for (base = m; base <= hi; base += fput_BLOCK) {
+            pk_real flux[1 * (fput_BLOCK + fput_BOND)];
+            const ptrdiff_t stop = fput_least(base + fput_BLOCK, hi + 1);
+            for (chunk = base - 1; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
+                for (m = chunk; m < chunk + fput_CHUNK; m++)
                     (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux
                         + (m - base + fput_BOND));
-                for (m = base; m < base + count; m++)
+            if (chunk < stop)
+                for (m = chunk; m < stop; m++)
                     (void)fput_acceleration_q_bond(p, t, q, v, u, m, flux
                         + (m - base + fput_BOND));
-                for (m = base; m < base + count; m++) {
+            for (chunk = base; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
+                for (m = chunk; m < chunk + fput_CHUNK; m++) {
                     pk_real r[2];
                     (void)fput_acceleration_q_inner(p, t, q, v, u, flux + (m - base + fput_BOND),
                         m, r);
                     a[m - 1] = r[0];
                 }
-            }
-            base = hi + 1;
+            if (chunk < stop)
+                for (m = chunk; m < stop; m++) {
+                    pk_real r[2];
+                    (void)fput_acceleration_q_inner(p, t, q, v, u, flux + (m - base + fput_BOND),
+                        m, r);
+                    a[m - 1] = r[0];
+                }
         }
-        for (m = base; m < end; m++) {
+        for (m = fput_most(m, hi + 1); m < end; m++) {
             pk_real r[2];
             fput_acceleration_q_part(p, t, q, v, u, m, r);
             bad |= !(r[1] > 0);
@@ -1095,162 +1081,146 @@ pk_real fput_potential(const struct fput_params *p, pk_real t, const pk_real *q,
     return total;
 }
 
-/* Kicks and drifts of splitting methods, v += kappa h a(q, t) and q += delta h v, fused: a chunk of
- * each family is kicked when the next 2 have drifted, so that a row finds its neighbours drifted
- * as well, and all is read and written once. Several stages follow each other 3 chunks
- * apart, within the near caches: memory is gone through once for fput_STAGES of them.
+/* Kicks v += kappa h a(q, t) and drifts q += delta h v of splitting methods, fused: a block of each
+ * family is kicked and then drifts, but for the last members, which the next rows still need. Several
+ * stages follow each other so closely that memory is gone through once for fput_STAGES of them.
  * Sums are not compensated: that would double the traffic. */
 enum {
-    fput_BLOCK = fput_CHUNK * 16,
-    fput_LEAD = fput_CHUNK * 2, /* of drifts before kicks */
-    fput_STAGES = 16
+    fput_STEP = 1024, /* members a block */
+    fput_TRAIL = 8, /* of kicks before drifts, whole lines of memory */
+    fput_STAGES = 32
 };
 
 /* The members from .. to - 1 of every family drift. */
-static void fput_drift_block(const struct fput_params *p, pk_real h, pk_real *PK_RESTRICT q,
-                             const pk_real *PK_RESTRICT v, ptrdiff_t from, ptrdiff_t to)
+static void fput_drift(const struct fput_params *p, pk_real h, pk_real *PK_RESTRICT q,
+                       const pk_real *PK_RESTRICT v, ptrdiff_t from, ptrdiff_t to)
 {
     (void)p;
+    if (!(h > 0 || h < 0))
+        return;
     {
         const ptrdiff_t end = fput_least(to, p->N + 1);
-        ptrdiff_t m, base = fput_most(from, 1);
-        for (; base + fput_CHUNK <= end; base += fput_CHUNK)
-            for (m = base; m < base + fput_CHUNK; m++)
+        ptrdiff_t m, chunk = fput_most(from, 1);
+        for (; chunk + fput_CHUNK <= end; chunk += fput_CHUNK)
+            for (m = chunk; m < chunk + fput_CHUNK; m++)
                 q[m - 1] += h * v[m - 1];
-        for (m = base; m < end; m++)
+        for (m = chunk; m < end; m++)
             q[m - 1] += h * v[m - 1];
     }
 }
 
-/* The members from .. to - 1 of every family are kicked: with `inside` those whose row reaches no
- * end, with `ends` the others. */
-static void fput_kick_block(const struct fput_params *p, pk_real t, pk_real h,
-                            const pk_real *PK_RESTRICT q, pk_real *PK_RESTRICT v, ptrdiff_t from,
-                            ptrdiff_t to, int inside, int ends)
+/* The first line of memory from m on, that lies a whole number of them from `from`. */
+static ptrdiff_t fput_line(ptrdiff_t m, ptrdiff_t from)
+{
+    return from + (m - from + 7) / 8 * 8;
+}
+
+/* The members from .. to - 1 of q are kicked: none of their rows reaches an end. With `drifts` each
+ * drifts at once. */
+PK_INLINE static void fput_kick_q(const struct fput_params *p, pk_real t, pk_real h,
+                                  pk_real delta, int drifts, pk_real *PK_RESTRICT q,
+                                  pk_real *PK_RESTRICT v, const pk_real *PK_RESTRICT flux,
+                                  ptrdiff_t base, ptrdiff_t from, ptrdiff_t to)
 {
     const pk_real *const u = NULL;
+    ptrdiff_t m, chunk;
 
     (void)u;
+    for (chunk = from; chunk + fput_CHUNK <= to; chunk += fput_CHUNK)
+        for (m = chunk; m < chunk + fput_CHUNK; m++) {
+            pk_real r[2];
+            (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base + fput_BOND), m, r);
+            v[m - 1] += h * r[0];
+            if (drifts) q[m - 1] += delta * v[m - 1];
+        }
+    if (chunk < to)
+        for (m = chunk; m < to; m++) {
+            pk_real r[2];
+            (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base + fput_BOND), m, r);
+            v[m - 1] += h * r[0];
+            if (drifts) q[m - 1] += delta * v[m - 1];
+        }
+}
+
+/* Those whose row reaches an end. */
+static void fput_kick_ends(const struct fput_params *p, pk_real t, pk_real h,
+                           const pk_real *PK_RESTRICT q, pk_real *PK_RESTRICT v, ptrdiff_t from,
+                           ptrdiff_t to)
+{
     {
         const ptrdiff_t end = fput_least(to, p->N + 1);
         const ptrdiff_t lo = 2;
         const ptrdiff_t hi = p->N - 1;
-        ptrdiff_t m, stop, base = fput_most(from, 1);
-        for (m = base; ends && m < end; m++)
+        ptrdiff_t m;
+        for (m = fput_most(from, 1); m < end; m++)
             if (m < lo || m > hi) {
                 pk_real r[2];
-                fput_acceleration_q_part(p, t, q, q, u, m, r);
+                fput_acceleration_q_part(p, t, q, q, NULL, m, r);
                 v[m - 1] += h * (r[0] / r[1]);
             } else {
                 m = fput_most(m, fput_least(end - 1, hi)); /* on to the other end */
             }
-        base = fput_most(base, lo);
-        stop = inside ? fput_least(end, hi + 1) : base;
-        for (; base + fput_CHUNK <= stop; base += fput_CHUNK) {
-            pk_real flux[1 * (fput_CHUNK + fput_BOND)];
-            for (m = base - 1; m < base + fput_CHUNK; m++)
-                (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base + fput_BOND));
-            {
-                for (m = base; m < base + fput_CHUNK; m++) {
-                    pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base + fput_BOND),
-                        m, r);
-                    v[m - 1] += h * r[0];
-                }
-            }
-        }
-        if (base < stop) {
-            const ptrdiff_t count = stop - base;
-            pk_real flux[1 * (fput_CHUNK + fput_BOND)];
-            for (m = base - 1; m < base + count; m++)
-                (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base + fput_BOND));
-            {
-                for (m = base; m < base + count; m++) {
-                    pk_real r[2];
-                    (void)fput_acceleration_q_inner(p, t, q, q, u, flux + (m - base + fput_BOND),
-                        m, r);
-                    v[m - 1] += h * r[0];
-                }
-            }
-        }
     }
 }
 
-/* Chunks from .. to - 1 of every family drift, and those fput_LEAD before them are kicked: none
- * of their rows reaches an end. Between the forces of a chunk's bonds and its rows, which read them
- * with another alignment, stands the drift: by then they have left the processor's store queue. */
-static void fput_interior(const struct fput_params *p, pk_real t, pk_real delta, pk_real kappa,
-                          pk_real *PK_RESTRICT q, pk_real *PK_RESTRICT v, ptrdiff_t from,
-                          ptrdiff_t to)
-{
-    const pk_real *const u = NULL;
-    const pk_real h = kappa;
-    ptrdiff_t m, base = from - fput_LEAD;
-    pk_real flux_q[1 * (fput_CHUNK + fput_BOND)];
-
-    (void)u;
-    for (m = base - 1; m < base; m++)
-        (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux_q + (m - base + fput_BOND));
-    for (; from < to; from += fput_CHUNK, base += fput_CHUNK) {
-        for (m = base; m < base + fput_CHUNK; m++)
-            (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux_q + (m - base + fput_BOND));
-        for (m = from; m < from + fput_CHUNK; m++)
-            q[m - 1] += delta * v[m - 1];
-        {
-            for (m = base; m < base + fput_CHUNK; m++) {
-                pk_real r[2];
-                (void)fput_acceleration_q_inner(p, t, q, q, u, flux_q + (m - base + fput_BOND), m,
-                    r);
-                v[m - 1] += h * r[0];
-            }
-        }
-        /* Bonds that reach into the next chunk. */
-        flux_q[3] = flux_q[3 + fput_CHUNK];
-    }
-}
-
-/* The same wherever the chunks from .. to - 1 are; `least` .. `most` are the rows of which none
- * reaches an end. */
+/* The members from .. to - 1 are kicked, and those fput_TRAIL before them drift. */
 static void fput_stage(const struct fput_params *p, pk_real t, pk_real delta, pk_real kappa,
                        pk_real *PK_RESTRICT q, pk_real *PK_RESTRICT v, ptrdiff_t from,
-                       ptrdiff_t to, ptrdiff_t least, ptrdiff_t most)
+                       ptrdiff_t to)
 {
-    const int kicks = kappa > 0 || kappa < 0;
+    const pk_real *const u = NULL;
+    const ptrdiff_t done = from - fput_TRAIL, last = to - fput_TRAIL;
 
-    while (from < to) {
-        const ptrdiff_t base = from - fput_LEAD;
-        const ptrdiff_t chunks = (fput_least(to, most + 1) - from) / fput_CHUNK;
-        if (kicks && base >= least && chunks > 0) {
-            fput_interior(p, t, delta, kappa, q, v, from, from + chunks * fput_CHUNK);
-            from += chunks * fput_CHUNK;
-            continue;
-        }
-        fput_drift_block(p, delta, q, v, from, from + fput_CHUNK);
-        if (kicks)
-            fput_kick_block(p, t, kappa, q, v, base, base + fput_CHUNK, 1, 1);
-        from += fput_CHUNK;
+    (void)u;
+    if (!(kappa > 0 || kappa < 0)) {
+        fput_drift(p, delta, q, v, done, last);
+        return;
+    }
+    fput_kick_ends(p, t, kappa, q, v, from, to);
+    {
+        const ptrdiff_t begin = fput_most(from, 2);
+        const ptrdiff_t stop = fput_least(to - 1, p->N - 1) + 1;
+        pk_real flux[1 * (fput_BLOCK + fput_BOND)];
+        const ptrdiff_t base = from;
+        const ptrdiff_t whole = fput_least(stop, fput_line(begin - 1, from));
+        ptrdiff_t m, chunk;
+        for (m = begin - 1; m < whole; m++)
+            (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base + fput_BOND));
+        for (chunk = whole; chunk + fput_CHUNK <= stop; chunk += fput_CHUNK)
+            for (m = chunk; m < chunk + fput_CHUNK; m++)
+                (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base + fput_BOND));
+        if (chunk < stop)
+            for (m = chunk; m < stop; m++)
+                (void)fput_acceleration_q_bond(p, t, q, q, u, m, flux + (m - base + fput_BOND));
+        const int drifts = delta > 0 || delta < 0;
+        const ptrdiff_t both = drifts ? fput_most(begin, fput_least(stop, last)) : begin;
+        const ptrdiff_t line = fput_least(fput_line(begin, from), both);
+        fput_drift(p, delta, q, v, done, fput_least(begin, last));
+        fput_kick_q(p, t, kappa, delta, 1, q, v, flux, from, begin, line);
+        fput_kick_q(p, t, kappa, delta, 1, q, v, flux, from, line, both);
+        fput_kick_q(p, t, kappa, delta, 0, q, v, flux, from, both, stop);
+        fput_drift(p, delta, q, v, both, last);
     }
 }
 
-/* One pass: `count` stages, each a drift by delta[s] and then a kick by kappa[s] at time[s]. Stage
- * s has drifted what lies before its end, s * (LEAD + CHUNK) behind that of the first, and kicked
- * all of that but the last LEAD. */
+/* One pass: `count` stages, each a kick by kappa[s] at time[s] and then a drift by delta[s]. Each
+ * begins where the one before it has drifted, two TRAIL behind that one's end. */
 static void fput_pass(const struct fput_params *p, int count, const pk_real *time,
                       const pk_real *delta, const pk_real *kappa, pk_real *q, pk_real *v)
 {
     const ptrdiff_t first = 1;
-    const ptrdiff_t last = p->N;
-    const ptrdiff_t least = 2;
-    const ptrdiff_t most = p->N - 1;
-    const ptrdiff_t lag = fput_LEAD + fput_CHUNK;
-    const ptrdiff_t done = last + fput_LEAD + (count - 1) * lag;
+    const ptrdiff_t end = p->N + 1 + fput_TRAIL;
+    const ptrdiff_t lag = 2 * fput_TRAIL;
     ptrdiff_t begin;
     int s;
 
-    for (begin = first; begin <= done; begin += fput_BLOCK)
-        for (s = 0; s < count; s++)
-            fput_stage(p, time[s], delta[s], kappa[s], q, v, fput_most(begin - s * lag, first),
-                fput_least(begin + fput_BLOCK - s * lag, last + 1 + fput_LEAD), least, most);
+    for (begin = first; begin < end + (count - 1) * lag; begin += fput_STEP)
+        for (s = 0; s < count; s++) {
+            const ptrdiff_t from = fput_most(begin - s * lag, first);
+            const ptrdiff_t to = fput_least(begin + fput_STEP - s * lag, end);
+            if (from < to)
+                fput_stage(p, time[s], delta[s], kappa[s], q, v, from, to);
+        }
 }
 
 void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
@@ -1259,25 +1229,24 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
 {
     const ptrdiff_t first = 1;
     const ptrdiff_t last = p->N;
+    /* What a block holds needs no stages in flight. */
+    const int most = last - first < fput_STEP - fput_TRAIL ? 1 : fput_STAGES;
+    const pk_real ends = kick[stages] * h; /* the last kick of a step and the first of the next are one */
     pk_real time[fput_STAGES], delta[fput_STAGES], kappa[fput_STAGES];
-    pk_real done = 0; /* fraction of the step drifted so far */
     unsigned long k;
     int i, count = 0;
 
     if (steps == 0)
         return;
-    if (kick[0] > 0 || kick[0] < 0)
-        fput_kick_block(p, t, kick[0] * h, q, v, first, last + 1, 1, 1);
     for (k = 0; k < steps; k++) {
         const pk_real start = t + (pk_real)k * h;
-        done = 0;
+        pk_real done = 0; /* fraction of the step drifted so far */
         for (i = 0; i < stages; i++) {
-            const int ends = i == stages - 1; /* its kick and the first of the next step are one */
-            done += drift[i];
+            kappa[count] = i == 0 && k > 0 ? ends + kick[0] * h : kick[i] * h;
+            time[count] = start + done * h;
             delta[count] = drift[i] * h;
-            kappa[count] = kick[i + 1] * h + (ends && k + 1 < steps ? kick[0] * h : 0);
-            time[count] = ends ? t + (pk_real)(k + 1) * h : start + done * h;
-            if (++count == fput_STAGES) {
+            done += drift[i];
+            if (++count == most) {
                 fput_pass(p, count, time, delta, kappa, q, v);
                 count = 0;
             }
@@ -1285,8 +1254,13 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
     }
     if (count)
         fput_pass(p, count, time, delta, kappa, q, v);
+    if (ends > 0 || ends < 0) {
+        time[0] = t + (pk_real)steps * h;
+        kappa[0] = ends;
+        delta[0] = 0;
+        fput_pass(p, 1, time, delta, kappa, q, v);
+    }
 }
-
 const char fput_source_hash[65] =
     "2a4e09d6d1d076981c404ed0dec573d27f84c37a9c4825aa78dee0f3492c57cd";
 

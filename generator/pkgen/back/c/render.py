@@ -100,7 +100,9 @@ PORTABLE = "#define PK_PORTABLE 1 /* no fused multiply-add: the same bits with a
 @cache
 def _order() -> list[str]:
     """The members of struct pk_system and of its parts, "events.table", as they are declared."""
-    text = re.sub(r"/\*.*?\*/", "", pasted("system.h"), flags=re.DOTALL)
+    headers = sorted(Path(pkgen_runtime.__file__).parent.glob("include/pk/system*.h"))
+    text = "".join(path.read_text(encoding="utf-8") for path in headers)
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     members = {}
     for struct, body in re.findall(r"struct (pk_\w+) \{(.*?)\n\};", text, re.DOTALL):
         members[struct] = [
