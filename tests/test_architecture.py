@@ -33,7 +33,7 @@ middle/particles
 middle/derive
 middle/reduce middle/loops
 back
-back/c back/fmu back/source back/web loop_proofs
+back/c back/fmu back/source back/web
 back/alone
 compiler
 run

@@ -129,7 +129,7 @@ def stages(
     with _no_collection():
         equations = _equations(model, kernels, called, self_test or canonical, unroll, needs)
         if isinstance(equations, LoopEquations):
-            from .loop_proofs import with_proofs
+            from .middle.loops.proofs import with_proofs
 
             equations = with_proofs(equations, file, use.of if use else None, symmetric)
     yield equations
@@ -262,7 +262,7 @@ def check_model(
 def _partly_proved(model: Model, facts: Facts) -> tuple[Diagnostic, ...]:
     if isinstance(facts, Structure):
         return ()
-    from .loop_proofs import partly_proved
+    from .middle.loops.proofs import partly_proved
 
     return partly_proved(model, facts)
 

@@ -18,7 +18,9 @@ import cmath
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import wraps
 from itertools import takewhile
+from typing import Any
 
 from ...record import record
 from ..chart.points import ChartedMethod
@@ -50,6 +52,20 @@ class Map:
         return self.growth is None or self.growth > 1 + OUTSIDE
 
 
+def _once(find: Callable[..., Any]) -> Callable[..., Any]:
+    """A method whose answers are kept: many equilibria and rows ask for the same."""
+
+    @wraps(find)
+    def kept(of: StepMap, *given: str | float) -> Any:
+        given = tuple(float(f"{x:.12g}") if isinstance(x, float) else x for x in given)
+        key = (find, *given)
+        if key not in of.found:
+            of.found[key] = find(of, *given)
+        return of.found[key]
+
+    return kept
+
+
 @dataclass
 class StepMap:
     """A method's map; answers are kept, since limits are asked for again for each equilibrium."""
@@ -59,26 +75,16 @@ class StepMap:
     states: bool = False  # of a system with first-order variables, stepped as u' = lambda u is
     bound: bool = False  # by rotations or constraints
     turning: bool = False  # with rotations
-    _found: dict[tuple[str, float], float | None] = field(default_factory=dict)
-    _angles: tuple[list[float], list[float]] | None = None
+    found: dict[tuple, Any] = field(default_factory=dict)
 
     def map(self, y: float, stiffness: float = 1, damping: float = 0) -> Map:
         """Of a step that was not made nothing is known."""
         given = {"method": self.traits.name, "stiffness": stiffness, "damping": damping}
         return made(Map, self.asker.ask("oscillator", h=float(y), **given))
 
-    def _once(self, what: str, x: float, find: Callable[[float], float | None]) -> float | None:
-        """find(x), remembered: many equilibria and rows ask for the same."""
-        key = (what, float(f"{x:.12g}"))
-        if key not in self._found:
-            self._found[key] = find(key[1])
-        return self._found[key]
-
-    def limit(self, damping_ratio: float = 0.0) -> float | None:
-        """None: no limit up to FURTHEST. 0: it grows at any step."""
-        return self._once("limit", damping_ratio, self._limit)
-
-    def _limit(self, ratio: float) -> float | None:
+    @_once
+    def limit(self, ratio: float) -> float | None:
+        """By the damping ratio. None: no limit up to FURTHEST. 0: it grows at any step."""
         known = self.traits.imaginary
         if self.states and self.traits.real == math.inf:
             return None
@@ -104,9 +110,10 @@ class StepMap:
         """None where no step up to FURTHEST is without a solution."""
         if not self.traits.implicit or (self.states and self._partitioned):
             return None
-        return self._once("pole", 0.0, self._pole)
+        return self._pole()
 
-    def _pole(self, _: float) -> float | None:
+    @_once
+    def _pole(self) -> float | None:
         """Where 1/trace vanishes, continued from below: steps this side of it may be refused."""
 
         def beyond(y: float) -> bool:
@@ -126,12 +133,11 @@ class StepMap:
         )
         return pole if abs(pole / edge - 1) < 1e-3 else None
 
+    @_once
     def resolves(self, grows: bool) -> float | None:
         """The first y at which LEAP steps on the oscillator are off by half of what it covers; or
         on what grows as fast, by half of what it has become. None: nowhere up to FURTHEST."""
-        return self._once("resolves", float(grows), self._unresolved)
 
-    def _unresolved(self, grows: float) -> float | None:
         def off(y: float) -> bool:
             step = self.map(y, -1.0 if grows else 1.0)
             if step.growth is None or step.trace is None:
@@ -144,21 +150,19 @@ class StepMap:
 
         return first_change(off, 0.0, FURTHEST, close=1e-9)
 
+    @_once
     def angles(self) -> tuple[list[float], list[float]]:
         """y and the angle a step, from 0 to where the map stops being a rotation (or FURTHEST)."""
-        if self._angles is None:
-            limit = self.limit()
-            far = FURTHEST if limit is None else limit
-            ys = [far * (k + 1) / COARSE for k in range(COARSE)] if far else []
-            turns = list(takewhile(lambda turn: turn is not None, (self.map(y).turn for y in ys)))
-            self._angles = ys[: len(turns)], turns
-        return self._angles
+        limit = self.limit(0.0)
+        far = FURTHEST if limit is None else limit
+        ys = [far * (k + 1) / COARSE for k in range(COARSE)] if far else []
+        turns = list(takewhile(lambda turn: turn is not None, (self.map(y).turn for y in ys)))
+        return ys[: len(turns)], turns
 
+    @_once
     def resonance(self, angle: float) -> float | None:
         """The first y at which a step turns by `angle`; None where it does not, or damps."""
-        return self._once("angle", angle, self._resonance)
 
-    def _resonance(self, angle: float) -> float | None:
         def past(y: float) -> bool:
             turn = self.map(y).turn
             return turn is None or turn >= angle
@@ -174,8 +178,9 @@ class StepMap:
         PAIRS; `ratio` is that of their true frequencies."""
         if kind == "1:2" and abs(ratio - 2) < 1e-6:
             return None  # they are so already; a step can but detune them
-        return self._once(kind, ratio, lambda x: self._pair(kind, x))
+        return self._pair(kind, ratio)
 
+    @_once
     def _pair(self, kind: str, ratio: float) -> float | None:
         def excess(y: float) -> float:
             slow, fast = self.map(y / ratio).turn, self.map(y).turn

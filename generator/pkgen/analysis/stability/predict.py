@@ -124,7 +124,7 @@ def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
     best: tuple[float, float] | None = None
     for mode in rates:
         if (mode.on_group and "group" not in step.traits.flags) or (
-            mode.frequency > 0 and step.limit() == 0
+            mode.frequency > 0 and step.limit(0.0) == 0
         ):
             continue
         ratio = round(-mode.growth / mode.rate, 2)

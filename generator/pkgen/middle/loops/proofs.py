@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from .equations import Claim, Facts
-from .front.check import check
-from .front.statements import File
-from .middle.analyze import analyze
-from .middle.analyze.proofs import OPEN
-from .middle.derive import derive
-from .middle.loops.loops import LoopEquations
-from .middle.quantities import families
-from .model import Model
-from .source import Diagnostic, ModelError
+from ...equations import Claim, Facts
+from ...front.check import check
+from ...front.statements import File
+from ...model import Model
+from ...source import Diagnostic, ModelError
+from ..analyze import analyze
+from ..analyze.proofs import OPEN
+from ..derive import derive
+from ..quantities import families
+from .loops import LoopEquations
 
 Use = Callable[[Model], tuple[Model, object]]  # what a scene makes of a model, and more
 
