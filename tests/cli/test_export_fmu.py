@@ -8,42 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import ROOT, long_but, run_pkgen
+from units import PENDULUM, TOP, fmpy, method, unit_  # noqa: F401
 
-fmpy = pytest.importorskip("fmpy", reason="FMPy is missing: pip install 'pkgen[fmu]'")
-from fmpy.validation import validate_fmu  # noqa: E402
+validate_fmu = pytest.importorskip("fmpy.validation").validate_fmu
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
-PENDULUM = ROOT / "models" / "double_pendulum.lag"
-TOP = ROOT / "models" / "bodies" / "heavy_top_rotation.lag"
 BOTH = ("3", "2")
-
-
-@pytest.fixture(scope="session")
-def unit(tmp_path_factory):
-    """The path of a unit of a model, made once."""
-    made: dict[tuple, Path] = {}
-
-    def make(model: Path | str, version: str = "3", *more: str) -> Path:
-        key = (model, version, more)
-        if key not in made:
-            folder = tmp_path_factory.mktemp("unit")
-            path = model
-            if isinstance(model, str):
-                path = folder / "m.lag"
-                path.write_text(model)
-            done = run_pkgen("export", path, "--as", "fmu", "--fmi", version, "-o", folder, *more)
-            assert done.returncode == 0, done.stderr
-            (made[key],) = folder.glob("*.fmu")
-        return made[key]
-
-    return make
-
-
-def method(path: Path, name: str) -> int:
-    """Its number in the enumeration."""
-    found = fmpy.read_model_description(str(path))
-    (variable,) = (v for v in found.modelVariables if v.name == "integrator.method")
-    return next(int(item.value) for item in variable.declaredType.items if item.name == name)
 
 
 def columns(result: np.ndarray) -> dict[str, np.ndarray]:

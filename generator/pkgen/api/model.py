@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import array
+import math
 import os
 import warnings
 from collections.abc import Iterator, Mapping, MutableMapping, Sequence
@@ -268,11 +269,12 @@ class Model:
         if places.shape[-1:] != (n,) or rates.shape[-1:] != (m,):
             raise ValueError(f"q must be of shape (..., {n}), v of shape (..., {m})")
         shape = numpy.broadcast_shapes(places.shape[:-1], rates.shape[:-1], numpy.shape(t))
+        count = math.prod(shape)  # -1 is not for a model of rotations alone, without coordinates
         return self._handle.evaluate(
             what,
             numpy.broadcast_to(numpy.asarray(t, float), shape).reshape(-1),
-            numpy.broadcast_to(places, (*shape, n)).reshape(-1, n),
-            numpy.broadcast_to(rates, (*shape, m)).reshape(-1, m),
+            numpy.broadcast_to(places, (*shape, n)).reshape(count, n),
+            numpy.broadcast_to(rates, (*shape, m)).reshape(count, m),
         ).reshape(*shape, -1)
 
     def acceleration(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:

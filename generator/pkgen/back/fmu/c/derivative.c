@@ -74,7 +74,8 @@ static enum unit_status differences(struct unit *unit, const unsigned *unknowns,
     memset(out, 0, n * sizeof *out);
     enum unit_status status = UNIT_OK;
     double e = 0.02 / size;
-    void (*const log)(const struct unit *, enum unit_status, const char *, const char *) = unit->log;
+    void (*const log)(const struct unit *, enum unit_status, const char *, const char *) =
+        unit->log;
     unit->log = NULL; /* a state aside may be none of the model's */
     for (int tries = 0; size > 0 && tries < TRIES; tries++, e /= 16) {
         double h = e;
@@ -124,15 +125,15 @@ static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_
     if (!a)
         return UNIT_DISCARD;
     double *const a_q = a + n, *const a_v = a_q + n * n, *const a_t = a_v + n * n;
-    const enum pk_status found = pk_system_linear(&problem, *unit->time, unit->q, unit->v, a, a_q,
-                                                  a_v, a_t, a_t + n);
+    const enum pk_status found =
+        pk_system_linear(&problem, *unit->time, unit->q, unit->v, a, a_q, a_v, a_t, a_t + n);
     memset(out, 0, n * sizeof *out);
     for (size_t k = 0; k < n_knowns && found == PK_DONE; k++) {
         const size_t j = index_of(knowns[k]);
         for (size_t i = 0; i < n; i++)
             out[i] += seed[k] * (kind_of(knowns[k]) == UNIT_TIME ? a_t[i]
                                  : j < unit->n_q                 ? a_q[i * n + j]
-                                                 : a_v[i * n + (j - unit->n_q)]);
+                                                                 : a_v[i * n + (j - unit->n_q)]);
     }
     free(a);
     return found == PK_DONE ? UNIT_OK : UNIT_DISCARD;
@@ -176,8 +177,8 @@ enum unit_status unit_derivative(struct unit *unit, const unsigned *unknowns, si
     for (size_t i = 0; i < n_unknowns; i++) {
         double ignored;
         const enum unit_kind kind = kind_of(unknowns[i]);
-        if (kind != UNIT_RATE && kind != UNIT_OUTPUT && kind != UNIT_ENERGY &&
-            kind != UNIT_CLAIM && kind != UNIT_INDICATOR && kind != UNIT_STATE)
+        if (kind != UNIT_RATE && kind != UNIT_OUTPUT && kind != UNIT_ENERGY && kind != UNIT_CLAIM &&
+            kind != UNIT_INDICATOR && kind != UNIT_STATE)
             return unit_say(unit, UNIT_ERROR, "logStatusError",
                             "there are no derivatives of variable %u", unknowns[i]);
         status = unit_get(unit, unknowns[i], &ignored);

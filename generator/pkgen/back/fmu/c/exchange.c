@@ -18,10 +18,11 @@ static enum unit_status take_sides(struct unit *unit)
         if (side == 0 || side == old)
             continue;
         if (old != 0 && s->switches.impulses && s->switches.impulses[k])
-            return unit_say(unit, UNIT_ERROR, "logStatusError",
-                            "rates jump where %s changes its sign, at t = %g: the unit does that in "
-                            "co-simulation, not in model exchange",
-                            s->switches.names[k].name, *unit->time);
+            return unit_say(
+                unit, UNIT_ERROR, "logStatusError",
+                "rates jump where %s changes its sign, at t = %g: the unit does that in "
+                "co-simulation, not in model exchange",
+                s->switches.names[k].name, *unit->time);
         unit->sides[k] = side;
     }
     if (unit->n_switches)

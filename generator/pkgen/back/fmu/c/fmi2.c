@@ -7,11 +7,11 @@
 
 #include "unit.h"
 
-#define CALL(modes)                                                          \
-    struct unit *const unit = (struct unit *)c;                              \
-    const enum unit_status refused = unit_allowed(unit, __func__, modes);    \
-    if (refused != UNIT_OK)                                                  \
-        return (fmi2Status)refused
+#define CALL(modes)                                                       \
+    struct unit *const unit = (struct unit *)c;                           \
+    const enum unit_status refused = unit_allowed(unit, __func__, modes); \
+    if (refused != UNIT_OK)                                               \
+    return (fmi2Status)refused
 
 /* What unit.environment is of FMI 2, and what its calls leave for later ones. */
 struct importer {
@@ -190,15 +190,15 @@ UNIT_SHOWN fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference r
 }
 
 /* No variable is of these types. */
-#define NO_VARIABLES(call, type)                                                              \
-    UNIT_SHOWN fmi2Status call(fmi2Component c, const fmi2ValueReference references[],        \
-                               size_t n, type values[])                                       \
-    {                                                                                         \
-        CALL(UNIT_ANY);                                                                       \
-        (void)references, (void)values;                                                       \
-        return n ? (fmi2Status)unit_say(unit, UNIT_ERROR, "logStatusError",                   \
-                                        "%s: no variable is of that type", __func__)          \
-                 : fmi2OK;                                                                    \
+#define NO_VARIABLES(call, type)                                                                 \
+    UNIT_SHOWN fmi2Status call(fmi2Component c, const fmi2ValueReference references[], size_t n, \
+                               type values[])                                                    \
+    {                                                                                            \
+        CALL(UNIT_ANY);                                                                          \
+        (void)references, (void)values;                                                          \
+        return n ? (fmi2Status)unit_say(unit, UNIT_ERROR, "logStatusError",                      \
+                                        "%s: no variable is of that type", __func__)             \
+                 : fmi2OK;                                                                       \
     }
 
 NO_VARIABLES(fmi2GetBoolean, fmi2Boolean)
@@ -260,8 +260,8 @@ UNIT_SHOWN fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte by
                                               fmi2FMUstate *state)
 {
     CALL(UNIT_ANY);
-    double *found =
-        bytes && state ? unit_deserialise(unit, (const unsigned char *)bytes, size) : NULL;
+    double *found = bytes && state ? unit_deserialise(unit, (const unsigned char *)bytes, size)
+                                   : NULL;
     if (!found)
         return (fmi2Status)unit_say(unit, UNIT_ERROR, "logStatusError",
                                     "these bytes are no state of this model");
@@ -374,8 +374,7 @@ UNIT_SHOWN fmi2Status fmi2SetRealInputDerivatives(fmi2Component c,
     if (n && (!references || !orders || !values))
         return null(unit, __func__);
     for (size_t i = 0; i < n; i++) {
-        const enum unit_status status =
-            unit_slope(unit, references[i], orders[i], values[i]);
+        const enum unit_status status = unit_slope(unit, references[i], orders[i], values[i]);
         if (status != UNIT_OK)
             return (fmi2Status)status;
     }
@@ -406,7 +405,7 @@ UNIT_SHOWN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real length,
         unit->slopes[i] = 0;
     }
     if (status == UNIT_OK && importer->made.ends)
-        return fmi2Discard; /* fmi2GetBooleanStatus(fmi2Terminated) says why */
+        return (fmi2Status)unit_early(unit); /* fmi2GetBooleanStatus(fmi2Terminated) says so */
     return (fmi2Status)status;
 }
 
@@ -416,8 +415,7 @@ UNIT_SHOWN fmi2Status fmi2CancelStep(fmi2Component c)
     return (fmi2Status)unit_say(unit, UNIT_ERROR, "logStatusError", "no step is pending");
 }
 
-UNIT_SHOWN fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind,
-                                        fmi2Real *value)
+UNIT_SHOWN fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value)
 {
     CALL(UNIT_STEPPING | UNIT_TERMINATED);
     if (!value || kind != fmi2LastSuccessfulTime)
@@ -438,13 +436,13 @@ UNIT_SHOWN fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind
 }
 
 /* Steps are never pending. */
-#define NO_STATUS(call, type)                                                                 \
-    UNIT_SHOWN fmi2Status call(fmi2Component c, const fmi2StatusKind kind, type *value)       \
-    {                                                                                         \
-        CALL(UNIT_ANY);                                                                       \
-        (void)kind, (void)value;                                                              \
-        return (fmi2Status)unit_say(unit, UNIT_ERROR, "logStatusError",                       \
-                                    "%s: no step is pending", __func__);                      \
+#define NO_STATUS(call, type)                                                                     \
+    UNIT_SHOWN fmi2Status call(fmi2Component c, const fmi2StatusKind kind, type *value)           \
+    {                                                                                             \
+        CALL(UNIT_ANY);                                                                           \
+        (void)kind, (void)value;                                                                  \
+        return (fmi2Status)unit_say(unit, UNIT_ERROR, "logStatusError", "%s: no step is pending", \
+                                    __func__);                                                    \
     }
 
 NO_STATUS(fmi2GetStatus, fmi2Status)

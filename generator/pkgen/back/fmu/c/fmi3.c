@@ -6,11 +6,11 @@
 
 #include "unit.h"
 
-#define CALL(modes)                                                                      \
-    struct unit *const unit = (struct unit *)instance;                                   \
-    const enum unit_status refused = unit_allowed(unit, __func__, modes);                \
-    if (refused != UNIT_OK)                                                              \
-        return (fmi3Status)refused
+#define CALL(modes)                                                       \
+    struct unit *const unit = (struct unit *)instance;                    \
+    const enum unit_status refused = unit_allowed(unit, __func__, modes); \
+    if (refused != UNIT_OK)                                               \
+    return (fmi3Status)refused
 
 /* What unit.environment is of FMI 3. */
 struct importer {
@@ -256,18 +256,18 @@ static fmi3Status none(fmi3Instance instance, const char *call, size_t n)
                                 "%s: no variable is of that type", call);
 }
 
-#define NO_VARIABLES(name, type)                                                                  \
-    UNIT_SHOWN fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference r[],      \
-                                        size_t n, type values[], size_t n_values)                 \
-    {                                                                                             \
-        (void)r, (void)values, (void)n_values;                                                    \
-        return none(instance, __func__, n);                                                       \
-    }                                                                                             \
-    UNIT_SHOWN fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference r[],      \
-                                        size_t n, const type values[], size_t n_values)           \
-    {                                                                                             \
-        (void)r, (void)values, (void)n_values;                                                    \
-        return none(instance, __func__, n);                                                       \
+#define NO_VARIABLES(name, type)                                                             \
+    UNIT_SHOWN fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference r[], \
+                                        size_t n, type values[], size_t n_values)            \
+    {                                                                                        \
+        (void)r, (void)values, (void)n_values;                                               \
+        return none(instance, __func__, n);                                                  \
+    }                                                                                        \
+    UNIT_SHOWN fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference r[], \
+                                        size_t n, const type values[], size_t n_values)      \
+    {                                                                                        \
+        (void)r, (void)values, (void)n_values;                                               \
+        return none(instance, __func__, n);                                                  \
     }
 
 NO_VARIABLES(Float32, fmi3Float32)
@@ -297,19 +297,19 @@ UNIT_SHOWN fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueRefere
 }
 
 /* The same of clocks: a type of values, const where they are read, and a second array. */
-#define NO_CLOCKS(call, type)                                                                     \
-    UNIT_SHOWN fmi3Status call(fmi3Instance instance, const fmi3ValueReference r[], size_t n,     \
-                               type values[])                                                     \
-    {                                                                                             \
-        (void)r, (void)values;                                                                    \
-        return none(instance, __func__, n);                                                       \
+#define NO_CLOCKS(call, type)                                                                 \
+    UNIT_SHOWN fmi3Status call(fmi3Instance instance, const fmi3ValueReference r[], size_t n, \
+                               type values[])                                                 \
+    {                                                                                         \
+        (void)r, (void)values;                                                                \
+        return none(instance, __func__, n);                                                   \
     }
-#define NO_FRACTIONS(call, type)                                                                  \
-    UNIT_SHOWN fmi3Status call(fmi3Instance instance, const fmi3ValueReference r[], size_t n,     \
-                               type counters[], type resolutions[])                               \
-    {                                                                                             \
-        (void)r, (void)counters, (void)resolutions;                                               \
-        return none(instance, __func__, n);                                                       \
+#define NO_FRACTIONS(call, type)                                                              \
+    UNIT_SHOWN fmi3Status call(fmi3Instance instance, const fmi3ValueReference r[], size_t n, \
+                               type counters[], type resolutions[])                           \
+    {                                                                                         \
+        (void)r, (void)counters, (void)resolutions;                                           \
+        return none(instance, __func__, n);                                                   \
     }
 
 NO_CLOCKS(fmi3GetClock, fmi3Clock)
@@ -465,10 +465,12 @@ UNIT_SHOWN fmi3Status fmi3GetDirectionalDerivative(
                       sensitivity, n_sensitivity);
 }
 
-UNIT_SHOWN fmi3Status fmi3GetAdjointDerivative(
-    fmi3Instance instance, const fmi3ValueReference unknowns[], size_t n_unknowns,
-    const fmi3ValueReference knowns[], size_t n_knowns, const fmi3Float64 seed[], size_t n_seed,
-    fmi3Float64 sensitivity[], size_t n_sensitivity)
+UNIT_SHOWN fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance,
+                                               const fmi3ValueReference unknowns[],
+                                               size_t n_unknowns, const fmi3ValueReference knowns[],
+                                               size_t n_knowns, const fmi3Float64 seed[],
+                                               size_t n_seed, fmi3Float64 sensitivity[],
+                                               size_t n_sensitivity)
 {
     return derivative(instance, __func__, unknowns, n_unknowns, knowns, n_knowns, seed, n_seed, 1,
                       sensitivity, n_sensitivity);
@@ -606,6 +608,6 @@ UNIT_SHOWN fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float
     *early = made.early || (made.ends && importer->may_return);
     *last = made.t;
     if (status == UNIT_OK && made.ends && !importer->may_return && made.t < t + length)
-        return fmi3Discard; /* the step ends before its end, which only this can say */
+        return (fmi3Status)unit_early(unit); /* which only this can say */
     return (fmi3Status)status;
 }

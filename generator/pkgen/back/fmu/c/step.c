@@ -61,7 +61,9 @@ enum unit_status unit_exit_initialization(struct unit *unit)
     if (status != UNIT_OK)
         return status;
     if (unit->co_simulation) { /* what is refused is so now, before the first step */
+        unit->busy = 1;        /* no callback yet */
         status = make_ready(unit, 1);
+        unit->busy = 0;
         unit->ready = unit->ready && unit->settings[UNIT_STEP] > 0;
         *unit->mode = status == UNIT_OK ? UNIT_STEPPING : UNIT_INITIALIZATION;
         return status;
@@ -124,4 +126,11 @@ enum unit_status unit_step(struct unit *unit, double t, double length, struct un
     }
     *unit->time = made->t = end;
     return UNIT_OK;
+}
+
+enum unit_status unit_early(const struct unit *unit)
+{
+    return unit_say(unit, UNIT_DISCARD, "logStatusDiscard",
+                    "the event %s ends the motion at t = %g",
+                    unit->system->events.table[unit->it.event - 1].what.name, *unit->time);
 }

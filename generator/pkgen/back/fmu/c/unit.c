@@ -26,21 +26,22 @@ enum unit_status unit_say(const struct unit *unit, enum unit_status status, cons
 
 enum unit_status unit_allowed(const struct unit *unit, const char *call, int modes)
 {
-    static const char *const names[] = {"instantiated", "in initialization mode", "in event mode",
-                                        "in continuous-time mode", "in step mode", "terminated"};
+    static const char *const names[] = {"instantiated",  "in initialization mode",
+                                        "in event mode", "in continuous-time mode",
+                                        "in step mode",  "terminated"};
     if (!unit)
         return UNIT_ERROR;
     const int mode = (int)*unit->mode;
     if (unit->busy && !(modes & UNIT_WITHIN))
-        return unit_say(unit, UNIT_ERROR, "logStatusError",
-                        "%s cannot be called within a callback", call);
+        return unit_say(unit, UNIT_ERROR, "logStatusError", "%s cannot be called within a callback",
+                        call);
     if (mode & modes)
         return UNIT_OK;
     size_t k = 0;
     while (mode >> (k + 1))
         k++;
-    return unit_say(unit, UNIT_ERROR, "logStatusError",
-                    "%s cannot be called while the unit is %s", call, names[k]);
+    return unit_say(unit, UNIT_ERROR, "logStatusError", "%s cannot be called while the unit is %s",
+                    call, names[k]);
 }
 
 /* Parts of `all`; NULL: only their number. */

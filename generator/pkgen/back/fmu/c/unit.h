@@ -84,13 +84,13 @@ struct unit {
     double *mode, *time, *input_time, *settings, *length; /* parts of `all` */
     double *parameters, *is_set, *start, *start_is_set, *q, *v, *inputs, *slopes, *sides, *before;
 
-    void *params, *held, *room; /* held: params with the sides of switches */
-    double **places;            /* of parameters in params */
+    void *params, *held, *room;                    /* held: params with the sides of switches */
+    double **places;                               /* of parameters in params */
     double *rates, *outputs, *claims, *indicators; /* values, as far as `known` */
     unsigned known;
-    int stale;  /* params do not follow from `all` yet */
-    int ready;  /* the integrator stands at time, q, v */
-    int busy;   /* within a callback of a step */
+    int stale; /* params do not follow from `all` yet */
+    int ready; /* the integrator stands at time, q, v */
+    int busy;  /* within a callback of a step */
     struct pk_integrator it;
     struct pk_events events;
     void *block, *events_block;
@@ -128,11 +128,13 @@ enum unit_status unit_completed(struct unit *unit);         /* a step of the imp
 
 /* Co-simulation. */
 struct unit_stepped {
-    double t;   /* the last valid time */
-    int ends;   /* an event of the model that stops */
-    int early;  /* the importer wanted to return here */
+    double t;  /* the last valid time */
+    int ends;  /* an event of the model that stops */
+    int early; /* the importer wanted to return here */
 };
 enum unit_status unit_step(struct unit *unit, double t, double length, struct unit_stepped *made);
+/* UNIT_DISCARD: an event ended the step. */
+enum unit_status unit_early(const struct unit *unit);
 
 /* `sensitivity` = J seed, J by rows of unknowns and columns of knowns; or by `transposed` its
  * transpose. */
@@ -150,7 +152,7 @@ double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, si
 /* For the files of a unit. */
 enum unit_status unit_refresh(struct unit *unit); /* params and, before the run, the start */
 const void *unit_params(const struct unit *unit);
-void unit_forget(struct unit *unit); /* the state has changed */
+void unit_forget(struct unit *unit);               /* the state has changed */
 void unit_inputs(void *unit, double t, double *u); /* as pk_problem.input */
 void unit_move_inputs(struct unit *unit, double t);
 enum unit_status unit_rates(struct unit *unit);

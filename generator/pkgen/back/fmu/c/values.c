@@ -186,12 +186,12 @@ static enum unit_status set_setting(struct unit *unit, size_t i, double value)
 }
 
 /* In which modes a variable may be set, by its kind; 0: never. */
-static const int settable[UNIT_KINDS] = {
-    [UNIT_PARAMETER] = UNIT_BEFORE | UNIT_EVENT | UNIT_STEPPING,
-    [UNIT_INPUT] = UNIT_BEFORE | UNIT_RUNNING,
-    [UNIT_SLOPE] = UNIT_BEFORE | UNIT_RUNNING,
-    [UNIT_STATE] = UNIT_BEFORE,
-    [UNIT_SETTING] = UNIT_BEFORE};
+static const int settable[UNIT_KINDS] = {[UNIT_PARAMETER] = UNIT_BEFORE | UNIT_EVENT |
+                                                            UNIT_STEPPING,
+                                         [UNIT_INPUT] = UNIT_BEFORE | UNIT_RUNNING,
+                                         [UNIT_SLOPE] = UNIT_BEFORE | UNIT_RUNNING,
+                                         [UNIT_STATE] = UNIT_BEFORE,
+                                         [UNIT_SETTING] = UNIT_BEFORE};
 
 enum unit_status unit_set(struct unit *unit, unsigned reference, double value)
 {
