@@ -34,7 +34,7 @@ int find_name(const char *name, size_t length, char kind, size_t *index, const c
         {'i', s->inputs, s->n_inputs, one},
         {'q', s->coordinates, n - (families ? s->families.n_states : s->n_first_order), one},
         {'v', s->rates, n, one},
-        {'o', s->observed, s->n_observed, one},
+        {'o', s->observed, s->families.n_outputs ? s->families.n_outputs : s->n_observed, one},
         {'s', s->families.sizes, s->families.n_sizes, sizeof *s->families.sizes},
         {'e', s->events.table, s->events.n, sizeof *s->events.table},
     };

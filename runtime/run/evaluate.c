@@ -68,7 +68,7 @@ static struct kernel find(const struct settings *s, const char *name)
         {"energy", ENERGY, system->energy != NULL, NULL},
         {"force", PLAIN, system->force ? n : 0, system->force},
         {"mass", PLAIN, system->mass ? n * n : 0, system->mass},
-        {"outputs", PLAIN, system->n_observed, system->observe},
+        {"outputs", PLAIN, pk_system_outputs(system, s->params), system->observe},
         {"", PLAIN, 0, NULL},
     };
     const struct kernel *k = kernels;

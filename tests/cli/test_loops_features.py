@@ -165,6 +165,36 @@ def test_states_and_events_of_loops_are_those_of_members_written_out(seed: int, 
         assert one["times"] == pytest.approx(other["times"], abs=1e-8), text
 
 
+@pytest.mark.parametrize("seed", long_but([1], range(6)))
+def test_outputs_for_each_index_are_those_of_members_written_out(
+    seed: int,
+    both,
+    tmp_path: Path,
+) -> None:
+    dice = random.Random(seed)
+    text = chain(dice)
+    felt = (
+        "q[i]",
+        "q[i]'*u[i]",
+        "w[i]*(q[i] - q[i-1])",
+        "X + q[1]",
+        "sin(u[i] - u[i+1])",
+        "s*q[N]",
+    )
+    for k, over in enumerate(("1..N", "2..N-1", "1..1")):
+        body = " + ".join(dice.sample(felt, 2))
+        text += f"observe out{k}[i = {over}] = {body}\nobserve between{k} = u[{k + 1}]\n"
+    words = ("--until", 1, "--every", 0.5, "--method", "rk4", "--step", 0.02)
+    (loops, _), (written, _) = both(text, *words)
+    assert len(loops[0]) == len(written[0]) == 1 + 2 * 24 + 24 + 1 + 23 + 21 + 1 + 3 + 1
+    for one, other in zip(loops, written, strict=True):
+        assert one == pytest.approx(other, rel=1e-12, abs=1e-12), text
+    few = (*words, "--record", "out0[23],out1[2],between1,out2[1]")
+    for one, other in zip(*(x for x, _ in both(text, *few)), strict=True):
+        assert one == pytest.approx(other, rel=1e-12, abs=1e-12), text
+        assert len(one) == 5
+
+
 DRIVEN = """\
 model driven
 size N = 3

@@ -240,6 +240,10 @@ UNROLLED = {
         _CARRIED.format("a[i]") + "free a[0]\nkinetic sum((a[i]' - a[i-1]')^2, i = 1..N)\n",
         "across an end that is free or periodic",
     ),
+    "beyond": (
+        _CARRIED.format("a[i-1]").replace("fixed a[N+1] = 0", "free a[0]"),
+        "reaches a[i - 1] beyond an end of 'a' that is free or periodic",
+    ),
     "momentum": (
         _CARRIED.format("a[i]").replace("let x[0] = 0", "coord X\nlet x[0] = X")
         + "observe P = p_X\n",

@@ -35,6 +35,7 @@ FAMILIES = (
     "constraint rod[i = 1..N]: (x[i+1] - x[i-1])^2 + (2*y[i] - y[i-1] - i)^2 = l[i]^2 + w",
     "constraint link[i = 1..N]: x[i] + 0.2*sin(x[i+1]) - y[i-2+1]*x[i] = w*sin(t)",
     "constraint tie[i = 1..N]: x[i] + x[i]*y[i] + X*x[i]/(5 + i) = w*t",
+    "constraint grip[i = 1..N]: x[i]*(x[i] - w*i)*sin(y[i]) + X*(1 + i/N) = w",
     "rolling blade[i = 1..N]: x[i]'*cos(y[i]) + (y[i]' - 0.3*x[i-1]')*sin(y[i]) = w/i",
     "rolling drift[i = 1..N]: x[i]' + 0.1*y[i+1]'*y[i-1] + 0.2*X' = w*X",
 )
@@ -78,6 +79,9 @@ class Tied:
         assert n == self.n
         number = lambda: dice.uniform(-1, 1)  # noqa: E731
         q, v, u = ([number() for _ in range(k)] for k in (n, n, len(e.inputs)))
+        if "grip" in text:  # a row that X alone makes regular
+            q[dice.randrange(size)] = 0
+            u[0] = 0
         self.state = (dice.uniform(0.5, 2), q, v, u)
         self.holonomic = e.constraints.holonomic
         self.J, self.rates = (

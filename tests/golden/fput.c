@@ -360,7 +360,7 @@ static void fput_acceleration_q_part(const struct fput_params *p, pk_real t, con
         r[1] += 1;
 }
 
-PK_INLINE static pk_bits fput_slopes_mass_q_inner(const struct fput_params *p, pk_real t,
+PK_INLINE static pk_bits fput_slopes_mass_0_inner(const struct fput_params *p, pk_real t,
     const pk_real *q, const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
 {
     (void)p, (void)t, (void)q, (void)v, (void)u;
@@ -369,7 +369,7 @@ PK_INLINE static pk_bits fput_slopes_mass_q_inner(const struct fput_params *p, p
     return 0;
 }
 
-static void fput_slopes_mass_q_part(const struct fput_params *p, pk_real t, const pk_real *q,
+static void fput_slopes_mass_0_part(const struct fput_params *p, pk_real t, const pk_real *q,
                                     const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
 {
     (void)p, (void)t, (void)q, (void)v, (void)u;
@@ -379,7 +379,7 @@ static void fput_slopes_mass_q_part(const struct fput_params *p, pk_real t, cons
         r[0] += 1;
 }
 
-PK_INLINE static pk_bits fput_slopes_jacobian_q_inner(const struct fput_params *p, pk_real t,
+PK_INLINE static pk_bits fput_slopes_jacobian_0_inner(const struct fput_params *p, pk_real t,
     const pk_real *q, const pk_real *v, const pk_real *u, ptrdiff_t m, pk_real *r)
 {
     (void)p, (void)t, (void)q, (void)v, (void)u;
@@ -393,7 +393,7 @@ PK_INLINE static pk_bits fput_slopes_jacobian_q_inner(const struct fput_params *
     return 0;
 }
 
-static void fput_slopes_jacobian_q_part(const struct fput_params *p, pk_real t, const pk_real *q,
+static void fput_slopes_jacobian_0_part(const struct fput_params *p, pk_real t, const pk_real *q,
                                         const pk_real *v, const pk_real *u, ptrdiff_t m,
                                         pk_real *r)
 {
@@ -574,7 +574,8 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
     }
 }
 
-/* Places of rows and columns: cells by index, families side by side, then scalar coordinates. */
+/* Places of rows and columns: cells by index, at each the families side by side; then
+ * the same of what is single. */
 static ptrdiff_t fput_slopes_first(const struct fput_params *p)
 {
     (void)p;
@@ -587,8 +588,8 @@ static ptrdiff_t fput_slopes_places(const struct fput_params *p)
     return (p->N - fput_slopes_first(p) + 1) * 1;
 }
 
-/* The place of a member of q, or -1 of one that is given. */
-static ptrdiff_t fput_slopes_row_q(const struct fput_params *p, ptrdiff_t i)
+/* The place of q[i], or -1 of one that is given. */
+static ptrdiff_t fput_slopes_row_0(const struct fput_params *p, ptrdiff_t i)
 {
     const ptrdiff_t m = fput_home_q(p, i);
     if (m < 1 || m > p->N)
@@ -596,7 +597,7 @@ static ptrdiff_t fput_slopes_row_q(const struct fput_params *p, ptrdiff_t i)
     return (m - fput_slopes_first(p)) * 1 + 0;
 }
 
-/* Where the coordinate of a place is in q, or -1 where it is empty. */
+/* Where the coordinate of a place is in q; -1 where the place is empty. */
 static ptrdiff_t fput_slopes_coordinate(const struct fput_params *p, ptrdiff_t i)
 {
     const ptrdiff_t places = fput_slopes_places(p), m = fput_slopes_first(p) + i / 1;
@@ -657,7 +658,7 @@ void fput_slopes_mass(const struct fput_params *p, pk_real t, const pk_real *q, 
     size = n_rows * (2 * width + 1) + (2 * n_rows + n_border) * n_border;
     for (i = 0; i < size; i++)
         M[i] = 0;
-    for (i = 0; i < (size_t)places; i++)
+    for (i = 0; i < n_rows + n_border; i++)
         if (fput_slopes_coordinate(p, (ptrdiff_t)i) < 0)
             fput_slopes_add(rows, border, M, (ptrdiff_t)i, (ptrdiff_t)i, 1);
     {
@@ -665,13 +666,13 @@ void fput_slopes_mass(const struct fput_params *p, pk_real t, const pk_real *q, 
         const ptrdiff_t hi = p->N;
         ptrdiff_t m;
         for (m = 1 - 1; m <= p->N + 1; m++) {
-            const ptrdiff_t row = fput_slopes_row_q(p, m);
+            const ptrdiff_t row = fput_slopes_row_0(p, m);
             pk_real r[1];
             if (row < 0)
                 continue;
-            if (m < lo || m > hi || fput_slopes_mass_q_inner(p, t, q, v, u, m, r))
-                fput_slopes_mass_q_part(p, t, q, v, u, m, r);
-            fput_slopes_add(rows, border, M, row, fput_slopes_row_q(p, m + 0), r[0]);
+            if (m < lo || m > hi || fput_slopes_mass_0_inner(p, t, q, v, u, m, r))
+                fput_slopes_mass_0_part(p, t, q, v, u, m, r);
+            fput_slopes_add(rows, border, M, row, fput_slopes_row_0(p, m + 0), r[0]);
         }
     }
     (void)p, (void)places, (void)rows, (void)border, (void)t, (void)q, (void)v, (void)u;
@@ -700,15 +701,15 @@ void fput_slopes_jacobian(const struct fput_params *p, pk_real t, const pk_real 
         const ptrdiff_t hi = p->N - 1;
         ptrdiff_t m;
         for (m = 1 - 1; m <= p->N + 1; m++) {
-            const ptrdiff_t row = fput_slopes_row_q(p, m);
+            const ptrdiff_t row = fput_slopes_row_0(p, m);
             pk_real r[3];
             if (row < 0)
                 continue;
-            if (m < lo || m > hi || fput_slopes_jacobian_q_inner(p, t, q, v, u, m, r))
-                fput_slopes_jacobian_q_part(p, t, q, v, u, m, r);
-            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_q(p, m + 1), r[0]);
-            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_q(p, m + 0), r[1]);
-            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_q(p, m + -1), r[2]);
+            if (m < lo || m > hi || fput_slopes_jacobian_0_inner(p, t, q, v, u, m, r))
+                fput_slopes_jacobian_0_part(p, t, q, v, u, m, r);
+            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_0(p, m + 1), r[0]);
+            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_0(p, m + 0), r[1]);
+            fput_slopes_add(rows, border, pdot_q, row, fput_slopes_row_0(p, m + -1), r[2]);
         }
     }
     (void)p, (void)places, (void)rows, (void)border, (void)t, (void)q, (void)v, (void)u;

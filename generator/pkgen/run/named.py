@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ..compiler import Compilation
 from ..equations import Quantity
 from ..indices import indexed, parted
+from ..middle.loops.expand import size_values
 from ..middle.quantities import families, single_rotations
 from ..model import Model, Parameter, State
 from ..record import record
@@ -170,7 +171,21 @@ def inputs(compilation: Compilation) -> Named:
 
 
 def observed(compilation: Compilation) -> list[Quantity]:
-    return list(compilation.equations.observed_names)
+    """Each by itself, by the number that it has in C."""
+    return [quantity for item in outputs(compilation).declared for quantity in item.members()]
+
+
+def outputs(compilation: Compilation) -> Named:
+    e = compilation.equations
+    if not compilation.looped:
+        return Named(_each(e.observed_names))
+    sizes, found, first = size_values(compilation.model), [], 0
+    for x in e.outputs:
+        quantity = Quantity(x.item.name, x.item.unit, x.item.description)
+        ends = (None, None) if x.lo is None else (x.lo.value(sizes), x.hi.value(sizes))
+        found.append(Declared(quantity, first, *ends))
+        first += found[-1].count
+    return Named(found)
 
 
 def kinds(compilation: Compilation) -> dict[str, Named]:
@@ -180,7 +195,7 @@ def kinds(compilation: Compilation) -> dict[str, Named]:
     return {
         "q": coordinates(compilation),
         "v": coordinates(compilation, rates=True),
-        "observed": Named(_each(observed(compilation))),
+        "observed": outputs(compilation),
         "energy": Named(_each(energy)),
     }
 

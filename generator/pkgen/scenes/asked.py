@@ -106,8 +106,9 @@ def settings(
     show, at = _recorded(options, values, chosen)
     numbers = len(show) + 1
     if not show:
-        observed = [q for q in named.observed(compilation) if not hidden(q.name)]
-        numbers = values.coordinates.count + values.rates.count + len(observed) + 2
+        outputs = named.outputs(compilation).declared
+        observed = sum(x.count for x in outputs if not hidden(x.quantity.name))
+        numbers = values.coordinates.count + values.rates.count + observed + 2
     if every is None and members is None and at is None:
         every = rows.interval(until, step, numbers)
     count = until / every + 1 if every else 1

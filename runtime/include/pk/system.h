@@ -27,16 +27,16 @@ PK_BEGIN
  * loaded at run time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 69u
+#define PK_ABI 73u
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 70u
+#define PK_ABI 74u
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 71u
+#define PK_ABI 75u
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 68u
+#define PK_ABI 72u
 #endif
 extern const char PK_SCALAR[];
 
@@ -183,6 +183,11 @@ static inline size_t pk_system_count(const struct pk_system *system, const void 
     return system->families.count ? system->families.count(params) : system->n;
 }
 
+static inline size_t pk_system_outputs(const struct pk_system *system, const void *params)
+{
+    return system->families.outputs ? system->families.outputs(params) : system->n_observed;
+}
+
 /* Of these the last ones, whose rates are the first-order variables. */
 static inline size_t pk_system_first_order(const struct pk_system *system, const void *params)
 {
@@ -219,13 +224,13 @@ static inline struct pk_pattern pk_system_pattern(const struct pk_system *system
     return pattern;
 }
 
-/* Members of declared coordinate number k. */
+/* Members of declared coordinate, output, ... number k. */
 static inline struct pk_range pk_system_range(const struct pk_system *system, const void *params,
-                                              size_t k)
+                                              enum pk_range_of of, size_t k)
 {
     struct pk_range range = {0, 1, 0};
     if (system->families.range)
-        system->families.range(params, PK_OF_COORDINATE, k, &range);
+        system->families.range(params, of, k, &range);
     return range;
 }
 
@@ -258,8 +263,12 @@ static inline struct pk_singularity_place pk_system_singularity(const struct pk_
 int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k,
                                char *text, size_t size);
 
+/* The name of output i. Of both the length is returned as snprintf() does. */
+int pk_system_output_name(const struct pk_system *system, const void *params, size_t i, char *text,
+                          size_t size);
+
 /* The name of coordinate i (a number in q): "theta", "q[3]". `table` is the system's coordinates,
- * rates or momenta ("q[3]'", "p_q[3]"). Returns its length as snprintf() does. */
+ * rates or momenta ("q[3]'", "p_q[3]"). */
 int pk_system_name(const struct pk_system *system, const void *params,
                    const struct pk_quantity *table, size_t i, char *text, size_t size);
 

@@ -14,7 +14,7 @@ struct pk_size {
 };
 
 /* The members of a declared name: lo, lo + 1, ...; or it is no family, and count is 1. */
-enum pk_range_of { PK_OF_COORDINATE, PK_OF_PARAMETER, PK_OF_ROW };
+enum pk_range_of { PK_OF_COORDINATE, PK_OF_PARAMETER, PK_OF_ROW, PK_OF_OUTPUT };
 struct pk_range {
     ptrdiff_t lo;
     size_t count;
@@ -54,7 +54,11 @@ struct pk_part_families {
     /* How many rotations there are and where each is; NULL: there are none. */
     size_t (*rotations)(const void *params);
     struct pk_turning (*turning)(const void *params, size_t r);
-    /* The members of declared coordinate, parameter or constraint number k. */
+    /* How many outputs there are, where some have a value for each index: n_observed is then their
+     * count at the default sizes, and the table has n_outputs names. NULL: n_observed. */
+    size_t (*outputs)(const void *params);
+    size_t n_outputs;
+    /* The members of declared coordinate, parameter, constraint or output number k. */
     void (*range)(const void *params, enum pk_range_of of, size_t k, struct pk_range *range);
     /* `steps` steps of h of a splitting method in place, in as few passes over memory as can be:
      * kicks v += kick[i] h a(q, t), i = 0 .. stages, and drifts q += drift[i] h v between them.
@@ -62,10 +66,14 @@ struct pk_part_families {
     void (*advance)(const void *params, int stages, const pk_real *kick, const pk_real *drift,
                     pk_real t, pk_real h, unsigned long steps, pk_real *q, pk_real *v);
     /* M, and what pk_system.jacobian has, of a pattern; NULL: there are none. place() is the
-     * coordinate that has place i, -1 where there is none: M is 1 there. */
+     * coordinate that has place i, negative where there is none: M is 1 there. Where p' has
+     * multipliers or accelerations in it, its derivatives are dense; these are unknowns too then,
+     * places that are no coordinates, and `closed` has M and the derivatives of the equations for
+     * them by rates and by themselves. */
     void (*pattern)(const void *params, struct pk_pattern *pattern);
     ptrdiff_t (*place)(const void *params, size_t i);
     pk_kernel *mass;
+    pk_kernel *closed; /* NULL: there are no such unknowns */
     pk_kernel_3 *jacobian;
 };
 

@@ -79,7 +79,7 @@ struct settings {
     pk_real until, every; /* every: < 0 until / 1000, 0 each step */
     struct pk_options options;
     int has_every, has_step, polls;
-    size_t n; /* degrees of freedom */
+    size_t n;                /* degrees of freedom */
     void *params, *families; /* what families.attach() takes */
     size_t families_size;
     unsigned char *given;       /* which parameters were set */
@@ -153,11 +153,12 @@ struct pk_run {
     char *besides; /* behind the reason of a failure, or NULL; of malloc() */
     int interrupted;
     int write_failed;
-    const char *not_finite; /* the first energy or observed value that was not, or NULL */
-    double bad_t;           /* and in which row, and how many rows there were */
+    const struct pk_run_column *not_finite; /* the first energy or output that was not, or NULL */
+    double bad_t;                           /* and in which row, and how many rows there were */
     unsigned long bad_rows;
-    const char *lost; /* the first value lost to rounding at a singular position, or NULL */
-    double lost_t;    /* as above */
+    const struct pk_run_column
+        *lost;     /* the first value lost to rounding at a singular position, or NULL */
+    double lost_t; /* as above */
     unsigned long lost_rows;
     double part;               /* of an ensemble that is done */
     double seconds, processor; /* on the wall's clock and the processor's, of the steps and rows */

@@ -159,8 +159,9 @@ void expect_merge(struct settings *all, const struct settings *one)
 static void begin(struct pk_run *run)
 {
     if (run->settings.asked.n_expected || run->settings.asked.n_drifts)
-        run->expected =
-            memory_take(&run->memory, run->settings.system->n_observed + 1, sizeof *run->expected);
+        run->expected = memory_take(
+            &run->memory, pk_system_outputs(run->settings.system, run->settings.params) + 1,
+            sizeof *run->expected);
 }
 
 void expect_report(const struct pk_run *run, struct json *j)

@@ -15,7 +15,8 @@ static void begin(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
-    run->row = memory_take(&run->memory, 2 * s->n + system->n_observed + 1, sizeof *run->row);
+    run->row = memory_take(&run->memory, 2 * s->n + pk_system_outputs(system, s->params) + 1,
+                           sizeof *run->row);
     run->cells = memory_take(&run->memory, run_width(run), sizeof *run->cells);
 }
 
@@ -26,6 +27,17 @@ static void csv_name(FILE *file, const char *name)
     for (; *name; name++)
         fprintf(file, *name == '"' ? "\"%c" : "%c", *name);
     fputs(quoted ? "\"" : "", file);
+}
+
+/* Of an output or the energy. */
+static void name_of(const struct pk_run *run, const struct pk_run_column *column, char *name,
+                    size_t size)
+{
+    const struct settings *s = &run->settings;
+    if (column->kind == 'o')
+        pk_system_output_name(s->system, s->params, column->index, name, size);
+    else
+        snprintf(name, size, "energy");
 }
 
 int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t size,
@@ -46,13 +58,11 @@ int pk_run_column_name(const struct pk_run *of, size_t i, char *name, size_t siz
     const struct pk_run_column *show = &s->show[i - before];
     const struct pk_quantity *const places = show->kind == 'v' ? system->rates
                                                                : system->coordinates;
-    const struct pk_quantity *what = show->kind == 'o' ? &system->observed[show->index] : NULL;
-    if (show->kind == 'e') {
-        *unit = dimensionless ? "" : "J";
-        snprintf(name, size, "energy");
-    } else if (what) {
-        *unit = what->unit;
-        snprintf(name, size, "%s", what->name);
+    if (show->kind == 'e' || show->kind == 'o') {
+        *unit = show->kind == 'e'            ? dimensionless ? "" : "J"
+                : system->families.n_outputs ? ""
+                                             : system->observed[show->index].unit;
+        name_of(of, show, name, size);
     } else {
         pk_system_name(system, s->params, places, show->index, name, size);
         *unit = system->families.count ? "" : places[show->index].unit;
@@ -95,8 +105,8 @@ pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
 static void lose(struct pk_run *run, const struct moment *at, pk_real *out)
 {
     const struct settings *s = &run->settings;
-    const size_t n = s->n, m = s->system->n_observed;
-    const char *found = NULL;
+    const size_t n = s->n, m = pk_system_outputs(s->system, s->params);
+    const struct pk_run_column *found = NULL;
     pk_real *q = memory_ask(&run->memory, 2 * n + m, sizeof *q), *v = q + n, *near = v + n;
     if (!q)
         return;
@@ -113,7 +123,7 @@ static void lose(struct pk_run *run, const struct moment *at, pk_real *out)
         out[i] = (pk_real)NAN;
         for (size_t k = 0; k < s->n_show && !found; k++)
             if (s->show[k].kind == 'o' && s->show[k].index == i)
-                found = s->system->observed[i].name;
+                found = &s->show[k];
     }
     memory_drop(&run->memory, q);
     if (found && run->lost_rows++ == 0) {
@@ -122,12 +132,12 @@ static void lose(struct pk_run *run, const struct moment *at, pk_real *out)
     }
 }
 
-/* The cells of a row; the name of the first that is not finite, or NULL. */
-static const char *fill(struct pk_run *run, const struct moment *at)
+/* The cells of a row; the column of the first that is not finite, or NULL. */
+static const struct pk_run_column *fill(struct pk_run *run, const struct moment *at)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
-    const char *bad = NULL;
+    const struct pk_run_column *bad = NULL;
     pk_real *out = run->row + 2 * s->n;
     if (system->n_observed)
         system->observe(s->params, at->t, at->q, at->v, s->u, out);
@@ -143,7 +153,7 @@ static const char *fill(struct pk_run *run, const struct moment *at)
         const struct pk_run_column *show = &s->show[i];
         const pk_real x = *cell++ = rows_value(run, show, at, out);
         if (!(x - x == PK_C(0.0)) && !bad && !(singular && show->kind == 'o'))
-            bad = show->kind == 'o' ? system->observed[show->index].name : "energy";
+            bad = show;
     }
     return bad;
 }
@@ -197,7 +207,7 @@ void rows_take(struct pk_run *run, const struct pk_run *from)
 /* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
 static void write_row(struct pk_run *run, const struct moment *at)
 {
-    const char *bad = fill(run, at);
+    const struct pk_run_column *bad = fill(run, at);
     (run->out ? write_csv : keep)(run);
     run->rows++;
     run->last_row = at->t;
@@ -223,14 +233,18 @@ enum pk_run_code rows_end(struct pk_run *run, enum pk_run_code code)
 
 enum pk_run_code rows_told(struct pk_run *run, enum pk_run_code code)
 {
-    if (run->lost)
+    char name[128];
+    if (run->lost) {
+        name_of(run, run->lost, name, sizeof name);
         run_say(run,
                 "warning: %s is lost to rounding, and nan, in %lu of %lu rows, first at t = %.9g: "
                 "constraints depend on each other there",
-                run->lost, run->lost_rows, run->rows, run->lost_t);
+                name, run->lost_rows, run->rows, run->lost_t);
+    }
     if (run->not_finite) {
-        run_say(run, "%s is not finite in %lu of %lu rows, first at t = %.17g", run->not_finite,
-                run->bad_rows, run->rows, run->bad_t);
+        name_of(run, run->not_finite, name, sizeof name);
+        run_say(run, "%s is not finite in %lu of %lu rows, first at t = %.17g", name, run->bad_rows,
+                run->rows, run->bad_t);
         code = code ? code : PK_RUN_FAILED;
     }
     return run->write_failed ? PK_RUN_USAGE : code;

@@ -178,7 +178,7 @@ static size_t count_of(const struct settings *s, char kind)
 {
     const struct pk_system *system = s->system;
     return kind == 'q' || kind == 'v' ? s->n
-           : kind == 'o'              ? system->n_observed
+           : kind == 'o'              ? pk_system_outputs(system, s->params)
            : kind == 'i'              ? system->n_inputs
            : kind == 'p'              ? system->n_parameters
                                       : kind == 'e' && system->energy;

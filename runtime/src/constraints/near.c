@@ -185,7 +185,8 @@ size_t pk_passage_told(const struct pk_integrator *it)
 {
     const struct pk_part_constraints *c = &it->problem.system->constraints;
     const size_t rows = pk_system_rows(it->problem.system, it->problem.params, 0);
-    return 2 * (rows + c->n_redundant) + it->problem.system->n_rotations + 1 +
+    return 2 * (rows + c->n_redundant) +
+           pk_system_rotations(it->problem.system, it->problem.params) + 1 +
            (size_t)pk_passage_parts(it).is->row;
 }
 

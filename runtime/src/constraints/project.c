@@ -82,16 +82,21 @@ static void subtract(pk_real *x, const pk_real *d, pk_real *low, size_t count)
     }
 }
 
-static void turn_back(const struct pk_projection *w, pk_real *Q, pk_real *low)
+static void turn_back(const struct pk_projection *w, pk_real *v, pk_real *low)
 {
-    for (size_t r = 0; r < w->system->n_rotations; r++, Q += 4) {
-        const pk_real *d = w->d + w->rotation + 3 * r;
-        const pk_real theta[3] = {-d[0], -d[1], -d[2]};
-        pk_real added[4];
-        pk_exponential_added(Q, theta, added);
+    for (size_t r = 0; r < pk_system_rotations(w->system, w->params); r++) {
+        const struct pk_turning at = pk_system_turning(w->system, w->params, r);
+        pk_real theta[3], Q[4], added[4];
+        for (size_t i = 0; i < 3; i++)
+            theta[i] = -w->d[at.rate + i * at.step];
         for (size_t i = 0; i < 4; i++)
-            added[i] = -added[i];
-        subtract(Q, added, low ? low + 4 * r : NULL, 4);
+            Q[i] = v[at.number + i * at.step];
+        pk_exponential_added(Q, theta, added);
+        for (size_t i = 0; i < 4; i++) {
+            const size_t k = at.number + i * at.step;
+            const pk_real back = -added[i];
+            subtract(v + k, &back, low ? low + k : NULL, 1);
+        }
     }
 }
 
@@ -170,16 +175,15 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
         else if (!done)
             pk_project_solve(w, rows, residual);
         if (done || singular ||
-            (!count &&
-             (of_rates ? off(it, w, ratio, q, v, it->n, w->m)
-                       : off(it, w, ratio, q, q, 0, w->rotation))))
+            (!count && (of_rates ? off(it, w, ratio, q, v, it->n, w->m)
+                                 : off(it, w, ratio, q, q, 0, w->rotation))))
             return pk_because(it, PK_NO_PROJECTION, where + which, residual[which]);
         if (of_rates) {
             pk_project_seen(it, w);
             subtract(v, w->d, low_v, w->m);
         } else {
             subtract(q, w->d, low_q, w->rotation);
-            turn_back(w, v + w->m, low_v ? low_v + w->m : NULL);
+            turn_back(w, v, low_v);
         }
         *moved = 1;
         before = ratio;

@@ -47,7 +47,7 @@ static struct pk_projection shape(const struct pk_problem *problem, size_t n)
     w.h = pk_system_rows(system, problem->params, 1);
     w.r = system->constraints.n_redundant;
     w.rotation = n - pk_system_first_order(system, problem->params);
-    w.m = w.rotation + 3 * system->n_rotations;
+    w.m = w.rotation + 3 * pk_system_rotations(system, problem->params);
     return w;
 }
 

@@ -7,27 +7,42 @@
 
 const char PK_SCALAR[] = "pk_real"; /* its name is what counts */
 
-int pk_system_name(const struct pk_system *system, const void *params,
-                   const struct pk_quantity *table, size_t i, char *text, size_t size)
+/* Number i of what is declared under `count` names; 0: each is one. */
+static int name_of(const struct pk_system *system, const void *params, enum pk_range_of of,
+                   size_t count, const struct pk_quantity *table, size_t i, char *text, size_t size)
 {
     struct pk_range range = {0, 1, 0};
-    size_t k = i;
-    if (!table)
-        return snprintf(text, size, "?");
-    for (k = 0; system->families.range && k < system->families.n_coordinates; k++) {
-        range = pk_system_range(system, params, k);
+    size_t k;
+    for (k = 0; k < count; k++) {
+        range = pk_system_range(system, params, of, k);
         if (i < range.count)
             break;
         i -= range.count;
     }
-    if (!system->families.range || k >= system->families.n_coordinates)
-        return snprintf(text, size, "%s", table[system->families.range ? 0 : i].name);
+    if (k >= count)
+        return snprintf(text, size, "%s", table[count ? 0 : i].name);
     if (!range.is_family)
         return snprintf(text, size, "%s", table[k].name);
     /* Components and primes stand behind the index: r[1].x, q[1]', omega(R[1]).x. */
     const int stem = (int)strcspn(table[k].name, ".)'");
     return snprintf(text, size, "%.*s[%td]%s", stem, table[k].name, range.lo + (ptrdiff_t)i,
                     table[k].name + stem);
+}
+
+int pk_system_name(const struct pk_system *system, const void *params,
+                   const struct pk_quantity *table, size_t i, char *text, size_t size)
+{
+    const size_t count = system->families.range ? system->families.n_coordinates : 0;
+    if (!table)
+        return snprintf(text, size, "?");
+    return name_of(system, params, PK_OF_COORDINATE, count, table, i, text, size);
+}
+
+int pk_system_output_name(const struct pk_system *system, const void *params, size_t i, char *text,
+                          size_t size)
+{
+    return name_of(system, params, PK_OF_OUTPUT, system->families.n_outputs, system->observed, i,
+                   text, size);
 }
 
 /* "[i+1]" and "[j-2]" as numbers; where it ends, or NULL if it is none of these. */

@@ -50,10 +50,11 @@ static void group(const struct pk_integrator *it, const struct pk_quantity *tabl
         to[k] = (pk_real)base;
     size_t first = 0, i = 0;
     for (size_t k = 0; table && k < declared && i < it->n; k++) {
-        const size_t members = pk_system_range(system, it->problem.params, k).count;
+        const size_t members =
+            pk_system_range(system, it->problem.params, PK_OF_COORDINATE, k).count;
         first = 0;
         for (size_t j = 0; j < k && strcmp(table[j].unit, table[k].unit) != 0; j++)
-            first += pk_system_range(system, it->problem.params, j).count;
+            first += pk_system_range(system, it->problem.params, PK_OF_COORDINATE, j).count;
         for (size_t m = 0; m < members && i < it->n; m++)
             to[i++] = (pk_real)(base + first);
     }

@@ -33,40 +33,7 @@
 #define LASTING PK_C(0.3)  /* so little between start and stages that steps to come are as sure */
 #define LEAST_LEAP PK_C(1e-4)
 #define NEWTON_RATE PK_C(0.25) /* from a prediction within reach of the solution followed */
-#define TINY PK_F(sqrt)(PK_EPS)
-enum { MOST_POINTS = 400, TURNS = 16 };
-
-/* Twice the spectral radius of J1^-1 J2 - I, J1 factored in w->lu and J2 in w->other, as a power
- * iteration from a vector without a pattern tells it: of bands, whose inverse is dense. */
-static pk_real radius(const struct pk_gauss_work *w)
-{
-    const size_t m = w->s * w->places;
-    pk_real growth[TURNS], product = 1;
-    unsigned long noise = 1;
-    for (size_t i = 0; i < m; i++) {
-        noise = (noise * 1103515245ul + 12345ul) & 0x7ffffffful;
-        w->x[i] = noise & 0x10000ul ? PK_C(1.0) : -PK_C(1.0);
-    }
-    for (int turn = 0; turn < TURNS; turn++) {
-        pk_real size = 0;
-        memset(w->y, 0, m * sizeof *w->y);
-        pk_band_add_product(&w->other, w->x, w->y);
-        pk_band_solve(&w->lu, w->y);
-        for (size_t i = 0; i < m; i++) {
-            w->y[i] -= w->x[i];
-            if (!(pk_abs(w->y[i]) <= size)) /* so that what is no number gets through */
-                size = pk_abs(w->y[i]);
-        }
-        if (!(size > TINY) || !pk_finite(size))
-            return size;
-        growth[turn] = size;
-        for (size_t i = 0; i < m; i++)
-            w->x[i] = w->y[i] / size;
-    }
-    for (int turn = TURNS / 2; turn < TURNS; turn++)
-        product *= growth[turn];
-    return 2 * PK_F(pow)(product, PK_C(2.0) / TURNS);
-}
+enum { MOST_POINTS = 400 };
 
 /* |J1^-1 J2 - I|, J1 factored in w->lu. */
 static pk_real apart(struct pk_gauss_work *w, const pk_real *J2, size_t stride, pk_real tau)
@@ -75,7 +42,7 @@ static pk_real apart(struct pk_gauss_work *w, const pk_real *J2, size_t stride, 
     pk_real *X = w->other.corner;
     pk_gauss_matrix(w, J2, stride, tau, 1, &w->other);
     if (!w->pattern.dense)
-        return radius(w);
+        return pk_gauss_radius(w);
     for (size_t j = 0; j < m; j++) {
         for (size_t i = 0; i < m; i++)
             w->x[i] = X[i * m + j];
@@ -129,7 +96,7 @@ static int bounded(const struct pk_gauss_work *w, const pk_real *J, pk_real h)
 {
     const size_t nn = w->nn;
     const pk_real mu = PK_C(0.0625) / (h * h), nu = PK_C(0.2) / pk_abs(h);
-    if (w->table->conjugate)
+    if (w->table->conjugate || w->closed)
         return 0;
     for (size_t x = 0; x < nn; x++) {
         if (J[nn + x] > 0 || J[nn + x] < 0)
@@ -198,7 +165,7 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
 {
     const size_t n = it->n;
     for (size_t i = 0; i < w->s; i++) {
-        memcpy(w->M, w->jacobian + i * 4 * w->nn, w->nn * sizeof *w->M);
+        pk_gauss_mass_alone(w, w->jacobian + i * 4 * w->nn, w->M);
         const size_t failed = pk_gauss_mass_factor(w, w->M);
         if (failed) {
             const pk_real t = it->t + w->c[i] * it->own->h;

@@ -46,6 +46,7 @@ struct pk_gauss_work {
     const struct pk_gauss *table;
     size_t s;
     struct pk_pattern pattern; /* of derivatives; rows 0: dense */
+    int closed;                /* some places are of multipliers or accelerations */
     /* Coordinates; places, as many or more; numbers of a matrix of the pattern. */
     size_t n, places, nn;
     pk_real *place;             /* the coordinate that has each place, where not dense */
@@ -118,21 +119,27 @@ int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w
  * factored, x by coordinates. */
 size_t pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M);
 void pk_gauss_mass_solve(const struct pk_gauss_work *w, pk_real *M, pk_real *x);
+/* M of derivatives J, which may have more; see `closed` of struct pk_part_families. */
+void pk_gauss_mass_alone(const struct pk_gauss_work *w, const pk_real *J, pk_real *M);
 /* A matrix whose inverse is no less than |M^-1|, entry by entry, where it is positive definite:
  * A. M. Ostrowski, Comment. Math. Helv. 10 (1937) 69. */
 void pk_gauss_compare(const struct pk_gauss_work *w, pk_real *M);
-/* x = lu^-1 x, of s stages, x by coordinates; y += A x of one stage. */
+/* x = lu^-1 x, of s stages, x by coordinates; y = lu^-1 (y + A x) of one stage. */
 void pk_gauss_lu_solve(const struct pk_gauss_work *w, const struct pk_band *lu, size_t s,
                        pk_real *x);
-void pk_gauss_add_product(const struct pk_gauss_work *w, pk_real *A, const pk_real *x, pk_real *y);
+void pk_gauss_solve_with(const struct pk_gauss_work *w, pk_real *A, const pk_real *x,
+                         const struct pk_band *lu, pk_real *y);
 /* gauss_places.c: the matrix of a pattern that lies at `numbers`; its unknowns from a vector of s
  * stages by coordinates, and back. */
 struct pk_band pk_gauss_band(const struct pk_gauss_work *w, pk_real *numbers);
 void pk_gauss_to_places(const struct pk_gauss_work *w, size_t s, const pk_real *x, pk_real *y);
 void pk_gauss_to_coordinates(const struct pk_gauss_work *w, size_t s, const pk_real *y, pk_real *x);
 
+/* Twice the spectral radius of J1^-1 J2 - I, J1 factored in w->lu and J2 in w->other, as a power
+ * iteration tells it. */
+pk_real pk_gauss_radius(const struct pk_gauss_work *w);
 /* A bound on how much one fixed-point iteration contracts, by `count` sets of derivatives; not
- * finite where M is not positive definite. */
+ * finite where M is not positive definite. Where some places are no coordinates w->lu is lost. */
 pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                              const pk_real *J, size_t count);
 /* The least of max_i (|M^-1 X| x)_i / x_i over some x > 0, which bounds M^-1 X in a norm of weights

@@ -14,7 +14,8 @@
 
 #define SMALL (PK_GAUSS_SURE / 4) /* a norm that is below this is so for any purpose */
 #define LITTLE PK_C(0.8)          /* what is gained in a turn, where many are made */
-enum { MOST_TURNS = 16 };
+#define TINY PK_F(sqrt)(PK_EPS)
+enum { MOST_TURNS = 16, TURNS = 16 };
 
 int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w)
 {
@@ -155,6 +156,36 @@ static pk_real quick_contraction(const struct pk_integrator *it, const struct pk
     return n > 1 ? PK_C(2.72) * sum / least : sum;
 }
 
+pk_real pk_gauss_radius(const struct pk_gauss_work *w)
+{
+    const size_t m = w->s * w->places;
+    pk_real growth[TURNS], product = 1;
+    unsigned long noise = 1;
+    for (size_t i = 0; i < m; i++) {
+        noise = (noise * 1103515245ul + 12345ul) & 0x7ffffffful;
+        w->x[i] = noise & 0x10000ul ? PK_C(1.0) : -PK_C(1.0);
+    }
+    for (int turn = 0; turn < TURNS; turn++) {
+        pk_real size = 0;
+        memset(w->y, 0, m * sizeof *w->y);
+        pk_band_add_product(&w->other, w->x, w->y);
+        pk_band_solve(&w->lu, w->y);
+        for (size_t i = 0; i < m; i++) {
+            w->y[i] -= w->x[i];
+            if (!(pk_abs(w->y[i]) <= size)) /* so that what is no number gets through */
+                size = pk_abs(w->y[i]);
+        }
+        if (!(size > TINY) || !pk_finite(size))
+            return size;
+        growth[turn] = size;
+        for (size_t i = 0; i < m; i++)
+            w->x[i] = w->y[i] / size;
+    }
+    for (int turn = TURNS / 2; turn < TURNS; turn++)
+        product *= growth[turn];
+    return 2 * PK_F(pow)(product, PK_C(2.0) / TURNS);
+}
+
 /* |M^-1 (J - M)| itself, of bands no less than it. */
 static pk_real contraction(const struct pk_gauss_work *w, const pk_real *J, size_t stride)
 {
@@ -183,6 +214,12 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
                              const pk_real *J, size_t count)
 {
     const size_t stride = count > 1 ? 4 * w->nn : 0;
+    if (w->closed) { /* what a step of none has for its matrix has no inverse that is a band */
+        it->own->flags &= ~PK_HAVE_LU;
+        pk_gauss_matrix(w, J, stride, 0, 1, &w->lu);
+        pk_gauss_matrix(w, J, stride, 1, 1, &w->other);
+        return pk_band_factor(&w->lu) ? pk_gauss_radius(w) : PK_INFINITY;
+    }
     if (!w->pattern.dense)
         return contraction(w, J, stride);
     const pk_real quick = quick_contraction(it, w, J, count);

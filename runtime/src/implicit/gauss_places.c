@@ -49,17 +49,33 @@ void pk_gauss_lu_solve(const struct pk_gauss_work *w, const struct pk_band *lu, 
     pk_gauss_to_coordinates(w, s, w->z, x);
 }
 
-void pk_gauss_add_product(const struct pk_gauss_work *w, pk_real *A, const pk_real *x, pk_real *y)
+void pk_gauss_solve_with(const struct pk_gauss_work *w, pk_real *A, const pk_real *x,
+                         const struct pk_band *lu, pk_real *y)
 {
     const struct pk_band band = pk_gauss_band(w, A);
+    pk_real *of_x = w->z, *of_y = w->z + w->places;
     if (w->pattern.dense) {
         pk_band_add_product(&band, x, y);
+        pk_band_solve(lu, y);
         return;
     }
-    pk_gauss_to_places(w, 1, x, w->z);
-    pk_gauss_to_places(w, 1, y, w->z + w->places);
-    pk_band_add_product(&band, w->z, w->z + w->places);
-    pk_gauss_to_coordinates(w, 1, w->z + w->places, y);
+    pk_gauss_to_places(w, 1, x, of_x);
+    pk_gauss_to_places(w, 1, y, of_y);
+    pk_band_add_product(&band, of_x, of_y);
+    pk_band_solve(lu, of_y);
+    pk_gauss_to_coordinates(w, 1, of_y, y);
+}
+
+void pk_gauss_mass_alone(const struct pk_gauss_work *w, const pk_real *J, pk_real *M)
+{
+    const struct pk_band A = pk_gauss_band(w, M);
+    memcpy(M, J, w->nn * sizeof *M);
+    for (size_t i = 0; i < w->places && w->closed; i++)
+        for (size_t j = i < A.rows && i > A.below ? i - A.below : 0; j <= i; j++)
+            if (w->place[i] < 0 || w->place[j] < 0) {
+                pk_real *x = pk_band_entry(&A, i, j), *y = pk_band_entry(&A, j, i);
+                *x = *y = i == j;
+            }
 }
 
 size_t pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M)
@@ -103,7 +119,10 @@ void pk_gauss_derivatives(struct pk_integrator *it, const struct pk_gauss_work *
     const struct pk_system *system = it->problem.system;
     pk_kernel_3 *jacobian = system->families.pattern ? system->families.jacobian : system->jacobian;
     const pk_real *u = pk_eval_input(it, t);
-    pk_gauss_mass(it, t, q, v, J);
+    if (system->families.closed)
+        system->families.closed(it->problem.params, t, q, v, u, J);
+    else
+        pk_gauss_mass(it, t, q, v, J);
     jacobian(it->problem.params, t, q, v, u, J + w->nn, J + 2 * w->nn, J + 3 * w->nn);
     it->count.jacobians++;
 }

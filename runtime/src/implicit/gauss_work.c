@@ -60,6 +60,7 @@ struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
 {
     struct pk_gauss_work w = {.table = (const struct pk_gauss *)it->method->table,
                               .n = it->n,
+                              .closed = it->problem.system->families.closed != NULL,
                               .pattern = pk_system_pattern(it->problem.system, it->problem.params)};
     lay_out(&w, it->own->work);
     return w;

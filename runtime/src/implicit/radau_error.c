@@ -69,8 +69,7 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
     memcpy(r->dv, r->x, n * sizeof *r->dv);
     for (size_t x = 0; x < nn; x++)
         w->M[x] = hg * J[2 * nn + x] - J[nn + x];
-    pk_gauss_add_product(w, w->M, r->dq, r->dv);
-    pk_gauss_lu_solve(w, &r->E, 1, r->dv);
+    pk_gauss_solve_with(w, w->M, r->dq, &r->E, r->dv);
     for (size_t k = 0; k < n; k++) {
         r->dq[k] += hg * r->dv[k];
         sum += r->dq[k] / r->of_q[k] * (r->dq[k] / r->of_q[k]) +

@@ -86,6 +86,11 @@ class LoopCode:
             found.append(Function(signature, self._edge(s, stem)))
         return "".join(f"{function.text}\n" for function in found)
 
+    def part_function(self, s: RowSet) -> str:
+        """_part alone: half the code, where speed is not in the rows."""
+        signature = f"static void {self.name}_{s.name}_part({self.ARGS}, {ONE_CELL})"
+        return f"{Function(signature, self._part(s)).text}\n"
+
     def _in_lane(self, block: Block) -> list[Node]:
         body = [Declare("pk_bits", "far", "0")] if block.trig else []
         body += [self.unused, Call("(void)m"), *statements(block.statements, "PK_IN_LANE", "far")]

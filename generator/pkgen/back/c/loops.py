@@ -97,6 +97,12 @@ class Places:
             total = total + group.count
         self.whole = total  # numbers of q with carried values behind them
         total = Affine()
+        self.observed: list[Affine] = []  # where each output begins, and their count
+        for item in e.outputs:
+            self.observed.append(total)
+            total = total + item.count
+        self.observed.append(total)
+        total = Affine()
         for rows in e.bound:  # in lambda
             self.first[rows.group.name] = total
             total = total + rows.group.count
@@ -220,15 +226,17 @@ class Lowering(Hoisting):
             place = places.flat(slot.name, slot.at)
             array = f"{self.prefix}lambda"
             return Code(f"{array}(p)[{places.index(place)}]", (array, "p", *places.names_in(place)))
-        array = "q" if slot.kind == "q" else "v"
+        array, needs = ("q" if slot.kind == "q" else "v",) * 2
+        if slot.kind == "a":
+            array, needs = f"{self.prefix}accelerated(p)", f"{self.prefix}accelerated"
         inside = where in (INNER, PAIR)
         if slot.at is None or inside or not any(slot.at.factor(v) for v in LOOPS):
             first = places.names_in(places.first[slot.name])
             text = f"{array}[{places.index(places.flat(slot.name, slot.at))}]"
-            return Code(text, (array, *first, *index))
+            return Code(text, (needs, "p", *first, *index))
         reader = f"{self.prefix}{slot.kind}_{places.ids[slot.name]}"
         text = f"{reader}(p, t, {array}, u, {places.index(slot.at)})"
-        return Code(text, (reader, "p", "t", array, "u", *index))
+        return Code(text, (reader, needs, "p", "t", "u", *index))
 
     def _local(self, slot: Slot) -> str:
         if slot not in self._names:
@@ -241,7 +249,7 @@ class Lowering(Hoisting):
             elif slot.kind == "place":
                 wish = re.sub(r"\W+", "_", slot.name.replace("-", "m")).strip("_")
             else:
-                suffix = {"v": "_dot", "w": "_ddot", "d": "_own"}.get(slot.kind, "")
+                suffix = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc"}.get(slot.kind, "")
                 wish = self.places.ids.get(slot.name, slot.name) + _place(slot.at) + suffix
             self._names[slot] = self._locals.take(wish)
         return self._names[slot]

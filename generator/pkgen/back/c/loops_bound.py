@@ -65,14 +65,21 @@ def shape_of(e: LoopEquations, places: Places) -> dict[str, Any]:
         "least": first,
         "greatest": [index(g.hi) for g in e.families],
         "ring": [index(g.hi) for g in e.families if g.periodic],
-        "whole": len(e.scalars) + sum(rows.is_single for rows in e.bound),
+        "whole": len(e.scalars) + sum(rows.is_single for rows in e.bound) + spares_of(e),
     }
+
+
+def spares_of(e: LoopEquations) -> int:
+    """How many rows in the band may be regular by scalar coordinates alone."""
+    felt = {name for rows in e.bound for name, shift in rows.entries if shift is None}
+    return len(felt)
 
 
 def bound_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, Any]:
     """What the templates see of constraints."""
     if not e.bound:
-        return dict.fromkeys(("bound", "banded_rows", "single_rows", "all_jacobian"), ())
+        none = ("bound", "banded_rows", "single_rows", "all_jacobian")
+        return dict.fromkeys(none, ()) | {"spares": 0}
     index, rows = places.index, [_row(e, rows, places) for rows in e.bound]
     banded = [x for x in rows if not x["single"]]
     for k, x in enumerate(banded, len(e.families)):
@@ -84,12 +91,13 @@ def bound_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, Any
     holonomic = sum((x.group.count for x in e.bound if x.holonomic), Affine())
     return {
         "bound": rows,
+        "spares": spares_of(e),
         "banded_rows": banded,
         "single_rows": [x for x in rows if x["single"]],
         "jacobian_sets": plan.jacobian,
         "all_jacobian": [*plan.jacobian.values(), *plan.border.values()],
         "border_sets": {
-            name: {"set": s, "rows": [x.group.name for x in singles(e, e.group(name))]}
+            places.ids[name]: {"set": s, "rows": [x.group.name for x in singles(e, e.group(name))]}
             for name, s in plan.border.items()
         },
         "bound_sets": plan.bound,
@@ -108,7 +116,7 @@ def _row(e: LoopEquations, rows: Bound, places: Places) -> dict[str, Any]:
         "declared": rows.name,
         "single": rows.is_single,
         "holonomic": rows.holonomic,
-        "corner": list(rows.corner),
+        "corner": [{"scalar": name, "id": places.ids[name]} for name in rows.corner],
     }
     if rows.is_single:
         return found
@@ -122,7 +130,7 @@ def _row(e: LoopEquations, rows: Bound, places: Places) -> dict[str, Any]:
         # Rows before the greatest of these reach around the end of a ring.
         "wraps": [index(end) for end in ends],
         "entries": [
-            {"scalar": name} if shift is None else {"other": name, "shift": shift}
+            {"scalar": name} if shift is None else {"other": places.ids[name], "shift": shift}
             for name, shift in rows.entries
         ],
     }

@@ -79,7 +79,7 @@ class Interior:
             nodes.append(self.g.sum(bulk))
         # Rates and accelerations of given cells have vanished from `inner`, their reach has not.
         ends = [part.node for row in rows for part in row.parts if part.node != part.inner]
-        for kinds, found in ((CELLS, nodes), (("d", "w"), [*nodes, *ends])):
+        for kinds, found in (((*CELLS, "a"), nodes), (("d", "w"), [*nodes, *ends])):
             for slot in (slot for node in found for slot in self.slots.below(node)):
                 if slot.kind in kinds and slot.at is not None:
                     other, shift = self.e.group(slot.name), slot.at.without(ROW)

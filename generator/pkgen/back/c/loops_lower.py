@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import zip_longest
 from typing import Any
 
-from ...equations import Quantity
+from ...equations import Facts, Quantity
 from ...graph.affine import ROW, Affine
 from ...graph.graph import Node
 from ...indices import indexed
@@ -24,6 +24,7 @@ from .loops_bound import bound_context, shape_of
 from .loops_chain import chain_context
 from .loops_plan import TOTALS, VECTORS, divides, emitted, entries, planned, within
 from .loops_sets import Builder, Guarded
+from .loops_slopes import slopes_context
 from .parameter_code import ParameterCode
 from .program import Interval, LoopProgram, operations_text
 from .render import frame, pasted
@@ -58,7 +59,7 @@ class _Context:
             for b in e.bounds
         ]
         self.outputs = {
-            "observe": Block.of(STORE, "out[{}]", e.observed, INNER),
+            "observe": Block(list(self._observed()), INNER),
             "conserve": Block.of(STORE, "out[{}]", e.conserved, INNER),
             "event": Block.of(STORE, "out[{}]", e.events, INNER),
         }
@@ -71,6 +72,12 @@ class _Context:
             *(block for found in self.plan.singularities for block in found.blocks),
         ]
         self.lowering = Lowering(e, self.places, libm, blocks)
+
+    def _observed(self) -> Iterator[Target]:
+        """Of outputs that there are once."""
+        for first, item in zip(self.places.observed, self.e.outputs, strict=False):
+            if item.lo is None:
+                yield Target(STORE, f"out[{self.places.index(first)}]", (item.node,))
 
     def _assigned(self, item: Assigned, parameter: bool = False) -> Guarded:
         index = self.places.index
@@ -99,7 +106,9 @@ class _Context:
         chain = chain_context(plan.chain)
         parameters = [self._parameter(k) for k in range(len(e.parameters))]
         system = self._system_kernels()
-        free = {"force", "canonical"} if e.bound else set()  # of the system they have J^T lambda
+        # Of the system they have J^T lambda, or p = v and p' = a.
+        own = {"force", "canonical"} if e.bound else {"canonical"} if e.solved else set()
+        closed = plan.slopes_of is not None and plan.slopes_of.closed is not None
         in_block = any(g.is_family for g in e.parameters)
         names = {
             "coordinates": [_quantity(g, "{}", "unit", "integral of {}") for g in e.coordinates],
@@ -113,7 +122,7 @@ class _Context:
             "constraints": [_multiplier(rows) for rows in e.bound],
         }
         return {
-            **frame(model, e.facts, set(system) - free, parameters, names),
+            **frame(model, _told(e), set(system) - own, parameters, names),
             "n": e.count.value(size_values(model)),
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
@@ -130,7 +139,7 @@ class _Context:
                 w.prepare,
                 factored=e.facts.mass_constant and not (diagonal or e.carried),
                 bound=bool(e.bound),
-                block=in_block or not diagonal,
+                block=in_block or not diagonal or closed,
             ),
             "sizes": [
                 {"c_name": self.places.sizes[s.name], "name": s.name, "value": s.value}
@@ -159,8 +168,8 @@ class _Context:
                 for outputs in [within(e)[kernel["name"]]]
             ],
             **bound_context(e, plan, self.places),
-            "slopes": plan.slopes,
-            "reach": plan.reach,
+            **slopes_context(plan, self.places),
+            "solved": e.solved,
             "totals": plan.totals,
             "pairs": plan.pairs,
             "vectors": kernels,
@@ -168,7 +177,8 @@ class _Context:
             "with_canonical": "canonical" in self.kernels,
             "scalar_kernels": [k for k in TOTALS if k in plan.totals],
             "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS, *self.outputs)},
-            "outputs": {k: x.statements for k, x in self.outputs.items() if x.targets},
+            "outputs": {k: x.statements for k, x in self.outputs.items() if self._there(k)},
+            **self._outputs_of_members(),
             "singularities": list(self._singularities()),
             "singular": {
                 "sets": plan.singularities,
@@ -198,13 +208,34 @@ class _Context:
         e, out = self.e, ("out",)
         found = {"acceleration": ("a",)} | {k: VECTORS.get(k, ()) for k in self.kernels}
         found |= {"singularity": out} if e.singularities or e.pivots else {}
-        found |= {k: out for k, x in self.outputs.items() if x.targets}
+        found |= {k: out for k in self.outputs if self._there(k)}
         return {
             name: {"name": name, "result": KERNELS[name].result, "given": ()}
             | {"outputs": [{"name": output} for output in found[name]]}
             for name in KERNELS
             if name in found and name not in ("mass", "jacobian")
         }
+
+    def _there(self, kernel: str) -> bool:
+        return bool(self.outputs[kernel].targets or (kernel == "observe" and self.plan.observed))
+
+    def _outputs_of_members(self) -> dict[str, Any]:
+        """Outputs for each index, and how many numbers all are."""
+        index, e, count = self.places.index, self.e, self.places.observed[-1]
+        rows = [
+            {
+                "set": s,
+                "cell": index(self.places.observed[k] + M - e.outputs[k].lo),
+                "lo": index(e.outputs[k].lo),
+                "count": index(e.outputs[k].count),
+                "k": k,
+            }
+            for k, s in self.plan.observed.items()
+        ]
+        sizes = size_values(e.model)
+        return {"observed_rows": rows, "observed_count": index(count)} | (
+            {"n_observed": count.value(sizes)} if rows else {}
+        )
 
     def _parameter(self, k: int) -> dict[str, Any]:
         group, bounds = self.e.parameters[k], self.e.bounds[k]
@@ -246,7 +277,7 @@ class _Context:
         """Functions that read a cell wherever it lies: of q, v, w, d of each family."""
         places, used = self.places, {word for b in self.lowering.blocks for word in b.words}
         for g in self.e.families:
-            for kind, order in {"q": 0, "v": 1, "s": 0, "w": 2, "d": 3}.items():
+            for kind, order in {"q": 0, "v": 1, "s": 0, "w": 2, "d": 3, "a": 3}.items():
                 name = f"{self.lowering.prefix}{kind}_{places.ids[g.name]}"
                 if name not in used:
                     continue
@@ -256,7 +287,7 @@ class _Context:
                     if end.kind == "free":
                         home = g.lo if at == g.lo - 1 else g.hi
                         item["home"] = places.index(places.flat(g.name, home))
-                    elif kind != "d":
+                    elif kind not in ("d", "a"):
                         item["lines"] = self.given[g.name, at][order].statements
                     ends.append(item)
                 yield places.group(g) | {"reader": name, "kind": kind, "given": ends}
@@ -343,6 +374,12 @@ class _Context:
             "least": [index(g.lo) for g in e.families],
             "greatest": [index(g.hi) for g in e.families],
         }
+
+
+def _told(e: LoopEquations) -> Facts:
+    """What the runtime is told: where p = v, M is 1 for it."""
+    one = {"mass_constant": True, "mass_diagonal": True, "quadratic": True}
+    return replace(e.facts, **one) if e.solved else e.facts
 
 
 def _value(node: Node, where: str) -> Block:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ...middle.loops.loops import Bound, Group, LoopEquations, Row, Total, Unrolled
-from ...middle.loops.slopes import Matrix, slopes_of
+from ...graph.affine import Affine
+from ...middle.loops.loops import Bound, Group, LoopEquations, Part, Row, Total, Unrolled
+from ...middle.loops.slopes import Matrix, Slopes, Unknown, slopes_of
 from .loops import Block
 from .loops_chain import Chain
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
@@ -41,6 +42,7 @@ class SlopeKernel:
     outputs: tuple[str, ...]
     rows: list[RowSet] = field(default_factory=list)
     stores: list[list[tuple[str, str, str]]] = field(default_factory=list)  # of each of the rows
+    columns: list[str] = field(default_factory=list)  # the function of their places
     corner: list[tuple[str, str, str, str]] = field(default_factory=list)  # and the total
 
 
@@ -58,13 +60,17 @@ class Plan:
     border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family
     bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # and by rows
     slopes: list[SlopeKernel] = field(default_factory=list)
+    slopes_of: Slopes | None = None
     reach: int = 0  # of a row of slopes to either side, in places
+    observed: dict[int, RowSet] = field(default_factory=dict)  # outputs for each index
+    pull: list[RowSet] = field(default_factory=list)  # J^T lambda
 
     @property
     def blocks(self) -> Iterator[Block]:
         sets = [*(s for found in self.rows.values() for s in found), *self.band]
         sets += [*self.jacobian.values(), *self.border.values()]
         sets += [s for found in self.bound.values() for s in found.values()]
+        sets += [*self.observed.values(), *self.pull]
         sets += [s for kernel in self.slopes for s in kernel.rows]
         for found in (*sets, *self.totals.values()):
             yield from found.blocks
@@ -133,6 +139,11 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
             for g in e.families
         ]
     _plan_bound(e, make, plan)
+    for k, item in enumerate(e.outputs):
+        if item.lo is not None:
+            group = Group(replace(item.item, name=f"observe_{k}"), item.lo, item.hi)
+            row = Row((Part(item.lo, item.hi, item.node, item.node),))
+            plan.observed[k] = make.rows(group.name, group, [row], ghosts=False)
     for (a, b), of in e.mass.corner.items():
         total(f"mass_{ids[a]}_{ids[b]}", of)
     for what in TOTALS:
@@ -140,7 +151,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
             total(what, getattr(e, what))
     for k, of in enumerate(e.sums):
         total(f"sum_{k}", of)
-    if "jacobian" in kernels and not (e.bound or e.model.rotations):
+    if "jacobian" in kernels and not e.carried:
         _plan_slopes(e, make, plan, total)
     plan.singularities = [
         make.total(f"singularity_{k}", singularity.terms, as_derived=True)
@@ -159,12 +170,14 @@ def _plan_bound(e: LoopEquations, make: Builder, plan: Plan) -> None:
             name = f"jacobian_{own.name}"
             plan.jacobian[own.name] = make.rows(name, own, [*rows.entries.values()])
         for scalar, of in rows.corner.items():
-            name = f"jacobian_{own.name}_{scalar}"
+            name = f"jacobian_{own.name}_{make.places.ids[scalar]}"
             plan.totals[name] = make.total(name, of)
     for g in e.families:
         found = [rows.border[g.name] for rows in singles(e, g)]
         if found:
-            plan.border[g.name] = make.rows(f"border_{g.name}", g, found, ghosts=False)
+            plan.border[g.name] = make.rows(
+                f"border_{make.places.ids[g.name]}", g, found, ghosts=False
+            )
     for kernel, of in BOUND.items() if e.bound else ():
         plan.bound[kernel] = {
             rows.group.name: make.total(f"{kernel}_{rows.group.name}", of(rows), as_derived=True)
@@ -186,52 +199,71 @@ def _plan_slopes(e: LoopEquations, make: Builder, plan: Plan, total: Any) -> Non
         slopes = slopes_of(e, make.interior.slots)
     except Unrolled:
         return
-    names = [g.name for g in e.families]
-    plan.reach = max(
-        (
-            abs(shift * len(names) + names.index(b) - names.index(a))
-            for matrix in slopes.all
-            for a, b, shift in matrix.entries
-        ),
-        default=0,
-    )
-    of_mass = SlopeKernel("mass", ("M",))
-    jacobian = SlopeKernel("jacobian", ("p_q", "pdot_q", "pdot_v"))
-    matrices = ((of_mass, slopes.all[:1]), (jacobian, slopes.all[1:]))
-    scalar = {g.name: f"places + {k}" for k, g in enumerate(e.scalars)}
-    prefix = e.model.name
-    for kernel, found in matrices:
-        for g in e.families:
+    plan.slopes_of = slopes
+    plan.reach = _reach(slopes)
+    families = [unknown for unknown, _ in slopes.families]
+    scalar = {unknown: f"places + {k}" for k, unknown in enumerate(slopes.scalars)}
+    column = {unknown: f"{e.model.name}_slopes_row_{k}" for k, unknown in enumerate(families)}
+    kernels = [SlopeKernel("mass", ("M",)), SlopeKernel("jacobian", ("p_q", "pdot_q", "pdot_v"))]
+    kernels[1:1] = [SlopeKernel("closed", ("M",))] if slopes.closed else []
+    matrices = iter(slopes.all)
+    for kernel in kernels:
+        found = [next(matrices) for _ in kernel.outputs]
+        for k, (unknown, group) in enumerate(slopes.families):
             rows, stores = [], []
             for output, matrix in zip(kernel.outputs, found, strict=True):
-                for row, column, value in _of_row(matrix, g, prefix, scalar):
+                for row, at, value in _of_row(matrix, unknown, column, scalar):
                     rows.append(value)
-                    stores.append((output, row, column))
+                    stores.append((output, row, at))
             if rows:
-                name = f"slopes_{kernel.name}_{g.name}"
-                kernel.rows.append(make.rows(name, g, rows, ghosts=False))
+                name = f"slopes_{kernel.name}_{k}"
+                kernel.rows.append(make.rows(name, group, rows, ghosts=False))
                 kernel.stores.append(stores)
+                kernel.columns.append(column[unknown])
         for output, matrix in zip(kernel.outputs, found, strict=True):
             for (a, b), of in matrix.corner.items():
-                key = f"slopes_{output}_{a}_{b}"
+                key = f"slopes_{kernel.name}_{output}_{len(kernel.corner)}"
                 total(key, of)
                 kernel.corner.append((output, scalar[a], scalar[b], key))
         plan.slopes.append(kernel)
+    for g in e.families if slopes.pull else ():
+        plan.pull.append(make.rows(f"pull_{make.places.ids[g.name]}", g, [slopes.pull[g.name]]))
+    for g in e.scalars if slopes.pull else ():
+        total(f"pull_{make.places.ids[g.name]}", slopes.pull[g.name])
+
+
+def _reach(slopes: Slopes) -> int:
+    """How far a row reaches in places."""
+    of = dict(slopes.families)
+    at = {unknown: k for k, unknown in enumerate(of)}
+    found = [0]
+    for matrix in slopes.all:
+        for a, b, shift in matrix.entries:
+            apart = abs(shift * len(of) + at[b] - at[a])
+            # A member beyond a free end has the place of another one; so have both, or one alone.
+            alike = (of[a].lo, of[a].hi, _free(of[a])) == (of[b].lo, of[b].hi, _free(of[b]))
+            free = _free(of[a]) or _free(of[b])
+            found.append(apart if alike or not free else apart + len(of))
+    return max(found)
+
+
+def _free(g: Group) -> tuple[Affine, ...]:
+    return tuple(at for at, end in g.ends if end.kind == "free")
 
 
 def _of_row(
-    matrix: Matrix, g: Group, prefix: str, scalar: dict[str, str]
+    matrix: Matrix, own: Unknown, column: dict[Unknown, str], scalar: dict[Unknown, str]
 ) -> Iterator[tuple[str, str, Row]]:
     """Row and column of the entries that the row of a family's cell knows."""
-    for (own, other, shift), row in matrix.entries.items():
-        if own == g.name:
-            yield "row", f"{prefix}_slopes_row_{other}(p, m + {shift})", row
-    for (own, other), row in matrix.right.items():
-        if own == g.name:
-            yield "row", scalar[other], row
-    for (other, own), row in matrix.bottom.items():
-        if own == g.name:
-            yield scalar[other], "row", row
+    for (row, other, shift), value in matrix.entries.items():
+        if row == own:
+            yield "row", f"{column[other]}(p, m + {shift})", value
+    for (row, other), value in matrix.right.items():
+        if row == own:
+            yield "row", scalar[other], value
+    for (other, row), value in matrix.bottom.items():
+        if row == own:
+            yield scalar[other], "row", value
 
 
 def _own(e: LoopEquations, g: Group) -> Row:

@@ -60,7 +60,11 @@ class Indices:
                 entry.used = True
                 known &= entry.kind != "poisoned"
             elif expr.id not in ("t", "pi", "inf"):
-                help = "" if scope.loops else f"declare it: size {expr.id} = 3"
+                running = f"an index runs in a sum: sum(…, {expr.id} = 1..3)"
+                running += f", or where members are declared: f[{expr.id} = 1..3]"
+                letter = len(expr.id) == 1 and expr.id.islower()
+                help = running if letter else f"declare it: size {expr.id} = 3"
+                help = "" if scope.loops else help
                 self.names.unknown(expr.id, expr.span, help=help)
                 known = False
         return known

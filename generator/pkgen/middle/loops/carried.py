@@ -9,6 +9,7 @@ what X is made of, from the last member to the first, and so does M a = f
 
 from __future__ import annotations
 
+from ...graph.affine import ROW
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ZERO, Kind, Node
 from ..derive.impulses import arguments_of
@@ -89,6 +90,12 @@ def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
         raise Unrolled(f"a carried value is made of a later member of '{slot.name}'")
     if group.periodic or any(end.kind == "free" for _, end in group.ends):
         low, high = lo + distance - group.lo, group.hi - hi - distance
+        if any(end.is_constant and end.constant < 0 for end in (low, high)):
+            reached = f"{slot.name}[{slot.at.text({ROW: 'i'})}]"
+            raise Unrolled(
+                f"a `let` of its own lower members reaches {reached} beyond an end of "
+                f"'{slot.name}' that is free or periodic"
+            )
         gather.found.limits += [Limit(low, hi - lo), Limit(high, hi - lo)]
     else:
         gather.bodies.in_reach(slot, lo, hi)

@@ -24,8 +24,6 @@ from .terms import Term, terms
 
 def derive_loops(model: Model) -> LoopEquations:
     """The equations of motion with every family kept as a loop. Raises Unrolled."""
-    if model.rotations and model.constraints:
-        raise Unrolled("a model with rotations and constraints has its families written out")
     return entered(model, lambda orders: _derive(LoopExpander(model, orders)))
 
 
@@ -67,7 +65,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
     if bound and carried:
         raise Unrolled("constraints stand beside a `let` defined by its own members")
     outputs = Outputs(x, gather, kinetic, potential, lagrangian, energy, vectors["momenta"])
-    observed = outputs.nodes(model.observed)
+    observed = outputs.observed()
     conserved = outputs.nodes(model.conserved)
     events = outputs.nodes(model.events)
     refuse_constant(model, x.graph, events)
@@ -90,7 +88,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         lagrangian=lagrangian,
         energy=energy,
         sums=tuple(outputs.totals),
-        observed=observed,
+        outputs=observed,
         conserved=conserved,
         events=events,
         given=given_of(x),
@@ -101,6 +99,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         wraps=gather.found.wraps,
         carried=carried,
         bound=bound,
+        solved=_of_states(x, vectors["momenta"]),
     )
     _check_points(x, result)
     _check_jumps(x, result)
@@ -141,6 +140,13 @@ def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
         },
         pairs=tuple(p for p in pairs if p.by_row or p.by_other or p.by_scalar),
     )
+
+
+def _of_states(x: LoopExpander, momenta: Vector) -> bool:
+    """Whether a momentum of a coordinate depends on a state."""
+    own = [g.name for g in x.coordinates.values() if g.is_state]
+    nodes = vector_nodes(momenta, frozenset(own))
+    return any(slot.kind == "s" for slot in x.slots.below(*nodes))
 
 
 def _band(found: Gathered) -> Band:

@@ -154,8 +154,6 @@ class LoopExpander:
         if name in self.definitions:
             return self._definition(name, index)
         if name in self.outputs:
-            if index is not None:
-                raise Unrolled(f"'{name}' is an output of each member")
             return self.outputs[name]
         if name in self.multipliers:
             return self._multiplier(name, index)

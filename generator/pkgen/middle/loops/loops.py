@@ -36,8 +36,9 @@ class Slot:
     kind: "q", "v", "s" (a first-order variable, which C has in v), "w" (the acceleration of a cell
     that is given as a function of t, 0 of a coordinate; of a carried value its acceleration where
     no coordinate has one), "d" (the rate of a coordinate, 0 of a given cell; of a carried value
-    what the rates of coordinates make of it), "param", "size", "index", "input", "sum", "lambda"
-    (of the rows of that key), and "place", whose name is its text in C. `at` is the index of a
+    what the rates of coordinates make of it), "a" (its acceleration, 0 of a given cell, where that
+    is an unknown), "param", "size", "index", "input", "sum", "lambda" (of the rows of that key),
+    and "place", whose name is its text in C. `at` is the index of a
     family's member.
     """
 
@@ -264,6 +265,20 @@ class Assigned:
 
 
 @record
+class Observed:
+    """An output: one, where `lo` is None, or one for each index m."""
+
+    item: Definition
+    lo: Affine | None
+    hi: Affine | None
+    node: Node
+
+    @property
+    def count(self) -> Affine:
+        return Affine(1) if self.lo is None else self.hi - self.lo + 1
+
+
+@record
 class Limit:
     """A size is large enough where `needs` >= 0, or where the range `unless` is empty."""
 
@@ -308,7 +323,7 @@ class LoopEquations:
     lagrangian: Total | None  # None, like the energy, of states alone
     energy: Total | None
     sums: tuple[Total, ...]  # of the outputs, in the order of their symbols
-    observed: tuple[Node, ...]
+    outputs: tuple[Observed, ...]
     conserved: tuple[Node, ...]
     events: tuple[Node, ...]
     # The value of each given cell beyond an end and its first two derivatives, by its End.
@@ -323,6 +338,9 @@ class LoopEquations:
     pivots: bool = False  # those of M are singularities too, before the others
     carried: tuple[Carried, ...] = ()  # by level
     bound: tuple[Bound, ...] = ()  # rows of constraints, the holonomic ones first
+    # Whether implicit methods take p = v, p' = a: a momentum depends on a state, as of a body whose
+    # inertia its attitude changes.
+    solved: bool = False
 
     def group(self, name: str) -> Group:
         return next(g for g in (*self.coordinates, *self.carried_groups) if g.name == name)
@@ -351,6 +369,10 @@ class LoopEquations:
     @property
     def inputs(self) -> tuple[Quantity, ...]:
         return input_quantities(self.model, self.orders)
+
+    @property
+    def observed(self) -> tuple[Node, ...]:
+        return tuple(item.node for item in self.outputs)
 
     @property
     def observed_names(self) -> tuple[Quantity, ...]:

@@ -10,7 +10,7 @@ from ...model import Definition, Event
 from ...tree import Name, children
 from ..quantities import error
 from .expand import LoopExpander
-from .loops import CELLS, Assigned, Bounded, Total, Unrolled
+from .loops import CELLS, Assigned, Bounded, Observed, Total, Unrolled
 from .rows import Gather
 from .terms import terms
 
@@ -35,11 +35,32 @@ class Outputs:
                 self.totals.append(total)
                 x.outputs[name] = x.slots.node("sum", str(len(self.totals) - 1))
 
+    def observed(self) -> tuple[Observed, ...]:
+        """What rows have, some of it for each index."""
+        found = []
+        for item in self.x.model.observed:
+            if item.range is None:
+                [node] = self.nodes((item,))
+                found.append(Observed(item, None, None, node))
+            else:
+                found.append(self._members(item))
+        return tuple(found)
+
+    def _members(self, item: Definition) -> Observed:
+        x = self.x
+        lo, hi, loop = x.over(item.range)
+        node = x.scalar(item.value, loop)
+        self.gather.found.limits += x.limits_over(lo, hi)
+        for slot in x.slots.below(node):
+            if slot.at is not None and slot.at.factor(ROW):
+                self.gather.bodies.member(slot, lo, hi)
+        return Observed(item, lo, hi, node)
+
     def nodes(self, items: tuple[Definition | Event, ...]) -> tuple[Node, ...]:
         found = []
         for item in items:
             if isinstance(item, Definition) and item.range is not None:
-                raise Unrolled(f"'{item.name}' is an output for each index")
+                raise Unrolled(f"'{item.name}' is claimed for each index")
             node = self.x.scalar(item.value)
             for slot in self.x.slots.below(node):
                 self.gather.found.limits += self.x.limits_of(None, {})
