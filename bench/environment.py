@@ -26,6 +26,7 @@ PEERS = (
     "pin",
     "cmeel-eigen",
     "mujoco",
+    "example-robot-data",
 )
 KNOWN = OUTPUT / "environment-installed.json"  # by package why it could not be, or nothing
 

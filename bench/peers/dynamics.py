@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 
-from ..arm_models import CENTRE, GRAVITY, LENGTH, Link
+from ..arm_models import GRAVITY, Link
 from ..builds import COMPILERS, FUSED, Build, Unavailable
 
 # What Pinocchio's CMake files say.
@@ -35,7 +35,7 @@ PINOCCHIO_BUILDS = (
 @cache
 def pinocchio_headers() -> tuple[str, ...]:
     """Flags."""
-    folder = _folder("pinocchio", "pin").parents[3] / "include"
+    folder = folder_of("pinocchio", "pin").parents[3] / "include"
     if not (folder / "pinocchio" / "algorithm" / "aba.hpp").exists():
         raise Unavailable("the wheel of pin has no headers")
     if not (folder / "eigen3").exists():
@@ -46,14 +46,14 @@ def pinocchio_headers() -> tuple[str, ...]:
 @cache
 def mujoco_library() -> tuple[Path, Path]:
     """The folder of its headers, and the library."""
-    folder = _folder("mujoco", "mujoco")
+    folder = folder_of("mujoco", "mujoco")
     libraries = sorted(folder.glob("libmujoco.so*"))
     if not libraries:
         raise Unavailable("the wheel of mujoco has no library for C")
     return folder / "include", libraries[0]
 
 
-def _folder(module: str, package: str) -> Path:
+def folder_of(module: str, package: str) -> Path:
     found = importlib.util.find_spec(module)
     if not found or not found.origin:
         raise Unavailable(f"{package} is not installed")
@@ -62,25 +62,31 @@ def _folder(module: str, package: str) -> Path:
 
 def pinocchio_in_python(arm: Sequence[Link]) -> Callable[[], object]:
     """One call of aba() by the wheel."""
-    _folder("pinocchio", "pin")
+    folder_of("pinocchio", "pin")
     import numpy as np
     import pinocchio as pin
 
     model = pin.Model()
     model.gravity.linear = np.array([0, 0, -GRAVITY])
-    parent, about = 0, (pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ)
+    kinds = {
+        "revolute": pin.JointModelRevoluteUnaligned,
+        "prismatic": pin.JointModelPrismaticUnaligned,
+    }
+    about = (pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ)
     for k, link in enumerate(arm):
-        place = pin.SE3(np.eye(3), np.array([0, 0, LENGTH if k else 0.0]))
-        parent = model.addJoint(parent, about[link.axis.index(1)](), place, f"q{k + 1}")
-        body = pin.Inertia(link.mass, np.array([0, 0, CENTRE]), link.inertia * np.eye(3))
-        model.appendBodyToJoint(parent, body, pin.SE3.Identity())
+        place = pin.SE3(np.array(link.turn), np.array(link.at))
+        aligned = link.kind == "revolute" and 1 in link.axis
+        joint = about[link.axis.index(1)]() if aligned else kinds[link.kind](*link.axis)
+        model.addJoint(link.parent + 1, joint, place, f"q{k + 1}")
+        body = pin.Inertia(link.mass, np.array(link.centre), np.array(link.inertia))
+        model.appendBodyToJoint(k + 1, body, pin.SE3.Identity())
     data, q, v, zero = model.createData(), *(np.full(len(arm), x) for x in (0.3, 0.2, 0.0))
     return lambda: pin.aba(model, data, q, v, zero)
 
 
 def mujoco_in_python(text: str) -> Callable[[], object]:
     """One call of mj_forward()."""
-    _folder("mujoco", "mujoco")
+    folder_of("mujoco", "mujoco")
     import mujoco
 
     model = mujoco.MjModel.from_xml_string(text)

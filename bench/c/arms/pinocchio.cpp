@@ -1,6 +1,7 @@
 // Pinocchio's articulated-body algorithm, composite rigid bodies and recursive Newton-Euler, its
 // templates compiled here. The word says in which frames they work: local or world.
-// The file has a line a link: axis (3 numbers), mass, moment of inertia, centre, length.
+// The file has a line a link, after its parent's: the parent's number or -1, r or p, the axis, the turning
+// of the joint's frame by rows, its place, the mass, its centre and the inertia about that by rows.
 #include <fstream>
 #include <memory>
 #include <sstream>
@@ -20,8 +21,14 @@ static std::unique_ptr<pin::Data> data;
 static Eigen::VectorXd zero;
 static pin::Convention convention;
 
-static pin::JointModel about(const Eigen::Vector3d &axis)
+static pin::JointModel about(const Eigen::Vector3d &axis, char kind)
 {
+    if (kind == 'p') {
+        if (axis.isApprox(Eigen::Vector3d::UnitX())) return pin::JointModelPX();
+        if (axis.isApprox(Eigen::Vector3d::UnitY())) return pin::JointModelPY();
+        if (axis.isApprox(Eigen::Vector3d::UnitZ())) return pin::JointModelPZ();
+        return pin::JointModelPrismaticUnaligned(axis.normalized());
+    }
     if (axis.isApprox(Eigen::Vector3d::UnitX())) return pin::JointModelRX();
     if (axis.isApprox(Eigen::Vector3d::UnitY())) return pin::JointModelRY();
     if (axis.isApprox(Eigen::Vector3d::UnitZ())) return pin::JointModelRZ();
@@ -31,19 +38,24 @@ static pin::JointModel about(const Eigen::Vector3d &axis)
 int arm_open(const char *file, const char *word)
 {
     std::ifstream in(file);
-    Eigen::Vector3d axis;
-    double mass, inertia, centre, length, before = 0;
-    pin::JointIndex parent = 0;
+    int parent;
+    char kind;
+    Eigen::Vector3d axis, at, centre;
+    Eigen::Matrix<double, 3, 3, Eigen::RowMajor> turn, inertia;
+    double mass;
+    const auto read = [&in](double *to, int count) {
+        for (int i = 0; i < count; i++) in >> to[i];
+    };
 
     convention = std::string(word) == "world" ? pin::Convention::WORLD : pin::Convention::LOCAL;
     model.gravity.linear(Eigen::Vector3d(0, 0, -9.81));
-    while (in >> axis[0] >> axis[1] >> axis[2] >> mass >> inertia >> centre >> length) {
-        const pin::SE3 place(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0, 0, before));
-        parent = model.addJoint(parent, about(axis), place, "q" + std::to_string(parent + 1));
-        const pin::Inertia body(mass, Eigen::Vector3d(0, 0, centre),
-                                inertia * Eigen::Matrix3d::Identity());
-        model.appendBodyToJoint(parent, body, pin::SE3::Identity());
-        before = length;
+    while (in >> parent >> kind) {
+        read(axis.data(), 3), read(turn.data(), 9), read(at.data(), 3);
+        read(&mass, 1), read(centre.data(), 3), read(inertia.data(), 9);
+        const pin::JointIndex joint =
+            model.addJoint((pin::JointIndex)(parent + 1), about(axis, kind), pin::SE3(turn, at),
+                           "q" + std::to_string(model.njoints));
+        model.appendBodyToJoint(joint, pin::Inertia(mass, centre, inertia), pin::SE3::Identity());
     }
     data.reset(new pin::Data(model));
     zero = Eigen::VectorXd::Zero(model.nv);
