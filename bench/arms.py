@@ -1,4 +1,4 @@
-"""`python -m bench arms [--quick] [--docs]`: dynamics of arms and robots, beside Pinocchio and MuJoCo.
+"""`python -m bench arms [--quick] [--docs]`: arms and robots beside Pinocchio and MuJoCo.
 
 Arms of N revolute joints in space, and robots of others from their URDF: the accelerations by each,
 in turns in one run, with ratios formed round by round. Before that a, M and f of the same states
@@ -59,8 +59,8 @@ Accelerations, M and f agree with Pinocchio's within {robots} of the largest num
 All are called from C or C++ in the same loop. Pinocchio's templates are compiled here, from the
 headers of its wheel `pin`, by g++ and clang++ with the flags that pkgen's C has and by g++ -O3
 alone, without assertions. MuJoCo is its wheel's library, with contacts and constraints disabled:
-`mj_forward()` is then what a step of its does, M and its factors included. Of arms pkgen has axes and
-lengths compiled in, masses, moments of inertia and g not; the others have all as numbers at run
+`mj_forward()` is then what a step of its does, M and its factors included. Of arms pkgen has axes
+and lengths compiled in, masses, moments of inertia and g not; the others have all as numbers at run
 time, and a whole tensor of inertia. "called from Python" is the wheels' own build through its
 binding, of one state over and over; of a model without joints that takes {empty}."""
 

@@ -196,7 +196,8 @@ class Start:
 
 @record
 class Event:
-    """`event NAME: EXPR rising stop`: where EXPR crosses zero."""
+    """`event NAME: EXPR rising stop`: where EXPR crosses zero. Of a `limit` a run stops at once if
+    it starts beyond it."""
 
     name: str
     value: Expr
@@ -205,6 +206,7 @@ class Event:
     unit: str
     description: str
     span: Span
+    limit: bool = False
 
 
 @record

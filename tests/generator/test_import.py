@@ -91,7 +91,7 @@ def test_what_it_writes(tmp_path):
     text = text_of(tmp_path, ARM)
     left = "# left out: <transmission> (1), friction of a joint (1), <mimic> (1)"
     assert left in text and "# mesh package://x/upper.stl" in text
-    assert "limits: lower -2.0, upper 2.0, effort 5.0" in text
+    assert "limits [-2.0, 2.0]  # limits: effort 5.0" in text
     assert "dissipation (0.3 [N*m*s])/2*shoulder'^2" in text
     assert "joint fore_joint: fore to x_int" in text or "joint fore_joint: fore to int_2" in text
     model, warnings = check_text(Source("arm.lag", text))

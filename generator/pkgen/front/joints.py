@@ -19,13 +19,14 @@ from ..tree import Name
 
 GROUND = "ground"
 WORDS_TO_KIND = 2  # `to` and the kind are words before what stands behind the kind of a joint
-CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord")}
+CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord", "limits")}
 # What a body has, `point` of a vector. The other members are of what is made of it.
 SHOWN = ("com", "origin", "R", "omega", "mass", "point")
 HELD = ("held", "place", "e", "f", "g")  # of a body that is fixed to another: body_parts.py
 COLUMNS = ("X", "Y", "Z")  # of R, of families where the index is a loop's
 TURNING = ("R", "held", "turn")  # rotations
-_OWN = ("at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
+LIMITS = {"lower": ("falling", -1), "upper": ("rising", 1)}  # how each is passed
+_OWN = (*LIMITS, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
 MEMBERS = frozenset((*SHOWN, *HELD, *COLUMNS, *_OWN))
 
 # kind | axis | coordinates: what stands behind the joint's name, and what it is | Q | r | w | v

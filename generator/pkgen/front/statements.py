@@ -134,6 +134,7 @@ class Event:
     stop: bool
     description: str
     span: Span
+    limit: bool = False  # of a joint
 
 
 @record

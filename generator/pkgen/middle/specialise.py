@@ -49,11 +49,15 @@ def held(
     Raises ModelError where one cannot be held."""
     lines = []
     if scene.holds and model.conserved:
-        names = ", ".join(item.name for item in model.conserved)
-        lines.append(ReportLine("hold", names, "claimed of the free motion, not of this one"))
+        claimed = ", ".join(item.name for item in model.conserved)
+        lines.append(ReportLine("hold", claimed, "claimed of the free motion, not of this one"))
         model = replace(model, conserved=())
     if scene.holds:  # of what is held events may become constant, of which none is an error here
-        kept = tuple(e for e in model.events if e.stop or e.name in asked_events)
+        held = {item.name for item in scene.holds}
+        gone = {e.name for e in model.events if e.limit and names(e.value) & held}
+        lines += [ReportLine("hold", name, "a limit of what is held") for name in sorted(gone)]
+        asked = asked_events | {e.name for e in model.events if e.stop and e.name not in gone}
+        kept = tuple(e for e in model.events if e.name in asked)
         model = replace(model, events=kept)
     for item in scene.holds:
         index, value = _motion(model, item)

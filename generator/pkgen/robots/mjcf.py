@@ -32,6 +32,7 @@ class _Reader:
         compiler = root.first("compiler")
         given = compiler.attributes if compiler else {}
         self.angle = 1.0 if given.get("angle", "degree") == "radian" else math.pi / 180
+        self.auto_limits = given.get("autolimits", "true") != "false"
         self.sequence = given.get("eulerseq", "xyz")
         if len(self.sequence) != 3 or any(c not in "xyz" for c in self.sequence):
             raise compiler.wrong(f'eulerseq="{self.sequence[:10]}" is not read', "e.g. xyz")
@@ -100,7 +101,7 @@ class _Reader:
         return name, anchor
 
     def joint(self, element: Element, other: str):
-        """Its kind, name, axis, limits, damping."""
+        """Its kind, name, axis, what is said of it, damping, limits."""
         given = "free" if element.tag == "freejoint" else element.attributes.get("type", "hinge")
         if given not in KINDS:
             raise element.wrong(f"there is no joint type '{given}'", f"types: {', '.join(KINDS)}")
@@ -119,10 +120,27 @@ class _Reader:
             raise element.wrong("the damping of a joint is negative")
         if damping and axis is None:
             raise element.wrong("the damping of a ball is not read", "add it by 'force'")
+        name = self.name(element, "joint", other)
+        return KINDS[given], name, axis, "", damping, self.limits(element, given, name)
+
+    def limits(self, element: Element, given: str, name: str) -> tuple[float, float] | None:
+        """By `limited`, which is by default whether there is a range (`autolimits`)."""
         low, high = element.numbers("range", 2, (0.0, 0.0))
+        limited = element.attributes.get("limited", "auto")
+        if limited not in ("auto", "true", "false"):
+            raise element.wrong(f'limited="{limited[:10]}" is not auto, true or false')
+        auto = self.auto_limits and "range" in element.attributes
+        if limited == "false" or (limited == "auto" and not auto):
+            return None
+        if given not in ("hinge", "slide"):
+            self.robot.leave_out("limits of a ball")
+            return None
+        if not low < high:
+            raise element.wrong(
+                f"the limits of '{name}' are [{low!r}, {high!r}]: none between them"
+            )
         scale = self.angle if given == "hinge" else 1.0
-        says = f"limits: lower {low * scale!r}, upper {high * scale!r}" if low < high else ""
-        return KINDS[given], self.name(element, "joint", other), axis, says, damping
+        return low * scale, high * scale
 
     def inertial(self, element: Element, link: Link, anchor: Vector) -> None:
         found = element.first("inertial")

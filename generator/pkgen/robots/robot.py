@@ -35,8 +35,9 @@ class Joint:
     at: Vector
     turn: Turns
     axis: Vector | None
-    says: str = ""  # limits
+    says: str = ""
     damping: float = 0.0
+    limits: tuple[float, float] | None = None  # [rad] or [m]
 
 
 @dataclass
@@ -87,6 +88,7 @@ class Names:
 
 def text(robot: Robot, file: str) -> str:
     """A .lag file that compiles."""
+    _hold_massless(robot)
     names, model = Names(), re.sub(r"\W", "_", robot.name, flags=re.ASCII) or "robot"
     if not model[0].isalpha() or reserved(model) or symbols_of(model) or model in C_HEADERS:
         model = f"robot_{model}"
@@ -96,14 +98,35 @@ def text(robot: Robot, file: str) -> str:
     lines += ["", f"gravity {_vector(robot.gravity)} [m/s^2]", ""]
     lines += [_body(link, bodies[link.name]) for link in robot.links]
     lines.append("")
-    damped = []
+    damped, starts = [], []
     for joint in robot.joints:
-        name = names.new(joint.name, SUFFIXES.get(joint.kind, ()), "joint")
+        name = names.new(joint.name, _suffixes(joint), "joint")
         lines.append(_joint(joint, name, bodies))
         if joint.damping:
             unit = "N*m*s" if joint.kind == "revolute" else "N*s/m"
             damped.append(f"dissipation ({joint.damping!r} [{unit}])/2*{name}'^2")
-    return "\n".join([*lines, *([""] if damped else []), *damped]) + "\n"
+        low, high = joint.limits or (0.0, 0.0)
+        if low > 0 or high < 0:
+            middle = repr((low + high) / 2) + " [m]" * (joint.kind == "prismatic")
+            starts.append(f"start {name} = {middle}  # between its limits")
+    return "\n".join([*lines, *([""] if damped or starts else []), *damped, *starts]) + "\n"
+
+
+def _suffixes(joint: Joint) -> tuple[str, ...]:
+    """Of the names that the joint makes."""
+    return SUFFIXES.get(joint.kind, ()) + ("_lower", "_upper") * bool(joint.limits)
+
+
+def _hold_massless(robot: Robot) -> None:
+    """Joints beyond which there is no mass have no equation of motion: fixed, and said to be."""
+    links = {link.name: link for link in robot.links}
+    heavy = {name for name, link in links.items() if link.mass or any(map(any, link.inertia or ()))}
+    for joint in reversed(robot.joints):
+        if joint.child in heavy:
+            heavy.add(joint.parent)
+        elif joint.kind != "fixed":
+            joint.kind, joint.axis, joint.damping, joint.limits = "fixed", None, 0.0, None
+            robot.leave_out("joints that carry no mass: fixed")
 
 
 def _body(link: Link, name: str) -> str:
@@ -129,6 +152,9 @@ def _joint(joint: Joint, name: str, bodies: dict[str, str]) -> str:
     turns = [f"rot({_vector(axis)}, {_angle(angle)})" for axis, angle in joint.turn]
     if turns:
         parts.append(f"turned {'*'.join(turns)}")
+    if joint.limits:
+        low, high = (_angle(x) if joint.kind == "revolute" else repr(x) for x in joint.limits)
+        parts.append(f"limits [{low}, {high}]" + " [m]" * (joint.kind == "prismatic"))
     return "  ".join(parts) + (f"  # {joint.says}" if joint.says else "")
 
 

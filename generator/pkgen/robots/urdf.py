@@ -121,9 +121,15 @@ def _joint(element: Element, robot: Robot, links: dict[str, Element]) -> Joint:
     joint = Joint(name, kind, *ends, *_origin(element), axis)
     limit, dynamics = element.first("limit"), element.first("dynamics")
     if limit is not None:
-        words = ("lower", "upper", "effort", "velocity")
-        shown = [f"{w} {limit.number(w)!r}" for w in words if w in limit.attributes]
+        shown = [
+            f"{w} {limit.number(w)!r}" for w in ("effort", "velocity") if w in limit.attributes
+        ]
         joint.says = "limits: " + ", ".join(shown) if shown else ""
+        if given in ("revolute", "prismatic"):
+            low, high = (limit.number(word, 0.0) for word in ("lower", "upper"))
+            joint.limits = (low, high) if low < high else None
+            if low > high or (not joint.limits and {"lower", "upper"} & {*limit.attributes}):
+                robot.doubts.append(f"limits of '{name}' left out: {low!r} is not below {high!r}")
     if dynamics is not None and axis is not None and kind != "planar":
         joint.damping = dynamics.number("damping", 0.0)
         if joint.damping < 0:

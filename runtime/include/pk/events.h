@@ -101,6 +101,7 @@ struct pk_events {
     int again;      /* a guess was wrong; step again */
     int brief;      /* switchings one upon another */
     int at_switch;  /* the step begins at one */
+    int begun;      /* the first step is made, or refused by a limit */
     int kept;       /* the step starts where the last one ended, at `left` */
     pk_real left;   /* end of the last step; impulse switches keep sides */
     pk_real *held;  /* signed rounding; an event within it keeps the side of `held` */

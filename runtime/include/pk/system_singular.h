@@ -44,7 +44,7 @@ struct pk_part_singularities {
 struct pk_event {
     struct pk_quantity what;
     int direction; /* +1 rising, -1 falling, 0 either */
-    int stop;
+    int stop;      /* a run ends there; 2: one that starts beyond it too, at once */
 };
 
 /* What `event` declares. */

@@ -92,6 +92,31 @@ static enum pk_status at_end(const struct pk_events *e, struct pk_integrator *it
     return PK_DONE;
 }
 
+/* A start beyond a limit, which nothing crosses: the run ends there, as at the limit. */
+static int beyond(struct pk_events *e, struct pk_integrator *it)
+{
+    const struct pk_event *table = it->problem.system->events.table;
+    const pk_real *g = pk_events_end(e, 0);
+    size_t first = e->n_events;
+    for (size_t k = e->n_events; k-- > 0 && !e->begun;)
+        if (table[k].stop > 1 && g[k] * (pk_real)table[k].direction > 0)
+            first = k;
+    e->begun = 1;
+    if (first == e->n_events)
+        return 0;
+    e->which = first;
+    e->direction = table[first].direction;
+    e->t = it->t;
+    e->q = e->q0;
+    e->v = e->v0;
+    e->count++;
+    if (e->found)
+        e->found(e->context, e);
+    it->event = first + 1;
+    it->status = PK_STOPPED_EVENT;
+    return 1;
+}
+
 static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
     it->event = 0;
@@ -104,7 +129,8 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->scout.options.h = it->options.h;
     memcpy(e->q0, it->q, e->n * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
-    if (at_end(e, it, 0, e->q0, e->v0) < 0 || pk_integrator_step(it, limit) != PK_DONE)
+    if (at_end(e, it, 0, e->q0, e->v0) < 0 || beyond(e, it) ||
+        pk_integrator_step(it, limit) != PK_DONE)
         return it->status;
     if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
         return it->status;

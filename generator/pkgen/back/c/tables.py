@@ -37,7 +37,7 @@ def singularities(program: Program) -> list[dict[str, Any]]:
 
 def events(e: Equations | LoopEquations) -> list[dict[str, Any]]:
     return [
-        vars(quantity) | {"direction": event.direction, "stop": int(event.stop)}
+        vars(quantity) | {"direction": event.direction, "stop": event.stop + event.limit}
         for quantity, event in zip(e.event_names, e.model.events, strict=True)
     ]
 

@@ -10,22 +10,18 @@ Body Dynamics Algorithms, Springer 2008, chapters 4 and 7.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import fields, replace
 from difflib import get_close_matches
 from fractions import Fraction
-from itertools import pairwise
 
 from ...indices import indexed, parted
-from ...source import Source, Span
-from ...tree import Expr, Name, Number
+from ...source import Span
+from ...tree import Name, Number
 from .. import statements as st
-from ..joints import CLAUSES, COLUMNS, GROUND, KINDS, SHOWN, TURNING, Kind, joint_names
-from ..parse import parse_all
+from ..joints import CLAUSES, COLUMNS, GROUND, KINDS, SHOWN, TURNING, joint_names
 from ..units import ACCELERATION
-from .body_families import family, with_number
-from .body_parts import BodyParts
+from .body_families import with_number
+from .body_joints import BodyJoints, parsed
 from .names import UNKNOWN, Entry, Members
-from .plane import across
 from .scope import PLACES, Scope
 from .shared import Shared
 
@@ -35,18 +31,13 @@ _REST = "[0, 0, 0]"
 _LOOP = "what hangs on two bodies closes a loop: keep one joint and add a 'constraint'"
 
 
-class Bodies(BodyParts):
-    """`run` checks a statement that is made."""
-
+class Bodies(BodyJoints):
     def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
-        super().__init__(shared)
-        self.run, self.statements = run, file.statements
+        super().__init__(shared, run, file)
         self.expressions.columns = self.columns
         self.wrong: set[Span] = set()  # statements of families of which a member had an error
-        self.families: dict[str, st.Joint] = {}  # of joints, the first member
         self.bodies: dict[str, st.Body] = {}
         self.joints: dict[str, st.Joint] = {}  # by the body that hangs on it
-        self.texts: dict[str, list[str]] = {}  # by the joint: its axis if it has one, its turning
         self.waiting: list[st.Joint] = []  # for a body that is declared later
         self.placed: list[str] = []
         self.bad: set[str] = set()  # bodies that have an error, or hang on one
@@ -110,7 +101,7 @@ class Bodies(BodyParts):
         if statement.span in self.wrong:
             self._hang(statement, True)
             return
-        kind = self._kind(statement)
+        kind = self.kind_of(statement)
         if child == GROUND:
             help = f"write it first: joint {name}: ground to {statement.parent[0]} …"
             self.report.error("the ground hangs on no joint", child_at, help)
@@ -118,9 +109,9 @@ class Bodies(BodyParts):
             where = f"the joint '{other.name[0]}' in line {self.names.line_of(other.span)}"
             self.report.error(f"'{child}' hangs on {where} already", child_at, _LOOP)
         if kind is not None:
-            self._coordinates(statement, kind)
+            self.coordinates(statement, kind)
         if kind is not None and name not in self.texts:
-            self._parts(statement, kind)
+            self.parts_of(statement, kind)
         self._hang(statement, len(self.report.errors) > before)
 
     def _hang(self, statement: st.Joint, wrong: bool) -> None:
@@ -132,102 +123,6 @@ class Bodies(BodyParts):
         self.joints.setdefault(child, statement)
         self.waiting.append(statement)
         self._advance()
-
-    def _kind(self, statement: st.Joint) -> Kind | None:
-        word, span = statement.kind
-        kind, axis = KINDS.get(word), statement.axis
-        if statement.to[0] != "to":
-            message = f"'to' stands between two bodies, not '{statement.to[0]}'"
-            help = (
-                f"joint {statement.name[0]}: {statement.parent[0]} to {statement.child[0]} {word}"
-            )
-            self.report.error(message, statement.to[1], help)
-        if kind is None:
-            near = get_close_matches(word, KINDS, 1, 0.6)
-            help = f"did you mean '{near[0]}'?" if near else f"kinds: {', '.join(KINDS)}"
-            self.report.error(f"there is no joint '{word}'", span, help)
-        elif kind.axis and axis is None:
-            help = f"e.g. joint {statement.name[0]}: … {word} [0, 1, 0] at O"
-            self.report.error(f"a {word} joint has an axis", span, help)
-        elif axis is not None and not kind.axis:
-            self.report.error(f"a {word} joint has no axis", axis.span, "leave it out")
-        else:
-            return kind
-        return None
-
-    def _coordinates(self, statement: st.Joint, kind: Kind) -> None:
-        given = [e for word, _, items in statement.clauses if word == "coord" for e in items]
-        pairs = joint_names(statement)
-        if given and len(given) != len(kind.coordinates):
-            wanted = {0: "no coordinate", 1: "one coordinate"}
-            many = wanted.get(len(pairs), f"{len(pairs)} coordinates")
-            message = f"a {statement.kind[0]} joint has {many}, not {len(given)}"
-            self.report.error(message, given[0].span)
-        for e in given:
-            if not isinstance(e, Name):
-                text = self.expressions.mismatch.text(e)
-                self.report.error(f"'coord' takes names of coordinates, not {text}", e.span)
-        (_, at), name = statement.name, statement.left.name
-        ends = None, None
-        if statement.left.index is not None:
-            ends = self._family(statement, pairs)
-            if ends is None:
-                return
-        if name not in (coordinate for coordinate, _ in pairs):
-            self.names.declare(Entry(name, "joint", UNKNOWN, at, used=True))
-        spans = [e.span for e in given] if len(given) == len(pairs) else [at] * len(pairs)
-        for (coordinate, what), span in zip(pairs, spans, strict=True):
-            text = {"angle": "rad", "length": "m"}.get(what) if self.united else None
-            unit = st.UnitText(text, span) if text else None
-            item = st.Declared(coordinate, *ends, unit, span, span)
-            word = "rotation" if what == "rotation" else "coord"
-            said = statement.description or f"of the joint {name}"
-            self.run(st.Declare(word, (item,), said, span))
-
-    def _family(self, statement: st.Joint, pairs) -> tuple[Number, Number] | None:
-        """The ends of a family of joints, the first time it is met: its coordinates are families of
-        all members, wherever these are declared."""
-        name, at = statement.left.name, statement.left.span
-        first = self.families.setdefault(name, statement)
-        if first is not statement:
-            line = self.names.line_of(first.span)
-            if (first.kind[0], joint_names(first)) != (statement.kind[0], pairs):
-                message = f"'{statement.name[0]}' is not as '{first.name[0]}' in line {line} is"
-                help = "joints of a family are of one kind, with one 'coord': choose another name"
-                self.report.error(message, at, help)
-            return None
-        numbers = family(self.statements, st.Joint, name)
-        for one, other in pairwise(numbers):
-            if other != one + 1:
-                twice = other == one
-                message = (
-                    f"there are two joints '{name}[{one}]'"
-                    if twice
-                    else (
-                        f"there is no joint '{name}[{one + 1}]' between '{name}[{one}]' and "
-                        f"'{name}[{other}]'"
-                    )
-                )
-                self.report.error(message, at, "a family of joints is numbered one by one")
-                break
-        lo, hi = (Number(Fraction(k), at) for k in (numbers[0], numbers[-1]))
-        return lo, hi
-
-    def _parts(self, statement: st.Joint, kind: Kind) -> None:
-        name = statement.name[0]
-        given = self.clauses(statement, CLAUSES["joint"], f"the joint '{name}'")
-        self.texts[name] = texts = ["", "", "", ""]  # axis, turning, what spans the plane across
-        if statement.axis is not None:
-            values = self.axis(name, statement.axis)
-            if None in values and len(kind.coordinates) > 1:
-                message = "the axis of a planar joint is written in numbers"
-                self.report.error(message, statement.axis.span, "turn the joint by 'turned'")
-            elif len(kind.coordinates) > 1:
-                texts[2:] = across(values)
-            texts[0] = f"{name}.axis"
-        if "turned" in given:
-            texts[1] = f"{name}.turn" if self.turning(name, given["turned"]) else ""
-        self.moving_place(name, given.get("at"), statement)
 
     # what is made of them
 
@@ -320,8 +215,7 @@ class Bodies(BodyParts):
 
     def _say(self, what: str, text: str, span: Span) -> None:
         """Adds to an energy, or defines a name."""
-        made = parse_all.__wrapped__(Source("", f"let made = {text}\n")).statements
-        value = _moved(made[0].value, span)
+        value = parsed(text, span)
         if what in ("kinetic", "potential"):
             self.run(st.Single(what, value, span))
             return
@@ -395,14 +289,3 @@ class Bodies(BodyParts):
                 return []  # hangs on what is no body, which has been told
             joint = self.joints[joint.parent[0]]
         return found[found.index(joint) :]
-
-
-def _moved(part: object, span: Span) -> object:
-    """An expression, or a part of it, all of whose places are one."""
-    if isinstance(part, Span):
-        return span
-    if isinstance(part, tuple):
-        return tuple(_moved(item, span) for item in part)
-    if isinstance(part, Expr):
-        return replace(part, **{f.name: _moved(getattr(part, f.name), span) for f in fields(part)})
-    return part

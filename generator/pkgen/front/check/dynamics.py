@@ -150,7 +150,7 @@ class Dynamics(Checks):
         how = _DIRECTIONS[statement.direction], statement.stop
         unit = self.shared.shown_unit(statement.value, facts)
         shown = unit, statement.description, statement.span
-        self.parts["events"].append(m.Event(statement.name, value, *how, *shown))
+        self.parts["events"].append(m.Event(statement.name, value, *how, *shown, statement.limit))
 
 
 def _step_of(value: Expr) -> Call | None:

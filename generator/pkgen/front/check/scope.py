@@ -61,7 +61,7 @@ PLACES: dict[str, Place] = {
     "let": Place("a definition", _MOTION, _ALL, derivatives=True),
     "energy": Place("an energy", _MOTION, _ALL, derivatives=True),
     "force": Place("a force", _MOTION, _ALL, derivatives=True),
-    "body": Place("a body", _PARAMETERS | {"definition"}, "numbers, constants, parameters and t"),
+    "body": Place("a body", _PARAMETERS | {"definition"}, "numbers, constants and parameters"),
     "joint": Place("a joint", _DRIVEN, "numbers, constants, parameters and t", derivatives=True),
     "constraint": Place("a constraint", _MOTION, _ALL, derivatives=True),
     "rate": Place("a rate", _MOTION | {"built-in"}, _ALL, derivatives=True),

@@ -1,0 +1,196 @@
+"""What a `joint` says: its kind, its coordinates, families of them, its place, its limits."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import fields, replace
+from difflib import get_close_matches
+from fractions import Fraction
+from itertools import pairwise
+
+from ...source import Source, Span
+from ...tree import Expr, Name, Negate, Number, Quantity
+from .. import statements as st
+from ..joints import CLAUSES, KINDS, LIMITS, Kind, joint_names
+from ..parse import parse_all
+from ..units import LENGTH, NONE
+from .body_families import family, with_number
+from .body_parts import BodyParts
+from .names import UNKNOWN, Entry
+from .plane import across
+from .shared import Shared
+
+
+class BodyJoints(BodyParts):
+    """`run` checks a statement that is made."""
+
+    def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
+        super().__init__(shared)
+        self.run, self.statements = run, file.statements
+        self.families: dict[str, st.Joint] = {}  # of joints, the first member
+        self.texts: dict[str, list[str]] = {}  # by the joint: its axis if it has one, its turning
+
+    def kind_of(self, statement: st.Joint) -> Kind | None:
+        word, span = statement.kind
+        kind, axis = KINDS.get(word), statement.axis
+        if statement.to[0] != "to":
+            message = f"'to' stands between two bodies, not '{statement.to[0]}'"
+            help = (
+                f"joint {statement.name[0]}: {statement.parent[0]} to {statement.child[0]} {word}"
+            )
+            self.report.error(message, statement.to[1], help)
+        if kind is None:
+            near = get_close_matches(word, KINDS, 1, 0.6)
+            help = f"did you mean '{near[0]}'?" if near else f"kinds: {', '.join(KINDS)}"
+            self.report.error(f"there is no joint '{word}'", span, help)
+        elif kind.axis and axis is None:
+            help = f"e.g. joint {statement.name[0]}: … {word} [0, 1, 0] at O"
+            self.report.error(f"a {word} joint has an axis", span, help)
+        elif axis is not None and not kind.axis:
+            self.report.error(f"a {word} joint has no axis", axis.span, "leave it out")
+        else:
+            return kind
+        return None
+
+    def coordinates(self, statement: st.Joint, kind: Kind) -> None:
+        given = [e for word, _, items in statement.clauses if word == "coord" for e in items]
+        pairs = joint_names(statement)
+        if given and len(given) != len(kind.coordinates):
+            wanted = {0: "no coordinate", 1: "one coordinate"}
+            many = wanted.get(len(pairs), f"{len(pairs)} coordinates")
+            message = f"a {statement.kind[0]} joint has {many}, not {len(given)}"
+            self.report.error(message, given[0].span)
+        for e in given:
+            if not isinstance(e, Name):
+                text = self.expressions.mismatch.text(e)
+                self.report.error(f"'coord' takes names of coordinates, not {text}", e.span)
+        (_, at), name = statement.name, statement.left.name
+        ends = None, None
+        if statement.left.index is not None:
+            ends = self._family(statement, pairs)
+            if ends is None:
+                return
+        if name not in (coordinate for coordinate, _ in pairs):
+            self.names.declare(Entry(name, "joint", UNKNOWN, at, used=True))
+        spans = [e.span for e in given] if len(given) == len(pairs) else [at] * len(pairs)
+        for (coordinate, what), span in zip(pairs, spans, strict=True):
+            text = {"angle": "rad", "length": "m"}.get(what) if self.united else None
+            unit = st.UnitText(text, span) if text else None
+            item = st.Declared(coordinate, *ends, unit, span, span)
+            word = "rotation" if what == "rotation" else "coord"
+            said = statement.description or f"of the joint {name}"
+            self.run(st.Declare(word, (item,), said, span))
+
+    def _family(self, statement: st.Joint, pairs) -> tuple[Number, Number] | None:
+        """The ends of a family of joints, the first time it is met: its coordinates are families of
+        all members, wherever these are declared."""
+        name, at = statement.left.name, statement.left.span
+        first = self.families.setdefault(name, statement)
+        if first is not statement:
+            line = self.names.line_of(first.span)
+            if (first.kind[0], joint_names(first)) != (statement.kind[0], pairs):
+                message = f"'{statement.name[0]}' is not as '{first.name[0]}' in line {line} is"
+                help = "joints of a family are of one kind, with one 'coord': choose another name"
+                self.report.error(message, at, help)
+            return None
+        numbers = family(self.statements, st.Joint, name)
+        for one, other in pairwise(numbers):
+            if other != one + 1:
+                twice = other == one
+                message = (
+                    f"there are two joints '{name}[{one}]'"
+                    if twice
+                    else (
+                        f"there is no joint '{name}[{one + 1}]' between '{name}[{one}]' and "
+                        f"'{name}[{other}]'"
+                    )
+                )
+                self.report.error(message, at, "a family of joints is numbered one by one")
+                break
+        lo, hi = (Number(Fraction(k), at) for k in (numbers[0], numbers[-1]))
+        return lo, hi
+
+    def parts_of(self, statement: st.Joint, kind: Kind) -> None:
+        name = statement.name[0]
+        given = self.clauses(statement, CLAUSES["joint"], f"the joint '{name}'")
+        self.texts[name] = texts = ["", "", "", ""]  # axis, turning, what spans the plane across
+        if statement.axis is not None:
+            values = self.axis(name, statement.axis)
+            if None in values and len(kind.coordinates) > 1:
+                message = "the axis of a planar joint is written in numbers"
+                self.report.error(message, statement.axis.span, "turn the joint by 'turned'")
+            elif len(kind.coordinates) > 1:
+                texts[2:] = across(values)
+            texts[0] = f"{name}.axis"
+        if "turned" in given:
+            texts[1] = f"{name}.turn" if self.turning(name, given["turned"]) else ""
+        self.moving_place(name, given.get("at"), statement)
+        if "limits" in given:
+            self._limits(statement, kind, given["limits"])
+
+    def _limits(self, statement: st.Joint, kind: Kind, value: Expr) -> None:
+        """Two events that stop a run: j_lower and j_upper of the joint j, of j[3] j_3_lower."""
+        name, before = statement.name[0], len(self.report.errors)
+        if len(kind.coordinates) != 1 or kind.coordinates[0][1] == "rotation":
+            message = f"a {statement.kind[0]} joint has no limits"
+            help = "a revolute and a prismatic joint have; of others write an 'event'"
+            self.report.error(message, value.span, help)
+            return
+        ((own, what),) = joint_names(statement)
+        ends = self._ends(value)
+        dimension = LENGTH if what == "length" else NONE
+        needs = f"a limit of {'a way needs [m]' if what == 'length' else 'an angle is a number'}"
+        found = []
+        for end, part in zip(LIMITS, ends, strict=bool(ends)):
+            if _infinite(part) == LIMITS[end][1]:
+                continue
+            values = self.given(f"{name}.{end}", part, needs, dimension, vector=False)
+            found.append(values[0] if values else None)
+        if len(self.report.errors) > before or None in found:
+            found = []
+        if len(found) == 2 and not found[0] < found[1]:
+            message = f"the lower limit of '{name}' is not below the upper one"
+            self.report.error(message, value.span)
+        if len(self.report.errors) > before:
+            return
+        for end, part in zip(LIMITS, ends, strict=True):
+            if _infinite(part) != LIMITS[end][1]:
+                self._limit(statement, with_number(own, statement.left), name, end, part.span)
+
+    def _ends(self, value: Expr) -> tuple[Expr, ...]:
+        items = self._elements(value)
+        if items is None or len(items) != len(LIMITS):
+            help = "e.g. limits [-pi/2, pi/2]; where there is none: [-inf, 2]"
+            self.report.error("limits are two numbers, the lower one first", value.span, help)
+            return ()
+        return items
+
+    def _limit(self, of: st.Joint, own: str, name: str, end: str, span: Span) -> None:
+        event = "_".join(filter(None, (*re.split(r"[\[\]]", name), end)))
+        made = parsed(f"{own} - {name}.{end}", span)
+        said = f"the {end} limit of the joint {name}"
+        self.run(st.Event(event, span, made, LIMITS[end][0], True, said, span, limit=True))
+
+
+def parsed(text: str, span: Span) -> Expr:
+    made = parse_all.__wrapped__(Source("", f"let made = {text}\n")).statements
+    return _moved(made[0].value, span)
+
+
+def _infinite(value: Expr) -> int:
+    """1 of inf, -1 of -inf, 0 of a number."""
+    value = value.of if isinstance(value, Quantity) else value
+    of = value.of if isinstance(value, Negate) else value
+    return (isinstance(of, Name) and of.id == "inf") * (-1 if of is not value else 1)
+
+
+def _moved(part: object, span: Span) -> object:
+    """An expression, or a part of it, all of whose places are one."""
+    if isinstance(part, Span):
+        return span
+    if isinstance(part, tuple):
+        return tuple(_moved(item, span) for item in part)
+    if isinstance(part, Expr):
+        return replace(part, **{f.name: _moved(getattr(part, f.name), span) for f in fields(part)})
+    return part

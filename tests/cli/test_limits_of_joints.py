@@ -1,0 +1,89 @@
+"""Limits of joints stop a run where they are passed, and at once where it starts beyond them."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import pytest
+from pkgen.front.check.check import check_text
+from pkgen.graph.evaluate import evaluate
+from pkgen.graph.graph import Kind, Symbol
+from pkgen.middle.derive.derive import derive
+from pkgen.source import Source
+
+LIFT = """model lift
+size N = 2
+param g = 9.81 [m/s^2]
+param top = 40 [cm]
+gravity [0, 0, -g]
+body car[1..N] mass 2 [kg] inertia [1, 1, 1]
+joint drop[i = 1..N]: ground to car[i] prismatic [0, 0, -1] limits [-top, i/2] [m]
+body door mass 1 inertia [0.1, 0.1, 0.1]
+joint hinge: car[1] to door revolute [0, 0, 1] coord a limits [-90, 180] [deg]
+start a' = 0.1
+
+scene falls
+  until 3
+  method gauss rtol 1e-12
+  record drop[1], a every 1
+  expect time(drop_1_upper) = sqrt((1 [m])/g) within 1e-12
+end
+
+scene held
+  hold drop[1] = (0.1 [m/s])*t
+  until 1
+  method gauss rtol 1e-12
+  record a every 1
+  expect drop[2] = 1 within 1e-9 at drop_2_upper
+end
+
+scene many
+  swarm k = 1..3
+  start drop[1] = k - 2
+  until 3
+  method gauss4 step 0.01
+  record drop[1] every 1
+  expect drop[1] < 1.1
+end
+"""
+
+
+def test_they_are_the_events_that_one_would_write():
+    model = check_text(Source("lift.lag", LIFT))[0]
+    shown = [(e.name, e.direction, e.stop, e.limit) for e in model.events]
+    names = ("drop_1_lower", "drop_1_upper", "drop_2_lower", "drop_2_upper")
+    assert [x[0] for x in shown] == [*names, "hinge_lower", "hinge_upper"]
+    assert all(x[1:] == ((1 if "upper" in x[0] else -1), True, True) for x in shown)
+    e = derive(model)
+    draw = random.Random(3)
+    drop1, drop2, a = (draw.uniform(-1, 1) for _ in range(3))
+    symbols = {Symbol(Kind.COORDINATE, k): x for k, x in enumerate((drop1, drop2, a))}
+    symbols |= {Symbol(Kind.PARAMETER, 0): 9.81, Symbol(Kind.PARAMETER, 1): 0.4}
+    wanted = [drop1 + 0.4, drop1 - 0.5, drop2 + 0.4, drop2 - 1, a + math.pi / 2, a - math.pi]
+    assert evaluate(e.graph, e.events, symbols) == pytest.approx(wanted, rel=1e-14)
+
+
+def test_runs_stop_there_and_say_so(pkgen, tmp_path):
+    model = tmp_path / "lift.lag"
+    model.write_text(LIFT)
+    ran = pkgen("run", model, "--scene", "falls")
+    assert ran.returncode == 0 and "run: stopped at event drop_1_upper at t = 0.31927" in ran.stderr
+    ran = pkgen("run", model, "--scene", "held")
+    assert ran.returncode == 0 and "drop_2_upper: once" in ran.stderr, ran.stderr
+    assert "drop_1_upper" in ran.stderr and "a limit of what is held" in ran.stderr
+    ran = pkgen("run", model, "--until", "1", "--start", "a=-2", "--start", "drop[2]=5")
+    assert "run: stopped at event drop_2_upper at t = 0\n" in ran.stderr
+    assert len(ran.stdout.splitlines()) == 2 and ran.returncode == 0
+    ran = pkgen("run", model, "--until", "1", "--start", "a=-1.57", "--start", "drop[1]=-0.4")
+    assert "stopped at event drop_1_upper at t = 0.4" in ran.stderr  # at a limit it is not beyond
+
+
+def test_members_that_start_beyond_one_end_alone(pkgen, tmp_path):
+    model = tmp_path / "lift.lag"
+    model.write_text(LIFT)
+    ran = pkgen("run", model, "--scene", "many")
+    rows = [line.split(",") for line in ran.stdout.splitlines()[1:]]
+    assert ran.returncode == 0, ran.stderr
+    assert [float(r[1]) for r in rows if r[0] == "1"][-1] == 0  # begins at -1, beyond -0.4
+    assert [float(r[1]) for r in rows if r[0] == "2"][-1] == pytest.approx(math.sqrt(1 / 9.81))
