@@ -71,7 +71,9 @@ def test_runs_stop_there_and_say_so(pkgen, tmp_path):
     assert ran.returncode == 0 and "run: stopped at event drop_1_upper at t = 0.31927" in ran.stderr
     ran = pkgen("run", model, "--scene", "held")
     assert ran.returncode == 0 and "drop_2_upper: once" in ran.stderr, ran.stderr
-    assert "drop_1_upper" in ran.stderr and "a limit of what is held" in ran.stderr
+    assert "never used" not in ran.stderr
+    told = pkgen("explain", model, "--scene", "held").stdout
+    assert "drop_1_upper: a limit of what is held" in told and "drop_2_upper: a" not in told
     ran = pkgen("run", model, "--until", "1", "--start", "a=-2", "--start", "drop[2]=5")
     assert "run: stopped at event drop_2_upper at t = 0\n" in ran.stderr
     assert len(ran.stdout.splitlines()) == 2 and ran.returncode == 0

@@ -42,6 +42,8 @@ WORSE = {
     "fput_beta first_mode": ["--method", "rk4", "--step", "0.5"],
     "fput_beta four_springs": ["--start", "q[2]=0.01"],
     "hanging swings": ["--start", "theta[20]=2e-7"],
+    "gyroscope fast": ["--start", "theta=0.9"],
+    "gyroscope slow": ["--start", "theta=0.9"],
     "harmonic_fixed fastest": ["--start", "q[2]=0.01"],
     "harmonic_fixed mode": ["--start", "q[1]=0.5"],
     "harmonic_free mode": ["--start", "q[1]=0.5"],

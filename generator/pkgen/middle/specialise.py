@@ -53,8 +53,8 @@ def held(
         lines.append(ReportLine("hold", claimed, "claimed of the free motion, not of this one"))
         model = replace(model, conserved=())
     if scene.holds:  # of what is held events may become constant, of which none is an error here
-        held = {item.name for item in scene.holds}
-        gone = {e.name for e in model.events if e.limit and names(e.value) & held}
+        held = {_member(item, model) for item in scene.holds}
+        gone = {e.name for e in model.events if e.limit and held & _members(e.value, model)}
         lines += [ReportLine("hold", name, "a limit of what is held") for name in sorted(gone)]
         asked = asked_events | {e.name for e in model.events if e.stop and e.name not in gone}
         kept = tuple(e for e in model.events if e.name in asked)
@@ -68,6 +68,16 @@ def held(
     if scene.holds and not model.coordinates:
         _refuse_energy(model, scene)
     return model, lines
+
+
+def _member(of: Hold | Name, model: Model) -> tuple[str, int | None]:
+    name = of.id if isinstance(of, Name) else of.name
+    return name, None if of.index is None else integer(of.index, sizes(model))
+
+
+def _members(value: Expr, model: Model) -> set[tuple[str, int | None]]:
+    """The names that occur in what is not in a loop, with the numbers of members."""
+    return {_member(part, model) for part in within(value) if isinstance(part, Name)}
 
 
 def _refuse_momentum(model: Model, scene: Scene, name: str, index: int | None) -> None:

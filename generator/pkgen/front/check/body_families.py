@@ -23,7 +23,7 @@ def written_out(
 ) -> st.File:
     """The file with a statement each member; what is wrong with indices is told, and the statement
     left out. `given` are sizes of the command line."""
-    if not any(isinstance(s, OfBodies) and _indices(s) for s in file.statements):
+    if not any(indices(s) for s in file.statements):
         return file
     sizes = _sizes(file, given)
     found: list[st.Statement] = []
@@ -46,10 +46,14 @@ def written_out(
     return replace(file, statements=tuple(found), broken=tuple(broken))
 
 
-def _indices(statement: OfBodies) -> bool:
+def indices(statement: st.Statement) -> list[Expr]:
+    """What counts the members of a family of bodies or joints; none of anything else."""
+    if not isinstance(statement, OfBodies):
+        return []
     ends = statement.ends if isinstance(statement, st.Joint) else ()
-    left = statement.left
-    return left.index is not None or left.range is not None or any(e.index for e in ends)
+    left, of = statement.left, statement.left.range
+    found = [left.index, *((of.lo, of.hi) if of is not None else ()), *(e.index for e in ends)]
+    return [expr for expr in found if expr is not None]
 
 
 def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:

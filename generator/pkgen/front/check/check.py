@@ -14,13 +14,14 @@ from functools import lru_cache
 from ... import limits
 from ... import model as m
 from ...source import Diagnostic, ModelError, Source, Span
+from ...tree import names
 from .. import statements as st
 from ..joints import SHOWN, joint_names, loose
 from ..parse import parse_all
 from ..table import STATEMENTS
 from ..units import NONE, UnitError, over, parse_unit, si_text
 from .bodies import Bodies
-from .body_families import written_out
+from .body_families import indices, written_out
 from .constraints import Constraints
 from .coordinates import Coordinates
 from .definitions import Definitions
@@ -83,6 +84,8 @@ def _limited(source: Source, errors: list[Diagnostic]) -> ModelError:
 class _Checker:
     def __init__(self, file: st.File, given: Mapping[str, int]) -> None:
         self.report = Report()
+        counted = (expr for s in file.statements for expr in indices(s))
+        self.counting = frozenset().union(*map(names, counted))  # sizes of families of bodies
         self.file, self.given = written_out(file, given, self.report.error), dict(given)
         file = self.file
         declared = dict(_declarations(file.statements))
@@ -171,7 +174,8 @@ class _Checker:
 
     def _unused(self) -> None:
         for entry in self.names.table.values():
-            if not entry.used and entry.kind in _UNUSED:
+            used = entry.used or entry.name in self.counting
+            if not used and entry.kind in _UNUSED:
                 self.report.warn(f"the {entry.kind} '{entry.name}' is never used", entry.span)
 
     def _model(self) -> m.Model | None:
