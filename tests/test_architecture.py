@@ -32,8 +32,8 @@ middle/expand middle/analyze
 middle/particles
 middle/derive
 middle/reduce middle/loops
-back
-back/c back/fmu back/source back/web
+back back/live
+back/c back/fmu back/python back/python/wheel back/source back/web
 back/alone
 compiler
 run

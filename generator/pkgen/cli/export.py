@@ -10,6 +10,7 @@ from pathlib import Path
 from ..back.alone.make import ARDUINO, FREESTANDING, SINGLE
 from ..back.exported import Exported, Host
 from ..back.fmu.make import FMU
+from ..back.python.make import PYTHON
 from ..back.source.make import SOURCE
 from ..describe.made import describe
 from ..system.exits import DONE, UsageError
@@ -21,6 +22,7 @@ from .compilation import compile_within_limits
 HOSTS = (
     SOURCE,
     FMU,
+    PYTHON,
     SINGLE,
     FREESTANDING,
     ARDUINO,

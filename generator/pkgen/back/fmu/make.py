@@ -4,13 +4,11 @@ each time."""
 from __future__ import annotations
 
 import hashlib
-import io
 import uuid
-import zipfile
-from collections.abc import Mapping
 from pathlib import Path
 
 from ...system.exits import UsageError
+from ..archive import archive
 from ..exported import TARGET_OPTION, Exported, Host
 from ..library import TARGETS, library, named, this_machine
 from ..runtime import alone, licence
@@ -70,18 +68,6 @@ def _sources(model: Exported, version: str, token: str) -> dict[str, str]:
             f"a unit has a file of that name itself: call the model other than {clash.pop()}"
         )
     return alone({**model.files, **wrapper, **model.runtime(*wrapper.values())})
-
-
-def archive(entries: Mapping[str, bytes]) -> bytes:
-    """A zip file without dates."""
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file:
-        for path in sorted(entries):
-            info = zipfile.ZipInfo(path)
-            info.external_attr = 0o644 << 16
-            info.compress_type = zipfile.ZIP_DEFLATED
-            file.writestr(info, entries[path])
-    return packed.getvalue()
 
 
 FMU = Host(

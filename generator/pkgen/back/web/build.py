@@ -17,8 +17,8 @@ from ...system.cache import cached
 from ...system.exits import BuildError
 from ...system.progress import say
 from ...system.toolchain import DECLARED, RUNTIME, STANDARD, run
+from ..live import LIVE, WHICH, which_model
 
-HERE = Path(__file__).parent
 CLANG = ("clang", "clang-19", "clang-18", "clang-17", "clang-16", "clang-15", "clang-14")
 LINKERS = (
     "wasm-ld",
@@ -62,16 +62,6 @@ LINK = (
     "-lm",
 )
 CORE = "core.o"
-SYSTEM = """#include <pk/system.h>
-extern const struct pk_system {name}_system;
-#include <pk/method.h>
-{own}extern const struct pk_system *const live_system;
-const struct pk_system *const live_system = &{name}_system;
-extern const struct pk_method *const *const live_own;
-const struct pk_method *const *const live_own = {methods};
-extern const size_t live_own_count;
-const size_t live_own_count = {count};
-"""
 
 
 def missing() -> list[str]:
@@ -107,10 +97,10 @@ def _has_builtins(clang: str) -> bool:
 
 def _runtime(compiles: list[str], linker: str) -> Path:
     """All that is the same for all models as one object, made if missing."""
-    folders = (RUNTIME / "src", HERE / "live")
+    folders = (RUNTIME / "src", LIVE)
     sources = sorted(path for folder in folders for path in folder.rglob("*.c"))
     digest = hashlib.sha256(repr((compiles, CORE)).encode())
-    for path in sorted([*RUNTIME.rglob("*.[ch]"), *(HERE / "live").iterdir()]):
+    for path in sorted([*RUNTIME.rglob("*.[ch]"), *LIVE.glob("*.[ch]")]):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
 
     def make(new: Path) -> None:
@@ -136,15 +126,13 @@ def wasm(files: Mapping[str, str], name: str, own: Sequence[Own] = ()) -> bytes:
     said."""
     compiles, links = _tools()
     core = _runtime(compiles, links[-1].partition("=")[2])
-    choice = {"name": name, "own": in_c.rows(own), "count": len(own)}
-    system = SYSTEM.format(methods="own_methods" if own else "0", **choice)
-    every = {**files, "which-model.c": system, in_c.FILE: in_c.tables(own)}
+    every = {**files, WHICH: which_model(name, own), in_c.FILE: in_c.tables(own)}
     digest = hashlib.sha256(repr((core.parent.name, LINK, sorted(every.items()))).encode())
 
     def make(new: Path) -> None:
         for file_name, text in every.items():
             (new / file_name).write_text(text, encoding="utf-8")
-        run([*compiles, *in_c.flags(own), "-c", f"{name}.c", "which-model.c"], new)
+        run([*compiles, *in_c.flags(own), "-c", f"{name}.c", WHICH], new)
         objects = [f"{name}.o", "which-model.o", str(core)]
         run([*links, *LINK, *objects, "-o", "model.wasm"], new)
         packed = gzip.compress((new / "model.wasm").read_bytes(), 9, mtime=0)

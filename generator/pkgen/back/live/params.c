@@ -42,7 +42,7 @@ size_t EXPORT(live_parameters)(void *params)
 size_t EXPORT(live_params_size)(void) { return live_system->params_size; }
 
 /* So many structs one after the other, each with its own room for families where `own`, else all
- * with that of the first. NULL without memory. free() takes them back. */
+ * with that of the first. NULL without memory. */
 void *EXPORT(live_params)(size_t count, int own)
 {
     const struct pk_system *s = live_system;
@@ -70,6 +70,8 @@ void *EXPORT(live_params)(size_t count, int own)
     s->defaults(params);
     return params;
 }
+
+void EXPORT(live_params_free)(void *params) { free(params); }
 
 /* Values in, all of them out. 1, or 0 with why: a parameter is out of bounds. */
 int EXPORT(live_set)(void *params, double *values)
