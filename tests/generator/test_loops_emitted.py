@@ -3,14 +3,26 @@ code for every size."""
 
 from __future__ import annotations
 
+import random
 import re
 
 import pytest
 from c_harness import BUILDS, STRICT, no_warnings, run
 from conftest import long_but
 from loop_models import FPUT, MODELS
+from loop_runs import bodies
 from pkgen.compiler import compile_model
 from pkgen.source import Source
+from rotation_models import made
+from test_loops_bound import model as bound
+
+
+MORE = {
+    "tied": bound(random.Random(5)),
+    "spins": made(random.Random(3), 3).text,
+    "bodies": bodies(random.Random(1)) + "observe up[i = 1..N] = (R[i]*[0, 0, 1]).z\n",
+}
+TEXTS = MORE | {name: text for name, (text, _) in MODELS.items()}
 
 
 def emitted(text: str, directory, sizes=None) -> str:
@@ -25,12 +37,12 @@ def emitted(text: str, directory, sizes=None) -> str:
 @pytest.mark.parametrize(
     "name",
     long_but(
-        {"ring", "paired", "cart", "links"},
-        ["ring", "paired", "cart", "wheel", "spin", "lattice", "links"],
+        {"ring", "paired", "cart", "links", "bodies"},
+        ["ring", "paired", "cart", "wheel", "spin", "lattice", "links", *MORE],
     ),
 )
 def test_clean_in_every_type(name, compiler, scalar, tmp_path):
-    model = emitted(MODELS[name][0], tmp_path)
+    model = emitted(TEXTS[name], tmp_path)
     no_warnings(compiler, scalar, model, tmp_path)
     if (compiler, scalar) == ("gcc", "double"):
         strict = [flag for flag in STRICT if flag != "-Wpedantic"]
@@ -113,8 +125,8 @@ def test_code_does_not_grow_with_the_size(tmp_path):
 
 
 def test_lines_fit(tmp_path):
-    for name in ("ring", "paired", "cart", "links"):
-        model = emitted(MODELS[name][0], tmp_path)
+    for name in ("ring", "paired", "cart", "links", *MORE):
+        model = emitted(TEXTS[name], tmp_path)
         for suffix in "ch":
             for line in (tmp_path / f"{model}.{suffix}").read_text().splitlines():
                 assert len(line) <= 100, line

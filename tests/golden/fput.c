@@ -574,8 +574,8 @@ void fput_gradient(const struct fput_params *p, pk_real t, const pk_real *q, con
     }
 }
 
-/* Places of rows and columns: cells by index, at each the families side by side; then
- * the same of what is single. */
+/* Places of rows and columns: cells by index, at each the families side by side; then the same
+ * of what is single. */
 static ptrdiff_t fput_slopes_first(const struct fput_params *p)
 {
     (void)p;
@@ -1392,7 +1392,8 @@ static void fput_sys_range(const void *params, enum pk_range_of of, size_t k,
 
 static void fput_sys_pattern(const void *params, struct pk_pattern *pattern)
 {
-    fput_slopes_pattern((const struct fput_params *)params, &pattern->rows, &pattern->width, &pattern->border);
+    fput_slopes_pattern((const struct fput_params *)params, &pattern->rows, &pattern->width,
+        &pattern->border);
     pattern->dense = 0;
 }
 

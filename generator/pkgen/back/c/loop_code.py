@@ -56,7 +56,7 @@ class LoopCode:
 
     def most(self, texts: Sequence[str], which: str) -> str:
         """The greatest or least of some index expressions."""
-        return _pairwise(f"{self.name}_{which}", texts)
+        return _pairwise(f"{self.name}_{which}", [*dict.fromkeys(texts)])
 
     def edge(self, s: RowSet) -> str:
         return f"{self.name}_{s.name}_{'edge' if s.ghosts else 'part'}"
