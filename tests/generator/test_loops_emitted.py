@@ -16,7 +16,6 @@ from pkgen.source import Source
 from rotation_models import made
 from test_loops_bound import model as bound
 
-
 MORE = {
     "tied": bound(random.Random(5)),
     "spins": made(random.Random(3), 3).text,
