@@ -89,8 +89,7 @@ def _rows(program: Program) -> Iterator[ParameterCode]:
         )
 
 
-def functions(program: Program, factor: str) -> Iterator[Function | str]:
-    """All of them; `factor` is the function that factors a constant M, as text."""
+def functions(program: Program) -> Iterator[Function]:
     model, rows = program.equations.model.name, list(_rows(program))
     type = f"struct {model}_params *p"
     defaults = [node for row in rows for node in row.default]
@@ -100,8 +99,6 @@ def functions(program: Program, factor: str) -> Iterator[Function | str]:
     yield Function(DERIVE.format(model), derived(rows) or unused(["p", "given"]))
     prepare = KernelCode(model, program.prepare)
     yield from prepare.parts()
-    if program.factored:
-        yield factor
     yield Function(PREPARE.format(model), [*_prepare(program, rows, prepare)])
     bounds = [node for row in rows for node in row.bounds]
     yield Function(BOUNDS.format(model), [*unused(["p"]), *(bounds or unused(["lo", "hi"]))])
@@ -120,5 +117,6 @@ def _prepare(program: Program, rows: list[ParameterCode], code: KernelCode) -> I
         yield from (*checks(rows), Blank())
     yield from hoisted(program.hoisted, code.body())
     if program.factored:
-        yield Call(f"{code.model}_factor(p)")
+        yield Call(f"{code.model}_mass(p, 0, NULL, NULL, NULL, p->factors_)")
+        yield Call(f"{code.model}_factor(p->factors_, p->inverse_)")
     yield Return("0")

@@ -283,8 +283,10 @@ def _functions(program: Program) -> str:
     """All functions of the C file, with a blank line between."""
     names = {"name": program.equations.model.name, "n": len(program.equations.coordinates)}
     dense = environment().get_template("dense.j2").make_module(names)
-    solve = str(dense.substitute() if program.factored else dense.solve())
-    found = list(parameter_code.functions(program, str(dense.factor())))
+    solve = str(dense.acceleration(program.factored))
+    found = list(parameter_code.functions(program))
+    if any(kernel.solves for kernel in program.kernels):
+        found.insert(0, str(dense.functions()))
     for kernel in program.kernels:
         code = KernelCode(program.equations.model.name, kernel)
         if kernel.name == "acceleration":
