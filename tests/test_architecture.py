@@ -40,6 +40,7 @@ run
 scenes
 plot
 describe
+editor
 analysis/chart
 analysis/choose analysis/enclose analysis/stability explain
 api

@@ -14,6 +14,7 @@ import pkgen
 import pytest
 from conftest import ROOT, run_pkgen
 from pkgen import limits
+from pkgen.cli.commands import overview
 from pkgen.front.check import check
 from pkgen.middle.derive import derive
 from pkgen.run import build
@@ -183,6 +184,11 @@ def test_the_page_of_errors_is_that_of_the_tests() -> None:
     assert len(cases) > 50
     for case in cases:
         assert case.read_text().rstrip() in text, f"{case.name}: run tools/errors_page.py"
+
+
+def test_the_page_of_commands_begins_with_them() -> None:
+    first = blocks(ROOT / "docs/commands.md", "console")[0]
+    assert first == f"$ pkgen help\n{overview()}\n"
 
 
 def test_links_lead_somewhere() -> None:

@@ -20,6 +20,7 @@ import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import wraps
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -39,11 +40,24 @@ from .middle.report import Report, ReportLine
 from .model import Model
 from .record import record
 from .source import Diagnostic, Source
+from .system.progress import trace
 
 if TYPE_CHECKING:
     from .back.c.program import LoopProgram, Program
 
 STAGES = ("parse", "check", "derive", "analyze", "reduce", "lower", "render")
+
+
+def _told(stages: Callable[..., Iterator[object]]) -> Callable[..., Iterator[object]]:
+    """The same, and what is done is said."""
+
+    @wraps(stages)
+    def told(*what: object, **how: object) -> Iterator[object]:
+        for name, made in zip(STAGES, stages(*what, **how), strict=False):
+            trace(name)
+            yield made
+
+    return told
 
 
 @record
@@ -94,6 +108,7 @@ class Compilation:
         return isinstance(self.equations, LoopEquations)
 
 
+@_told
 def stages(
     source: Source,
     sizes: Mapping[str, int],

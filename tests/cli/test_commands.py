@@ -224,11 +224,6 @@ def test_usage_errors(pkgen, case: str) -> None:
     assert done.stdout == ""
 
 
-def test_commands_to_come_are_no_models(pkgen) -> None:
-    done = pkgen("export", DOUBLE)
-    assert done.returncode == 2 and "'export' is not there yet" in done.stderr
-
-
 def test_the_drift_of_a_constant_that_is_zero_says_so(pkgen) -> None:
     # The cart starts at rest: its momentum is 0 but for error, and so is what it is relative to.
     model = ROOT / "tests/models/written/spherical_pendulum_cart.lag"

@@ -28,8 +28,9 @@ def of_implicit_methods(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--iteration", choices=kinds, default="newton", help="of implicit methods")
 
 
-def directory(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("-o", dest="directory", default=".", metavar="DIR", help="default: here")
+def directory(parser: argparse.ArgumentParser, usual: str = "here") -> None:
+    add = parser.add_argument
+    add("-o", dest="directory", default=".", metavar="DIR", help=f"default: {usual}")
 
 
 def canonical(parser: argparse.ArgumentParser) -> None:

@@ -16,6 +16,10 @@ from ..system.exits import DONE, UsageError
 from . import arguments as shared
 from .compilation import compile_within_limits
 
+EXAMPLES = """
+pkgen build models/double_pendulum.lag -o swing
+"""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)

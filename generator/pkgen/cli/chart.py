@@ -44,6 +44,11 @@ OF_CHART = {
     "against": None,
 }
 
+EXAMPLES = """
+pkgen chart models/double_pendulum.lag -o charts
+pkgen chart models/heavy_top.lag --methods rk4,gauss --quick
+"""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)

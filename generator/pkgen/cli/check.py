@@ -13,6 +13,11 @@ from ..source import ModelError
 from ..system.exits import DONE
 from .compilation import warn, within_limits
 
+EXAMPLES = """
+pkgen check models/double_pendulum.lag
+pkgen check - < models/heavy_top.lag
+"""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """None of its own."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
 from contextlib import AbstractContextManager
 
 from .. import limits
@@ -15,6 +14,7 @@ from ..scenes import lengths
 from ..source import Diagnostic, Source
 from ..system.exits import UsageError
 from ..system.resources import bounded
+from .said import findings
 
 SECONDS = (1e-3, 1_000_000)  # of --max-seconds
 
@@ -50,4 +50,4 @@ def compile_within_limits(
 
 def warn(source: Source, warnings: tuple[Diagnostic, ...]) -> None:
     for warning in warnings:
-        print(warning.text(source), file=sys.stderr)
+        findings(warning.text(source))

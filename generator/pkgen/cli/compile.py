@@ -9,22 +9,26 @@ from pathlib import Path
 
 from ..back.kernels import KERNELS
 from ..back.kernels_canonical import CANONICAL
-from ..compiler import STAGES
+from ..compiler import STAGES, Compilation
 from ..front.read import READ, read
 from ..scenes import asked as parsing
 from ..scenes import check as scene_check
 from ..scenes import lengths, scene
 from ..scenes import use as scene_use
-from ..system.exits import DONE
-from ..system.files import replace
+from ..system.exits import DONE, UsageError
+from ..system.files import STANDARD, replace
 from . import arguments as shared
 from .compilation import compile_within_limits, within_limits
+from .said import refuse_both
 
-USAGE = "pkgen MODEL.lag [-o DIR] [options]"
+EXAMPLES = """
+pkgen models/double_pendulum.lag -o generated
+pkgen models/heavy_top.lag --scene nutation -o -
+"""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    shared.directory(parser)
+    shared.directory(parser, "here; -: both on standard output")
     parser.add_argument("--scene", metavar="NAME", help="compile one scene of the model")
     shared.no_reduce(parser)
     parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
@@ -40,6 +44,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compile a model to C: DIR/NAME.h and DIR/NAME.c."""
+    refuse_both(options, options.directory)
     source = read(options.model)
     kernels = parsing.kernels(options.kernels, KERNELS)
     if options.dump:
@@ -63,6 +68,11 @@ def run(options: argparse.Namespace) -> int:
     if options.scene:
         chosen = scene.chosen(compilation.declared, options.scene)
         scene_check.refuse_method(compilation, chosen)
+    if options.directory == "-":
+        if options.depfile:
+            raise UsageError("-o - makes no file that others could depend on; --depfile needs one")
+        replace({STANDARD: _as_one(compilation)})
+        return DONE
     directory = parsing.directory(options.directory)
     directory.mkdir(parents=True, exist_ok=True)
     files = {directory / name: text for name, text in compilation.files.items()}
@@ -84,3 +94,13 @@ def _depends(made: list[Path]) -> str:
         for paths in (made, READ)
     )
     return f"{left}: {right}\n"
+
+
+def _as_one(compilation: Compilation) -> str:
+    """Headers, then C, which includes no file of its own any more: cc -c takes it as it is."""
+    if len(files := compilation.files) > 2:
+        raise UsageError(f"-o -: several files are written: {', '.join(files)}; give a directory")
+    files = sorted(compilation.files.items(), key=lambda file: not file[0].endswith(".h"))
+    names = "|".join(map(re.escape, compilation.files))
+    own = re.compile(f'^#include "({names})"\n', re.MULTILINE)
+    return "".join(own.sub("", text) for _, text in files)

@@ -12,6 +12,11 @@ from .compilation import compile_within_limits
 
 MOST = 12  # names that people are shown of one kind
 
+EXAMPLES = """
+pkgen describe models/double_pendulum.lag
+pkgen describe models/heavy_top.lag --scene nutation --json
+"""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     as_of_a_run(parser)

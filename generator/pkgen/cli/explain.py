@@ -18,6 +18,11 @@ from ..system.files import replace
 from . import arguments as shared
 from .compilation import compile_within_limits, within_limits
 
+EXAMPLES = """
+pkgen explain models/double_pendulum.lag
+pkgen explain models/heavy_top.lag --scene nutation
+"""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", metavar="NAME", help="what one scene leaves of the model")

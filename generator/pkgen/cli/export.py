@@ -28,7 +28,11 @@ HOSTS = (
     ARDUINO,
 )
 BY_NAME = {host.name: host for host in HOSTS}
-USAGE = "pkgen export MODEL.lag --as NAME [-o PATH] [options]"
+
+EXAMPLES = """
+pkgen export models/double_pendulum.lag --as fmu
+pkgen export models/heavy_top.lag --as source --scene nutation -o top
+"""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,7 +49,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         how = dict(hosts[0].options)[flag]
         names = ", ".join(host.name for host in hosts)
         add(flag, **{**how, "default": None, "help": f"{how['help']} ({names})"})
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.epilog = "\n".join(["hosts:", *_listed()])
 
 

@@ -26,6 +26,10 @@ SHORTEST, LONGEST = 2.0, 20.0  # seconds of a film that goes as fast as the moti
 USUAL = 10.0
 MOST = 100_000  # frames
 
+EXAMPLES = """
+pkgen film models/heavy_top.lag -o heavy_top.svg --seconds 2
+"""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)

@@ -11,8 +11,9 @@ from ..robots.read import imported
 from ..system.exits import DONE
 from ..system.files import replace
 
-MODEL = False  # it makes one
-USAGE = "pkgen import ROBOT.urdf|ROBOT.xml [-o FILE.lag] [options]"
+EXAMPLES = """
+pkgen import robot.urdf -o robot.lag
+"""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

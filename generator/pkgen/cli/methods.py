@@ -16,7 +16,10 @@ from ..run.methods_table import methods_text, own_text
 from ..system.exits import DONE
 from . import arguments as shared
 
-MODEL = False  # it takes none
+EXAMPLES = """
+pkgen methods
+pkgen methods --composition "1/2,1/2"
+"""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

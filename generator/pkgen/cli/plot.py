@@ -11,23 +11,27 @@ from typing import TYPE_CHECKING
 from ..plot import view as views
 from ..plot.view import View
 from ..system.exits import DONE, UsageError
-from ..system.files import PARTIAL, scratch
+from ..system.files import PARTIAL, STANDARD, scratch
 from . import arguments as shared
 from . import pictures
 from .run import judge, prepared, table_of, tell, to_scratch
+from .said import refuse_both
 
 if TYPE_CHECKING:
     from ..plot.picture import Picture
     from ..plot.table import Table
 
-MODEL = False
-SEVERAL = True
 ROWS = (".csv", ".npy", ".csv" + PARTIAL)
+
+EXAMPLES = """
+pkgen plot models/double_pendulum.lag
+pkgen plot models/elastic_pendulum.lag --path x,y -o path.svg
+"""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", nargs="+", metavar="MODEL.lag|FILE.csv|FILE.npy|DIR")
-    help_ = "FILE.svg, FILE.png or FILE.pdf; default: in the terminal"
+    help_ = "FILE.svg, .png, .pdf, or - (SVG); default: in the terminal"
     parser.add_argument("-o", dest="output", metavar="FILE", help=help_)
     shared.of_a_picture(parser, "coordinates, rates, outputs")
     shared.of_a_model(parser)
@@ -41,7 +45,10 @@ def run(options: argparse.Namespace) -> int:
     options.files = _files(options.files)
     file = None
     if options.output is not None:
-        file = pictures.picture_file("-o", options.output)
+        refuse_both(options, options.output)
+        file = STANDARD
+        if options.output != "-":
+            file = pictures.picture_file("-o", options.output)
     _refuse(options)
     tables, codes = [], []
     for name, label in zip(options.files, _labels(options.files), strict=True):
@@ -123,7 +130,7 @@ def _show(
         from ..plot.draw import encoded
         from ..system.files import replace
 
-        replace({file: encoded(made, file.suffix[1:], width)})
+        replace({file: encoded(made, file.suffix[1:] or "svg", width)})
     if options.json:
         print(json.dumps(_record(made, file), indent=1))
     elif file is None:

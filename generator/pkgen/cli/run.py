@@ -38,6 +38,12 @@ if TYPE_CHECKING:
 # The share of steps that an iteration may hold back before it is worth a word.
 HELD = 0.75
 
+EXAMPLES = """
+pkgen run models/double_pendulum.lag --until 5 --every 0.1
+pkgen run models/double_pendulum.lag --set m2=2 --start "theta1=90 [deg]" -o rows.csv
+pkgen run models/heavy_top.lag --scene nutation --method gauss4 --step 0.01
+"""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.of_a_run(parser)

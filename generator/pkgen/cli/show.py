@@ -11,10 +11,15 @@ from ..back.web.page import packed
 from ..describe.made import describe
 from ..explain.style import style
 from ..system.exits import DONE, UsageError
-from ..system.files import replace
+from ..system.files import STANDARD, replace
 from . import arguments as shared
 from .compilation import compile_within_limits
 from .explain import explained
+from .said import refuse_both
+
+EXAMPLES = """
+pkgen show models/double_pendulum.lag -o pendulum.html
+"""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,9 +32,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Make one file that opens in a browser and needs nothing else: the model moves in it,
     computed there by its own C, with all its parameters and methods at hand."""
+    refuse_both(options, options.page)
     found = describe(options, lambda options, **how: compile_within_limits(options, **how))
     path = Path(options.page or f"{found.compilation.model.name}.html")
-    if path.suffix not in (".html", ".htm"):
+    if path != STANDARD and path.suffix not in (".html", ".htm"):
         raise UsageError(f"-o {path}: the file's name must end in .html")
     compilation = found.compilation
     code = wasm(compilation.files, compilation.model.name, compilation.model.methods)
@@ -37,6 +43,6 @@ def run(options: argparse.Namespace) -> int:
     replace({path: text})
     if options.json:
         print(json.dumps({"page": str(path), "bytes": len(text.encode())}))
-    else:
+    elif path != STANDARD:
         print(f"{path}: {len(text.encode()) / 1000:.0f} kB; open it in a browser")
     return DONE

@@ -30,6 +30,11 @@ from . import arguments as shared
 from .compilation import compile_within_limits
 from .pictures import look_of
 
+EXAMPLES = """
+pkgen stability models/elastic_pendulum.lag -o maps
+pkgen stability models/double_pendulum.lag --methods verlet,rk4 --quick
+"""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.as_of_a_run(parser)

@@ -18,6 +18,7 @@ from ..record import record
 from ..tree import Name
 
 GROUND = "ground"
+TO = "to"  # between the two bodies of a joint
 WORDS_TO_KIND = 2  # `to` and the kind are words before what stands behind the kind of a joint
 CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord", "limits")}
 # What a body has, `point` of a vector. The other members are of what is made of it.

@@ -22,7 +22,7 @@ from .shapes import shapes_of, unknown_shape
 from .stray_characters import stray_character
 from .table import STATEMENTS
 from .units import bare_unit, bracketed
-from .words import CLAUSE_WORDS, greek
+from .words import CLAUSE_WORDS, TABLEAU, greek
 
 _PATTERN = re.compile(
     r"""
@@ -141,7 +141,7 @@ class _Lexer:
             return kind
         called = self._next_is_bracket(end)
         in_method = self.now.tokens and self.now.tokens[0].type == "METHOD"
-        if in_method and name == "tableau" and len(self.now.tokens) == 2:
+        if in_method and name == TABLEAU and len(self.now.tokens) == 2:
             return self._file(self._add("TABLEAU", name, at, end))
         if name in CLAUSE_WORDS and not (name == "step" and called and not in_method):
             return self._add(name.upper(), name, at, end)
@@ -155,7 +155,7 @@ class _Lexer:
         if found:
             return self._add("FILE", found[1], found.start(1), found.end())
         help = "e.g. method mine tableau mine.tab"
-        return self._error("'tableau' names no file", at - len("tableau"), at, help)
+        return self._error(f"'{TABLEAU}' names no file", at - len(TABLEAU), at, help)
 
     def _word_of_drawing(self, name: str, at: int, end: int) -> int:
         """The end of a shape's word or of that of a part of it; 0 of a name of the model's."""

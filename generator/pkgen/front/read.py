@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 from contextlib import suppress
 from difflib import get_close_matches
+from functools import cache
 
 from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
 
 READ: dict[str, None] = {}  # the files read so far, in this order: what is made depends on them
+STANDARD = "-"  # the path of the standard input
 
 
 class UnreadableModel(ModelError):
@@ -26,13 +29,19 @@ class UnreadableModel(ModelError):
 
 
 def read(path: str | os.PathLike[str], what: str = "a .lag file") -> Source:
-    """The text of a file: UTF-8, a byte-order mark dropped, line ends made newlines.
+    """The text of a file, or by "-" of the standard input: UTF-8, a byte-order mark dropped, line
+    ends made newlines.
 
     Raises UnreadableModel, or ModelError where a place in the text is at fault.
     """
     shown = os.fspath(path)
-    data = _bytes(shown, what)
-    READ[shown] = None
+    if shown == STANDARD:
+        shown, data = "<stdin>", _standard_input()
+    else:
+        data = _bytes(shown, what)
+        READ[shown] = None
+    if len(data) > limits.FILE_BYTES:
+        raise _unreadable(shown, f"the file is larger than {limits.FILE_BYTES:,} bytes")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -62,15 +71,19 @@ def _bytes(path: str, wanted: str) -> bytes:
             what = "a directory" if os.path.isdir(path) else "not a regular file"
             raise _unreadable(path, f"this is {what}", f"give the path of {wanted}")
         with open(path, "rb") as file:
-            data = file.read(limits.FILE_BYTES + 1)
+            return file.read(limits.FILE_BYTES + 1)
     except FileNotFoundError:
         raise _unreadable(path, "there is no such file", _similar(path)) from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         reason = getattr(error, "strerror", None) or str(error)
         raise _unreadable(path, f"cannot read it: {reason}") from None
-    if len(data) > limits.FILE_BYTES:
-        raise _unreadable(path, f"the file is larger than {limits.FILE_BYTES:,} bytes")
-    return data
+
+
+@cache  # what has been read from it is gone
+def _standard_input() -> bytes:
+    if sys.stdin is None:
+        raise _unreadable(STANDARD, "the standard input is closed")
+    return sys.stdin.buffer.read(limits.FILE_BYTES + 1)
 
 
 def _similar(path: str) -> str:

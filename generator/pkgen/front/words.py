@@ -40,6 +40,7 @@ _OTHERS = {
 }
 
 CLAUSE_WORDS = frozenset(_CLAUSES.split())
+TABLEAU = "tableau"  # before the file of a method
 CONSTANTS = {
     "t": "the time",
     "pi": "the number pi",

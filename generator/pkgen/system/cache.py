@@ -18,7 +18,7 @@ from pathlib import Path
 
 from .exits import BuildError
 from .files import scratch, sweep
-from .progress import say
+from .progress import say, trace
 
 DIGESTS = "digests"
 KEPT = 100  # entries of a kind, the newest, and any that were used in the last
@@ -47,6 +47,7 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
             with _alone(kinds / f".lock-{name}"):
                 if not _sound(folder):
                     _fill(folder, make)
+                    trace(f"kept {folder}")
             sweep(kinds, ".new-", STALE)
             _prune(kinds)
     except OSError as error:

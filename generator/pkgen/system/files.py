@@ -2,7 +2,7 @@
 
 A file is written beside its place and renamed at the end. What is not finished has `.partial`
 behind its name, and so has what describes it. What is no regular file (a pipe, a device) is written
-as it stands. A symbolic link is followed.
+as it stands, and so is `-`, standard output. A symbolic link is followed.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import os
 import shutil
 import signal
 import stat
+import sys
 import tempfile
 import time
 from collections.abc import Iterable, Iterator, Mapping
@@ -21,7 +22,9 @@ from pathlib import Path
 from typing import IO
 
 from .exits import UsageError
+from .progress import trace
 
+STANDARD = Path("-")  # standard output
 PARTIAL = ".partial"
 SCRATCH = "pkgen."
 
@@ -85,6 +88,11 @@ def replace(
     try:
         for path, content in contents.items():
             data = content.encode() if isinstance(content, str) else content
+            if path == STANDARD:
+                sys.stdout.flush()
+                sys.stdout.buffer.write(data)
+                sys.stdout.buffer.flush()
+                continue
             end = place(path)
             if end is None:
                 with _named(path):
@@ -102,6 +110,8 @@ def replace(
                     end.unlink(missing_ok=True)
             for scratch, end in ((renamed or {}) | made).items():
                 os.replace(scratch, end)
+        for path in contents:
+            trace(f"wrote {path}")
     finally:
         for scratch in made:
             scratch.unlink(missing_ok=True)

@@ -30,6 +30,26 @@ def say(text: str) -> None:
     print(f"pkgen: {text}", file=sys.stderr, flush=True)
 
 
+_watched: float | None = None  # when `-v` began to tell what is done
+
+
+@contextmanager
+def watched() -> Iterator[None]:
+    """Within it, what is done is said, with its time."""
+    global _watched
+    _watched = time.monotonic()
+    try:
+        yield
+    finally:
+        _watched = None
+
+
+def trace(text: str) -> None:
+    """What has been done, for who has asked."""
+    if _watched is not None:
+        say(f"{time.monotonic() - _watched:7.3f} s  {text}")
+
+
 @contextmanager
 def progress(title: str) -> Iterator[Show | None]:
     """Yields what to call, or None where standard error is no terminal."""

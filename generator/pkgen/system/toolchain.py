@@ -14,6 +14,7 @@ import pkgen_runtime
 from ..record import record
 from . import children
 from .exits import BuildError
+from .progress import trace
 
 RUNTIME = Path(pkgen_runtime.__file__).parent
 # No fast-math: it deletes compensated sums and NaN tests. Contraction is set, since gcc and
@@ -140,3 +141,4 @@ def run(command: list[str], directory: Path) -> None:
     if done.returncode != 0:
         said = done.stderr.strip()[-4000:]
         raise BuildError(f"{shlex.join(command)}\nfailed:\n{said}")
+    trace(f"ran {shlex.join(command)}")

@@ -12,7 +12,7 @@ from itertools import pairwise
 from ...source import Source, Span
 from ...tree import Expr, Name, Negate, Number, Quantity
 from .. import statements as st
-from ..joints import CLAUSES, KINDS, LIMITS, Kind, joint_names
+from ..joints import CLAUSES, KINDS, LIMITS, TO, Kind, joint_names
 from ..parse import parse_all
 from ..units import LENGTH, NONE
 from .body_families import family, with_number
@@ -34,7 +34,7 @@ class BodyJoints(BodyParts):
     def kind_of(self, statement: st.Joint) -> Kind | None:
         word, span = statement.kind
         kind, axis = KINDS.get(word), statement.axis
-        if statement.to[0] != "to":
+        if statement.to[0] != TO:
             message = f"'to' stands between two bodies, not '{statement.to[0]}'"
             help = (
                 f"joint {statement.name[0]}: {statement.parent[0]} to {statement.child[0]} {word}"

@@ -1,0 +1,71 @@
+;;; lag-mode.el --- Lagrangians for pkgen  -*- lexical-binding: t -*-
+;; Made by tools/editors.py from the words of the language; do not edit.
+
+;; Package-Requires: ((emacs "26.1"))
+;; SPDX-License-Identifier: MIT
+
+;;; Commentary:
+;; Colours of .lag files; with eglot, all that `pkgen lsp' tells.
+
+;;; Code:
+
+(defun lag--words (&rest words)
+  "A pattern of WORDS, the first group being the word."
+  (concat "\\_<\\(" (regexp-opt words) "\\)\\_>"))
+
+(defconst lag--part (concat "[])'[:alnum:]_][ \t]+" (lag--words "at" "box" "coord" "cylinder" "disk" "ellipsoid" "fixed" "free" "from" "in" "inertia" "lasting" "mass" "planar" "prismatic" "radius" "revolute" "scale" "spherical" "to" "top" "turned" "turns" "width")))
+
+(defun lag--end ()
+  "The end of the statement that begins before point: a line goes on in a bracket."
+  (save-excursion
+    (end-of-line)
+    (while (and (> (car (syntax-ppss)) 0) (not (eobp)))
+      (forward-line 1)
+      (end-of-line))
+    (point)))
+
+(defconst lag-font-lock-keywords
+  `(("\\_<method[ \t]+\\sw+[ \t]+\\(tableau\\)[ \t]+\\([^ \t\n#]+\\)"
+     (1 'font-lock-builtin-face) (2 'font-lock-string-face))
+    (,(concat "^[ \t]*" (lag--words "draw" "view") "\\(?:[ \t]+" (lag--words "arrow" "bob" "body" "circle" "curve" "ground" "level" "line" "plane" "rod" "space" "spring" "trail") "\\)?")
+     (1 'font-lock-keyword-face) (2 'font-lock-type-face nil t)
+     (,lag--part (lag--end) nil (1 'font-lock-builtin-face)))
+    (,(concat "^[ \t]*" (lag--words "body" "joint"))
+     (1 'font-lock-keyword-face)
+     (,lag--part (lag--end) nil (1 'font-lock-builtin-face)))
+    (,(concat "^[ \t]*" (lag--words "body" "draw" "fast" "gravity" "joint" "view")) (1 'font-lock-keyword-face))
+    (,(concat (lag--words "abs" "acos" "asin" "atan" "atan2" "clamp" "cos" "cosh" "cross" "dot" "drift" "euler" "exp" "inverse" "ln" "log" "max" "min" "norm" "omega" "rot" "sign" "sin" "sinh" "sqrt" "step" "sum" "tait_bryan" "tan" "tanh" "time") "[ \t]*(") (1 'font-lock-function-name-face))
+    (,(lag--words "accuracy" "conserve" "const" "constraint" "coord" "dissipation" "end" "event" "expect" "fixed" "force" "free" "hold" "input" "kinetic" "lagrangian" "let" "method" "model" "observe" "param" "periodic" "potential" "rate" "record" "rolling" "rotation" "scene" "set" "size" "start" "state" "swarm" "until") (1 'font-lock-keyword-face))
+    (,(lag--words "at" "either" "every" "falling" "in" "rising" "rtol" "step" "stop" "within") (1 'font-lock-builtin-face))
+    (,(lag--words "energy" "inf" "pi" "t") (1 'font-lock-constant-face))
+    ("\\(?:[])'][ \t]*\\|\\(?:\\sw\\|\\s_\\)[ \t]+\\|\\_<[0-9.]+\\)\\(\\[[^][\n#]*\\]\\)" (1 'font-lock-type-face)))
+  "What is coloured in a .lag file.")
+
+(defvar lag-mode-syntax-table
+  (let ((table (make-syntax-table)))
+    (modify-syntax-entry ?# "<" table)
+    (modify-syntax-entry ?\n ">" table)
+    (modify-syntax-entry ?_ "_" table)
+    (modify-syntax-entry ?' "." table)
+    (modify-syntax-entry ?\" "." table)
+    (modify-syntax-entry ?. "." table)
+    table)
+  "The syntax of .lag files.")
+
+;;;###autoload
+(define-derived-mode lag-mode prog-mode "Lag"
+  "A mode for Lagrangians of pkgen."
+  (setq-local comment-start "# ")
+  (setq-local comment-end "")
+  (setq-local font-lock-multiline t)
+  (setq-local font-lock-defaults '(lag-font-lock-keywords)))
+
+;;;###autoload
+(add-to-list 'auto-mode-alist '("\\.lag\\'" . lag-mode))
+
+(defvar eglot-server-programs)
+(with-eval-after-load 'eglot
+  (add-to-list 'eglot-server-programs '(lag-mode . ("pkgen" "lsp"))))
+
+(provide 'lag-mode)
+;;; lag-mode.el ends here

@@ -1,0 +1,163 @@
+"""The commands: one row each, from which come the overview, the usage and the parser of each.
+
+A row is a command's word, the form of what follows it, and what it does. Its file in this folder
+has `arguments()`, which adds its options, `run()`, and EXAMPLES, which its help shows. A form that
+begins with MODEL.lag takes a model, and the options that all of these have.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterable
+from importlib import import_module
+from types import ModuleType
+
+from ..record import record
+from ..system.exits import UsageError
+from ..system.near import near
+
+_TABLE = """
+Look at a model
+  check       MODEL.lag                    errors and warnings alone
+  explain     MODEL.lag                    equations, structure, what scenes leave
+  describe    MODEL.lag                    names, units, methods, drawings as data
+Make something of it
+  compile     MODEL.lag [-o DIR]           C: DIR/NAME.h and DIR/NAME.c
+  build       MODEL.lag -o FILE            a program, which needs no Python
+  show        MODEL.lag [-o FILE.html]     a live page, for any browser
+  film        MODEL.lag -o FILE            a film: MP4, WebM, GIF, animated SVG
+  export      MODEL.lag --as HOST          for FMI, C and other programs
+Integrate it
+  run         MODEL.lag                    rows of the motion, as CSV
+  plot        MODEL.lag|FILE.csv...        pictures, in the terminal or -o FILE.svg
+Judge methods
+  methods                                  the methods, what each requires
+  chart       MODEL.lag [-o DIR]           accuracy against cost of every method
+  stability   MODEL.lag [-o DIR]           where each method fails
+Write models
+  import      ROBOT.urdf|ROBOT.xml         the bodies and joints of a robot as a model
+  fmt         MODEL.lag...                 spaces and columns of the text, in place
+pkgen itself
+  help        [COMMAND]                    the options of a command, with examples
+"""
+COMMON = ("-q", "--quiet", "-v", "--verbose", "--json")
+OVERVIEW_WIDTH = 80
+USUAL = "compile"  # what is meant where the first word is no command
+
+
+@record
+class Command:
+    name: str
+    form: str  # what follows its word
+    does: str
+    group: str
+
+    @property
+    def takes_model(self) -> bool:
+        return self.form.split()[:1] == ["MODEL.lag"]
+
+    @property
+    def module(self) -> ModuleType:
+        """Its file, imported for it alone."""
+        return import_module(f"{__package__}.{self.name}")
+
+
+def _commands() -> Iterable[Command]:
+    group = ""
+    for line in _TABLE.strip().split("\n"):
+        if line.startswith("  "):
+            found = re.fullmatch(r"  (\w+) +((?:\S+ )*\S+)? {2,}(\S.*)", line)
+            yield Command(found[1], found[2] or "", found[3], group)
+        else:
+            group = line
+
+
+COMMANDS = {command.name: command for command in _commands()}
+
+
+def overview() -> str:
+    """All commands, a line each, in the width of a terminal."""
+    lines = ["usage: pkgen COMMAND [options]", "       pkgen MODEL.lag          as pkgen compile"]
+    group = ""
+    for command in COMMANDS.values():
+        if command.group != group:
+            group = command.group
+            lines += ["", f"{group}:"]
+        lines.append(f"  {command.name:10} {command.does}")
+    return "\n".join(
+        [
+            *lines,
+            "",
+            "Each takes --json, -q (quiet) and -v (verbose); a file may be - (the standard",
+            "input or output). Its options and examples: pkgen help COMMAND, or --help.",
+            "The version: pkgen -V.",
+        ]
+    )
+
+
+class _Help(argparse.HelpFormatter):
+    """Lists as they are written."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        return text if "\n" in text else super()._fill_text(text, width, indent)
+
+
+class Parser(argparse.ArgumentParser):
+    """What is wrong with a command line is a UsageError, which names what may be meant."""
+
+    def error(self, message: str) -> None:
+        raise UsageError(f"{message}; see {self.prog.replace(' ', ' help ', 1)}")
+
+    def _check_value(self, action: argparse.Action, value: object) -> None:
+        if action.choices is not None and value not in action.choices:
+            said = f"{value}: {near(str(value), [*map(str, action.choices)], 'option')}"
+            raise argparse.ArgumentError(action, said)
+
+
+def parser_of(name: str) -> Parser:
+    command, module = COMMANDS[name], COMMANDS[name].module
+    parser = Parser(
+        prog=f"pkgen {name}",
+        usage=f"pkgen {name} {command.form}".rstrip() + " [options]",
+        description=" ".join(module.run.__doc__.split()),
+        formatter_class=_Help,
+        allow_abbrev=False,
+    )
+    if command.takes_model:
+        from .arguments import of_a_model
+
+        parser.add_argument("model", metavar="MODEL.lag", help="- is the standard input")
+        of_a_model(parser)
+    module.arguments(parser)
+    examples = "\n  ".join(["examples:", *module.EXAMPLES.strip().split("\n")])
+    parser.epilog = f"{parser.epilog}\n\n{examples}" if parser.epilog else examples
+    of_all = parser.add_argument_group("options of every command")
+    of_all.add_argument("--json", action="store_true", help="machine-readable results")
+    add = of_all.add_mutually_exclusive_group().add_argument
+    add("-q", "--quiet", action="store_true", help="say nothing where all is well")
+    add("-v", "--verbose", action="store_true", help="say what is being done, and how long it took")
+    return parser
+
+
+def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
+    """The command that words ask for, and its options. Raises UsageError."""
+    leading = next((i for i, word in enumerate(words) if word not in COMMON), len(words))
+    words = [*words[leading:], *words[:leading]]
+    named = words[0] in COMMANDS
+    command = COMMANDS[words[0] if named else USUAL]
+    if not named and words[0].isalpha():
+        from os.path import exists
+
+        if not exists(words[0]):
+            said = near(words[0], list(COMMANDS), "command")
+            raise UsageError(f"there is no command '{words[0]}'; {said}")
+    parser = parser_of(command.name)
+    options, unknown = parser.parse_known_intermixed_args(words[named:])
+    if unknown:
+        flag = unknown[0].partition("=")[0]
+        if not flag.startswith("-"):
+            raise UsageError(f"one file at a time: what is {flag}?")
+        known = [name for name in parser._option_string_actions if name not in ("-h", "--help")]
+        raise UsageError(f"there is no option {flag}; {near(flag, known, 'option')}")
+    return command, options

@@ -1,0 +1,64 @@
+"""What a command says besides its results: how loud, and in which colours."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import os
+import re
+import sys
+from collections.abc import Callable
+from typing import TextIO
+
+from ..system import progress
+from ..system.exits import DONE, UsageError
+
+_RED, _MAGENTA, _CYAN, _GREEN = "1;31", "1;35", "36", "1;32"
+# Of a finding: what it is, the hint, the carets.
+_PAINTED = (
+    (re.compile(r"(?<=: )error(?=: )"), _RED),
+    (re.compile(r"(?<=: )warning(?=: )"), _MAGENTA),
+    (re.compile(r"^ +help(?=: )", re.MULTILINE), _CYAN),
+    (re.compile(r"(?<=^      \| )( *)(\^+)$", re.MULTILINE), _GREEN),
+)
+
+
+def coloured(stream: TextIO) -> bool:
+    """Whether a stream gets colours: a terminal, unless NO_COLOR is set; any where FORCE_COLOR is.
+    See https://no-color.org and https://force-color.org."""
+    if os.environ.get("NO_COLOR"):
+        return False
+    if os.environ.get("FORCE_COLOR"):
+        return True
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def findings(text: str) -> None:
+    """Errors and warnings of a model, to standard error."""
+    if coloured(sys.stderr):
+        for what, colour in _PAINTED:
+            text = what.sub(lambda found, c=colour: f"\x1b[{c}m{found[0]}\x1b[0m", text)
+    print(text, file=sys.stderr)
+
+
+def refuse_both(options: argparse.Namespace, output: str | None) -> None:
+    """Raises UsageError where a result and what describes it would be mixed."""
+    if options.json and output == "-":
+        raise UsageError("-o - and --json both write to standard output; take one of them")
+
+
+def told(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
+    """The command, as loud as its options ask for: with -q it says nothing where all is well, with
+    -v what is being done."""
+    if options.verbose:
+        with progress.watched():
+            return command(options)
+    if not options.quiet:
+        return command(options)
+    kept = io.StringIO()
+    with contextlib.redirect_stderr(kept):
+        code = command(options)
+    if code != DONE:
+        sys.stderr.write(kept.getvalue())
+    return code

@@ -1,0 +1,314 @@
+"""The text of a model, laid out: the same tokens and comments, in spaces of one kind.
+
+Lines stay lines. Products are tight, sums and relations spaced; what goes on in a bracket begins
+behind it; the clauses of a scene are indented. In a block of lines the values of statements, their
+`=`, their bounds and their comments stand below each other.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+
+from lark.lexer import Token
+
+from ..front.lexer import statements
+from ..front.table import STATEMENTS
+from ..source import ModelError, Source
+
+OPENERS = frozenset(("LPAREN", "LINDEX", "LVECTOR", "LEND"))
+CLOSERS = frozenset(("RPAREN", "RBRACKET", "REND"))
+SIGNS = frozenset(("PLUS", "MINUS"))
+TIGHT = frozenset(("TIMES", "OVER", "POWER", "DOTS"))
+VALUE_ENDS = frozenset(("NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "UNIT")) | CLOSERS
+# What nothing stands before, or behind.
+NONE_BEFORE = CLOSERS | TIGHT | {"_COMMA", "PRIME", "COMPONENT", "MEMBER", "POINT", "LINDEX"}
+NONE_BEHIND = OPENERS | TIGHT | {"FUNCTION", "SUM", "POINT"}
+RELATIONS = ("EQUAL", "LESS", "GREATER")
+INDENT = 2  # of what is in a scene
+HANGING = 4  # behind a bracket that ends its line
+NEAR = 4  # columns: what is not so near is not put below each other
+NEAR_COMMENT = 8
+BEFORE_COMMENT = 2
+
+
+@dataclass
+class Line:
+    """A line of the text: the pieces of one statement, and a comment."""
+
+    number: int
+    tokens: list[Token] = field(default_factory=list)
+    comment: str = ""
+    column: int = 0  # of the comment, as it was
+    first: bool = False  # of its statement
+    last: bool = False
+    inside: bool = False  # a scene
+    indent: int = 0
+    pieces: list[str] = field(default_factory=list)  # a space wanted before it, or not, is in it
+
+    @property
+    def code(self) -> str:
+        return " " * self.indent + "".join(self.pieces) if self.pieces else ""
+
+
+def laid_out(source: Source) -> str:
+    """The text of a model in its layout. Raises ModelError where it does not lex."""
+    lexed = statements(source)
+    errors = [error for statement in lexed for error in statement.errors]
+    if errors:
+        raise ModelError(source, errors)
+    lines = _lines(source, lexed)
+    _scenes(lines)
+    before = None
+    for line in lines:
+        before = None if line.first else before
+        line.pieces = _spaced(source, line, before, _tight_signs(lines, line))
+        before = line.tokens[-1] if line.tokens else before
+    for block in _blocks(lines):
+        _align(block, _behind_word)
+        _align(block, _relation)
+        _align(block, _bounds)
+    _indented(lines)
+    for block in _commented(lines):
+        _align_comments(block)
+    text = _joined(lines)
+    if signs(Source(source.path, text)) != signs(source):
+        raise AssertionError("the layout has changed what the text says")
+    return text
+
+
+def signs(source: Source) -> list[list[tuple[str, str]]]:
+    """What a text says, whatever its spaces: each statement's tokens, and its last comment."""
+    return [
+        [*((t.type, _text(source, t)) for t in statement.tokens), ("#", statement.comment)]
+        for statement in statements(source)
+    ]
+
+
+def _text(source: Source, token: Token) -> str:
+    return source.text[token.start_pos : token.end_pos]
+
+
+def _lines(source: Source, lexed: Iterable) -> list[Line]:
+    texts = source.text.split("\n")
+    lines = [Line(i + 1) for i in range(len(texts))]
+    ends = [0] * len(texts)  # behind the last token of a line, in it
+    for statement in lexed:
+        for token in statement.tokens:
+            number, column = source.position(token.start_pos)
+            lines[number - 1].tokens.append(token)
+            ends[number - 1] = column - 1 + token.end_pos - token.start_pos
+        for token, flag in ((statement.tokens[0], "first"), (statement.tokens[-1], "last")):
+            setattr(lines[source.position(token.start_pos)[0] - 1], flag, True)
+    for line, text, end in zip(lines, texts, ends, strict=True):
+        rest = text[end:]
+        line.comment = rest.strip(" \t")
+        line.column = end + len(rest) - len(rest.lstrip(" \t"))
+    return lines
+
+
+def _scenes(lines: list[Line]) -> None:
+    inside = False
+    for line in lines:
+        word = line.tokens[0].type if line.first else ""
+        inside = inside and word != "END"
+        line.inside = inside
+        inside = inside or word == "SCENE"
+
+
+def _tight_signs(lines: list[Line], line: Line) -> set[int]:
+    """Where the + and - of a line stand that are in an index or in a range: i+1..N."""
+    if not any(token.type in SIGNS for token in line.tokens):
+        return set()
+    start = next(i for i in range(line.number - 1, -1, -1) if lines[i].first)
+    tokens = [token for one in lines[start : line.number] for token in one.tokens]
+    for one in lines[line.number :]:
+        if one.first:
+            break
+        tokens += one.tokens
+    found: set[int] = set()
+    waiting: list[list] = [["", False, []]]  # opener, whether there are dots, signs of a part
+    for token in tokens:
+        if token.type in OPENERS:
+            waiting.append([token.type, False, []])
+        elif token.type in CLOSERS and len(waiting) > 1:
+            found |= _of_part(waiting.pop())
+        elif token.type in ("_COMMA", "EQUAL", "WORD"):
+            found |= _of_part(waiting[-1])
+            waiting[-1][1:] = [False, []]
+        elif token.type == "DOTS":
+            waiting[-1][1] = True
+        elif token.type in SIGNS:
+            waiting[-1][2].append(token.start_pos)
+    for part in waiting:
+        found |= _of_part(part)
+    return found
+
+
+def _of_part(part: list) -> set[int]:
+    opener, dots, places = part
+    return set(places) if dots or opener == "LINDEX" else set()
+
+
+def _spaced(source: Source, line: Line, before: Token | None, tight: set[int]) -> list[str]:
+    """The tokens of a line, each with the space that belongs before it; `before` is the last of the
+    statement in the lines above."""
+    pieces: list[str] = []
+    signed = False  # the token before is a sign of what follows, or stands in an index
+    for token in line.tokens:
+        text = _text(source, token)
+        binary = before is not None and before.type in VALUE_ENDS
+        space = before is not None and not signed and before.type not in NONE_BEHIND
+        space = space and token.type not in NONE_BEFORE and token.type != "COLON"
+        if token.type in SIGNS and binary:
+            space = token.start_pos not in tight
+        if before is not None and not space and _joins(_text(source, before), text):
+            space = True
+        pieces.append(" " + text if space and pieces else text)
+        signed = token.type in SIGNS and (not binary or token.start_pos in tight)
+        before = token
+    return pieces
+
+
+def _joins(left: str, right: str) -> bool:
+    """Whether two tokens would be another one together."""
+    words = re.match(r"\w|\.\w", right) and re.search(r"\w$", left)
+    return left + right == "**" or bool(words and (right[0] != "." or left[0].isdigit()))
+
+
+def _blocks(lines: list[Line]) -> Iterator[list[Line]]:
+    """Lines of statements beside each other: no line between them is empty, or a comment alone."""
+    block: list[Line] = []
+    for line in lines:
+        heads = line.first and line.tokens[0].type in ("SCENE", "END")
+        if line.first and not heads and (not block or line.inside == block[-1].inside):
+            block.append(line)
+        elif line.tokens and not line.first:
+            continue
+        else:
+            yield block
+            block = [line] if line.first and not heads else []
+    yield block
+
+
+def _align(block: list[Line], place: Callable[[Line], tuple[int, str] | None]) -> None:
+    """Spaces before the piece that `place` finds in each line, so that these stand below each other
+    where they are near; what differs in its word does not."""
+    run: list[tuple[Line, int, str, int]] = []
+    for line in block:
+        found = place(line)
+        if found is None:
+            _pad(run)
+            run = []
+            continue
+        index, kind = found
+        width = len("".join(line.pieces[:index]))
+        widths = [width, *(other for *_, other in run)]
+        if run and (run[-1][2] != kind or max(widths) - min(widths) > NEAR):
+            _pad(run)
+            run = []
+        run.append((line, index, kind, width))
+    _pad(run)
+
+
+def _pad(run: list[tuple[Line, int, str, int]]) -> None:
+    most = max((width for *_, width in run), default=0)
+    for line, index, _, width in run:
+        line.pieces[index] = " " * (most - width) + line.pieces[index]
+
+
+def _behind_word(line: Line) -> tuple[int, str] | None:
+    """In a scene, and of what takes an expression alone."""
+    row = STATEMENTS.get(line.tokens[0].type.lower())  # None: it begins with no word
+    alone = row is not None and (line.inside or row.syntax == "single")
+    return (1, "") if len(line.pieces) > 1 and alone else None
+
+
+def _outside(line: Line, kinds: Iterable[str]) -> int | None:
+    """The first token of these kinds that stands in no bracket."""
+    depth = 0
+    for i, token in enumerate(line.tokens):
+        if depth == 0 and token.type in kinds:
+            return i
+        depth += (token.type in OPENERS) - (token.type in CLOSERS)
+    return None
+
+
+def _relation(line: Line) -> tuple[int, str] | None:
+    index = _outside(line, RELATIONS)
+    several = _outside(line, ("_COMMA",)) is not None
+    return (
+        None if index is None or several else (index, line.tokens[0].type + line.tokens[index].type)
+    )
+
+
+def _bounds(line: Line) -> tuple[int, str] | None:
+    index = _outside(line, ("IN",)) if line.tokens[0].type == "PARAM" else None
+    equal = _outside(line, ("EQUAL",))
+    return None if index is None else (index, str(len("".join(line.pieces[:equal]))))
+
+
+def _indented(lines: list[Line]) -> None:
+    """Every line begins where it should; what goes on in a bracket begins behind that."""
+    opened: list[int] = []
+    for line in lines:
+        base = INDENT * line.inside
+        if line.first:
+            opened = []
+        closes = bool(line.tokens) and line.tokens[0].type in CLOSERS
+        line.indent = base
+        if opened and not line.first:
+            hanging = opened[-1] < 0
+            line.indent = abs(opened[-1]) - (HANGING if hanging and closes else closes)
+        column = line.indent
+        for i, (token, piece) in enumerate(zip(line.tokens, line.pieces, strict=True)):
+            column += len(piece)
+            if token.type in OPENERS:
+                ends = i + 1 == len(line.tokens)
+                opened.append(-(line.indent + HANGING) if ends else column)
+            elif token.type in CLOSERS and opened:
+                opened.pop()
+
+
+def _commented(lines: list[Line]) -> Iterator[list[Line]]:
+    """Lines of code with comments, none of another kind between them."""
+    block: list[Line] = []
+    for line in lines:
+        if line.tokens and line.comment:
+            block.append(line)
+        elif not line.tokens or line.comment:
+            yield block
+            block = []
+    yield block
+
+
+def _align_comments(block: list[Line]) -> None:
+    """In the column of the first, or further right where code that is not much longer ends."""
+    if not block:
+        return
+    column = max(block[0].column, len(block[0].code) + BEFORE_COMMENT)
+    while True:
+        more = [
+            len(line.code) + BEFORE_COMMENT
+            for line in block
+            if len(line.code) + BEFORE_COMMENT <= column + NEAR_COMMENT
+        ]
+        if max(more) <= column:
+            break
+        column = max(more)
+    for line in block:
+        line.column = max(column, len(line.code) + BEFORE_COMMENT)
+
+
+def _joined(lines: list[Line]) -> str:
+    made: list[str] = []
+    for line in lines:
+        text = line.code or (" " * line.indent if line.comment else "")
+        if line.comment:
+            text = (text.ljust(line.column) if line.tokens else text) + line.comment
+        if text or (made and made[-1]):
+            made.append(text)
+    while made and not made[-1]:
+        made.pop()
+    return "\n".join(made) + "\n" if made else ""

@@ -1,0 +1,194 @@
+"""The command line by the conventions of command lines: one table, help with examples, what is
+meant by a misspelt word, standard streams, loudness, colours, closed pipes."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ROOT, long_but, run_pkgen
+from pkgen.cli.commands import COMMANDS, OVERVIEW_WIDTH, overview, parser_of
+
+HOOP = ROOT / "models/bead_on_hoop.lag"
+WRONG = "model wrong\ncoord x\nkinetic x'^2/2 + yy\n"
+PLAIN = {k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "FORCE_COLOR")}
+
+
+def piped(*words: object, text: str = "", env: dict[str, str] = PLAIN, cwd: Path | None = None):
+    command = [sys.executable, "-m", "pkgen", *map(str, words)]
+    return subprocess.run(command, input=text, capture_output=True, text=True, env=env, cwd=cwd)
+
+
+def examples(name: str) -> list[str]:
+    return COMMANDS[name].module.EXAMPLES.strip().split("\n")
+
+
+def test_every_file_of_a_command_has_a_row() -> None:
+    folder = ROOT / "generator/pkgen/cli"
+    with_run = {
+        p.stem for p in folder.glob("*.py") if re.search(r"^EXAMPLES = ", p.read_text(), re.M)
+    }
+    assert with_run == set(COMMANDS) and len(COMMANDS) > 12
+
+
+def test_the_overview_fits_a_terminal() -> None:
+    lines = overview().split("\n")
+    assert max(map(len, lines)) <= OVERVIEW_WIDTH and len(lines) <= 48
+    assert {line.split()[0] for line in lines if line.startswith("  ") and line[2] != " "} == set(
+        COMMANDS
+    )
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_shows_examples_that_its_parser_takes(name: str) -> None:
+    parser, text = parser_of(name), parser_of(name).format_help()
+    assert text.startswith(f"usage: pkgen {name}") and "-q, --quiet" in text
+    for example in examples(name):
+        assert f"\n  {example}\n" in text
+        words = shlex.split(example.partition(" < ")[0])[1:]
+        words = words[1:] if words[0] == name else words
+        assert parser.parse_intermixed_args(words).quiet is False
+
+
+def test_help_of_a_command_and_of_all() -> None:
+    done = run_pkgen("help", "run")
+    assert done.returncode == 0 and done.stdout == parser_of("run").format_help()
+    assert run_pkgen("run", "--help").stdout == done.stdout
+    assert run_pkgen("help").stdout == run_pkgen("--help").stdout == overview() + "\n"
+    done = run_pkgen("help", "runn")
+    assert done.returncode == 2 and "did you mean 'run'?" in done.stderr
+    assert set(json.loads(run_pkgen("help", "--json").stdout)) == set(COMMANDS)
+
+
+RUN = ("check", "fmt", "help", "explain", "describe", "compile", "run", "methods", "build", "show")
+RUN += ("film", "plot")  # the others take minutes
+
+
+@pytest.mark.parametrize("name", long_but(RUN[:3], RUN))
+def test_examples_run(name: str, tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "models", tmp_path / "models")
+    for example in examples(name):
+        command, _, given = example.partition(" < ")
+        words = shlex.split(command)[1:]
+        text = (tmp_path / given).read_text() if given else ""
+        run = piped(*words, text=text, cwd=tmp_path) if given else run_pkgen(*words, cwd=tmp_path)
+        code = 1 if "--check" in words and "not in its layout" in run.stderr else 0
+        assert run.returncode == code, f"{example}\n{run.stderr}"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["runn", HOOP], "there is no command 'runn'; did you mean 'run'?"),
+        (["run", HOOP, "--iteration", "newtn"], "--iteration: newtn: did you mean 'newton'?"),
+        (["compile", HOOP, "--dump", "rendr"], "did you mean 'render'?"),
+        (["run"], "required: MODEL.lag; see pkgen help run"),
+        (["run", HOOP, HOOP], "one file at a time"),
+        (["film", HOOP, "-o", "x.gif", "--fps", "fast"], "--fps: invalid float value: 'fast'"),
+        (["run", HOOP, "-q", "-v"], "not allowed with"),
+    ],
+)
+def test_what_is_wrong_is_one_line(words: list, said: str) -> None:
+    done = run_pkgen(*words)
+    assert done.returncode == 2 and said in done.stderr and done.stdout == ""
+    assert len(done.stderr.splitlines()) == 1
+    done = run_pkgen(*words, "--json")
+    assert done.returncode == 2 and said in json.loads(done.stdout)["error"]
+
+
+def test_common_options_may_stand_before_the_command() -> None:
+    done = run_pkgen("--json", "-q", "check", HOOP)
+    assert done.returncode == 0 and json.loads(done.stdout) == {"diagnostics": []}
+
+
+def test_the_version() -> None:
+    assert run_pkgen("-V").stdout == run_pkgen("--version").stdout
+    assert re.fullmatch(r"pkgen \d+\.\d+\.\d+\S*\n", run_pkgen("-V").stdout)
+
+
+def test_a_model_from_standard_input() -> None:
+    text = HOOP.read_text()
+    done = piped("run", "-", "--until", "1", "--every", "1", text=text)
+    assert done.stdout == run_pkgen("run", HOOP, "--until", "1", "--every", "1").stdout
+    done = piped("check", "-", text=WRONG)
+    assert done.returncode == 1 and done.stderr.startswith("<stdin>:3:18: error: unknown name 'yy'")
+    assert piped("check", "-").stderr.startswith("<stdin>:1:1: error: the file is empty")
+    done = piped("check", "-", text="\0")
+    assert done.returncode == 1 and "NUL" in done.stderr
+
+
+def test_c_on_standard_output_compiles_as_it_is(tmp_path: Path) -> None:
+    done = run_pkgen(HOOP, "-o", "-", cwd=tmp_path)
+    assert done.returncode == 0 and list(tmp_path.iterdir()) == []
+    command = [
+        "gcc",
+        "-std=c99",
+        "-Wall",
+        "-Werror",
+        "-x",
+        "c",
+        "-c",
+        "-",
+        "-o",
+        tmp_path / "hoop.o",
+    ]
+    subprocess.run(command, input=done.stdout, text=True, check=True)
+    done = run_pkgen(HOOP, "-o", "-", "--self-test")
+    assert done.returncode == 2 and "several files" in done.stderr
+    done = run_pkgen(HOOP, "-o", "-", "--json")
+    assert done.returncode == 2 and "both write to standard output" in done.stdout
+
+
+def test_pictures_and_equations_on_standard_output(tmp_path: Path) -> None:
+    done = run_pkgen("plot", HOOP, "--until", "1", "-o", "-", cwd=tmp_path)
+    assert done.returncode == 0 and done.stdout.startswith("<?xml") and "</svg>" in done.stdout
+    done = run_pkgen("explain", HOOP, "--html", "-", cwd=tmp_path)
+    assert done.stdout.lower().startswith("<!doctype html") and list(tmp_path.iterdir()) == []
+
+
+def test_quiet_is_quiet_where_all_is_well(write) -> None:
+    loud, quiet = (run_pkgen("run", HOOP, "--until", "1", *more) for more in ([], ["-q"]))
+    assert loud.stdout == quiet.stdout and "steps" in loud.stderr and quiet.stderr == ""
+    scene = "scene b\nuntil 1\nrecord x\nexpect x = 1 within 0.1\nend\n"
+    missed = f"model a\ncoord x\nkinetic x'^2/2\n{scene}"
+    done = run_pkgen("run", write(missed), "--scene", "b", "-q")
+    assert done.returncode == 4 and "expected" in done.stderr
+    assert run_pkgen("check", write(WRONG), "-q").stderr.count("unknown name") == 1
+
+
+def test_verbose_says_what_is_done(tmp_path: Path) -> None:
+    done = run_pkgen(HOOP, "-v", "-o", tmp_path)
+    said = re.findall(r"^pkgen: +\d+\.\d{3} s  (.*)$", done.stderr, re.M)
+    assert said[:3] == ["parse", "check", "derive"] and f"wrote {tmp_path}/bead_on_hoop.h" in said
+    assert run_pkgen(HOOP, "-o", tmp_path).stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("env", "coloured"),
+    [
+        ({}, False),
+        ({"FORCE_COLOR": "1"}, True),
+        ({"FORCE_COLOR": ""}, False),
+        ({"FORCE_COLOR": "1", "NO_COLOR": "1"}, False),
+    ],
+)
+def test_colours(env: dict[str, str], coloured: bool) -> None:
+    done = piped("check", "-", text=WRONG, env=PLAIN | env)
+    assert ("\x1b[1;31merror\x1b[0m" in done.stderr) == coloured
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", done.stderr)
+    assert plain == piped("check", "-", text=WRONG).stderr
+
+
+@pytest.mark.parametrize("words", [["help"], ["describe", HOOP, "--json"], [HOOP, "-o", "-"]])
+def test_who_reads_and_goes_away_is_no_error(words: list) -> None:
+    command = shlex.join([sys.executable, "-m", "pkgen", *map(str, words)])
+    script = f"{command} | true; echo ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("0\n", "")
