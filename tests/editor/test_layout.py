@@ -154,7 +154,7 @@ coord q[1..3], x [m]
 kinetic   m/2*(x'^2) + sum(q[i+1]'^2, i = 1..N-1)
 potential -x + -2*a
 scene a
-  until  3
+  until 3
   # a word
   method rk4 step 0.5
   expect x = (1 +

@@ -297,8 +297,12 @@ def _align_comments(block: list[Line]) -> None:
         if max(more) <= column:
             break
         column = max(more)
+    longer = []
     for line in block:
-        line.column = max(column, len(line.code) + BEFORE_COMMENT)
+        fits = len(line.code) + BEFORE_COMMENT <= column
+        line.column = column if fits else line.column
+        longer += [] if fits else [line]
+    _align_comments(longer)
 
 
 def _joined(lines: list[Line]) -> str:
