@@ -13,7 +13,7 @@
   "A pattern of WORDS, the first group being the word."
   (concat "\\_<\\(" (regexp-opt words) "\\)\\_>"))
 
-(defconst lag--part (concat "[])'[:alnum:]_][ \t]+" (lag--words "at" "box" "coord" "cylinder" "disk" "ellipsoid" "fixed" "free" "from" "in" "inertia" "lasting" "mass" "planar" "prismatic" "radius" "revolute" "scale" "spherical" "to" "top" "turned" "turns" "width")))
+(defconst lag--part (concat "[])'[:alnum:]_][ \t]+" (lag--words "at" "box" "coord" "cylinder" "disk" "ellipsoid" "fixed" "free" "from" "in" "inertia" "lasting" "limits" "mass" "planar" "prismatic" "radius" "revolute" "scale" "spherical" "to" "top" "turned" "turns" "width")))
 
 (defun lag--end ()
   "The end of the statement that begins before point: a line goes on in a bracket."

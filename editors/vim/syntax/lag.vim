@@ -15,7 +15,7 @@ syn region lagBracket start=/(/ end=/)/ contains=lagComment,lagFunction,lagClaus
 syn region lagBracket start=/\[/ end=/\]/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator
 syn match lagUnit /\v%(\k|['\])])@1<=\s*\zs\[[^\[\]#]*\]/
 syn region lagIndexed matchgroup=lagName start=/\v%([[:alpha:]_]|[^\x00-\x7f])\k*\[/ matchgroup=NONE end=/\]/ contains=lagComment,lagFunction,lagClause,lagStatement,lagConstant,lagIndexed,lagName,lagNumber,lagUnit,lagMember,lagBracket,lagOperator
-syn match lagPart /\v%(%(\k|['\])])\s+)@<=%(at|box|coord|cylinder|disk|ellipsoid|fixed|free|from|in|inertia|lasting|mass|planar|prismatic|radius|revolute|scale|spherical|to|top|turned|turns|width)>\s*/ contained
+syn match lagPart /\v%(%(\k|['\])])\s+)@<=%(at|box|coord|cylinder|disk|ellipsoid|fixed|free|from|in|inertia|lasting|limits|mass|planar|prismatic|radius|revolute|scale|spherical|to|top|turned|turns|width)>\s*/ contained
 syn match lagShape /\v%(^\s*%(draw|view)\s+)@<=%(arrow|bob|body|circle|curve|ground|level|line|plane|rod|space|spring|trail)>\s*/ contained
 syn match lagFile /\v%(<%(tableau)\s+)@<=[^ \t#]+/ contained
 syn match lagTableau /\v%(method\s+\k+\s+)@<=%(tableau)>\s*/ contained
