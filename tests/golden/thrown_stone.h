@@ -384,7 +384,7 @@ struct thrown_stone_parameter {
 struct thrown_stone_zero {
     struct thrown_stone_quantity what;
     int direction; /* in which it is crossed: +1 rising, -1 falling, 0 either */
-    int stop;      /* an integration ends there */
+    int stop;      /* an integration ends there; 2: at once if it starts beyond */
 };
 #endif
 
