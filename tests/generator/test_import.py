@@ -186,6 +186,12 @@ WRONG = {
     "number": (link(inside=heavy("heavy")), "is no number"),
     "nan": (link(inside=heavy("nan")), "is no number"),
     "inf": (link(inside=heavy("1e999")), "is too large"),
+    "no double": (link(inside=heavy("1e-400")), 'value="1e-400" is too small: 1e-400 is not 0'),
+    "no square": (link(inside=heavy("1", "1e-200")), "is too small: 1e-200 is not 0"),
+    "far round": (
+        link() + link("b") + joint("j", "a", "b", inside='<origin rpy="0 0 1e9"/>'),
+        'rpy="0 0 1e9" is too large',
+    ),
     "underscore": (link(inside=heavy("1_0")), "is no number"),
     "other digits": (link(inside=heavy("\u0661")), "is no number"),
     "two numbers": (link(inside=heavy("1 2")), "is one number, not 2"),
@@ -235,6 +241,13 @@ MJCF_WRONG = {
     "armature": ('<joint armature="1"/>', "'armature' of a joint"),
     "stiffness": ('<joint stiffness="1"/>', "'stiffness' of a joint"),
     "class": ('<joint class="x"/>', "classes of defaults"),
+    "small axis": ('<joint axis="1e-200 0 0"/>', "is too small: 1e-200 is not 0"),
+    "limits": ('<joint range="1 -1"/>', "are [1.0, -1.0]: none between them"),
+    "limited": ('<joint limited="perhaps"/>', 'limited="perhaps" is not auto, true or false'),
+    "far round": (
+        '<worldbody><body axisangle="0 0 1 1e9"/></worldbody>',
+        "an angle of 1e+09 is too large",
+    ),
     "type": ('<joint type="x"/>', "no joint type 'x'"),
     "axis": ('<joint axis="0 0 0"/>', "the zero vector"),
     "frame": (
@@ -285,6 +298,42 @@ def test_wrong_mjcf(tmp_path, case):
     if inside.startswith(("<joint", "<body q")):
         inside = f"<worldbody>{BODY.format(inside)}</worldbody>"
     assert said in refused(tmp_path, f"<mujoco>{inside}</mujoco>")
+
+
+LIMITS = {
+    "both": ("revolute", 'lower="-1.5707963267948966" upper="2"', "limits [-pi/2, 2.0]", ""),
+    "way": ("prismatic", 'lower="0" upper="0.04"', "limits [0.0, 0.04] [m]", ""),
+    "beyond 0": ("revolute", 'lower="1" upper="2"', "limits [1.0, 2.0]", "start j = 1.5  #"),
+    "none": ("revolute", 'effort="1"', "# limits: effort 1.0", ""),
+    "swapped": (
+        "revolute",
+        'lower="2" upper="1"',
+        "",
+        "# limits of 'j' left out: 2.0 is not below",
+    ),
+    "continuous": ("continuous", 'lower="2" upper="3"', "", ""),
+}
+
+
+@pytest.mark.parametrize("case", LIMITS)
+def test_limits_are_those_of_the_file(tmp_path, case):
+    kind, limit, on_joint, elsewhere = LIMITS[case]
+    links = link() + link("b", heavy("1"))
+    xml = f"<robot name='r'>{links}{joint('j', 'a', 'b', kind, f'<limit {limit}/>')}</robot>"
+    text = text_of(tmp_path, xml)
+    (line,) = (line for line in text.split("\n") if line.startswith("joint j"))
+    assert on_joint in line and elsewhere in text
+    assert ("limits [" in line) == on_joint.startswith("limits")
+    check_text(Source("r.lag", text))
+
+
+def test_what_carries_no_mass_is_fixed_and_said_to_be(tmp_path):
+    links = link() + link("b", heavy("1")) + link("c") + link("d")
+    joints = joint("j", "a", "b") + joint("k", "b", "c") + joint("l", "c", "d", "prismatic")
+    text = text_of(tmp_path, f"<robot name='r'>{links}{joints}</robot>")
+    assert "# left out: joints that carry no mass: fixed (2)" in text
+    model, warnings = check_text(Source("r.lag", text))
+    assert [c.name for c in model.coordinates] == ["j"] and not warnings
 
 
 def test_hostile_names(tmp_path):

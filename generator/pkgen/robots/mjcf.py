@@ -8,7 +8,7 @@ import math
 
 from .robot import Joint, Link, Robot
 from .turns import UNIT, Turns, Vector, added, applied, matrix, of_angles, of_quaternion
-from .xml import Element
+from .xml import ANGLE, Element
 
 KINDS = {"hinge": "revolute", "slide": "prismatic", "ball": "spherical", "free": "free"}
 ZERO = (0.0, 0.0, 0.0)
@@ -51,10 +51,12 @@ class _Reader:
         if ways == ["quat"]:
             turn = of_quaternion(element.numbers("quat", 4))
         elif ways == ["euler"]:
-            angles = [angle * self.angle for angle in element.numbers("euler", 3)]
+            angles = [angle * self.angle for angle in element.numbers("euler", 3, (), ANGLE)]
             turn = of_angles([UNIT["xyz".index(letter)] for letter in self.sequence], angles)
         elif ways == ["axisangle"]:
             *axis, angle = element.numbers("axisangle", 4)
+            if abs(angle) > ANGLE:
+                raise element.wrong(f"an angle of {angle:g} is too large")
             turn = of_angles([tuple(axis)], [angle * self.angle]) if any(axis) else None
         elif ways:
             raise element.wrong(f"'{ways[-1]}' is not read", "write a quat")

@@ -162,7 +162,7 @@ def _angle(angle: float) -> str:
     right = right_angles(angle)
     if right is None:
         return repr(angle)
-    return {1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(right, f"{right}*pi/2")
+    return {0: "0", 1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(right, f"{right}*pi/2")
 
 
 def _vector(v: Sequence[float]) -> str:

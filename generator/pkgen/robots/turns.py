@@ -72,7 +72,9 @@ def of_roll_pitch_yaw(angles: Sequence[float]) -> Turns:
 
 def of_angles(axes: Sequence[Vector], angles: Sequence[float]) -> Turns:
     """Those that turn at all."""
-    return tuple((n, angle) for n, angle in zip(axes, angles, strict=True) if angle)
+    return tuple(
+        (n, angle) for n, angle in zip(axes, angles, strict=True) if right_angles(angle) != 0
+    )
 
 
 def of_quaternion(q: Sequence[float]) -> Turns | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from .robot import Joint, Link, Robot
 from .turns import of_roll_pitch_yaw
-from .xml import Element
+from .xml import ANGLE, Element
 
 KINDS = {
     "revolute": "revolute",
@@ -96,7 +96,7 @@ def _origin(element: Element):
     origin = element.first("origin")
     if origin is None:
         return ZERO, ()
-    return origin.numbers("xyz", 3, ZERO), of_roll_pitch_yaw(origin.numbers("rpy", 3, ZERO))
+    return origin.numbers("xyz", 3, ZERO), of_roll_pitch_yaw(origin.numbers("rpy", 3, ZERO, ANGLE))
 
 
 def _joint(element: Element, robot: Robot, links: dict[str, Element]) -> Joint:

@@ -11,7 +11,8 @@ from xml.parsers import expat
 from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
 
-LARGEST = 1e100
+LARGEST, SMALLEST = 1e100, 1e-100  # squares of these are doubles still
+ANGLE = 1e6  # radians or degrees: of more the digits say nothing
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
@@ -38,7 +39,9 @@ class Element:
             raise self.wrong(f"<{self.tag}> has no '{name}'")
         return self.attributes[name].strip()
 
-    def numbers(self, name: str, count: int, default: tuple[float, ...] = ()) -> tuple[float, ...]:
+    def numbers(
+        self, name: str, count: int, default: tuple[float, ...] = (), largest: float = LARGEST
+    ) -> tuple[float, ...]:
         """Finite ones, `count` of them; without a default the attribute must be there."""
         if default and name not in self.attributes:
             return default
@@ -46,9 +49,13 @@ class Element:
         shown = self.attributes[name][:40]
         if not all(_NUMBER.fullmatch(word) for word in words):
             raise self.wrong(f'{name}="{shown}" is no number')
-        found = tuple(float(word) for word in words)
-        if not all(abs(x) < LARGEST for x in found):
+        found = tuple(float(word) + 0.0 for word in words)  # -0 is 0
+        if not all(abs(x) < largest for x in found):
             raise self.wrong(f'{name}="{shown}" is too large')
+        small = [w for w, x in zip(words, found, strict=True) if abs(x) < SMALLEST and _spelt(w)]
+        if small:
+            help = f"write 0, or a number of at least {SMALLEST:g}"
+            raise self.wrong(f'{name}="{shown}" is too small: {small[0][:40]} is not 0', help)
         if len(found) != count:
             numbers = "one number" if count == 1 else f"{count} numbers"
             raise self.wrong(f"'{name}' of <{self.tag}> is {numbers}, not {len(found)}")
@@ -56,6 +63,11 @@ class Element:
 
     def number(self, name: str, *default: float) -> float:
         return self.numbers(name, 1, default)[0]
+
+
+def _spelt(word: str) -> bool:
+    """Whether a number is another than 0, as it is written."""
+    return any(digit in "123456789" for digit in word.lower().partition("e")[0])
 
 
 def tree(source: Source) -> Element:

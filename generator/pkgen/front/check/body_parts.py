@@ -116,6 +116,11 @@ class BodyParts(Checks):
         if values and all(found == 0 for found in values):
             self.report.error("the zero vector is no axis", value.span, "e.g. [0, 1, 0]")
             return ()
+        size = max((abs(float(found)) for found in values if found is not None), default=1.0)
+        if None not in values and not 1e-100 < size < 1e100:
+            message = "no double holds the square of this axis: only its direction counts"
+            self.report.error(message, value.span, "e.g. [0, 1, 0]")
+            return ()
         return values or (None,)
 
     def turning(self, name: str, value: Expr) -> bool:

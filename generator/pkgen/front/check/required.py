@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ...source import Span
 from .. import statements as st
+from ..joints import joint_names
 from .shared import Shared
 
 
@@ -89,11 +90,16 @@ class Required:
                     rotation.span,
                     f"add a kinetic term, e.g. kinetic I/2*dot({rate}, {rate})",
                 )
+        joints = (s for s in self.file.statements if isinstance(s, st.Joint))
+        of_joints = {name for joint in joints for name, _ in joint_names(joint)}
         for coordinate in self.shared.parts["coordinates"]:
             if coordinate.name not in with_rate:
+                help = f"add a kinetic term, or make it a parameter: param {coordinate.name} = …"
+                if coordinate.name in of_joints:
+                    help = "what hangs on a joint needs a mass; what does not move hangs by 'fixed'"
                 self.report.error(
                     f"the coordinate '{coordinate.name}' has no inertia: no energy contains"
                     f" {coordinate.name}'",
                     coordinate.span,
-                    f"add a kinetic term, or make it a parameter: param {coordinate.name} = …",
+                    help,
                 )
