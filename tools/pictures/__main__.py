@@ -50,6 +50,10 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
         ["film models/double_pendulum.lag -o p.gif --seconds 6 --pixels 400x300"],
         "p.gif",
     ),
+    "film_space_arm.gif": (
+        ["film models/bodies/space_arm.lag -o p.gif --seconds 8 --pixels 400x300"],
+        "p.gif",
+    ),
 }
 DRAWN = {f"{f.__name__}.png": f for f in (*classical.PICTURES, *bodies.PICTURES)}
 SEEN = {"show.png": live.still, "show.webp": live.moving}
