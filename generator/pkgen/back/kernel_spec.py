@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from ..equations import Equations, Matrix, Row
 from ..graph.graph import ZERO, Graph, Node, Op
 from ..graph.solve import Pivots
 from ..record import record
-from .targets import CHECK, FILL, STORE, Output, Target
+from .targets import CHECK, FILL, RETURN, STORE, Output, Target
 
 Hint = tuple[Node, str]
 _FEW_ZEROS = 8  # of a matrix, each written out
@@ -17,17 +16,39 @@ _FEW_ZEROS = 8  # of a matrix, each written out
 
 @record
 class KernelSpec:
-    """`says` is the equation in the kernel's comment; `result` the type in C."""
+    """What a kernel writes, by the names of its outputs, or returns as a pk_real. `says` is the
+    equation in its comment; `result` its type in C."""
 
     name: str
     says: str
-    outputs: Callable[[Equations], tuple[Output, ...]]
-    targets: Callable[[Equations], list[Target]]
+    values: Callable[[Equations], Mapping[str, Row | Matrix]]
     result: str = "void"
     exists: Callable[[Equations], bool] = lambda _: True
+    checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # before anything is written
     kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # become locals wherever they occur
     given: tuple[str, ...] = ()  # vectors taken besides t, q, v and u
     second: str = "v"  # what is taken with q: rates, or "momenta"
+    symmetric: bool = False
+    copies: bool = (
+        False  # an entry that is in several places, as second derivatives of L, is copied
+    )
+
+    def outputs(self, e: Equations) -> tuple[Output, ...]:
+        if self.result == "pk_real":
+            return ()
+        found = self.values(e).items()
+        return tuple(Output(k, len(x), len(x[0]) if _is_matrix(x) else 1) for k, x in found)
+
+    def targets(self, e: Equations) -> list[Target]:
+        values = self.values(e)
+        if self.result == "pk_real":
+            return [Target(RETURN, "", row) for row in values.values()]
+        if self.name == "acceleration" and e.acceleration is None:
+            return []  # by a loop over M and f
+        found = list(self.checks(e))
+        for name, x in values.items():
+            found += matrix_stores(name, x, self.symmetric) if _is_matrix(x) else stores(name, x)
+        return _copied(found) if self.copies else found
 
     def hints(self, equations: Equations) -> Iterator[Hint]:
         """Names for values that mean something to a reader, if they become locals."""
@@ -69,40 +90,25 @@ def pivot_checks(graph: Graph, failure: str, pivots: Pivots) -> Iterator[Target]
         )
 
 
-def vectors(
-    name: str, says: str, rows: Callable[[Equations], dict[str, Row]], **more: Any
-) -> KernelSpec:
-    """A kernel that writes vectors, by the names of its outputs."""
-    return KernelSpec(
-        name,
-        says,
-        lambda e: tuple(Output(output, len(row), 1) for output, row in rows(e).items()),
-        lambda e: [target for output, row in rows(e).items() for target in stores(output, row)],
-        **more,
-    )
-
-
-def vector(
-    name: str, says: str, output: str, row: Callable[[Equations], Row], **more: Any
-) -> KernelSpec:
-    return vectors(name, says, lambda e: {output: row(e)}, **more)
+def _copied(targets: list[Target]) -> list[Target]:
+    places: dict[Node, list[str]] = {}
+    for target in targets:
+        for node in target.nodes:
+            places.setdefault(node, []).append(target.where)
+    fills = [target for target in targets if target.kind == FILL]
+    return fills + [
+        Target(STORE, where, (node,), also=tuple(copies))
+        for node, (where, *copies) in places.items()
+    ]
 
 
 def optional(name: str, says: str, output: str, row: Callable[[Equations], Row]) -> KernelSpec:
     """A kernel that there is where there is something to write."""
-    return vector(name, says, output, row, exists=lambda e: bool(row(e)))
+    return KernelSpec(name, says, lambda e: {output: row(e)}, exists=lambda e: bool(row(e)))
 
 
-def symmetric(
-    name: str, says: str, matrix: Callable[[Equations], Matrix | None], **more: Any
-) -> KernelSpec:
-    return KernelSpec(
-        name,
-        says,
-        lambda e: (square("M", e),),
-        lambda e: matrix_stores("M", matrix(e), symmetric=True),
-        **more,
-    )
+def _is_matrix(x: Row | Matrix) -> bool:
+    return bool(x) and isinstance(x[0], tuple)
 
 
 def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Target]:
@@ -120,11 +126,6 @@ def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Ta
             mirrored = (f"{name}[{j * columns + i}]",) if symmetric and j > i else ()
             targets.append(Target(STORE, f"{name}[{i * columns + j}]", (row[j],), also=mirrored))
     return targets
-
-
-def square(name: str, equations: Equations) -> Output:
-    n = len(equations.coordinates)
-    return Output(name, n, n)
 
 
 def row_checks(equations: Equations) -> list[Target]:

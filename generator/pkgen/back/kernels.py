@@ -6,23 +6,12 @@ A new kernel is a row here, its place in runtime/include/pk/system.h, and its ca
 from __future__ import annotations
 
 from ..equations import Equations, Particles, Row
-from ..graph.graph import ZERO, Node
+from ..graph.graph import ZERO
 from ..middle.motion import LINEAR_OF_FEW
-from .kernel_spec import (
-    KernelSpec,
-    matrix_stores,
-    optional,
-    pivot_checks,
-    row_checks,
-    square,
-    stores,
-    symmetric,
-    vector,
-    vectors,
-)
+from .kernel_spec import KernelSpec, optional, pivot_checks, row_checks
 from .kernels_bound import ALWAYS, BOUND
 from .kernels_canonical import CANONICAL, CANONICAL_SPECS
-from .targets import FILL, RETURN, STORE, Output, Target
+from .targets import Target
 
 
 def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> frozenset[str]:
@@ -55,51 +44,15 @@ def _scalar(name: str, says: str) -> KernelSpec:
     return KernelSpec(
         name,
         says,
-        lambda e: (),
-        lambda e: [Target(RETURN, "", (getattr(e, name),))],
+        lambda e: {name: (getattr(e, name),)},
         "pk_real",
         lambda e: getattr(e, name) is not None and _has_energy(e),
     )
 
 
-def _acceleration_targets(equations: Equations) -> list[Target]:
+def _pivots(e: Equations) -> list[Target]:
     """Every pivot is tested before anything is written."""
-    if equations.acceleration is None:
-        return []
-    checks = [*pivot_checks(equations.graph, "MASS", equations.pivots or ())]
-    checks += row_checks(equations)
-    return checks + stores("a", equations.acceleration)
-
-
-def _linear(equations: Equations) -> list[Target]:
-    linear = equations.linear
-    if linear is None:
-        return []
-    return _copied(
-        [
-            *matrix_stores("r_q", linear.r_q),
-            *matrix_stores("r_v", linear.r_v),
-            *stores("r_t", linear.r_t),
-        ]
-    )
-
-
-def _jacobian(equations: Equations) -> list[Target]:
-    matrices = {name: getattr(equations, name) or () for name in ("p_q", "pdot_q", "pdot_v")}
-    return _copied([t for name, matrix in matrices.items() for t in matrix_stores(name, matrix)])
-
-
-def _copied(targets: list[Target]) -> list[Target]:
-    """An entry that is in several places, as the second derivatives of L are, is copied."""
-    places: dict[Node, list[str]] = {}
-    for target in targets:
-        for node in target.nodes:
-            places.setdefault(node, []).append(target.where)
-    fills = [target for target in targets if target.kind == FILL]
-    return fills + [
-        Target(STORE, where, (node,), also=tuple(copies))
-        for node, (where, *copies) in places.items()
-    ]
+    return [*pivot_checks(e.graph, "MASS", e.pivots or ()), *row_checks(e)]
 
 
 def _of_particles(particles: Particles) -> dict[str, Row]:
@@ -115,34 +68,34 @@ _SPECS = (
     KernelSpec(
         "acceleration",
         "a = q'' with M a = f, by M = L D L^T",
-        lambda e: (Output("a", len(e.coordinates), 1),),
-        _acceleration_targets,
+        lambda e: {"a": e.acceleration or e.force},  # in a loop where there is no expression of it
         "int",
+        checks=_pivots,
         kept=lambda e: [*(pivot for pivot, _ in e.pivots or ()), *e.force],
     ),
-    symmetric("mass", "M = dp/dv", lambda e: e.mass),
-    vector("force", "f = pdot - (dp/dq) v - dp/dt", "f", lambda e: e.force),
-    vectors(
+    KernelSpec("mass", "M = dp/dv", lambda e: {"M": e.mass}, symmetric=True),
+    KernelSpec("force", "f = pdot - (dp/dq) v - dp/dt", lambda e: {"f": e.force}),
+    KernelSpec(
         "canonical",
         "p = dL/dv and pdot = dL/dq + Q - dD/dv",
         lambda e: {"momenta": e.momenta, "pdot": e.pdot},
     ),
-    vector("momenta", "p = dL/dv", "momenta", lambda e: e.momenta),
-    vector("gradient", "dL/dq", "dLdq", lambda e: e.gradient),
+    KernelSpec("momenta", "p = dL/dv", lambda e: {"momenta": e.momenta}),
+    KernelSpec("gradient", "dL/dq", lambda e: {"dLdq": e.gradient}),
     KernelSpec(
         "jacobian",
         "dp/dq, d(pdot)/dq, d(pdot)/dv",
-        lambda e: (square("p_q", e), square("pdot_q", e), square("pdot_v", e)),
-        _jacobian,
+        lambda e: {name: getattr(e, name) for name in ("p_q", "pdot_q", "pdot_v")},
         exists=lambda e: e.p_q is not None,
+        copies=True,
     ),
     KernelSpec(
         "linear",
         "derivatives of r = f - M a by q, v and t, with a and the inputs held",
-        lambda e: (square("r_q", e), square("r_v", e), Output("r_t", len(e.force), 1)),
-        _linear,
+        lambda e: {name: getattr(e.linear, name) for name in ("r_q", "r_v", "r_t")},
         exists=lambda e: e.linear is not None,
         given=("a",),
+        copies=True,
     ),
     optional("fast", "the part of a that is named fast", "a", lambda e: e.fast or ()),
     _scalar("energy", "h = v.p - L"),
@@ -173,16 +126,10 @@ _SPECS = (
     KernelSpec(
         "corner",
         "the slopes of the switches at which rates may jump, by q and by t; 0 of others",
-        lambda e: (
-            Output("slope", len(e.switches), len(e.coordinates)),
-            Output("slope_t", len(e.switches), 1),
-        ),
-        lambda e: (
-            matrix_stores(
-                "slope", tuple(x.slope or (ZERO,) * len(e.coordinates) for x in e.switches)
-            )
-            + stores("slope_t", tuple(x.slope_t for x in e.switches))
-        ),
+        lambda e: {
+            "slope": tuple(tuple(x.slope) or (ZERO,) * len(e.coordinates) for x in e.switches),
+            "slope_t": tuple(x.slope_t for x in e.switches),
+        },
         exists=lambda e: bool(e.jolted),
     ),
     *BOUND,
@@ -190,15 +137,11 @@ _SPECS = (
     KernelSpec(
         "particles",
         "particles: masses m, places r, r' and r'', a = q'' given",
-        lambda e: tuple(
-            Output(name, len(row), 1) for name, row in _of_particles(e.particles).items()
-        ),
-        lambda e: _copied(
-            [t for name, row in _of_particles(e.particles).items() for t in stores(name, row)]
-        ),
+        lambda e: _of_particles(e.particles),
         exists=lambda e: e.particles is not None and bool(e.particles.masses),
         given=("a",),
+        copies=True,
     ),
-    vectors("start", "initial values", lambda e: {"q": e.start_q, "v": e.start_v}),
+    KernelSpec("start", "initial values", lambda e: {"q": e.start_q, "v": e.start_v}),
 )
 KERNELS: dict[str, KernelSpec] = {spec.name: spec for spec in _SPECS}

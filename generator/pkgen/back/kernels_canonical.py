@@ -6,18 +6,13 @@ from collections.abc import Callable
 
 from ..equations import Equations, Hamiltonian, Row
 from ..graph.graph import ZERO
-from .kernel_spec import KernelSpec, pivot_checks, stores
-from .targets import Output, Target
+from .kernel_spec import KernelSpec, pivot_checks
 
 CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
 
 
 def _canonical(name: str, says: str, rows: Callable[[Hamiltonian], dict[str, Row]]) -> KernelSpec:
     """A kernel of q and p, which fails where M is singular."""
-
-    def targets(e: Equations) -> list[Target]:
-        written = (stores(where, row) for where, row in rows(e.hamiltonian).items())
-        return sum(written, [*pivot_checks(e.graph, "MASS", e.hamiltonian.pivots)])
 
     def exists(e: Equations) -> bool:
         return e.hamiltonian is not None and any(
@@ -29,10 +24,10 @@ def _canonical(name: str, says: str, rows: Callable[[Hamiltonian], dict[str, Row
     return KernelSpec(
         name,
         says,
-        lambda e: tuple(Output(where, len(row), 1) for where, row in rows(e.hamiltonian).items()),
-        targets,
+        lambda e: rows(e.hamiltonian),
         "int",
         exists,
+        checks=lambda e: pivot_checks(e.graph, "MASS", e.hamiltonian.pivots),
         second="momenta",
     )
 
