@@ -38,6 +38,7 @@ Judge methods
 Write models
   import      ROBOT.urdf|ROBOT.xml         the bodies and joints of a robot as a model
   fmt         MODEL.lag...                 spaces and columns of the text, in place
+  lsp                                      what an editor asks, over standard streams
 pkgen itself
   help        [COMMAND]                    the options of a command, with examples
 """

@@ -327,3 +327,8 @@ def _named(name: str, at: int) -> Unit:
     elif near:
         help = f"did you mean '{near[0]}'?"
     raise UnitError(found, at, at + len(name), help)
+
+
+def known_units() -> tuple[str, ...]:
+    """Those that are usual in models; pint knows more."""
+    return (*_SIMPLE, *_MORE)

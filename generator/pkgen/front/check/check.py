@@ -13,6 +13,7 @@ from functools import lru_cache
 
 from ... import limits
 from ... import model as m
+from ...record import record
 from ...source import Diagnostic, ModelError, Source, Span
 from ...tree import names
 from .. import statements as st
@@ -62,23 +63,41 @@ def _brings(statement: st.Statement) -> bool:
     )
 
 
-@lru_cache(maxsize=4)  # each scene is checked with its model
-def _checked(file: st.File, sizes: tuple) -> tuple[m.Model, tuple[Diagnostic, ...]]:
+@record(eq=False)
+class Seen:
+    """All that is known of a file, be it right or wrong: its names, and what they are of."""
+
+    model: m.Model | None
+    names: Names
+    parts: Mapping[str, list]  # by the field of a Model
+    sizes: Mapping[str, int]
+    errors: tuple[Diagnostic, ...]  # by place, each once
+    warnings: tuple[Diagnostic, ...]
+
+
+def see(file: st.File, sizes: Mapping[str, int] = {}) -> Seen:
     checker = _Checker(file, dict(sizes))
     model = checker.run()
-    errors = [*file.diagnostics, *checker.report.errors]
-    if errors:
-        raise _limited(file.source, errors)
+    found = [*file.diagnostics, *checker.report.errors]
+    unique = {(d.message, d.span.start, d.span.end): d for d in found}
+    errors = sorted(unique.values(), key=lambda d: d.span.start)
     warnings = sorted(checker.report.warnings, key=lambda d: d.span.start)
-    return model, tuple(warnings)
+    known = checker.names, checker.shared.parts, checker.expressions.sizes
+    return Seen(model, *known, tuple(errors), tuple(warnings))
+
+
+@lru_cache(maxsize=4)  # each scene is checked with its model
+def _checked(file: st.File, sizes: tuple) -> tuple[m.Model, tuple[Diagnostic, ...]]:
+    seen = see(file, dict(sizes))
+    if seen.errors:
+        raise _limited(file.source, list(seen.errors))
+    return seen.model, seen.warnings
 
 
 def _limited(source: Source, errors: list[Diagnostic]) -> ModelError:
-    """The first errors by place, each once, and how many more there are."""
-    unique = {(d.message, d.span.start, d.span.end): d for d in errors}
-    ordered = sorted(unique.values(), key=lambda d: d.span.start)
-    shown = ordered[: limits.DIAGNOSTICS]
-    return ModelError(source, shown, more=len(ordered) - len(shown))
+    """The first errors, and how many more there are."""
+    shown = errors[: limits.DIAGNOSTICS]
+    return ModelError(source, shown, more=len(errors) - len(shown))
 
 
 class _Checker:
