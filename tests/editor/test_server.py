@@ -111,7 +111,7 @@ def test_hover(editor: Editor, uri: str) -> None:
     assert said("i = 1..2").startswith("**i**: a loop variable")
     assert "adaptive" in said("gauss")
     assert editor.at("hover", uri, 0, 200) is not None  # behind the line's end: its last word
-    assert editor.at("hover", uri, 999, 0) is not None  # behind the text: likewise
+    assert editor.at("hover", uri, 999, 0) is None
 
 
 def test_definition_and_references(editor: Editor, uri: str) -> None:
