@@ -152,3 +152,27 @@ def test_a_family_is_the_tree_written_one_by_one(seed):
     assert names == {*given} and found.keys() == wanted.keys(), family
     assert found == pytest.approx(wanted, rel=1e-10, abs=1e-10)
     assert max(map(abs, found.values())) > 0.1
+
+
+TWIG = """model twig
+size N = 2
+body link[1..N] mass 1 inertia [1, 1, 1] at [0, 0, -0.5]
+joint j[1]: ground to link[1] revolute [0, 1, 0] limits [-1, 1]
+joint j[i = 2..N]: link[i-1] to link[i] revolute [0, 1, 0] at [0, 0, -1]
+gravity [0, 0, -9.81]
+start j[i = 1..N] = 0.1*i
+"""
+
+
+def test_members_on_the_command_line(pkgen, tmp_path):
+    """--record takes a member's places, by its components; --size writes out as many."""
+    model = tmp_path / "twig.lag"
+    model.write_text(TWIG)
+    run = ("run", model, "--until", "0.2", "--every", "0.1", "--size", "N=3")
+    ran = pkgen(*run, "--record", "j[3],link[3].com,link[1].omega.y'")
+    wanted = ["t", "j[3]", *(f"link[3].com.{axis}" for axis in "xyz"), "link[1].omega.y'"]
+    assert ran.stdout.splitlines()[0].split(",") == wanted and "never used" not in ran.stderr
+    assert [float(x) for x in ran.stdout.splitlines()[1].split(",")][1] == pytest.approx(0.3)
+    ran = pkgen(*run, "--record", "link[9].com")
+    assert ran.stderr.count("link[9].com is outside the family: there is link[1..3].com") == 1
+    assert ran.returncode == 2 and not ran.stdout

@@ -113,8 +113,8 @@ class Build(Transformer):
         span = _over(name, close)
         return st.Left(str(name), None, Range("", lo, hi, span), span)
 
-    def left_member(self, name, member):
-        return st.Left(f"{name}{member}", None, None, _over(name, member))
+    def left_member(self, name, _, index, __, member):
+        return st.Left(f"{name}{member}", index, None, _over(name, member))
 
     def declared(self, name, bracket, lo, _, hi, close, unit):
         text = None if unit is None else st.UnitText(str(unit), _span(unit))

@@ -58,6 +58,7 @@ def written_out(
     """Columns as an option names them: of a vector, each component; the scene's are known too."""
     recorded = scene.record.columns if scene is not None and scene.record else ()
     known = {item.name.rstrip("'") for item in (*model.observed, *model.conserved, *recorded)}
+    known |= {parted(item.name.rstrip("'"))[0] for item in recorded}
     known |= {name for item in model.constraints for name in multipliers(item.name)}
     known |= {name for r in model.rotations for name in (*r.rates, *r.momenta)}
     quaternions = {r.name: r.quaternion for r in model.rotations}

@@ -27,8 +27,8 @@ def is_motion(text: str) -> bool:
 
 def _stems(column: str) -> set[str]:
     """What the name of a column may be of, with and without a component: of `leg.com.x'` both
-    `leg.com.x` and `leg.com`."""
-    name = re.split(r"[\[']", column)[0]
+    `leg.com.x` and `leg.com`, of a member `leg[2].com.x` of a family too."""
+    name = re.sub(r"\[[^\]]*\]", "", column).partition("'")[0]
     return {name, name.rpartition(".")[0]}
 
 

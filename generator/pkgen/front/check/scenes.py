@@ -125,7 +125,10 @@ class _Scene(Given):
 
     def _columns(self, item: Expr) -> Iterable[m.Definition]:
         """One, of a vector three, none after an error."""
+        before = len(self.report.errors)
         value, facts = self.expressions.factor(item, Scope(PLACES["record"]))
+        if len(self.report.errors) > before:
+            return ()
         if facts.turns and facts.turns[0].name and isinstance(item, Name):
             at = None if item.index is None else integer(item.index, self.shared.sizes)
             return (
