@@ -10,6 +10,7 @@ from ..graph.graph import Node
 from ..middle.loops.loops import LoopEquations
 from ..record import record
 
+Shown = tuple[str, str, Node, str]  # a name, its unit, what it is, and for which indices
 Section = tuple[str, Iterable[str]]  # its title, its lines
 
 
@@ -21,6 +22,7 @@ class Contents:
     declared: list[tuple[str, Sequence[Quantity]]]  # what moves, by kind
     parameters: Sequence[ParameterSlot]
     equations: list[Section]
+    outputs: list[Shown]  # with what is claimed to be constant
     families: str  # how they are kept; "" where there are none
     costs: Section
     record: dict[str, object]  # of this alone, for `--json`

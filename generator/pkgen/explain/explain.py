@@ -37,7 +37,7 @@ def explain(compilation: Compilation) -> str:
         _parameters(c),
         _quantities("Inputs", e.inputs),
         *(section(title, lines) for title, lines in c.equations),
-        section("Outputs", (f"{q.name} = {_valued(c, q, node)}" for q, node in _outputs(c))),
+        section("Outputs", _outputs(c)),
         section("Events", _events(c)),
         section("Drawing", shown(compilation.declared)),
         section("Structure", (f"{name:<16} {text}" for name, text in rows)),
@@ -57,7 +57,10 @@ def record(compilation: Compilation) -> dict[str, object]:
         **c.record,
         "structure": structure_record(compilation.structure),
         **proofs_record(compilation.structure),
-        "outputs": {q.name: c.text(node) for q, node in _outputs(c)},
+        "outputs": {
+            f"{name} for {span}" if span else name: c.text(node)
+            for name, _, node, span in c.outputs
+        },
         "events": [
             {"name": q.name, "unit": q.unit, "description": q.description}
             | {"crosses_zero": c.text(node), "direction": _DIRECTIONS[event.direction]}
@@ -130,16 +133,16 @@ def _unit(unit: str) -> str:
     return f"[{unit}]" if unit else ""
 
 
-def _valued(c: Contents, quantity: Quantity, node: Node) -> str:
-    return f"{c.text(node)} {_unit(quantity.unit)}".rstrip()
+def _valued(c: Contents, unit: str, node: Node) -> str:
+    return f"{c.text(node)} {_unit(unit)}".rstrip()
 
 
 _DIRECTIONS = {1: "rising", -1: "falling", 0: "either"}
 
 
-def _outputs(c: Contents) -> Iterator[tuple[Quantity, Node]]:
-    names = *c.e.observed_names, *c.e.conserved_names
-    return zip(names, (*c.e.observed, *c.e.conserved), strict=True)
+def _outputs(c: Contents) -> Iterator[str]:
+    for name, unit, node, span in c.outputs:
+        yield f"{name} = {_valued(c, unit, node)}" + (f"   for {span}" if span else "")
 
 
 def named_events(c: Contents) -> Iterator[tuple[Quantity, Event, Node]]:
@@ -149,7 +152,7 @@ def named_events(c: Contents) -> Iterator[tuple[Quantity, Event, Node]]:
 def _events(c: Contents) -> Iterator[str]:
     for q, event, node in named_events(c):
         how = _DIRECTIONS[event.direction] + " stop" * event.stop
-        yield f"{q.name}: {_valued(c, q, node)} {how}"
+        yield f"{q.name}: {_valued(c, q.unit, node)} {how}"
 
 
 def constants_text(rows: list[tuple[str, str]], symmetries: Symmetries | None) -> str:

@@ -51,6 +51,13 @@ def contents(compilation: Compilation) -> Contents:
             (rates_title(e), equal(rate_rows(e))),
             ("Canonical form   q' = dH/dp, p' = -dH/dq + Q", equal(canonical_rows(e))),
         ],
+        [
+            (q.name, q.unit, node, "")
+            for q, node in (
+                *zip(e.observed_names, e.observed, strict=True),
+                *zip(e.conserved_names, e.conserved, strict=True),
+            )
+        ],
         f"unrolled: {e.unrolled}" if families else "",
         ("Kernels", kernels),
         {

@@ -10,7 +10,7 @@ from ..equations import ParameterSlot, Quantity
 from ..graph.affine import Affine
 from ..indices import indexed
 from ..middle.loops.loops import Assigned, Bounded, Group, LoopEquations, PairForce, Part
-from .contents import Contents
+from .contents import Contents, Shown
 from .rows import EquationLine, M, Writer
 
 
@@ -36,6 +36,7 @@ def contents(compilation: Compilation) -> Contents:
                 map(str, constraint_lines(write)),
             ),
         ],
+        [*_outputs(write)],
         f"loops in C, the sizes given at run time{fused}",
         ("Loops", operations),
         {
@@ -83,6 +84,14 @@ def name_of(write: Writer, group: Group) -> str:
 
 def _quantity(write: Writer, g: Group) -> Quantity:
     return Quantity(name_of(write, g), g.declared.unit, g.declared.description)
+
+
+def _outputs(write: Writer) -> Iterator[Shown]:
+    for x in write.e.outputs:
+        span = "" if x.lo is None else write.span(x.lo, x.hi)
+        yield indexed(x.item.name, write.i if span else None), x.item.unit, x.node, span
+    for item, node in zip(write.e.model.conserved, write.e.conserved, strict=True):
+        yield item.name, item.unit, node, ""
 
 
 def _slot(write: Writer, g: Group, default: Assigned, at: Bounded) -> ParameterSlot:
