@@ -34,7 +34,7 @@ middle/derive
 middle/reduce middle/loops
 back back/live
 back/c back/fmu back/python back/python/wheel back/source back/web
-back/alone
+back/alone back/bound
 compiler
 run
 scenes

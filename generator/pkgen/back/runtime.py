@@ -61,6 +61,12 @@ def alone(files: Mapping[str, str]) -> dict[str, str]:
     return {path: placed(path, text) for path, text in files.items()}
 
 
+def public_names(files: Iterable[str]) -> list[str]:
+    """What a linker sees of these files of the runtime."""
+    files = set(files)
+    return [name for name, home in _homes().items() if home in files]
+
+
 def licence() -> str:
     return _read("LICENSE")
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ..back.alone.make import ARDUINO, FREESTANDING, SINGLE
+from ..back.bound.rust import RUST
 from ..back.exported import Exported, Host
 from ..back.fmu.make import FMU
 from ..back.python.make import PYTHON
@@ -26,6 +27,7 @@ HOSTS = (
     SINGLE,
     FREESTANDING,
     ARDUINO,
+    RUST,
 )
 BY_NAME = {host.name: host for host in HOSTS}
 

@@ -6,7 +6,7 @@
 
 #include "live.h"
 
-char live_reason_text[LONGEST_TEXT];
+OF_THREAD char live_reason_text[LONGEST_TEXT];
 
 int refuse(const char *text)
 {

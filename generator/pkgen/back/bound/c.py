@@ -1,0 +1,81 @@
+"""The C under the languages: the model, what calls it, the runtime that both need. Each name that a
+linker sees begins with the model's, so that models stand side by side in one program."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ...own import in_c
+from ..exported import Exported
+from ..live import LIVE
+from ..runtime import alone, licence, public_names
+from ..templates import filled
+
+HERE = Path(__file__).parent / "templates"
+CALLS = ("live.h", "motion.c", "params.c", "values.c")
+_EXPORTED = re.compile(r"EXPORT\((live_\w+)\)\(")
+
+
+def sources(model: Exported) -> dict[str, str]:
+    """C that compiles without -I and -D, its headers in folders of their own."""
+    calls = {name: (LIVE / name).read_text(encoding="utf-8") for name in CALLS}
+    calls["model.c"] = filled(
+        HERE,
+        "model.c.j2",
+        name=model.name,
+        own=in_c.rows(model.own),
+        own_tables=in_c.FILE,
+        count=len(model.own),
+        parameters=[p for p in model.description["parameters"] if _own_value(p, "")],
+        inputs=[repr(float(u["value"])) for u in model.description["inputs"]],
+        starts=list(starts(model.description)),
+    )
+    if model.own:
+        calls[in_c.FILE] = in_c.tables(model.own)
+    runtime = model.runtime(*calls.values())
+    files = {f"live/{path}": text for path, text in calls.items()}
+    files |= {f"model/{path}": text for path, text in model.files.items()}
+    files = alone({**files, **runtime})
+    names = sorted({*public_names(runtime), *NAMES})
+    files["names.h"] = "".join(f"#define {n} {model.name}_{n}\n" for n in names)
+    files = {path: _first(path, text) for path, text in files.items()}
+    return {**files, "LICENSE": licence()}
+
+
+NAMES = [
+    *("live_system", "live_own", "live_own_count", "live_reason_text", "live_method", "refuse"),
+    *("live_given", "live_begin", "live_inputs"),
+    *(n for f in CALLS for n in _EXPORTED.findall((LIVE / f).read_text(encoding="utf-8"))),
+]
+
+
+def _first(path: str, text: str) -> str:
+    """With the names of the model ahead of all."""
+    if not path.endswith(".c"):
+        return text
+    names = posixpath.relpath("names.h", posixpath.dirname(path))
+    return f'#include "{names}"\n{text}'
+
+
+def _own_value(item: dict[str, Any], what: str) -> bool:
+    """Whether it is given by a number, and not by others."""
+    return not item[f"{what}_follows" if what else "follows"] and item[what or "value"] is not None
+
+
+def starts(description: Any) -> Iterator[str]:
+    """Statements in C that give the start what does not follow from parameters."""
+    for item in description["coordinates"]:
+        for what in ("q", "v"):
+            if _own_value(item, what):
+                yield f"{what}[{item['index']}] = {float(item[what])!r};"
+    for item in description["rotations"]:
+        values = zip(item["rate_indices"], item["rate_values"], strict=True)
+        if not item["rates_follow"]:
+            yield from (f"v[{k}] = {float(x)!r};" for k, x in values if x is not None)
+    for item in description["states"]:
+        if _own_value(item, ""):
+            yield f"v[{item['index']}] = {float(item['value'])!r};"
