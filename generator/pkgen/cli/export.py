@@ -8,6 +8,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from ..back.alone.make import ARDUINO, FREESTANDING, SINGLE
+from ..back.bound.javascript import JAVASCRIPT
+from ..back.bound.matlab import MATLAB
 from ..back.bound.rust import RUST
 from ..back.exported import Exported, Host
 from ..back.fmu.make import FMU
@@ -28,6 +30,8 @@ HOSTS = (
     FREESTANDING,
     ARDUINO,
     RUST,
+    JAVASCRIPT,
+    MATLAB,
 )
 BY_NAME = {host.name: host for host in HOSTS}
 

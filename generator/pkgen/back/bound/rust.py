@@ -8,11 +8,11 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from ...system.exits import UsageError
 from ..c.ctext import visible
 from ..exported import Exported, Host
 from ..templates import filled
 from .c import HERE, sources
+from .names import tables, whole
 
 _WORDS = """
     abstract as async await become box break const continue crate do dyn else enum extern false
@@ -21,7 +21,6 @@ _WORDS = """
     yield
 """
 WORDS = frozenset(_WORDS.split())
-TABLES = ("parameters", "inputs", "coordinates", "rates", "outputs", "events")
 
 
 def make(model: Exported) -> dict[str, bytes]:
@@ -47,27 +46,6 @@ def make(model: Exported) -> dict[str, bytes]:
 
 def place(folder: str, path: str) -> str:
     return path if path == "LICENSE" else f"{folder}/{path}"
-
-
-def whole(description: Mapping[str, Any]) -> None:
-    if not description["whole"]:
-        raise UsageError("the families are too long to be named one by one: take a smaller --size")
-
-
-def tables(of: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
-    """Names, units and descriptions, in the order of indices."""
-    rates = {
-        c["index"]: {**c, "name": c["rate"], "unit": c["rate_unit"]} for c in of["coordinates"]
-    }
-    rates |= {s["index"]: s for s in of["states"]}
-    for r in of["rotations"]:
-        rates |= {
-            k: {"name": n, "unit": r["rate_unit"], "description": r["description"]}
-            for k, n in zip(r["rate_indices"], r["rates"], strict=True)
-        }
-    found = {kind: [q for q in of[kind] if not q.get("hidden")] for kind in TABLES if kind in of}
-    found["rates"] = [rates[k] for k in sorted(rates)]
-    return {kind: found[kind] for kind in TABLES}
 
 
 def fields(parameters: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -1,0 +1,104 @@
+"""The module for npm: the example of its page in a clean folder, what it refuses, its types."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import ROOT, run_pkgen
+from pkgen.back.web.build import missing
+
+PAGE = (ROOT / "docs/export-js.md").read_text()
+PENDULUM = ROOT / "models/double_pendulum.lag"
+pytestmark = pytest.mark.skipif(
+    bool(missing()) or not shutil.which("node"),
+    reason=f"not here: {', '.join([*missing(), 'node'])}",
+)
+MORE = """
+const says = (call) => {
+  try { call(); return "nothing"; } catch (error) { return error.message; }
+};
+console.log(says(() => model.motion({ set: { m1: -1 } })));
+console.log(says(() => model.motion({ set: { nobody: 1 } })));
+console.log(says(() => model.motion({ start: { theta1: "1" } })));
+console.log(says(() => model.motion({ method: "verlet", step: 0.1 })));
+motion.free();
+console.log(says(() => motion.to(2)));
+const again = model.motion({ start: { theta1: 1, "theta2'": 0.5 } });
+console.log(again.q[0], again.v[1], ...model.acceleration(0, again.q, again.v));
+"""
+WRONG = """import { load } from "double-pendulum";
+const model = await load();
+const motion = model.motion({ set: { l2: 0.5 }, method: "dop853" });
+const there: boolean = motion.to(1);
+export const x: number = motion.q[0] + motion.energy();
+// @ts-expect-error
+model.motion({ set: { nobody: 1 } });
+// @ts-expect-error
+model.motion({ method: "nothing" });
+"""
+
+
+def said(*words: object, cwd: Path) -> str:
+    done = subprocess.run(
+        list(map(str, words)), cwd=cwd, capture_output=True, text=True, timeout=300, check=False
+    )
+    assert done.returncode == 0, f"{words}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("js") / "double-pendulum"
+    done = run_pkgen("export", PENDULUM, "--as", "js", "-o", folder)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def block(language: str) -> str:
+    return re.search(rf"^```{language}\n(.*?)^```", PAGE, re.M | re.S)[1]
+
+
+def test_the_example_of_the_page(package: Path, tmp_path: Path) -> None:
+    modules = tmp_path / "node_modules"
+    modules.mkdir()
+    (modules / "double-pendulum").symlink_to(package)
+    (tmp_path / "main.mjs").write_text(block("js") + MORE)
+    first, *rest = said("node", "main.mjs", cwd=tmp_path).splitlines()
+    assert first + "\n" == block("text")
+    words = ("--set", "l2=0.5", "--method", "dop853", "--rtol", "1e-12", "--until", "1")
+    run = run_pkgen("run", PENDULUM, *words, "--every", "1")
+    exact = [float(x) for x in run.stdout.splitlines()[-1].split(",")]
+    assert [float(x) for x in first.split()] == pytest.approx([*exact[1:3], exact[-1]], abs=2e-9)
+    *refused, values = rest
+    wanted = ("m1 is outside", "set: there is no 'nobody'", "start.theta1: a number")
+    for text, words in zip(refused, (*wanted, "verlet needs", "is freed"), strict=True):
+        assert words in text
+    q, v, *a = map(float, values.split())
+    assert (q, v) == (1, 0.5) and a[0] < -1 < 0 < abs(a[1])
+
+
+@pytest.mark.long
+def test_npm_takes_it_and_typescript_reads_its_types(package: Path, tmp_path: Path) -> None:
+    said("npm", "pack", package, cwd=tmp_path)
+    (tmp_path / "package.json").write_text('{"name": "user", "type": "module"}\n')
+    archive = next(tmp_path.glob("*.tgz"))
+    asked = ["npm", "install", "--no-audit", "--no-fund", f"./{archive.name}"]
+    said(*asked, cwd=tmp_path)
+    (tmp_path / "main.mjs").write_text(block("js"))
+    assert said("node", "main.mjs", cwd=tmp_path) == block("text")
+    done = subprocess.run(
+        ["npm", "install", "--no-audit", "--no-fund", "typescript@5"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        pytest.skip("no registry has typescript here")
+    (tmp_path / "use.ts").write_text(WRONG)
+    flags = ["--strict", "--noEmit", "--module", "nodenext", "--target", "es2022"]
+    said("node_modules/.bin/tsc", *flags, "use.ts", cwd=tmp_path)
