@@ -21,6 +21,7 @@ struct live {
     double *crossings;   /* event, t, q, v of each */
     size_t n_crossings, room;
     size_t n_inputs;
+    int stopped; /* at an event, where `it` is */
 };
 
 static void give_inputs(void *context, pk_real t, pk_real *u)
@@ -166,6 +167,24 @@ static enum pk_status within(struct live *m, double t)
     return found;
 }
 
+/* A step goes on to the event that stops it, perhaps beyond t: 0 where there is a state at t still,
+ * 2 where not, or the status. */
+static int at_stop(struct live *m, double t)
+{
+    if (!(t < m->it.t) || pk_integrator_is_at(&m->it, t)) {
+        keep(m, m->it.t, m->it.q, m->it.v);
+        return 2;
+    }
+    if (!m->aside_block && !make_aside(m))
+        return m->it.status = m->aside.own || m->aside.status ? m->aside.status : PK_NO_MEMORY;
+    m->aside.options.h = m->it.options.h;
+    if (pk_integrator_reset(&m->aside, m->events.from, m->events.q0, m->events.v0) < 0 ||
+        pk_integrator_to(&m->aside, t) < 0)
+        return m->it.status = m->aside.status;
+    keep(m, t, m->aside.q, m->aside.v);
+    return 0;
+}
+
 /* To t, by at most `budget` steps: 1 if there are more to make, 0 at t, negative or above 1 the
  * status. Steps are what they are without t: the state at t is the method's own interpolant, or
  * a shorter step aside. */
@@ -174,15 +193,21 @@ int EXPORT(live_to)(struct live *m, double t, double budget)
     struct pk_integrator *it = &m->it;
     const double far = t + 1e9 * (fabs(t) + 1);
     const int fixed = !has(m, PK_ADAPTIVE | PK_DENSE);
+    if (m->stopped)
+        return at_stop(m, t);
     while (it->t < t && !pk_integrator_is_at(it, t)) {
         if (budget-- <= 0)
             return 1;
         const double limit = fixed ? pk_integrator_limit(it, t, far) : far;
         const enum pk_status status = pk_events_step(&m->events, it, limit);
+        if (status == PK_STOPPED_EVENT) {
+            m->stopped = 1;
+            return at_stop(m, t);
+        }
         if (status != PK_DONE) {
-            if (status == PK_STOPPED_EVENT || it->t < t)
+            if (it->t < t)
                 keep(m, it->t, it->q, it->v);
-            return status == PK_STOPPED_EVENT ? 2 : status;
+            return status;
         }
     }
     const enum pk_status status = within(m, t);
