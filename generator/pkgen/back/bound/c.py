@@ -11,7 +11,7 @@ from typing import Any
 
 from ...own import in_c
 from ..exported import Exported
-from ..live import LIVE
+from ..live import LIVE, which_model
 from ..runtime import alone, licence, public_names
 from ..templates import filled
 
@@ -26,10 +26,8 @@ def sources(model: Exported) -> dict[str, str]:
     calls["model.c"] = filled(
         HERE,
         "model.c.j2",
-        name=model.name,
-        own=in_c.rows(model.own),
-        own_tables=in_c.FILE,
-        count=len(model.own),
+        which=which_model(model.name, model.own),
+        own_tables=in_c.FILE if model.own else "",
         parameters=[p for p in model.description["parameters"] if _own_value(p, "")],
         inputs=[repr(float(u["value"])) for u in model.description["inputs"]],
         starts=list(starts(model.description)),
