@@ -10,6 +10,7 @@
 `python -m bench show [--docs]` opens the live page of every model: show.py
 `python -m bench published [--docs]` problems that others publish: published.py
 `python -m bench bodies [--docs]` residuals and drifts over a million steps: bodies.py
+`python -m bench exports [--docs]` every model to the hosts that run it whole: exports.py
 `python -m bench families [--docs]` what loops can do, beside members written out: families.py
 
 What is measured: kernels.py, measure.py, ensembles.py, chains.py, longrun.py, derivation.py
@@ -62,6 +63,7 @@ ALONE = (
     "show",
     "published",
     "families",
+    "exports",
 )
 PEERS = (own, gsl, cvode, taylor, mechanicsdsl, python)
 
