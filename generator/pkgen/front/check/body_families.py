@@ -4,7 +4,7 @@ members, so there is no loop that could be kept."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Mapping
 from contextlib import suppress
 from dataclasses import fields, replace
 from fractions import Fraction
@@ -19,10 +19,13 @@ OfBodies = st.Body | st.Joint
 
 
 def written_out(
-    file: st.File, given: Mapping[str, int], tell: Callable[[str, Span, str], None]
+    file: st.File,
+    given: Mapping[str, int],
+    taken: Container[str],
+    tell: Callable[[str, Span, str], None],
 ) -> st.File:
     """The file with a statement each member; what is wrong with indices is told, and the statement
-    left out. `given` are sizes of the command line."""
+    left out. `given` are sizes of the command line, `taken` the names that no loop may use."""
     if not any(indices(s) for s in file.statements):
         return file
     sizes = _sizes(file, given)
@@ -33,11 +36,7 @@ def written_out(
             found.append(statement)
             continue
         try:
-            for member in _members(statement, sizes):
-                found.append(member)
-                if len(found) > limits.STATEMENTS:
-                    message = f"more than {limits.STATEMENTS:,} statements, families written out"
-                    raise NotAnInteger(message, statement.left.span)
+            found += _members(statement, sizes, taken, limits.STATEMENTS - len(found))
         except NotAnInteger as wrong:
             help = "" if "not a size" not in wrong.message else "declare it with 'size'"
             tell(wrong.message, wrong.span, help)
@@ -66,22 +65,28 @@ def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
     return found
 
 
-def _members(statement: OfBodies, sizes: Mapping[str, int]) -> Iterator[OfBodies]:
+def _members(
+    statement: OfBodies, sizes: Mapping[str, int], taken: Container[str], most: int
+) -> list[OfBodies]:
     left = statement.left
     if left.range is None:
-        yield _with_numbers(statement, sizes)
-        return
+        return [_with_numbers(statement, sizes)]
     lo, hi = integer(left.range.lo, sizes), integer(left.range.hi, sizes)
     if lo > hi:
         raise NotAnInteger(f"an empty family: {lo}..{hi}", left.range.span)
+    if hi - lo >= most:
+        message = f"more than {limits.STATEMENTS:,} statements, families of bodies written out"
+        raise NotAnInteger(message, left.range.span)
     variable = left.range.variable
-    if variable in sizes:
+    if variable in taken:
         message = f"the loop variable '{variable}' has another meaning in this model"
         raise NotAnInteger(message, left.range.span)
+    found = []
     for k in range(lo, hi + 1):
         number = Number(Fraction(k), left.range.span)
         one = replace(statement, left=replace(left, range=None, index=number))
-        yield _with_numbers(_at(one, variable, number) if variable else one, sizes)
+        found.append(_with_numbers(_at(one, variable, number) if variable else one, sizes))
+    return found
 
 
 def _with_numbers(statement: OfBodies, sizes: Mapping[str, int]) -> OfBodies:

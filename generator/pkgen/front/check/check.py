@@ -105,7 +105,8 @@ class _Checker:
         self.report = Report()
         counted = (expr for s in file.statements for expr in indices(s))
         self.counting = frozenset().union(*map(names, counted))  # sizes of families of bodies
-        self.file, self.given = written_out(file, given, self.report.error), dict(given)
+        taken = {*dict(_declarations(file.statements)), "t", "pi", "inf"}
+        self.file, self.given = written_out(file, given, taken, self.report.error), dict(given)
         file = self.file
         declared = dict(_declarations(file.statements))
         self.broken = {b.keyword for b in file.broken}

@@ -36,7 +36,13 @@ class Required:
         if "" in broken:  # a line that starts with no known word may have been any of these
             return
         names = self.shared.names
-        if not names.moving | names.states and not broken & {"coord", "state", "rotation", "joint"}:
+        if not names.moving | names.states and not broken & {
+            "coord",
+            "state",
+            "rotation",
+            "body",
+            "joint",
+        }:
             self.report.error("the model has no coordinates", at, "e.g. coord x [m]")
         has_energy = parts["kinetic"] or parts["lagrangian"]
         if names.states and not names.moving and not broken & {"coord", "rotation"}:
