@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..back.alone.make import ARDUINO, FREESTANDING, SINGLE
 from ..back.bound.javascript import JAVASCRIPT
+from ..back.bound.julia import JULIA
 from ..back.bound.matlab import MATLAB
 from ..back.bound.rust import RUST
 from ..back.exported import Exported, Host
@@ -32,6 +33,7 @@ HOSTS = (
     RUST,
     JAVASCRIPT,
     MATLAB,
+    JULIA,
 )
 BY_NAME = {host.name: host for host in HOSTS}
 

@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from ...own import in_c
+from ...system.exits import UsageError
 from ..exported import Exported
+from ..library import Target, library
 from ..live import LIVE, which_model
 from ..runtime import alone, licence, public_names
 from ..templates import filled
@@ -20,10 +22,10 @@ CALLS = ("live.h", "motion.c", "params.c", "values.c")
 _EXPORTED = re.compile(r"EXPORT\((live_\w+)\)\(")
 
 
-def sources(model: Exported) -> dict[str, str]:
-    """C that compiles without -I and -D, its headers in folders of their own."""
-    calls = {name: (LIVE / name).read_text(encoding="utf-8") for name in CALLS}
-    calls["model.c"] = filled(
+def calls(model: Exported) -> dict[str, str]:
+    """What calls the model, and says which it is."""
+    found = {name: (LIVE / name).read_text(encoding="utf-8") for name in CALLS}
+    found["model.c"] = filled(
         HERE,
         "model.c.j2",
         which=which_model(model.name, model.own),
@@ -32,16 +34,30 @@ def sources(model: Exported) -> dict[str, str]:
         inputs=[repr(float(u["value"])) for u in model.description["inputs"]],
         starts=list(starts(model.description)),
     )
-    if model.own:
-        calls[in_c.FILE] = in_c.tables(model.own)
-    runtime = model.runtime(*calls.values())
-    files = {f"live/{path}": text for path, text in calls.items()}
+    return found | ({in_c.FILE: in_c.tables(model.own)} if model.own else {})
+
+
+def sources(model: Exported) -> dict[str, str]:
+    """C that compiles without -I and -D, its headers in folders of their own."""
+    called = calls(model)
+    runtime = model.runtime(*called.values())
+    files = {f"live/{path}": text for path, text in called.items()}
     files |= {f"model/{path}": text for path, text in model.files.items()}
     files = alone({**files, **runtime})
     names = sorted({*public_names(runtime), *NAMES})
     files["names.h"] = "".join(f"#define {n} {model.name}_{n}\n" for n in names)
     files = {path: _first(path, text) for path, text in files.items()}
     return {**files, "LICENSE": licence()}
+
+
+def shared(model: Exported, target: Target | None) -> bytes:
+    """The same as a library that shows what begins with live_."""
+    called = calls(model)
+    clash = called.keys() & model.files.keys()
+    if clash:
+        raise UsageError(f"there is another {clash.pop()} in it: call the model otherwise")
+    files = {**model.files, **called, **model.runtime(*called.values())}
+    return library(alone(files), "live_", target)
 
 
 NAMES = [
