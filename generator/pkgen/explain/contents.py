@@ -14,7 +14,7 @@ Shown = tuple[str, str, Node, str]  # a name, its unit, what it is, and for whic
 Section = tuple[str, Iterable[str]]  # its title, its lines
 
 
-@record
+@record(kw_only=True)
 class Contents:
     e: Equations | LoopEquations
     text: Callable[[Node], str]
@@ -23,7 +23,7 @@ class Contents:
     parameters: Sequence[ParameterSlot]
     equations: list[Section]
     outputs: list[Shown]  # with what is claimed to be constant
-    families: str  # how they are kept; "" where there are none
+    families: list[tuple[str, str]]  # how they are kept: facts
     costs: Section
     record: dict[str, object]  # of this alone, for `--json`
 

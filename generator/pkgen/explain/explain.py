@@ -29,8 +29,7 @@ def explain(compilation: Compilation) -> str:
     c = contents(compilation)
     said = model.name + (f": {model.description}" if model.description else "")
     names = ", ".join(name for name, _ in found(e, structure)) or "none proved"
-    families = [("families", c.families)] if c.families else []
-    rows = [*families, *facts(e, structure), ("constants", names)]
+    rows = [*c.families, *facts(e, structure), ("constants", names)]
     sections = [
         f"{said}\n{c.freedom}",
         *(_quantities(kind, quantities) for kind, quantities in c.declared),

@@ -36,12 +36,12 @@ def contents(compilation: Compilation) -> Contents:
     families = any(c.range for c in (*model.coordinates, *model.states))
     kernels = [f"{k.name:<14} {operations_text(k.operations)}" for k in program.kernels]
     return Contents(
-        e,
-        text,
-        ", ".join(freedom(e)),
-        declared(e),
-        e.parameters,
-        [
+        e=e,
+        text=text,
+        freedom=", ".join(freedom(e)),
+        declared=declared(e),
+        parameters=e.parameters,
+        equations=[
             ("Lagrangian", equal(lagrangian_rows(e))),
             (_motion_title(e, structure), equal(motion_rows(e)) if e.coordinates else ()),
             (
@@ -51,16 +51,16 @@ def contents(compilation: Compilation) -> Contents:
             (rates_title(e), equal(rate_rows(e))),
             ("Canonical form   q' = dH/dp, p' = -dH/dq + Q", equal(canonical_rows(e))),
         ],
-        [
+        outputs=[
             (q.name, q.unit, node, "")
             for q, node in (
                 *zip(e.observed_names, e.observed, strict=True),
                 *zip(e.conserved_names, e.conserved, strict=True),
             )
         ],
-        f"unrolled: {e.unrolled}" if families else "",
-        ("Kernels", kernels),
-        {
+        families=[("families", f"unrolled: {e.unrolled}")] if families else [],
+        costs=("Kernels", kernels),
+        record={
             "coordinates": [vars(q) for q in e.coordinates],
             "parameters": [vars(p.quantity) for p in e.parameters],
             "lagrangian": text(e.lagrangian),

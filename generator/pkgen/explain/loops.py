@@ -18,17 +18,18 @@ def contents(compilation: Compilation) -> Contents:
     e, model = compilation.equations, compilation.model
     assert isinstance(e, LoopEquations)
     write, operations = Writer(e), compilation.program.context["operations"]
-    fused = ", kick and drift in one pass over memory"
-    fused *= compilation.program.context["stepper"] is not None
+    fused = compilation.program.context["stepper"] is not None
     energy = [f"{name} = {text}" for name, text in energies(write)]
     motion = "   M q'' = f" * bool(model.coordinates) + " + J^T lambda" * bool(e.bound)
     return Contents(
-        e,
-        lambda node: write.text([(node, M)]),
-        freedom(e),
-        declared(write),
-        [_slot(write, *at) for at in zip(e.parameters, e.defaults, e.bounds, strict=True)],
-        [
+        e=e,
+        text=lambda node: write.text([(node, M)]),
+        freedom=freedom(e),
+        declared=declared(write),
+        parameters=[
+            _slot(write, *at) for at in zip(e.parameters, e.defaults, e.bounds, strict=True)
+        ],
+        equations=[
             ("Lagrangian   L = T - V" if energy[1:] else "Lagrangian", energy),
             (f"Equations of motion{motion}", _equations(write)),
             (
@@ -36,10 +37,13 @@ def contents(compilation: Compilation) -> Contents:
                 map(str, constraint_lines(write)),
             ),
         ],
-        [*_outputs(write)],
-        f"loops in C, the sizes given at run time{fused}",
-        ("Loops", operations),
-        {
+        outputs=[*_outputs(write)],
+        families=[
+            ("families", "loops in C, the sizes given at run time"),
+            ("fused steps", "yes: kick and drift in one pass over memory" if fused else "no"),
+        ],
+        costs=("Loops", operations),
+        record={
             "families": "loops",
             "sizes": {size.name: size.value for size in model.sizes},
             "coordinates": [name_of(write, g) for g in e.coordinates],
