@@ -4,6 +4,7 @@ of the links; the forms that other packages read beside the model. No time is as
 from __future__ import annotations
 
 import xml.etree.ElementTree as Xml
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -57,7 +58,7 @@ def mass_and_potential(q: np.ndarray) -> tuple[np.ndarray, float]:
         moving, spin = np.zeros((3, N)), np.zeros((3, N))
         for i in range(k + 1):
             moving[:, i], spin[:, i] = np.cross(axes[i], centre - joints[i]), axes[i]
-        mass += link.mass * moving.T @ moving + link.inertia * spin.T @ spin
+        mass += link.mass * moving.T @ moving + link.inertia[0][0] * spin.T @ spin
         potential += link.mass * GRAVITY * centre[2]
         joint = joint + LENGTH * frame[:, 2]
     return mass, potential
@@ -75,7 +76,7 @@ def force(q: np.ndarray, v: np.ndarray, h: float = 1e-5) -> np.ndarray:
 
 
 def test_own_c_has_the_arms_accelerations_mass_and_force() -> None:
-    (runner,) = arms._own(N, arms.OWN, [BUILD], 1e-3)
+    (runner,) = arms._own(arms.arm(N), arms.OWN, [BUILD], 1e-3)
     nanoseconds, (a, mass, f) = runner.run()
     assert nanoseconds > 0
     for k, (q, v) in enumerate(states()):
@@ -87,41 +88,58 @@ def test_own_c_has_the_arms_accelerations_mass_and_force() -> None:
 
 
 def test_what_the_peers_read_is_the_same_arm() -> None:
-    table = [[float(x) for x in line.split()] for line in rows(links(N)).splitlines()]
+    table = [line.split() for line in rows(links(N)).splitlines()]
     body = Xml.fromstring(mjcf(links(N))).find("worldbody/body")
     for k, (link, row) in enumerate(zip(links(N), table, strict=True)):
-        assert row == [*link.axis, link.mass, link.inertia, CENTRE, LENGTH]
-        inertial = body.find("inertial")
-        assert body.get("pos").split()[2] == str(LENGTH if k else 0)
-        assert [float(x) for x in body.find("joint").get("axis").split()] == row[:3]
-        assert float(inertial.get("mass")) == link.mass and inertial.get("pos")[-4:] == str(CENTRE)
-        assert inertial.get("diaginertia").split() == [repr(link.inertia)] * 3
+        parent, kind, *numbers = int(row[0]), row[1], *map(float, row[2:])
+        axis, turned, at, (mass,), centre, inertia = parts(numbers, 3, 9, 3, 1, 3, 9)
+        assert (parent, kind, axis, mass) == (k - 1, "r", [*link.axis], link.mass)
+        assert (centre, at) == ([0, 0, CENTRE], [0, 0, LENGTH if k else 0])
+        assert turned == [*np.eye(3).flat] and inertia == [*np.array(link.inertia).flat]
+        inertial, joint = body.find("inertial"), body.find("joint")
+        assert floats(body.get("pos")) == at and floats(body.get("quat")) == [1, 0, 0, 0]
+        assert floats(joint.get("axis")) == axis and joint.get("type") == "hinge"
+        assert float(inertial.get("mass")) == mass and floats(inertial.get("pos")) == centre
+        assert floats(inertial.get("fullinertia")) == [link.inertia[0][0]] * 3 + [0] * 3
         body = body.find("body")
     assert body is None
+
+
+def parts(numbers: list[float], *lengths: int) -> list[list[float]]:
+    assert len(numbers) == sum(lengths)
+    ends = np.cumsum(lengths)
+    return [numbers[end - length : end] for end, length in zip(ends, lengths, strict=True)]
+
+
+def floats(text: str) -> list[float]:
+    return [float(x) for x in text.split()]
 
 
 def test_another_result_stops_the_bench() -> None:
     def runner(title: str, a: list[float]) -> Runner:
         return Runner(title, "", lambda: (1.0, [a]))
 
+    pair = replace(arms.arm(2), what=arms.WHAT[:1])
     same, close = [1.0, -2.0, 3.0, 5.0, 8.0, 9.0], [1.0 + 1e-12, -2.0, 3.0, 5.0, 8.0, 9.0]
-    take_turns([runner("one", same), runner("two", close)], 2, arms.Agreement(2))
+    take_turns([runner("one", same), runner("two", close)], 2, arms.Agreement(pair))
     far = [1.0, -2.0 + 1e-9, *same[2:]]
-    with pytest.raises(SystemExit, match=r"two, : another result, by 5\.0e-10"):
-        take_turns([runner("one", same), runner("two", far)], 2, arms.Agreement(2))
+    with pytest.raises(SystemExit, match=r"two, : another acceleration, by 5\.0e-10"):
+        take_turns([runner("one", same), runner("two", far)], 2, arms.Agreement(pair))
 
 
 def test_who_is_not_installed_is_left_out_with_a_word(monkeypatch) -> None:
+    six = replace(arms.arm(6), what=arms.WHAT[:1])
+
     def missing(*_):
         raise builds.Unavailable("pin is not installed")
 
     monkeypatch.setattr(arms, "_ways", lambda n: {arms.OWN: fake, arms.ABA: missing})
-    found, refused = arms.measured(6, [BUILD], 3, 0.0)
+    found, refused = arms.measured(six, [BUILD], 3, 0.0)
     assert arms.missing_of(refused) == [f"- {arms.ABA}: pin is not installed"]
-    assert arms.ratios({6: found}).splitlines()[2].split("|")[2].strip() == "-"
+    assert arms.ratios({six: found}).splitlines()[2].split("|")[2].strip() == "-"
     monkeypatch.setattr(arms, "_ways", lambda n: {arms.OWN: missing, arms.ABA: fake})
-    found, _ = arms.measured(6, [BUILD], 3, 0.0)
-    assert arms.ratios({6: found}).splitlines()[2].split("|")[2].strip() == "-"
+    found, _ = arms.measured(six, [BUILD], 3, 0.0)
+    assert arms.ratios({six: found}).splitlines()[2].split("|")[2].strip() == "-"
 
 
 def fake(title: str, *_) -> list[Runner]:
