@@ -57,6 +57,11 @@ def test_sources_compile_alone_and_run(tmp_path: Path) -> None:
         (("--as", "sourse"), "did you mean 'source'?"),
         (("--as", "source", "-o", str(PENDULUM)), "this is a file; give a folder"),
         (("--as", "source", "--scene", "nosuch"), "no such scene"),
+        (("--as", "fmu", "--method", "verlet"), "method verlet: it is for systems that are"),
+        (("--as", "python", "--method", "gsl_rkf45"), "nothing that is exported has GSL"),
+        (("--as", "python", "--fmi", "2"), "--fmi: this is of --as fmu, not of --as python"),
+        (("--as", "fmu", "--fmi", "4"), "--fmi: 4: there are: 3, 2"),
+        (("--as", "fmu", "-o", "unit.zip"), "the file's name must end in .fmu"),
         (
             ("--as", "source", "--metod", "rk4"),
             "there is no option --metod; did you mean '--method'",
@@ -99,3 +104,9 @@ def test_nothing_that_is_exported_names_gsl(tmp_path: Path) -> None:
         assert done.returncode == 0, done.stderr
         for path in (tmp_path / host.name).rglob("*.[ch]"):
             assert "gsl" not in re.sub(r"/\*.*?\*/", "", path.read_text(), flags=re.S).lower(), path
+
+
+def test_a_model_called_as_a_file_of_the_export(tmp_path: Path) -> None:
+    (tmp_path / "m.lag").write_text(PENDULUM.read_text().replace("double_pendulum", "motion", 1))
+    done = run_pkgen("export", tmp_path / "m.lag", "--as", "python", cwd=tmp_path)
+    assert done.returncode == 2 and "motion.c is a file of the export itself" in done.stderr

@@ -33,7 +33,13 @@ observe a = x''
 event low: x + (2 [m]) falling stop
 start x = m*(0.5 [m/kg])
 """
-DERIVATIVES = 1e-11
+OSCILLATOR = """model oscillator
+param m = 2 [kg] in (0, 10]
+coord x [m]
+kinetic m/2*x'^2
+potential (4 [N/m])*x^2
+start x = 1
+"""
 
 
 class Unit:
@@ -335,6 +341,22 @@ def test_wrong_tokens_and_modes_make_no_unit(rig) -> None:
     with pytest.raises(Exception, match="instantiate"):
         u.fmu.instantiate(logMessage=lambda *said: u.said.append(said[3].decode()))
     assert "token" in u.said[-1]
+
+
+def test_methods_of_the_authors_own_are_in_a_unit(unit) -> None:
+    """Two Verlet steps of half the length each, of a separable system."""
+    path = unit(OSCILLATOR, "3", "--composition", "0.5,0.5")
+    name = "composition"
+    ends = []
+    for method_name, h in ((name, 0.25), ("verlet", 0.125)):
+        u = Unit(path)
+        u.fmu.setFloat64([u.by_name["integrator.step"]], [h])
+        u.fmu.setInt64([u.by_name["integrator.method"]], [method(path, method_name)])
+        u.start()
+        for k in range(4):
+            u.fmu.doStep(k * 0.25, 0.25)
+        ends.append(u.get("x", "x'"))
+    assert ends[0] == pytest.approx(ends[1], rel=1e-12)
 
 
 @pytest.mark.parametrize("version", ["3", "2"])

@@ -8,8 +8,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..methods import Own
+from ..own import in_c
 from ..record import record
-from .runtime import sources
+from ..system.exits import UsageError
+from .runtime import alone, sources
 
 
 @record
@@ -26,6 +28,31 @@ class Exported:
     def runtime(self, *texts: str) -> dict[str, str]:
         """The runtime's files that the model and C of these texts need, by their paths there."""
         return sources([*self.files.values(), *texts])
+
+    def with_runtime(self, wrapper: Mapping[str, str]) -> dict[str, str]:
+        """C that compiles alone: the model, the wrapper, what both need of the runtime, and the
+        tables of own methods."""
+        clash = [name for name in self.files if name in wrapper]
+        if clash:
+            raise UsageError(f"{clash[0]} is a file of the export itself: rename the model")
+        files = {**self.files, **wrapper, **self.runtime(*wrapper.values())}
+        if self.own:
+            files[in_c.FILE] = in_c.tables(self.own)
+        return alone(files, in_c.FILE if self.own else "")
+
+    def methods(self) -> list[Mapping[str, Any]]:
+        """Those that a user may choose."""
+        return [m for m in self.description["methods"] if m["applies"] and not m["gsl"]]
+
+    def method(self) -> str:
+        """What integrates it by default. Raises UsageError where that is none of these."""
+        name = self.description["run"]["method"]
+        (found,) = (m for m in self.description["methods"] if m["name"] == name)
+        if found["gsl"]:
+            raise UsageError(f"method {name}: nothing that is exported has GSL; give --method")
+        if not found["applies"]:
+            raise UsageError(f"method {name}: {found['why']}")
+        return name
 
     def json(self) -> str:
         """The description, as `pkgen describe --json` writes it."""

@@ -20,6 +20,7 @@ _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 _INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 _PUBLIC = re.compile(r"^([ \t]*#[ \t]*include[ \t]*)<(pk/[^>]+)>", re.MULTILINE)
 _WITH_RUNTIME = "#ifndef PK_RUNTIME\n#define PK_RUNTIME\n#endif\n"
+_OWN_TABLES = '#ifndef PK_OWN_TABLES\n#define PK_OWN_TABLES "../../../{}"\n#endif\n'
 _NAME = re.compile(r"\bpk_\w+")
 # At the start of a line, as clang-format lays it out.
 _FUNCTION = re.compile(r"^(?:\w[^;{}=#]*?)\b(pk_\w+)\([^;{}]*\)\s*\{", re.MULTILINE)
@@ -46,9 +47,10 @@ def sources(texts: Iterable[str]) -> dict[str, str]:
     return dict(sorted(found.items()))
 
 
-def alone(files: Mapping[str, str]) -> dict[str, str]:
+def alone(files: Mapping[str, str], own: str = "") -> dict[str, str]:
     """C that compiles without -I and -D: the runtime's headers by their place, and the model with
-    what is behind PK_RUNTIME."""
+    what is behind PK_RUNTIME, and the tables in `own`, a file beside it."""
+    tables = _OWN_TABLES.format(own) if own else ""
     homes = _headers()
 
     def placed(path: str, text: str) -> str:
@@ -56,7 +58,11 @@ def alone(files: Mapping[str, str]) -> dict[str, str]:
         found = _PUBLIC.sub(
             lambda m: f'{m[1]}"{posixpath.relpath(homes.get(m[2], m[2]), here or ".")}"', text
         )
-        return f"{_WITH_RUNTIME}{found}" if not path.startswith(("include/", "src/")) else found
+        return (
+            f"{_WITH_RUNTIME}{tables}{found}"
+            if not path.startswith(("include/", "src/"))
+            else found
+        )
 
     return {path: placed(path, text) for path, text in files.items()}
 

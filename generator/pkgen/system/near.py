@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable
 
 # What pkgen has, and no model.
-_OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option", "package", "command"))
+_OF_PKGEN = frozenset(("method", "kernel", "diagnostic", "option", "package", "host", "command"))
 
 
 def near(name: str, known: list[str], kind: str) -> str:

@@ -7,7 +7,8 @@ from fractions import Fraction
 from xml.etree import ElementTree as xml
 
 from ...front.units import BASE, UnitError, parse_unit
-from .variables import Described, Variable, indicators, methods
+from ..exported import Exported
+from .variables import Described, Variable, indicators
 
 LOG = {
     "logStatusError": "what is refused, and why",
@@ -87,7 +88,8 @@ def _initial(v: Variable) -> str | None:
     return "exact" if v.causality == "output" and v.start is not None else None
 
 
-def fmi3(model: Described, variables: Sequence[Variable], token: str) -> str:
+def fmi3(exported: Exported, variables: Sequence[Variable], token: str) -> str:
+    model = exported.description
     root = _head(model, fmiVersion="3.0", instantiationToken=token)
     both = {
         "modelIdentifier": model["model"],
@@ -105,7 +107,7 @@ def fmi3(model: Described, variables: Sequence[Variable], token: str) -> str:
     )  # fmt: skip
     _units(root, variables, {})
     types = _add(_add(root, "TypeDefinitions"), "EnumerationType", name=METHODS)
-    for k, m in enumerate(methods(model), 1):
+    for k, m in enumerate(exported.methods(), 1):
         _add(types, "Item", name=m["name"], value=k, description=m["doc"])
     _categories(root)
     _experiment(root, model)
@@ -144,8 +146,9 @@ def _structure(variables: Sequence[Variable]) -> dict[str, list[tuple[int, Varia
 
 
 def fmi2(
-    model: Described, variables: Sequence[Variable], token: str, sources: Iterable[str]
+    exported: Exported, variables: Sequence[Variable], token: str, sources: Iterable[str]
 ) -> str:
+    model = exported.description
     count = len(indicators(model))
     root = _head(model, fmiVersion="2.0", guid=token, numberOfEventIndicators=count)
     for tag in ("ModelExchange", "CoSimulation"):
@@ -166,7 +169,7 @@ def fmi2(
     _units(root, variables, {})
     simple = _add(_add(root, "TypeDefinitions"), "SimpleType", name=METHODS)
     types = _add(simple, "Enumeration")
-    for k, m in enumerate(methods(model), 1):
+    for k, m in enumerate(exported.methods(), 1):
         _add(types, "Item", name=m["name"], value=k, description=m["doc"])
     _categories(root)
     _experiment(root, model)

@@ -7,11 +7,10 @@ import hashlib
 import uuid
 from pathlib import Path
 
-from ...system.exits import UsageError
 from ..archive import archive
 from ..exported import TARGET_OPTION, Exported, Host
 from ..library import TARGETS, library, named, this_machine
-from ..runtime import alone, licence
+from ..runtime import licence
 from . import described
 from .model_c import model_c
 from .variables import variables
@@ -22,17 +21,16 @@ VERSIONS = ("3", "2")
 
 def make(model: Exported) -> dict[str, bytes]:
     version = model.options.fmi or VERSIONS[0]
-    found = model.description
-    all_variables = variables(found)
+    all_variables = variables(model)
     token = _token(model, version)
     sources = _sources(model, version, token)
     compiled = [path for path in sources if path.endswith(".c")]
     entries: dict[str, bytes] = {}
     if version == "3":
-        text = described.fmi3(found, all_variables, token)
+        text = described.fmi3(model, all_variables, token)
         entries["sources/buildDescription.xml"] = described.build(model.name, compiled).encode()
     else:
-        text = described.fmi2(found, all_variables, token, compiled)
+        text = described.fmi2(model, all_variables, token, compiled)
     entries["modelDescription.xml"] = text.encode()
     asked = model.options.target
     for target in named(asked) if asked else [None]:
@@ -62,12 +60,7 @@ def _sources(model: Exported, version: str, token: str) -> dict[str, str]:
     for name in (f"fmi{version}.c", f"fmi{version}.h"):
         wrapper[name] = (HERE / name).read_text(encoding="utf-8")
     wrapper["unit_model.c"] = model_c(model, token)
-    clash = {Path(name).stem for name in model.files} & {Path(name).stem for name in wrapper}
-    if clash:
-        raise UsageError(
-            f"a unit has a file of that name itself: call the model other than {clash.pop()}"
-        )
-    return alone({**model.files, **wrapper, **model.runtime(*wrapper.values())})
+    return model.with_runtime(wrapper)
 
 
 FMU = Host(

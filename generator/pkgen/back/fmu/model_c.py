@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from ...own import in_c
 from ..exported import Exported
-from .variables import methods, states
+from .variables import states
 
 TEXT = """/* What the unit knows of its model. */
 #include "{name}.h"
@@ -36,7 +36,7 @@ const struct unit_model unit_model = {{
 
 def model_c(model: Exported, token: str) -> str:
     found = model.description
-    known = [m["name"] for m in methods(found)]
+    known = [m["name"] for m in model.methods()]
     x, p = states(found), found["parameters"]
     own = {m.name for m in model.own}
     declared = "".join(
@@ -59,7 +59,7 @@ def model_c(model: Exported, token: str) -> str:
         addresses=_row(f"&pk_method_{m}" for m in known),
         n_parameters=len(p),
         n_methods=len(known),
-        method=known.index(run["method"]),
+        method=known.index(model.method()),
         step=repr(float(run["step"] or 0)),
         rtol=repr(float(run["rtol"])),
     )

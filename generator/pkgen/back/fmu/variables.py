@@ -8,6 +8,7 @@ from typing import Any
 
 from ...record import record
 from ...system.exits import UsageError
+from ..exported import Exported
 
 SHIFT = 20  # as in c/unit.h
 _KINDS = "time parameter input slope state rate output energy claim indicator setting"
@@ -76,16 +77,12 @@ def states(model: Described) -> list[State]:
     return [found[k] for k in range(len(found))]
 
 
-def methods(model: Described) -> list[Mapping[str, Any]]:
-    """Those that a user may choose."""
-    return [m for m in model["methods"] if m["applies"] and not m["gsl"]]
+def variables(exported: Exported) -> list[Variable]:
+    return list(_variables(exported))
 
 
-def variables(model: Described) -> list[Variable]:
-    return list(_variables(model))
-
-
-def _variables(model: Described) -> Iterator[Variable]:
+def _variables(exported: Exported) -> Iterator[Variable]:
+    model = exported.description
     taken = {p["name"] for p in model["parameters"]}
     time = "" if model["dimensionless"] else "s"
     name = next(word for word in ("time", "time_", "t") if word not in taken)
@@ -123,7 +120,7 @@ def _variables(model: Described) -> Iterator[Variable]:
             )
     for k, name in enumerate(indicators(model)):
         yield Variable(name, reference("indicator", k), "local", kind="indicator")
-    default = [m["name"] for m in methods(model)].index(model["run"]["method"]) + 1
+    default = [m["name"] for m in exported.methods()].index(exported.method()) + 1
     run = model["run"]
     yield Variable(
         "integrator.method", reference("setting", METHOD), "parameter", default,

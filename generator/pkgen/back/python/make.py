@@ -15,7 +15,7 @@ from ..archive import archive
 from ..exported import TARGET_OPTION, Exported, Host
 from ..library import TARGETS, Target, library, named, this_machine
 from ..live import LIVE, WHICH, which_model
-from ..runtime import alone, licence
+from ..runtime import licence
 
 HERE = Path(__file__).parent
 _GLIBC = re.compile(rb"\0GLIBC_2\.(\d+)\0")
@@ -53,9 +53,8 @@ def make(model: Exported) -> dict[str, bytes]:
     target = targets[0] if targets else None
     wrapper = {path.name: path.read_text("utf-8") for path in sorted(LIVE.glob("*.[ch]"))}
     wrapper[WHICH] = which_model(name, model.own)
-    code = library(
-        alone({**model.files, **wrapper, **model.runtime(*wrapper.values())}), "live_", target
-    )
+    model.method()  # refused here, not where it is installed
+    code = library(model.with_runtime(wrapper), "live_", target)
     place = target or TARGETS[this_machine()]
     tag = f"py3-none-{platform_tag(code, place)}"
     found = model.description

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..exported import Exported, Host
-from ..runtime import alone, licence
+from ..runtime import licence
 
 # What a program that integrates a model calls of the runtime.
 CALLED = """#include <pk/pk.h>
@@ -12,7 +12,8 @@ pk_method_find pk_integrator_init pk_events_init pk_system_linear pk_integrator_
 
 
 def make(model: Exported) -> dict[str, bytes]:
-    files = alone({**model.files, **model.runtime(CALLED)})
+    files = model.with_runtime({"called.h": CALLED})
+    del files["called.h"]
     files |= {"LICENSE": licence(), "model.json": model.json()}
     return {path: text.encode() for path, text in files.items()}
 
