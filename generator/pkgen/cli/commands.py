@@ -41,6 +41,8 @@ Write models
   lsp                                      what an editor asks, over standard streams
 pkgen itself
   help        [COMMAND]                    the options of a command, with examples
+  manual      [-o DIR]                     pages for man
+  completion  SHELL                        what bash, zsh or fish completes
 """
 COMMON = ("-q", "--quiet", "-v", "--verbose", "--json")
 OVERVIEW_WIDTH = 80
