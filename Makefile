@@ -10,7 +10,7 @@ ifeq ($(origin CC),default)
 CC := gcc
 endif
 
-.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install install-runtime clean
+.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install install-runtime install-shell clean
 .DEFAULT_GOAL := help
 
 help:
@@ -128,6 +128,17 @@ install: runtime install-runtime
 	PKGEN_PREFIX=$(abspath $(PREFIX)) sh tools/setup.sh
 	install -d $(PREFIX)/bin
 	ln -sf ../lib/pkgen/bin/pkgen $(PREFIX)/bin/pkgen
+	@$(MAKE) -s install-shell PREFIX=$(abspath $(PREFIX))
+
+# Pages for man, and what shells complete, which needs shtab; where that is too old or missing, less.
+PKGEN = $(PREFIX)/bin/pkgen
+COMPLETIONS = bash:bash-completion/completions/pkgen zsh:zsh/site-functions/_pkgen fish:fish/vendor_completions.d/pkgen.fish
+install-shell:
+	$(PKGEN) manual -o $(PREFIX)/share/man/man1
+	@for pair in $(COMPLETIONS); do \
+	    file=$(PREFIX)/share/$${pair#*:}; mkdir -p "$${file%/*}"; \
+	    $(PKGEN) completion $${pair%%:*} > "$$file" || rm -f "$$file"; \
+	done
 install-runtime:
 	install -d $(PREFIX)/lib/pkgconfig $(PREFIX)/lib/cmake/pk $(PREFIX)/include/pk/step
 	install -m 644 runtime/include/pk/*.h $(PREFIX)/include/pk/

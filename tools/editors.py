@@ -231,7 +231,41 @@ def emacs() -> str:
   "A pattern of WORDS, the first group being the word."
   (concat "\\_<\\(" (regexp-opt words) "\\)\\_>"))
 
-(defconst lag--part (concat "[])'[:alnum:]_][ \t]+" (lag--words PART)))
+(defun lag--value-end (start)
+  "Whether something complete ends before the blanks before START."
+  (save-excursion
+    (goto-char start)
+    (skip-chars-backward " \t")
+    (and (not (bolp)) (looking-back "[])'[:alnum:]_]" (1- (point))))))
+
+(defun lag--part (limit)
+  "Find a word of a drawing, a body or a joint before LIMIT."
+  (let (found)
+    (while (and (not found) (re-search-forward (lag--words PART) limit t))
+      (setq found (save-match-data
+                    (and (zerop (car (save-excursion (syntax-ppss))))
+                         (lag--value-end (match-beginning 0))))))
+    found))
+
+(defun lag--unit (limit)
+  "Find a unit before LIMIT: behind a value, not touching its name."
+  (let (found)
+    (while (and (not found) (re-search-forward "\\[[^][\n#]*\\]" limit t))
+      (let ((start (match-beginning 0)))
+        (save-match-data
+          (save-excursion
+            (goto-char start)
+            (let ((blank (< (skip-chars-backward " \t") 0)))
+              (setq found
+                    (and (lag--value-end start)
+                         (not (memq (get-text-property (1- (point)) 'face)
+                                    '(NOT)))
+                         (or blank
+                             (memq (char-before) '(?\) ?\] ?'))
+                             (looking-back "\\_<[0-9][0-9.]*\\(?:[eE][-+]?[0-9]+\\)?"
+                                           (line-beginning-position))))))))
+        (unless found (goto-char (1+ start)))))
+    found))
 
 (defun lag--end ()
   "The end of the statement that begins before point: a line goes on in a bracket."
@@ -247,16 +281,16 @@ def emacs() -> str:
      (1 CLAUSE) (2 FILE))
     (,(concat "^[ \t]*" (lag--words "draw" "view") "\\(?:[ \t]+" (lag--words SHAPES) "\\)?")
      (1 STATEMENT) (2 SHAPE nil t)
-     (,lag--part (lag--end) nil (1 CLAUSE)))
+     (lag--part (lag--end) nil (1 CLAUSE)))
     (,(concat "^[ \t]*" (lag--words "body" "joint"))
      (1 STATEMENT)
-     (,lag--part (lag--end) nil (1 CLAUSE)))
+     (lag--part (lag--end) nil (1 CLAUSE)))
     (,(concat "^[ \t]*" (lag--words OPENINGS)) (1 STATEMENT))
     (,(concat (lag--words FUNCTIONS) "[ \t]*(") (1 FUNCTION))
     (,(lag--words STATEMENTS) (1 STATEMENT))
     (,(lag--words CLAUSES) (1 CLAUSE))
     (,(lag--words CONSTANTS) (1 CONSTANT))
-    ("\\(?:[])'][ \t]*\\|\\(?:\\sw\\|\\s_\\)[ \t]+\\|\\_<[0-9.]+\\)\\(\\[[^][\n#]*\\]\\)" (1 UNIT)))
+    (lag--unit (0 UNIT)))
   "What is coloured in a .lag file.")
 
 (defvar lag-mode-syntax-table
@@ -264,9 +298,8 @@ def emacs() -> str:
     (modify-syntax-entry ?# "<" table)
     (modify-syntax-entry ?\n ">" table)
     (modify-syntax-entry ?_ "_" table)
-    (modify-syntax-entry ?' "." table)
-    (modify-syntax-entry ?\" "." table)
-    (modify-syntax-entry ?. "." table)
+    (dolist (sign '(?' ?\" ?. ?+ ?- ?* ?/ ?^ ?= ?< ?> ?& ?| ?%))
+      (modify-syntax-entry sign "." table))
     table)
   "The syntax of .lag files.")
 
@@ -294,6 +327,8 @@ def emacs() -> str:
         text = text.replace(f"lag--words {mark})", f"lag--words {listed(kind)})")
     for kind, face in FACES.items():
         text = text.replace(f" {kind.upper()}", f" '{face}")
+    faces = {FACES[kind] for kind in ("statement", "clause", "shape")}
+    text = text.replace("(NOT)", f"({' '.join(sorted(faces))})")
     return text.replace("MADE", f"{MADE[0].upper()}{MADE[1:]}").lstrip()
 
 

@@ -12,7 +12,7 @@ way=${PKGEN_SETUP:-any}
 if [ -n "${PKGEN_PREFIX:-}" ]; then
     venv=$PKGEN_PREFIX/lib/pkgen
     editable=
-    extra=
+    extra='[completion,lsp]'
 else
     venv=.venv
     editable=-e
@@ -112,6 +112,10 @@ from_debian() {
     apt_install python3 python3-venv python3-pip python3-setuptools python3-wheel \
         python3-jinja2 python3-lark python3-numpy python3-pint python3-rich python3-sympy \
         python3-matplotlib python3-pytest python3-pytest-xdist
+    # Of these two some releases have none, or older ones: then these commands say what they lack.
+    for package in python3-shtab python3-pygls; do
+        (apt_install $package) 2>>"$log" || say "not to be had here: $package"
+    done
     rm -rf "$venv"
     # Debian's own python3: another one that comes first in PATH does not see its packages.
     /usr/bin/python3 -m venv --system-site-packages "$venv" >>"$log" 2>&1 &&

@@ -13,7 +13,41 @@
   "A pattern of WORDS, the first group being the word."
   (concat "\\_<\\(" (regexp-opt words) "\\)\\_>"))
 
-(defconst lag--part (concat "[])'[:alnum:]_][ \t]+" (lag--words "at" "box" "coord" "cylinder" "disk" "ellipsoid" "fixed" "free" "from" "in" "inertia" "lasting" "limits" "mass" "planar" "prismatic" "radius" "revolute" "scale" "spherical" "to" "top" "turned" "turns" "width")))
+(defun lag--value-end (start)
+  "Whether something complete ends before the blanks before START."
+  (save-excursion
+    (goto-char start)
+    (skip-chars-backward " \t")
+    (and (not (bolp)) (looking-back "[])'[:alnum:]_]" (1- (point))))))
+
+(defun lag--part (limit)
+  "Find a word of a drawing, a body or a joint before LIMIT."
+  (let (found)
+    (while (and (not found) (re-search-forward (lag--words "at" "box" "coord" "cylinder" "disk" "ellipsoid" "fixed" "free" "from" "in" "inertia" "lasting" "limits" "mass" "planar" "prismatic" "radius" "revolute" "scale" "spherical" "to" "top" "turned" "turns" "width") limit t))
+      (setq found (save-match-data
+                    (and (zerop (car (save-excursion (syntax-ppss))))
+                         (lag--value-end (match-beginning 0))))))
+    found))
+
+(defun lag--unit (limit)
+  "Find a unit before LIMIT: behind a value, not touching its name."
+  (let (found)
+    (while (and (not found) (re-search-forward "\\[[^][\n#]*\\]" limit t))
+      (let ((start (match-beginning 0)))
+        (save-match-data
+          (save-excursion
+            (goto-char start)
+            (let ((blank (< (skip-chars-backward " \t") 0)))
+              (setq found
+                    (and (lag--value-end start)
+                         (not (memq (get-text-property (1- (point)) 'face)
+                                    '(font-lock-builtin-face font-lock-keyword-face font-lock-type-face)))
+                         (or blank
+                             (memq (char-before) '(?\) ?\] ?'))
+                             (looking-back "\\_<[0-9][0-9.]*\\(?:[eE][-+]?[0-9]+\\)?"
+                                           (line-beginning-position))))))))
+        (unless found (goto-char (1+ start)))))
+    found))
 
 (defun lag--end ()
   "The end of the statement that begins before point: a line goes on in a bracket."
@@ -29,16 +63,16 @@
      (1 'font-lock-builtin-face) (2 'font-lock-string-face))
     (,(concat "^[ \t]*" (lag--words "draw" "view") "\\(?:[ \t]+" (lag--words "arrow" "bob" "body" "circle" "curve" "ground" "level" "line" "plane" "rod" "space" "spring" "trail") "\\)?")
      (1 'font-lock-keyword-face) (2 'font-lock-type-face nil t)
-     (,lag--part (lag--end) nil (1 'font-lock-builtin-face)))
+     (lag--part (lag--end) nil (1 'font-lock-builtin-face)))
     (,(concat "^[ \t]*" (lag--words "body" "joint"))
      (1 'font-lock-keyword-face)
-     (,lag--part (lag--end) nil (1 'font-lock-builtin-face)))
+     (lag--part (lag--end) nil (1 'font-lock-builtin-face)))
     (,(concat "^[ \t]*" (lag--words "body" "draw" "fast" "gravity" "joint" "view")) (1 'font-lock-keyword-face))
     (,(concat (lag--words "abs" "acos" "asin" "atan" "atan2" "clamp" "cos" "cosh" "cross" "dot" "drift" "euler" "exp" "inverse" "ln" "log" "max" "min" "norm" "omega" "rot" "sign" "sin" "sinh" "sqrt" "step" "sum" "tait_bryan" "tan" "tanh" "time") "[ \t]*(") (1 'font-lock-function-name-face))
     (,(lag--words "accuracy" "conserve" "const" "constraint" "coord" "dissipation" "end" "event" "expect" "fixed" "force" "free" "hold" "input" "kinetic" "lagrangian" "let" "method" "model" "observe" "param" "periodic" "potential" "rate" "record" "rolling" "rotation" "scene" "set" "size" "start" "state" "swarm" "until") (1 'font-lock-keyword-face))
     (,(lag--words "at" "either" "every" "falling" "in" "rising" "rtol" "step" "stop" "within") (1 'font-lock-builtin-face))
     (,(lag--words "energy" "inf" "pi" "t") (1 'font-lock-constant-face))
-    ("\\(?:[])'][ \t]*\\|\\(?:\\sw\\|\\s_\\)[ \t]+\\|\\_<[0-9.]+\\)\\(\\[[^][\n#]*\\]\\)" (1 'font-lock-type-face)))
+    (lag--unit (0 'font-lock-type-face)))
   "What is coloured in a .lag file.")
 
 (defvar lag-mode-syntax-table
@@ -46,9 +80,8 @@
     (modify-syntax-entry ?# "<" table)
     (modify-syntax-entry ?\n ">" table)
     (modify-syntax-entry ?_ "_" table)
-    (modify-syntax-entry ?' "." table)
-    (modify-syntax-entry ?\" "." table)
-    (modify-syntax-entry ?. "." table)
+    (dolist (sign '(?' ?\" ?. ?+ ?- ?* ?/ ?^ ?= ?< ?> ?& ?| ?%))
+      (modify-syntax-entry sign "." table))
     table)
   "The syntax of .lag files.")
 

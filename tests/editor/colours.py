@@ -6,7 +6,9 @@ import json
 import re
 import shutil
 import subprocess
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from conftest import ROOT
 from pkgen.editor.words import words
@@ -41,9 +43,12 @@ def by_lexer(text: str) -> list[str]:
     return found
 
 
-def differences(text: str, coloured: list[str]) -> list[str]:
-    """Where a grammar sees another class than the lexer; names may have none."""
-    wanted = by_lexer(text)
+def differences(
+    text: str, coloured: list[str], less: Mapping[str, str] = MappingProxyType({})
+) -> list[str]:
+    """Where a grammar sees another class than the lexer; names may have none. `less` is what it
+    sees a class as that it does not tell apart."""
+    wanted = [less.get(kind, kind) for kind in by_lexer(text)]
     found = []
     for at, (right, seen) in enumerate(zip(wanted, coloured, strict=True)):
         seen = {"operator": "", "member": ""}.get(seen, seen)
@@ -137,6 +142,16 @@ KINDS = {
     "variable.other.lag": "name",
     "string.unquoted.lag": "file",
 }
+FACES = {
+    "font-lock-keyword-face": "statement",
+    "font-lock-builtin-face": "clause",
+    "font-lock-type-face": "unit",
+    "font-lock-function-name-face": "function",
+    "font-lock-constant-face": "constant",
+    "font-lock-string-face": "file",
+    "font-lock-comment-face": "comment",
+    "font-lock-comment-delimiter-face": "comment",
+}
 GROUPS = {"Tableau": "clause", "Part": "clause", "Indexed": "", "Bracket": "", "Bounds": ""}
 GROUPS |= {"Drawing": "", "Body": "", "Method": ""}
 
@@ -174,3 +189,33 @@ def by_vim(texts: list[str], folder: Path) -> list[list[str]] | None:
             at += len(character.encode())
         found.append(kinds)
     return found
+
+
+EMACS = """
+(add-to-list 'load-path "{folder}")
+(require 'lag-mode)
+(dolist (file '({files}))
+  (find-file file)
+  (font-lock-ensure)
+  (let ((found (mapcar (lambda (at) (format "%s" (get-text-property at 'face)))
+                       (number-sequence (point-min) (1- (point-max))))))
+    (with-temp-file (concat file ".out") (insert (mapconcat #'identity found "\n")))))
+"""
+
+
+def by_emacs(texts: list[str], folder: Path) -> list[list[str]] | None:
+    """As Emacs colours the texts, shapes as units and no numbers; None without it."""
+    emacs = shutil.which("emacs")
+    if emacs is None:
+        return None
+    paths = [folder / f"{i}.lag" for i in range(len(texts))]
+    for path, text in zip(paths, texts, strict=True):
+        path.write_text(text, encoding="utf-8")
+    files = " ".join(f'"{path}"' for path in paths)
+    script = EMACS.format(folder=ROOT / "editors/emacs", files=files)
+    (folder / "colour.el").write_text(script)
+    command = [emacs, "--batch", "-Q", "-l", folder / "colour.el"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    outs = (path.with_name(path.name + ".out").read_text().split("\n") for path in paths)
+    return [[FACES.get(face, "") for face in out] for out in outs]

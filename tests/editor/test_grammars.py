@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from colours import TextMate, by_lexer, by_vim, differences, grammar
+from colours import TextMate, by_emacs, by_lexer, by_vim, differences, grammar
 from conftest import ROOT
 from pkgen.editor.words import built_in, calls, words
 from pkgen.front.joints import KINDS
@@ -81,3 +81,12 @@ def test_vim(tmp_path: Path) -> None:
         pytest.skip("no vim with syntax here")
     for text, kinds in zip(given, coloured, strict=True):
         assert differences(text, kinds) == []
+
+
+def test_emacs(tmp_path: Path) -> None:
+    given = [every_word(), *(text for _, text in texts())]
+    coloured = by_emacs(given, tmp_path)
+    if coloured is None:
+        pytest.skip("no emacs here")
+    for text, kinds in zip(given, coloured, strict=True):
+        assert differences(text, kinds, {"shape": "unit", "number": ""}) == []

@@ -13,6 +13,7 @@ import pytest
 from conftest import ROOT, long_but, run_pkgen
 from pkgen.compiler import compile_model
 from pkgen.editor.layout import laid_out, signs
+from pkgen.editor.look import Text
 from pkgen.front.lexer import statements
 from pkgen.source import ModelError, Source
 
@@ -190,3 +191,15 @@ def test_line_ends_become_those_of_the_language(tmp_path: Path) -> None:
     path.write_bytes(b"\xef\xbb\xbfmodel a\r\ncoord x\r\n")
     assert run_pkgen("fmt", path).returncode == 0
     assert path.read_bytes() == b"model a\ncoord x\n"
+
+
+def test_the_page_shows_what_happens() -> None:
+    page = (ROOT / "docs/editor.md").read_text()
+    before, after, hover = re.findall(r"^```text\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    assert laid_out(of(before)) == after
+    model = (
+        "model a\nparam g = 9.81 [m/s^2]\nparam l = 2 [m]\nparam w = sqrt(g/l)  # of small swings\n"
+    )
+    text = Text("a.lag", model)
+    said = text.hover(model.index("w ="))[1]
+    assert said == f"{hover}\n```lag\nparam w = sqrt(g/l)\n```"
