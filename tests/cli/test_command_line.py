@@ -52,7 +52,7 @@ def test_help_shows_examples_that_its_parser_takes(name: str) -> None:
     assert text.startswith(f"usage: pkgen {name}") and "-q, --quiet" in text
     for example in examples(name):
         assert f"\n  {example}\n" in text
-        words = shlex.split(example.partition(" < ")[0])[1:]
+        words = shlex.split(re.split(" [<>|] ", example)[0])[1:]
         words = words[1:] if words[0] == name else words
         assert parser.parse_intermixed_args(words).quiet is False
 
