@@ -8,9 +8,9 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from .. import __version__
 from ..system.exits import DONE
 from ..system.files import STANDARD, replace
+from ..version import __version__
 from . import arguments as shared
 from .commands import COMMANDS, Command, overview, parser_of
 
