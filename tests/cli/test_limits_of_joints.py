@@ -69,6 +69,7 @@ def test_runs_stop_there_and_say_so(pkgen, tmp_path):
     model.write_text(LIFT)
     ran = pkgen("run", model, "--scene", "falls")
     assert ran.returncode == 0 and "run: stopped at event drop_1_upper at t = 0.31927" in ran.stderr
+    assert "limits not met: 5" in ran.stderr and "drop_2" not in ran.stderr
     ran = pkgen("run", model, "--scene", "held")
     assert ran.returncode == 0 and "drop_2_upper: once" in ran.stderr, ran.stderr
     assert "never used" not in ran.stderr

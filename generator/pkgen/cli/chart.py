@@ -80,10 +80,11 @@ def run(options: argparse.Namespace) -> int:
     chosen = _methods(options, compilation, any(peer.open is None for peer in peers))
     chosen_scene = scene.chosen(compilation.declared, options.scene) if options.scene else None
     settings = parsing.settings(options, compilation, chosen=chosen_scene)
-    for event in compilation.model.events:
-        if event.stop:
-            note = f"event {event.name} would stop a run; a chart goes on until {settings.until:g}"
-            print(f"pkgen: {note}", file=sys.stderr)
+    stops = [event.name for event in compilation.model.events if event.stop]
+    if stops:
+        shown = ", ".join(stops[:3]) + f" and {len(stops) - 3} more" * (len(stops) > 3)
+        note = f"event {shown} would stop a run; a chart goes on until {settings.until:g}"
+        print(f"pkgen: {note}", file=sys.stderr)
     if options.long:
         return _long(options, compilation, settings, chosen, look, directory)
     with progress(compilation.model.name) as show:

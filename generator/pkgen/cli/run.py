@@ -263,8 +263,12 @@ def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:
             "(fixed steps, Newton) or dop853 may take less time",
             file=sys.stderr,
         )
+    far = [event for event in report["events"] if "limit" in event and not event["count"]]
     for event in report["events"]:
-        print(f"event {event['name']}: {_crossings(event)}", file=sys.stderr)
+        if event not in far:
+            print(f"event {event['name']}: {_crossings(event)}", file=sys.stderr)
+    if far:
+        print(f"limits not met: {len(far)}", file=sys.stderr)
     said = diagnostics_text.drift_lines(report["drifts"])
     said += diagnostics_text.lines(report.get("diagnostics", {}), time)
     for line in said:

@@ -67,6 +67,8 @@ static void report_kind(const struct pk_run *run, struct json *j, const char *ke
         json_text(j, "name", watch_name(system, k));
         if (k < system->events.n)
             json_flag(j, "stop", system->events.table[k].stop);
+        if (k < system->events.n && system->events.table[k].stop > 1)
+            json_flag(j, "limit", 1);
         json_counts(j, {"doubts", crossed->doubts}, {"count", crossed->count});
         json_numbers(j, "times", crossed->t,
                      crossed->count < WATCH_TIMES ? crossed->count : WATCH_TIMES);
