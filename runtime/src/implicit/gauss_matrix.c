@@ -15,6 +15,8 @@
 #define SMALL (PK_GAUSS_SURE / 4) /* a norm that is below this is so for any purpose */
 #define LITTLE PK_C(0.8)          /* what is gained in a turn, where many are made */
 #define TINY PK_F(sqrt)(PK_EPS)
+#define SURELY_BELOW PK_C(0.2) /* growths in three turns, where a radius beside .5 is asked for */
+#define SURELY_ABOVE PK_C(1.5)
 enum { MOST_TURNS = 16, TURNS = 16 };
 
 int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w)
@@ -178,6 +180,13 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
         if (!(size > TINY) || !pk_finite(size))
             return size;
         growth[turn] = size;
+        if (turn >= 4) { /* far from 1, what is slowest to grow has come through */
+            const pk_real one = growth[turn - 1], two = growth[turn - 2];
+            const pk_real most = pk_max(size, pk_max(one, two));
+            const pk_real least = pk_min(size, pk_min(one, two));
+            if (most < SURELY_BELOW || least > SURELY_ABOVE)
+                return 2 * most;
+        }
         for (size_t i = 0; i < m; i++)
             w->x[i] = w->y[i] / size;
     }
