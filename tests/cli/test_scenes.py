@@ -81,6 +81,8 @@ WORSE = {
     "rattleback_reduced friction_other_sense": ["--method", "rk4", "--step", "0.2"],
     "rattleback_reduced other_sense": ["--set", "p0=0.011"],
     "restricted_three_body L4_above": ["--set", "mu=0.038"],
+    "rope gust": ["--set", "c=1"],
+    "rope hangs": ["--set", "blow=0.1"],
     "sine_gordon breather": ["--start", "q[200]=3"],
     "sine_gordon collision": ["--start", "q[100]=1"],
     "sine_gordon kink": ["--start", "q[160]=1"],

@@ -45,6 +45,7 @@ class LoopExpander:
             self.definitions.setdefault(item.name, []).append(item)
         self.carried: dict[str, tuple[Group, ...]] = {}  # by name: a vector's components
         self.outputs: dict[str, Node] = {}  # built-in names of outputs, and those defined
+        self.of_members: dict[str, Definition] = {}  # outputs for each index, which a scene may use
         self.multipliers: dict[str, list[Group]] = {}  # by name: of which rows
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self.sums: list[Total] | None = None  # where sums may stand in any expression
@@ -153,6 +154,11 @@ class LoopExpander:
             return self.slots.node("input", str(flat))
         if name in self.definitions:
             return self._definition(name, index)
+        if name in self.of_members:
+            item = self.of_members[name]
+            lo, hi, _ = self.over(item.range)
+            self.members.append((lo, hi, index))
+            return self.scalar(item.value, self.sizes | {item.range.variable: index})
         if name in self.outputs:
             return self.outputs[name]
         if name in self.multipliers:

@@ -44,6 +44,7 @@ class Outputs:
                 found.append(Observed(item, None, None, node))
             else:
                 found.append(self._members(item))
+                self.x.of_members[item.name] = item
         return tuple(found)
 
     def _members(self, item: Definition) -> Observed:
