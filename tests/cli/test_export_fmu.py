@@ -3,11 +3,16 @@ and the kernels."""
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import ROOT, long_but, run_pkgen
+from pkgen.back.library import TARGETS
 from units import PENDULUM, TOP, fmpy, method, unit_  # noqa: F401
 
 validate_fmu = pytest.importorskip("fmpy.validation").validate_fmu
@@ -56,3 +61,31 @@ def test_a_unit_is_valid_and_steps_as_a_run_does(model: Path, version: str, unit
     )
     options = ("--method", "rk4", "--step", h, "--until", h * steps, "--every", h)
     agree(columns(found), ran(model, *options), 1e-9)
+
+
+MAGIC = {".so": b"\x7fELF", ".dll": b"MZ", ".dylib": b"\xcf\xfa\xed\xfe"}
+
+
+@pytest.mark.long
+def test_binaries_for_other_machines(unit) -> None:
+    """By zig: each is what it says, with all calls of FMI; that of Linux runs here."""
+    pytest.importorskip("ziglang", reason="zig is missing: pip install 'pkgen[targets]'")
+    path = unit(PENDULUM, "3", "--target", ",".join(TARGETS))
+    with zipfile.ZipFile(path) as archive:
+        for target in TARGETS.values():
+            name = f"binaries/{target.fmi3}/double_pendulum{target.suffix}"
+            code = archive.read(name)
+            assert code.startswith(MAGIC[target.suffix]) and b"fmi3DoStep" in code, name
+    assert validate_fmu(str(path)) == []
+    rows = fmpy.simulate_fmu(str(path), fmi_type="CoSimulation", stop_time=1, output_interval=0.1)
+    expected = ran(PENDULUM, "--until", 1, "--every", 0.1)
+    agree(columns(rows), expected, 1e-9)
+
+
+def test_the_pages_program_prints_what_the_page_says(unit) -> None:
+    page = (ROOT / "docs" / "fmu.md").read_text()
+    (program,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    command = [sys.executable, "-c", program]
+    said = subprocess.run(command, cwd=unit(PENDULUM).parent, capture_output=True, text=True)
+    shown = re.findall(r"# prints (.*)", program)
+    assert said.stdout.split() == shown[0].split(), said.stderr

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import venv
@@ -146,6 +147,16 @@ def test_the_tag_says_which_glibc_it_needs(tmp_path: Path) -> None:
     assert platform_tag(b"\0GLIBC_2.4\0GLIBC_2.17\0", TARGETS["linux-x86_64"]).endswith(
         "_17_x86_64"
     )
+
+
+def test_the_pages_program_prints_what_the_page_says(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "wheel.md").read_text()
+    (program,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    folder = unpacked(wheel(PENDULUM, tmp_path), tmp_path / "in")
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=folder, capture_output=True, text=True
+    )
+    assert done.stdout.splitlines() == re.findall(r"# prints (.*)", program), done.stderr
 
 
 @pytest.mark.long
