@@ -91,7 +91,7 @@ def mjcf(tree: Sequence[Link]) -> str:
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = x.inertia
         joint = "hinge" if x.kind == "revolute" else "slide"
         inside[x.parent] = (
-            f'<body pos="{_said(x.at)}" quat="{_said(_quaternion(x.turn))}">'
+            f'<body pos="{_said(x.at)}" quat="{_said(quaternion(x.turn))}">'
             f'<joint type="{joint}" axis="{_said(x.axis)}"/>'
             f'<inertial pos="{_said(x.centre)}" mass="{x.mass!r}"'
             f' fullinertia="{_said((xx, yy, zz, xy, xz, yz))}"/>\n'
@@ -108,7 +108,7 @@ def _said(numbers: Sequence[float]) -> str:
     return " ".join(repr(float(x)) for x in numbers)
 
 
-def _quaternion(m: Matrix) -> Vector:
+def quaternion(m: Matrix) -> Vector:
     """w, x, y, z of a matrix; from its largest number, so that none is lost (S. W. Shepperd)."""
     trace = m[0][0] + m[1][1] + m[2][2]
     squares = [1 + trace, *(1 + 2 * m[k][k] - trace for k in range(3))]

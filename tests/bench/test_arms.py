@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench import arms, builds, environment
-from bench.arm_models import CENTRE, GRAVITY, LENGTH, links, mjcf, rows
+from bench.arm_models import CENTRE, GRAVITY, LENGTH, links, mjcf, quaternion, rows
 from bench.turns import Runner, take_turns
 
 N = 5
@@ -103,6 +103,17 @@ def test_what_the_peers_read_is_the_same_arm() -> None:
         assert floats(inertial.get("fullinertia")) == [link.inertia[0][0]] * 3 + [0] * 3
         body = body.find("body")
     assert body is None
+
+
+@pytest.mark.parametrize(
+    "axis", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.6, 0, 0.8), (2 / 3, -2 / 3, 1 / 3)]
+)
+def test_turned_frames_as_quaternions(axis) -> None:
+    for angle in (0, 1e-9, 0.7, 2.9, np.pi, 4, 6.2):
+        w, *v = quaternion(tuple(map(tuple, turn(axis, angle))))
+        wanted = np.array([np.cos(angle / 2), *(np.sin(angle / 2) * np.array(axis))])
+        assert abs(np.array([w, *v]) @ wanted) == pytest.approx(1, abs=1e-15)
+        assert np.abs(np.outer([w, *v], [w, *v]) - np.outer(wanted, wanted)).max() < 1e-15
 
 
 def parts(numbers: list[float], *lengths: int) -> list[list[float]]:
