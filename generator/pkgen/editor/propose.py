@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from ..front.joints import CLAUSES, KINDS, SHOWN, TO
 from ..front.lexer import statements
+from ..front.parse import parse_all
 from ..front.shapes import SHAPES, shapes_of
 from ..front.table import BOTH, MODEL, SCENE, STATEMENTS, SYNTAX
 from ..front.units import known_units
@@ -125,30 +126,47 @@ def _expressions(text: Text, offset: int) -> Iterator[Proposal]:
 _HINTS = (
     re.compile(r"did you mean ('.+)\?"),
     re.compile(r"did you mean (\S+)\?"),
+    re.compile(r"write (\w+)\(…\)$"),
     re.compile(r"square brackets: ([^;]+)"),
     re.compile(r"(?:a unit|, ): ?(\S+ \[[^\]]+\])"),
-    re.compile(r"(?:write|written) ([^…;]+?)(?:;.*|, .*)?$"),
+    re.compile(r"(?:write|(?<!unit is )written) ([^…;]+?)(?:;.*|, .*)?$"),
 )
 
+_PROSE = re.compile(r"[a-z]{2,} [a-z]{2,}|[a-z]{2,} \[[a-z], ")
 
-def repairs(text: Text, finding: Diagnostic) -> Iterator[tuple[str, Span, str]]:
-    """What a hint says to write, with the place that it replaces: only what leaves fewer errors."""
-    before = len(text.seen.errors)
-    tried = set()
+
+def repairs(text: Text, finding: Diagnostic) -> Iterator[tuple[Span, str]]:
+    """What a hint says to write, and the place that it replaces: only what takes the finding away,
+    and makes no error in another line."""
+    whole, tried = text.source.text, set()
     for hint in _HINTS:
         found = hint.search(finding.help)
         for instead in re.findall(r"'([^']+)'", found[1]) or [found[1]] if found else ():
-            span, instead = _placed(text.source.text, finding.span, instead)
-            if (span, instead) in tried:
+            span, instead = _placed(whole, finding.span, instead)
+            if (span, instead) in tried or _PROSE.search(instead):
                 continue
             tried.add((span, instead))
-            whole = text.source.text
             other = Text(text.source.path, whole[: span.start] + instead + whole[span.end :])
-            left = {error.message for error in other.findings()}
-            fewer = len(other.seen.errors) < before
-            fewer |= finding.severity == "warning" and not before and finding.message not in left
-            if fewer:
-                yield finding.help, span, instead
+            if _mends(text, finding, other):
+                yield span, instead
+
+
+def _mends(text: Text, finding: Diagnostic, other: Text) -> bool:
+    if any((d.message, d.span.start) == _named(finding) for d in other.findings()):
+        return False
+    syntax, before = (parse_all(one.source).diagnostics for one in (other, text))
+    if len(syntax) > len(before):
+        return False
+    line = text.source.position(finding.span.start)[0]
+
+    def elsewhere(one: Text) -> int:
+        return sum(one.source.position(e.span.start)[0] != line for e in one.seen.errors)
+
+    return elsewhere(other) <= elsewhere(text)
+
+
+def _named(finding: Diagnostic) -> tuple[str, int]:
+    return finding.message, finding.span.start
 
 
 def _placed(text: str, span: Span, instead: str) -> tuple[Span, str]:

@@ -214,12 +214,12 @@ def _code_actions(params: lsp.CodeActionParams) -> list[lsp.CodeAction]:
     here = [d for d in text.findings() if d.span.start <= end and start <= max(d.span.end, 1)]
     return [
         lsp.CodeAction(
-            title=f"{title}: {instead.strip()}" if instead.strip() not in title else title,
+            title=f"write {instead.strip()}",
             kind=lsp.CodeActionKind.QuickFix,
             edit=lsp.WorkspaceEdit({uri: _edits(text.source, [(span, instead)])}),
         )
         for finding in here
-        for title, span, instead in propose.repairs(text, finding)
+        for span, instead in propose.repairs(text, finding)
     ]
 
 
