@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from client import Editor, applied
+from client import LONGEST, Editor, applied
 from conftest import MODELS, ROOT, run_pkgen
 from pkgen.editor.look import Text
 from pkgen.editor.propose import Refused, renamed, repairs
@@ -281,6 +282,20 @@ def test_texts_that_are_typed_letter_by_letter(editor: Editor, uri: str) -> None
         span = {"start": {"line": line, "character": 0}, "end": {"line": line, "character": column}}
         editor.ask("textDocument/codeAction", {**params, "range": span})
         editor.ask("textDocument/inlayHint", {**params, "range": span})
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it(number: int) -> None:
+    editor = Editor()
+    editor.process.send_signal(number)
+    assert editor.process.wait(LONGEST) == 130
+
+
+def test_an_editor_that_is_gone_ends_it(tmp_path: Path) -> None:
+    editor = Editor()
+    editor.open(tmp_path / "a.lag", "model a\n")
+    editor.process.stdin.close()
+    assert editor.process.wait(LONGEST) in (0, 1)
 
 
 def test_without_pygls_it_is_told(tmp_path: Path) -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from importlib.util import find_spec
 
 from ..system.exits import DONE, UsageError
+from ..system.progress import say
 
 EXAMPLES = """
 pkgen lsp
@@ -23,6 +25,8 @@ def run(options: argparse.Namespace) -> int:
     hover, completion, definitions, renaming, units, repairs, layout. Editors start it."""
     if find_spec("pygls") is None or find_spec("pygls.lsp.server") is None:
         raise UsageError("lsp needs pygls 2, which is not here: pip install 'pkgen[lsp]'")
+    if sys.stdin.isatty():
+        say("an editor starts this and speaks to it (docs/editor.md); Ctrl-C ends it")
     from ..editor.server import serve
 
     serve()

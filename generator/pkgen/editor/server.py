@@ -8,6 +8,7 @@ after each change, others when they are opened and saved.
 from __future__ import annotations
 
 import os
+import signal
 import time
 from collections.abc import Callable
 from functools import lru_cache
@@ -18,6 +19,8 @@ from pygls.lsp.server import LanguageServer
 
 from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
+from ..system.children import ENDS
+from ..system.exits import INTERRUPTED
 from ..system.resources import ResourcesExceeded, bounded
 from ..version import __version__
 from . import propose
@@ -257,7 +260,10 @@ _DECLARE += ("rotation", "constraint", "rolling")
 
 
 def serve() -> None:
-    """Answer until the editor ends it. What anything prints must not get between the messages."""
+    """Answer until the editor ends it. What anything prints must not get between the messages. The
+    thread that waits for the next one would keep the process that a signal is to end."""
+    for number in ENDS:
+        signal.signal(number, lambda *_: os._exit(INTERRUPTED))
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     start: Callable = server.start_io
