@@ -139,16 +139,16 @@ static pk_real beside_way(const struct pk_integrator *it, const struct pk_projec
 static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
                const pk_real *q, const pk_real *y, size_t first, size_t count)
 {
+    const int repeats = it->own->atol && pk_repeats(it); /* of those that advance() tries again */
     pk_real most = 0;
-    for (size_t k = 0; first && k < count; k++)
-        most = pk_max(most, PK_F(sqrt)(pk_project_mass(w, k)) * pk_abs(w->d[k]));
-    if (first && most <= pk_project_rest(it, w, q))
-        return 0;
     if (!(ratio > NOTICED) || !(it->own->next_t > it->t || it->own->next_t < it->t))
         return 0;
-    if (it->own->atol && pk_repeats(it)) /* of those that advance() tries again */
-        return beside_tolerances(it, w->d, y, first, count) > 1;
-    return first == 0 && beside_way(it, w) > 1;
+    if (!repeats)
+        return first == 0 && beside_way(it, w) > 1;
+    for (size_t k = 0; first && k < count; k++)
+        most = pk_max(most, PK_F(sqrt)(pk_project_mass(w, k)) * pk_abs(w->d[k]));
+    return !(first && most <= pk_project_rest(it, w, q)) &&
+           beside_tolerances(it, w->d, y, first, count) > 1;
 }
 
 /* Positions, or then rates, whose J is there; it depends on no rates, so that one correction of these

@@ -13,7 +13,7 @@ static pk_real *take(pk_real *base, size_t *used, size_t count)
 }
 
 /* Each step asks for it, so that it is written out. */
-static size_t lay_out(struct pk_projection *w, pk_real *base)
+static inline size_t lay_out(struct pk_projection *w, pk_real *base)
 {
     const size_t n = w->n, c = w->c, r = w->r, dense = w->whole ? c : 0;
     size_t used = 0;
@@ -38,7 +38,7 @@ static size_t lay_out(struct pk_projection *w, pk_real *base)
     return used;
 }
 
-static struct pk_projection shape(const struct pk_problem *problem, size_t n)
+static inline struct pk_projection shape(const struct pk_problem *problem, size_t n)
 {
     const struct pk_system *system = problem->system;
     struct pk_projection w = {.system = system, .params = problem->params, .n = n};
