@@ -110,8 +110,8 @@ static pk_real beside_tolerances(const struct pk_integrator *it, const pk_real *
     return most / MOST_OFF;
 }
 
-/* |d| / |h v|, of v at the step's two ends the larger, both in the metric of M = L D L^T. */
-static pk_real beside_way(const struct pk_integrator *it, const struct pk_projection *w)
+/* Whether |d| > |h v|, of v at the step's two ends the larger, both in the metric of M = L D L^T. */
+static int beyond_way(const struct pk_integrator *it, const struct pk_projection *w)
 {
     const pk_real h = it->own->next_t - it->t;
     const pk_real *ends[2] = {it->v, pk_part(it->own->next, it->n, PK_V)};
@@ -132,7 +132,7 @@ static pk_real beside_way(const struct pk_integrator *it, const struct pk_projec
         }
         longest = pk_max(longest, way);
     }
-    return PK_F(sqrt)(pk_abs(back) / longest);
+    return pk_abs(back) > longest;
 }
 
 /* Of a first correction: whether it is too long for the error of a step. */
@@ -144,7 +144,7 @@ static int off(const struct pk_integrator *it, const struct pk_projection *w, pk
     if (!(ratio > NOTICED) || !(it->own->next_t > it->t || it->own->next_t < it->t))
         return 0;
     if (!repeats)
-        return first == 0 && beside_way(it, w) > 1;
+        return first == 0 && beyond_way(it, w);
     for (size_t k = 0; first && k < count; k++)
         most = pk_max(most, PK_F(sqrt)(pk_project_mass(w, k)) * pk_abs(w->d[k]));
     return !(first && most <= pk_project_rest(it, w, q)) &&

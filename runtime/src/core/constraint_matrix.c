@@ -5,7 +5,7 @@
 
 #include "project.h"
 
-static pk_real *take(pk_real *base, size_t *used, size_t count)
+static inline pk_real *take(pk_real *base, size_t *used, size_t count)
 {
     pk_real *part = base ? base + *used : NULL;
     *used += count;
@@ -13,10 +13,19 @@ static pk_real *take(pk_real *base, size_t *used, size_t count)
 }
 
 /* Each step asks for it, so that it is written out. */
-static inline size_t lay_out(struct pk_projection *w, pk_real *base)
+static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *problem, size_t n,
+                             pk_real *base)
 {
-    const size_t n = w->n, c = w->c, r = w->r, dense = w->whole ? c : 0;
+    const struct pk_system *system = problem->system;
+    const void *params = problem->params;
+    const size_t c = pk_system_rows(system, params, 0), r = system->constraints.n_redundant;
+    const size_t dense = system->constraints.factor ? 0 : c;
     size_t used = 0;
+    w->system = system, w->params = params, w->u = NULL, w->t = 0;
+    w->n = n, w->c = c, w->r = r, w->whole = !system->constraints.factor;
+    w->h = pk_system_rows(system, params, 1);
+    w->rotation = n - pk_system_first_order(system, params);
+    w->m = w->rotation + 3 * pk_system_rotations(system, params);
     w->d = take(base, &used, 2 * n);
     w->M = take(base, &used, w->whole ? n * n : n);
     w->J = take(base, &used, dense * n);
@@ -38,23 +47,17 @@ static inline size_t lay_out(struct pk_projection *w, pk_real *base)
     return used;
 }
 
-static inline struct pk_projection shape(const struct pk_problem *problem, size_t n)
-{
-    const struct pk_system *system = problem->system;
-    struct pk_projection w = {.system = system, .params = problem->params, .n = n};
-    w.whole = !system->constraints.factor;
-    w.c = pk_system_rows(system, problem->params, 0);
-    w.h = pk_system_rows(system, problem->params, 1);
-    w.r = system->constraints.n_redundant;
-    w.rotation = n - pk_system_first_order(system, problem->params);
-    w.m = w.rotation + 3 * pk_system_rotations(system, problem->params);
-    return w;
-}
-
 size_t pk_project_room(const struct pk_problem *problem, size_t n)
 {
-    struct pk_projection w = shape(problem, n);
-    return lay_out(&w, NULL);
+    struct pk_projection w;
+    return lay_out(&w, problem, n, NULL);
+}
+
+struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room)
+{
+    struct pk_projection w;
+    lay_out(&w, problem, n, room);
+    return w;
 }
 
 size_t pk_project_size(const struct pk_problem *problem, size_t n)
@@ -63,13 +66,6 @@ size_t pk_project_size(const struct pk_problem *problem, size_t n)
     if (system->constraints.n)
         return pk_project_room(problem, n);
     return system->n_rotations || system->families.rotations ? 2 * n : 0; /* of quaternions alone */
-}
-
-struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room)
-{
-    struct pk_projection w = shape(problem, n);
-    lay_out(&w, room);
-    return w;
 }
 
 size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
@@ -199,10 +195,11 @@ void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r)
     }
     memcpy(w->mu, r, rows * sizeof *w->mu);
     pk_ldl_solve(w->A, rows, w->mu);
-    memset(w->d, 0, w->m * sizeof *w->d);
-    for (size_t i = 0; i < rows; i++)
-        for (size_t k = 0; k < w->m; k++)
+    for (size_t k = 0; k < w->m; k++) {
+        w->d[k] = 0;
+        for (size_t i = 0; i < rows; i++)
             w->d[k] += w->W[i * w->m + k] * w->mu[i];
+    }
 }
 
 enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, const pk_real *v)
