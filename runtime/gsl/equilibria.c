@@ -96,26 +96,26 @@ static int derivatives(struct search *s)
     return pk_all_finite(s->J, n * n);
 }
 
-static int gsl_f(const gsl_vector *z, void *context, gsl_vector *f)
+int pk_equilibria_f(const gsl_vector *z, void *context, gsl_vector *f)
 {
     struct search *s = (struct search *)context;
     set_unknowns(s, z);
     const double m = pk_equilibria_deflated(s);
     if (!equations(s) || !(m < HUGE_VAL))
         return GSL_EBADFUNC;
-    for (size_t i = 0; i < s->n; i++)
+    for (size_t i = 0; i < s->rows; i++)
         gsl_vector_set(f, i, m * s->F[i] / s->scale[i]);
     return GSL_SUCCESS;
 }
 
-static int gsl_df(const gsl_vector *z, void *context, gsl_matrix *J)
+int pk_equilibria_df(const gsl_vector *z, void *context, gsl_matrix *J)
 {
     struct search *s = (struct search *)context;
     set_unknowns(s, z);
     const double m = pk_equilibria_deflated(s);
-    if (!derivatives(s) || !equations(s) || !(m < HUGE_VAL))
+    if (!(m < HUGE_VAL) || !equations(s) || !derivatives(s))
         return GSL_EBADFUNC;
-    for (size_t i = 0; i < s->n; i++)
+    for (size_t i = 0; i < s->rows; i++)
         for (size_t j = 0; j < s->n; j++)
             gsl_matrix_set(J, i, j, m * (s->J[i * s->n + j] + s->F[i] * s->slope[j]) / s->scale[i]);
     return GSL_SUCCESS;
@@ -123,8 +123,8 @@ static int gsl_df(const gsl_vector *z, void *context, gsl_matrix *J)
 
 static int gsl_fdf(const gsl_vector *z, void *context, gsl_vector *f, gsl_matrix *J)
 {
-    const int failed = gsl_f(z, context, f);
-    return failed ? failed : gsl_df(z, context, J);
+    const int failed = pk_equilibria_f(z, context, f);
+    return failed ? failed : pk_equilibria_df(z, context, J);
 }
 
 /* Newton's correction into s->F, and its largest part beside the reach; 0 where the linear terms
@@ -287,7 +287,7 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
     enum pk_status status = PK_NO_MEMORY;
     if (open_search(&s, problem) && solver && z &&
         (!system->n_first_order || pk_gsl_unread(problem, q0, v0, s.unread) == PK_DONE)) {
-        gsl_multiroot_function_fdf function = {gsl_f, gsl_df, gsl_fdf, n, &s};
+        gsl_multiroot_function_fdf function = {pk_equilibria_f, pk_equilibria_df, gsl_fdf, n, &s};
         status = PK_DONE;
         s.energy = fabs(pk_equilibria_energy(&s, q0, v0));
         pk_equilibria_box(&s, q0, v0);

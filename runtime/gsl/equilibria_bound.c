@@ -105,37 +105,11 @@ int pk_bound_derivatives(struct search *s)
     return pk_all_finite(s->J, s->rows * n);
 }
 
-static int gsl_f(const gsl_vector *z, void *context, gsl_vector *f)
-{
-    struct search *s = (struct search *)context;
-    for (size_t i = 0; i < s->n; i++)
-        *unknown(s, i) = gsl_vector_get(z, i);
-    const double m = pk_equilibria_deflated(s);
-    if (!pk_bound_equations(s) || !(m < HUGE_VAL))
-        return GSL_EBADFUNC;
-    for (size_t i = 0; i < s->rows; i++)
-        gsl_vector_set(f, i, m * s->F[i] / s->scale[i]);
-    return GSL_SUCCESS;
-}
-
-static int gsl_df(const gsl_vector *z, void *context, gsl_matrix *J)
-{
-    struct search *s = (struct search *)context;
-    for (size_t i = 0; i < s->n; i++)
-        *unknown(s, i) = gsl_vector_get(z, i);
-    const double m = pk_equilibria_deflated(s);
-    if (!(m < HUGE_VAL) || !pk_bound_equations(s) || !pk_bound_derivatives(s))
-        return GSL_EBADFUNC;
-    for (size_t i = 0; i < s->rows; i++)
-        for (size_t j = 0; j < s->n; j++)
-            gsl_matrix_set(J, i, j, m * (s->J[i * s->n + j] + s->F[i] * s->slope[j]) / s->scale[i]);
-    return GSL_SUCCESS;
-}
-
 void pk_bound_solve(struct search *s)
 {
     const gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
-    gsl_multifit_nlinear_fdf fdf = {gsl_f, gsl_df, NULL, s->rows, s->n, s, 0, 0, 0};
+    gsl_multifit_nlinear_fdf fdf = {
+        pk_equilibria_f, pk_equilibria_df, NULL, s->rows, s->n, s, 0, 0, 0};
     gsl_multifit_nlinear_workspace *w =
         gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, s->rows, s->n);
     gsl_vector *z = gsl_vector_alloc(s->n);

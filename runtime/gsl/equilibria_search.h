@@ -117,6 +117,10 @@ static inline int equations(struct search *s)
     return pk_all_finite(s->F, s->n);
 }
 
+/* F, and its derivatives, deflated, beside the sizes of equations: for GSL. */
+int pk_equilibria_f(const gsl_vector *z, void *context, gsl_vector *f);
+int pk_equilibria_df(const gsl_vector *z, void *context, gsl_matrix *J);
+
 /* A box about the start, which coordinates are angles in it, the momenta to keep and the size of
  * each equation. The state is then at rest but for what is cyclic. */
 void pk_equilibria_box(struct search *s, const double *q0, const double *v0);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from bisect import bisect
 from collections.abc import Iterable, Iterator, Sequence
 
 from ..compiler import Compilation
@@ -68,10 +69,10 @@ class Named:
         flat = declared.first + (0 if index is None else index - declared.lo)
         return flat, declared.member(index)
 
-    def place(self, name: str) -> tuple[int, int]:
-        """Which declared name it is of, and the member counted from 0."""
-        declared, index = self.find(name)
-        return self.declared.index(declared), 0 if index is None else index - declared.lo
+    def place(self, flat: int) -> tuple[int, int]:
+        """Which declared name a flat index is of, and the member counted from 0."""
+        k = bisect(self.declared, flat, key=lambda item: item.first) - 1
+        return k, flat - self.declared[k].first
 
     def __iter__(self) -> Iterator[str]:
         for item in self.declared:

@@ -222,12 +222,11 @@ def _places(
         return values, ()
     single, members = [], []
     for flat, x in values:
-        for k, item in enumerate(parameters.declared):
-            if item.first <= flat < item.first + item.count:
-                if item.lo is None:
-                    single.append((k, x))
-                else:
-                    members.append((k, flat - item.first, x))
+        k, member = parameters.place(flat)
+        if parameters.declared[k].lo is None:
+            single.append((k, x))
+        else:
+            members.append((k, member, x))
     return tuple(single), tuple(members)
 
 

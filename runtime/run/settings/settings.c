@@ -60,7 +60,8 @@ static const char *sizes(struct settings *s)
         system->families.set_sizes(s->params);
     for (size_t k = 0; k < s->asked.n_sizes; k++) {
         const struct pk_run_value x = s->asked.sizes[k];
-        if (x.index >= system->families.n_sizes || !(x.value >= 1) || !(x.value < PTRDIFF_MAX / 64))
+        if (x.index >= system->families.n_sizes || !(x.value >= 1) ||
+            !(x.value < (double)(PTRDIFF_MAX / 64)))
             return "there is no such size";
         const ptrdiff_t length = (ptrdiff_t)x.value;
         memcpy((char *)s->params + system->families.sizes[x.index].offset, &length, sizeof length);
