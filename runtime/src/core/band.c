@@ -15,6 +15,8 @@
 
 #include "band.h"
 
+#include <pk/ldl.h>
+
 /* A pivot this far below its column costs a quarter of the digits. */
 #define SMALL PK_F(sqrt)(PK_F(sqrt)(PK_EPS))
 
@@ -206,55 +208,41 @@ void pk_band_solve(const struct pk_band *b, pk_real *x)
     }
 }
 
+static struct pk_ldl lower(const struct pk_band *b)
+{
+    const ptrdiff_t k = (ptrdiff_t)stride(b);
+    return (struct pk_ldl){(ptrdiff_t)b->rows,
+                           (ptrdiff_t)b->below,
+                           (ptrdiff_t)b->border,
+                           (ptrdiff_t)(b->below + 1 + b->above),
+                           1,
+                           k,
+                           k,
+                           b->entries + b->below,
+                           b->bottom,
+                           b->corner};
+}
+
 size_t pk_band_ldl_factor(const struct pk_band *b)
 {
-    const size_t n = b->rows, k = stride(b), all = n + b->border;
-    for (size_t i = 0; i < all; i++) {
-        /* Row i of L D first, then of L; entries of a row of the border are k apart. */
-        const size_t from = i < n ? first(b, i) : 0, to = least(i, n), step = i < n ? 1 : k;
-        pk_real *A = i < n ? row(b, i) : b->bottom + (i - n);
-        for (size_t j = from; j < to; j++) {
-            const pk_real *other = row(b, j);
-            const size_t start = first(b, j);
-            for (size_t l = start > from ? start : from; l < j; l++)
-                A[j * step] -= A[l * step] * other[l];
-        }
-        for (size_t c = 0; i >= n && c <= i - n; c++)
-            for (size_t j = 0; j < n; j++) {
-                /* The rows before are L already, this one is L D. */
-                const pk_real d = c < i - n ? 1 : 1 / row(b, j)[j];
-                b->corner[(i - n) * k + c] -= A[j * step] * b->bottom[j * k + c] * d;
-            }
-        const pk_real diagonal = i < n ? A[i] : 0;
-        for (size_t j = from; j < to; j++) {
-            const pk_real scaled = A[j * step];
-            A[j * step] = scaled / row(b, j)[j];
-            if (i < n)
-                A[i] -= scaled * A[j];
-        }
-        if (i < n && (!(A[i] > PK_PIVOT_MIN * diagonal) || !(A[i] > 0) || !pk_finite(A[i])))
-            return 1 + i;
+    if (!b->rows)
+        return pk_ldl_factor(b->corner, b->border);
+    const struct pk_ldl A = lower(b);
+    for (ptrdiff_t i = 0; i < A.rows + A.border; i++) {
+        pk_real *diagonal = pk_ldl_entry(&A, i, i), added;
+        const pk_real pivot = pk_ldl_pivot(&A, i, &added);
+        if (!(pivot > PK_PIVOT_MIN * *diagonal) || !(pivot > 0) || !pk_finite(pivot))
+            return 1 + (size_t)i;
+        *diagonal = 1 / pivot;
     }
-    const size_t failed = pk_ldl_factor(b->corner, b->border);
-    return failed ? n + failed : 0;
+    return 0;
 }
 
 void pk_band_ldl_solve(const struct pk_band *b, pk_real *x)
 {
-    const size_t n = b->rows, k = stride(b);
-    for (size_t i = 0; i < n; i++) {
-        for (size_t j = first(b, i); j < i; j++)
-            x[i] -= row(b, i)[j] * x[j];
-        for (size_t c = 0; c < b->border; c++)
-            x[n + c] -= b->bottom[i * k + c] * x[i];
-    }
-    pk_ldl_solve(b->corner, b->border, x + n);
-    for (size_t i = 0; i < n; i++)
-        x[i] /= row(b, i)[i];
-    for (size_t i = n; i-- > 0;) {
-        for (size_t c = 0; c < b->border; c++)
-            x[i] -= b->bottom[i * k + c] * x[n + c];
-        for (size_t j = first(b, i); j < i; j++)
-            x[j] -= row(b, i)[j] * x[i];
-    }
+    const struct pk_ldl A = lower(b);
+    if (b->rows)
+        pk_ldl_substitute(&A, x);
+    else
+        pk_ldl_solve(b->corner, b->border, x);
 }

@@ -126,6 +126,7 @@ class _Context:
             "n": e.count.value(size_values(model)),
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
+            "ldl_header": pasted("ldl.h"),
             "reductions": (),
             "events": tables.events(e),
             "cyclic": (),
