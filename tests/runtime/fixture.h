@@ -48,6 +48,13 @@ void first_coordinate(const void *p, double t, const double *q, const double *v,
 double fixture_distance(const struct fixture *f, const double *q, const double *v);
 /* Least-squares slope of log y over log x. */
 double fit_slope(const double *x, const double *y, int count);
+/* Number i of the core's methods and then GSL's; NULL behind them. */
+const struct pk_method *fixture_method(size_t i);
+/* The order that a method has up to t_end: the slope of the finest errors above rounding, by
+ * `off`. */
+double fixture_order(const struct pk_system *system, const struct pk_method *method, double t_end,
+                     double rounding, double (*off)(const struct fixture *, const double *),
+                     const double *exact);
 
 void add_tables(void);
 void add_switches(void);

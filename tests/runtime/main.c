@@ -109,6 +109,41 @@ double fit_slope(const double *x, const double *y, int count)
     return xy / xx;
 }
 
+const struct pk_method *fixture_method(size_t i)
+{
+    size_t core = 0;
+    while (pk_method_at(core))
+        core++;
+    return i < core ? pk_method_at(i) : pk_gsl_method_at(i - core);
+}
+
+double fixture_order(const struct pk_system *system, const struct pk_method *method, double t_end,
+                     double rounding, double (*off)(const struct fixture *, const double *),
+                     const double *exact)
+{
+    enum { FINEST = 5 };
+    static struct fixture f;
+    double h[60], error[60];
+    int count = 0;
+    for (double steps = 4; steps < 20000 && count < 60; steps = ceil(steps * 1.25)) {
+        fixture_set(&f, system);
+        f.options.h = f.options.h_max = t_end / steps;
+        if (method->traits & PK_ADAPTIVE) /* a tolerance that accepts everything, a capped step */
+            f.options.rtol = f.options.atol = 1e10, f.options.newton_tol = 1e-14;
+        const int made = fixture_init(&f, method->name) >= 0 && pk_integrator_to(&f.it, t_end) >= 0;
+        const double e = made ? off(&f, exact) : 1;
+        pk_integrator_free(&f.it);
+        if (!made)
+            continue;
+        if (e < rounding)
+            break;
+        h[count] = t_end / steps;
+        error[count++] = e;
+    }
+    CU_ASSERT_FATAL(count >= FINEST);
+    return fit_slope(h + count - FINEST, error + count - FINEST, FINEST);
+}
+
 /* Which of the two instances of each step this program tests. */
 static const char *instance = "";
 

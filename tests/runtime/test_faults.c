@@ -160,8 +160,8 @@ static struct pk_system faulty(void)
 #define WRAP(kernel) WRAP_AS(kernel, kernel)
     WRAP(acceleration), WRAP(lanes), WRAP(mass), WRAP(canonical), WRAP(unconstrained),
         WRAP(jacobian);
-    WRAP(linear), WRAP_AS(constraints.values, constraint),
-        WRAP_AS(constraints.jacobian, rows), WRAP_AS(constraints.scale, terms), WRAP(inertia);
+    WRAP(linear), WRAP_AS(constraints.values, constraint), WRAP_AS(constraints.jacobian, rows),
+        WRAP_AS(constraints.scale, terms), WRAP(inertia);
     WRAP_AS(marks.values, marking), WRAP(prepare);
     s.steppers = NULL, s.block_steppers = NULL;
     s.singularities.n = 1, s.singularities.table = singularity,
@@ -236,24 +236,16 @@ static enum pk_status motion(const struct pk_method *method, double h, double *x
     return status;
 }
 
-static const struct pk_method *method_at(size_t i)
-{
-    size_t core = 0;
-    while (pk_method_at(core))
-        core++;
-    return i < core ? pk_method_at(i) : pk_gsl_method_at(i - core);
-}
-
 static void of_system(const struct pk_system *system, double h, long deep)
 {
-    static const char *const names[] = {"acceleration", "mass",        "canonical", "jacobian",
-                                        "linear",       "singularity", "event",
-                                        "constraint",   "rows",        "terms",     "unconstrained",
-                                        "inertia",      "marking",     "prepare",   "lanes"};
+    static const char *const names[] = {
+        "acceleration",  "mass",    "canonical",  "jacobian", "linear",
+        "singularity",   "event",   "constraint", "rows",     "terms",
+        "unconstrained", "inertia", "marking",    "prepare",  "lanes"};
     double right[2 * MOST], x[2 * MOST];
     fault.of = system;
-    for (size_t i = 0; method_at(i); i++) {
-        const struct pk_method *method = method_at(i);
+    for (size_t i = 0; fixture_method(i); i++) {
+        const struct pk_method *method = fixture_method(i);
         fault.at = 1, fault.for_ever = 0, fault.which = KERNELS;
         if (motion(method, h, right) < 0)
             continue;

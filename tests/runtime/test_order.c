@@ -3,37 +3,21 @@
  */
 #include "fixture.h"
 
+static double off(const struct fixture *f, const double *x)
+{
+    return fixture_distance(f, x, x + f->it.n);
+}
+
 /* Slope of error over step, of the finest five errors above round-off. */
 static double measured_order(const struct pk_system *system, const struct pk_method *method,
                              double t_end)
 {
     static struct fixture f;
-    double h[40], error[40], q[2], v[2];
-    int count = 0;
+    double x[6];
     CU_ASSERT_FATAL(fixture_run(&f, system, "gauss4", t_end / 4000, t_end) == PK_DONE);
-    memcpy(q, f.it.q, f.it.n * sizeof *q);
-    memcpy(v, f.it.v, f.it.n * sizeof *v);
-    const int adaptive = (method->traits & PK_ADAPTIVE) != 0;
-    for (double steps = 4; steps < 20000 && count < 40; steps = ceil(steps * 1.25)) {
-        fixture_set(&f, system);
-        f.options.h = t_end / steps;
-        if (adaptive) { /* a fixed step: a tolerance that accepts everything, a capped step */
-            f.options.rtol = f.options.atol = 1e10;
-            f.options.h_max = f.options.h;
-            f.options.newton_tol = 1e-14;
-        }
-        const int made = fixture_init(&f, method->name) >= 0 && pk_integrator_to(&f.it, t_end) >= 0;
-        const double e = made ? fixture_distance(&f, q, v) : 1;
-        pk_integrator_free(&f.it);
-        if (!made)
-            continue;
-        if (e < 3e-13)
-            break;
-        h[count] = f.options.h;
-        error[count++] = e;
-    }
-    CU_ASSERT_FATAL(count >= 5);
-    return fit_slope(h + count - 5, error + count - 5, 5);
+    memcpy(x, f.it.q, f.it.n * sizeof *x);
+    memcpy(x + f.it.n, f.it.v, f.it.n * sizeof *x);
+    return fixture_order(system, method, t_end, 3e-13, off, x);
 }
 
 /* All of the core up to order 6; above it errors reach round-off too soon, and quad/order.c goes

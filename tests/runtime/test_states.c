@@ -7,8 +7,6 @@
 
 #include <pk/gsl_equilibria.h>
 
-enum { FINEST = 5 };
-
 /* The Brusselator from its usual start, in long double, by a Runge-Kutta method of its own. */
 static void exact(double T, double *x)
 {
@@ -28,48 +26,27 @@ static void exact(double T, double *x)
     x[0] = (double)y[0], x[1] = (double)y[1];
 }
 
-/* Slope of the finest five errors above round-off. */
+static double off(const struct fixture *f, const double *x)
+{
+    return fmax(fabs(f->it.v[0] - x[0]), fabs(f->it.v[1] - x[1]));
+}
+
 static void order(void)
 {
-    static struct fixture f;
     double x[2];
     int found = 0;
     exact(2, x);
     for (size_t i = 0; pk_method_at(i); i++) {
         const struct pk_method *m = pk_method_at(i);
-        double h[60], error[60];
-        int count = 0;
         if (m->order > 6 || m->traits & PK_EXACT || m->needs & PK_MASS_CONSTANT)
             continue;
-        for (double steps = 8; steps < 20000 && count < 60; steps = ceil(steps * 1.25)) {
-            fixture_set(&f, &brusselator_system);
-            f.options.h = f.options.h_max = 2 / steps;
-            if (m->traits & PK_ADAPTIVE)
-                f.options.rtol = f.options.atol = 1e10, f.options.newton_tol = 1e-14;
-            if (fixture_init(&f, m->name) < 0 || pk_integrator_to(&f.it, 2) < 0)
-                continue;
-            const double e = fmax(fabs(f.it.v[0] - x[0]), fabs(f.it.v[1] - x[1]));
-            if (e < 1e-12)
-                break;
-            h[count] = 2 / steps;
-            error[count++] = e;
-        }
-        CU_ASSERT_FATAL(count >= FINEST);
-        const double slope = fit_slope(h + count - FINEST, error + count - FINEST, FINEST);
+        const double slope = fixture_order(&brusselator_system, m, 2, 1e-12, off, x);
         printf("\n    %-8s order %d, of states %.3f", m->name, m->order, slope);
         /* dopri5's error of order 5 is small here: its slope has not settled */
         CU_ASSERT(slope > m->order - 0.2 && slope < m->order + 0.8);
         found++;
     }
     CU_ASSERT(found >= 13);
-}
-
-static const struct pk_method *method_at(size_t i)
-{
-    size_t core = 0;
-    while (pk_method_at(core))
-        core++;
-    return i < core ? pk_method_at(i) : pk_gsl_method_at(i - core);
 }
 
 /* To t = 12 with the last states' integrals at `integral` where it starts: what it has come to. */
@@ -103,8 +80,8 @@ static void unseen(void)
     static const struct pk_system *const systems[] = {&brusselator_system, &maxwell_system};
     int found = 0;
     for (size_t k = 0; k < 2; k++)
-        for (size_t i = 0; method_at(i); i++) {
-            const char *name = method_at(i)->name;
+        for (size_t i = 0; fixture_method(i); i++) {
+            const char *name = fixture_method(i)->name;
             double at0[5], far[5];
             const enum pk_status status = moved(&f, systems[k], name, 0, at0);
             CU_ASSERT(moved(&f, systems[k], name, 1e9, far) == status);

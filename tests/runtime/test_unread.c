@@ -111,35 +111,20 @@ static double missed(const double *v, const double *x)
     return fmax(fabs(v[1] - x[1]), fabs(v[2] - x[2]));
 }
 
-/* Slope of the finest five errors above round-off; quad/order.c goes on above order 6. */
+static double off(const struct fixture *f, const double *x) { return missed(f->it.v, x); }
+
+/* quad/order.c goes on above order 6. */
 static void order(void)
 {
     const struct pk_system system = carrying();
-    static struct fixture f;
     double x[ALL];
     int found = 0;
     exact(2, x);
     for (size_t i = 0; pk_method_at(i); i++) {
         const struct pk_method *m = pk_method_at(i);
-        double h[60], error[60];
-        int count = 0;
         if (m->order > 6 || m->traits & (PK_EXACT | PK_LINEAR) || m->needs & PK_MASS_CONSTANT)
             continue;
-        for (double steps = 4; steps < 20000 && count < 60; steps = ceil(steps * 1.25)) {
-            fixture_set(&f, &system);
-            f.options.h = f.options.h_max = 2 / steps;
-            if (m->traits & PK_ADAPTIVE)
-                f.options.rtol = f.options.atol = 1e10, f.options.newton_tol = 1e-14;
-            if (fixture_init(&f, m->name) < 0 || pk_integrator_to(&f.it, 2) < 0)
-                continue;
-            const double e = missed(f.it.v, x);
-            if (e < 1e-12)
-                break;
-            h[count] = 2 / steps;
-            error[count++] = e;
-        }
-        CU_ASSERT_FATAL(count >= 5);
-        const double slope = fit_slope(h + count - 5, error + count - 5, 5);
+        const double slope = fixture_order(&system, m, 2, 1e-12, off, x);
         printf("\n    %-8s order %d, of states %.3f", m->name, m->order, slope);
         CU_ASSERT(fabs(slope - m->order) < (strcmp(m->name, "dopri5") ? 0.1 : 0.3)); /* HNW II.5 */
         found++;
