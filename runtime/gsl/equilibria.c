@@ -96,7 +96,7 @@ static int derivatives(struct search *s)
     return pk_all_finite(s->J, n * n);
 }
 
-int pk_equilibria_f(const gsl_vector *z, void *context, gsl_vector *f)
+static int gsl_f(const gsl_vector *z, void *context, gsl_vector *f)
 {
     struct search *s = (struct search *)context;
     set_unknowns(s, z);
@@ -108,7 +108,7 @@ int pk_equilibria_f(const gsl_vector *z, void *context, gsl_vector *f)
     return GSL_SUCCESS;
 }
 
-int pk_equilibria_df(const gsl_vector *z, void *context, gsl_matrix *J)
+static int gsl_df(const gsl_vector *z, void *context, gsl_matrix *J)
 {
     struct search *s = (struct search *)context;
     set_unknowns(s, z);
@@ -123,8 +123,8 @@ int pk_equilibria_df(const gsl_vector *z, void *context, gsl_matrix *J)
 
 static int gsl_fdf(const gsl_vector *z, void *context, gsl_vector *f, gsl_matrix *J)
 {
-    const int failed = pk_equilibria_f(z, context, f);
-    return failed ? failed : pk_equilibria_df(z, context, J);
+    const int failed = gsl_f(z, context, f);
+    return failed ? failed : gsl_df(z, context, J);
 }
 
 /* Newton's correction into s->F, and its largest part beside the reach; 0 where the linear terms
@@ -194,7 +194,7 @@ static int goes_on(struct search *s)
         way += step[i] * step[i] / reach(s, i) / reach(s, i);
     }
     pk_equilibria_normalise(s);
-    pk_bound_solve(s);
+    pk_bound_solve(s, gsl_f, gsl_df);
     const double off = correction(s);
     for (size_t i = 0; i < s->n; i++) {
         const double d = *unknown(s, i) - at[i] - step[i];
@@ -234,7 +234,7 @@ static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vecto
             break;
     }
     if (is_bound(s))
-        pk_bound_solve(s);
+        pk_bound_solve(s, gsl_f, gsl_df);
     else
         set_unknowns(s, solver->x);
     const int again = s->known != NULL;
@@ -287,7 +287,7 @@ enum pk_status pk_gsl_equilibria(const struct pk_problem *problem, const double 
     enum pk_status status = PK_NO_MEMORY;
     if (open_search(&s, problem) && solver && z &&
         (!system->n_first_order || pk_gsl_unread(problem, q0, v0, s.unread) == PK_DONE)) {
-        gsl_multiroot_function_fdf function = {pk_equilibria_f, pk_equilibria_df, gsl_fdf, n, &s};
+        gsl_multiroot_function_fdf function = {gsl_f, gsl_df, gsl_fdf, n, &s};
         status = PK_DONE;
         s.energy = fabs(pk_equilibria_energy(&s, q0, v0));
         pk_equilibria_box(&s, q0, v0);

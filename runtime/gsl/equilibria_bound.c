@@ -105,7 +105,7 @@ int pk_bound_derivatives(struct search *s)
     return pk_all_finite(s->J, s->rows * n);
 }
 
-void pk_bound_solve(struct search *s)
+void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df)
 {
     const gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
     gsl_multifit_nlinear_fdf fdf = {

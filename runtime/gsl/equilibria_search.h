@@ -93,10 +93,14 @@ static inline double reach(struct search *s, size_t i)
     return fmax(s->box[i], fabs(*unknown(s, i) - s->middle[i]));
 }
 
+/* As GSL calls F and J. */
+typedef int pk_gsl_vector(const gsl_vector *z, void *search, gsl_vector *f);
+typedef int pk_gsl_matrix(const gsl_vector *z, void *search, gsl_matrix *J);
+
 /* With rotations or constraints: F; J; and from the state to where the equations hold best. */
 int pk_bound_equations(struct search *s);
 int pk_bound_derivatives(struct search *s);
-void pk_bound_solve(struct search *s);
+void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df);
 /* Newton's shortest correction by J into F, which has n numbers then; 0 where there is none. */
 int pk_bound_correct(struct search *s);
 
@@ -116,10 +120,6 @@ static inline int equations(struct search *s)
                                   : s->pdot[i];
     return pk_all_finite(s->F, s->n);
 }
-
-/* F, and its derivatives, deflated, beside the sizes of equations: for GSL. */
-int pk_equilibria_f(const gsl_vector *z, void *context, gsl_vector *f);
-int pk_equilibria_df(const gsl_vector *z, void *context, gsl_matrix *J);
 
 /* A box about the start, which coordinates are angles in it, the momenta to keep and the size of
  * each equation. The state is then at rest but for what is cyclic. */
