@@ -108,8 +108,7 @@ int pk_bound_derivatives(struct search *s)
 void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df)
 {
     const gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
-    gsl_multifit_nlinear_fdf fdf = {
-        pk_equilibria_f, pk_equilibria_df, NULL, s->rows, s->n, s, 0, 0, 0};
+    gsl_multifit_nlinear_fdf fdf = {f, df, NULL, s->rows, s->n, s, 0, 0, 0};
     gsl_multifit_nlinear_workspace *w =
         gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, s->rows, s->n);
     gsl_vector *z = gsl_vector_alloc(s->n);
