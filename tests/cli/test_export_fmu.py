@@ -63,6 +63,40 @@ def test_a_unit_is_valid_and_steps_as_a_run_does(model: Path, version: str, unit
     agree(columns(found), ran(model, *options), 1e-9)
 
 
+SCENE = """model spun
+param m = 2 [kg] in (0, 10]
+param w = 3 [1/s] in [0, inf)
+param k = m*w^2 in [0, inf)
+input F [N]
+rotation R
+coord x [m]
+state s
+kinetic (1 [kg*m^2])*(omega(R).x^2 + 1.5*omega(R).y^2 + 2*omega(R).z^2) + m/2*x'^2
+potential k/2*x^2
+force x = F
+rate s = x/(1 [m*s])
+start x = w*(0.1 [m*s]), omega(R) = [w, 0.1*w, 0.5], s = 2
+scene one
+ set m = 3, F = 2
+ start x' = m*(1 [m/s/kg]), s = w*(1 [s])
+ until 1
+ method rk4 step 0.01
+ record x, x', s, omega(R) every 0.1
+end
+"""
+
+
+@pytest.mark.parametrize("w", [2, 4])
+def test_a_scene_is_the_default_of_a_unit_and_what_follows_follows(
+    w: float, unit, tmp_path: Path
+) -> None:
+    (tmp_path / "m.lag").write_text(SCENE)
+    path = unit(SCENE, "3", "--scene", "one", "--set", "w=2")
+    found = fmpy.simulate_fmu(str(path), output_interval=0.1, start_values={"w": w})
+    rows = ran(tmp_path / "m.lag", "--scene", "one", "--set", f"w={w}")
+    agree(columns(found), rows, 1e-12)
+
+
 MAGIC = {".so": b"\x7fELF", ".dll": b"MZ", ".dylib": b"\xcf\xfa\xed\xfe"}
 
 

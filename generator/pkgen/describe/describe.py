@@ -242,14 +242,14 @@ def _rotations(
     indices = {q.name: k for k, *_, q in _flat(named.coordinates(compilation, rates=True))}
     for r in single_rotations(compilation.declared):
         found = [indices.get(name) for name in r.rates]
-        follows = any(follow(name, order) for name in (r.name, *r.rates) for order in (0, 1))
+        follows = [follow(name, 1) for name in r.turns]
         yield {
             "name": r.name,
             "quaternion": list(r.quaternion),
             "rates": list(r.rates),
             "rate_indices": found,
             "rate_values": [None if k is None else _number(given["v"], k) for k in found],
-            "rates_follow": follows and not any(k in set_v for k in found),
+            "rates_follow": [f and k not in set_v for f, k in zip(follows, found, strict=True)],
             "rate_unit": r.rate_unit,
             "description": r.description,
         }

@@ -87,9 +87,10 @@ def starts(description: Any) -> Iterator[str]:
             if _own_value(item, what):
                 yield f"{what}[{item['index']}] = {float(item[what])!r};"
     for item in description["rotations"]:
-        values = zip(item["rate_indices"], item["rate_values"], strict=True)
-        if not item["rates_follow"]:
-            yield from (f"v[{k}] = {float(x)!r};" for k, x in values if x is not None)
+        keys = ("rate_indices", "rate_values", "rates_follow")
+        for k, x, follows in zip(*(item[key] for key in keys), strict=True):
+            if x is not None and not follows:
+                yield f"v[{k}] = {float(x)!r};"
     for item in description["states"]:
         if _own_value(item, ""):
             yield f"v[{item['index']}] = {float(item['value'])!r};"

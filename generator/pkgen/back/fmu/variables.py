@@ -64,10 +64,9 @@ def states(model: Described) -> list[State]:
         )
         found[n_q + c["index"]] = v
     for r in model["rotations"]:
-        for name, k, value in zip(r["rates"], r["rate_indices"], r["rate_values"], strict=True):
-            found[n_q + k] = State(
-                name, r["rate_unit"], "body rate", value or 0.0, r["rates_follow"]
-            )
+        keys = ("rate_indices", "rates", "rate_values", "rates_follow")
+        for k, name, value, follows in zip(*(r[key] for key in keys), strict=True):
+            found[n_q + k] = State(name, r["rate_unit"], "body rate", value or 0.0, follows)
     for s in model["states"]:
         found[n_q + s["index"]] = State(
             s["name"], s["unit"], s["description"], s["value"] or 0.0, s["follows"]

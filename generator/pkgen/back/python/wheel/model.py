@@ -192,7 +192,7 @@ class Model:
                     array[c["index"]] = c[key] or 0.0
         for r in description["rotations"]:
             for at, k in enumerate(r["rate_indices"]):
-                v[k] = v[k] if r["rates_follow"] else r["rate_values"][at] or 0.0
+                v[k] = v[k] if r["rates_follow"][at] else r["rate_values"][at] or 0.0
         for s in description["states"]:
             v[s["index"]] = v[s["index"]] if s["follows"] else s["value"] or 0.0
         return np.concatenate([q[:n_q], v[:n]])
