@@ -1,4 +1,4 @@
-"""`python -m bench families [--docs]`: what families kept as loops can do, beside their members
+"""`python -m bench families [--only TEXT] [--docs]`: what families kept as loops can do, beside their members
 written out.
 
 A row a feature: the model with a few members as loops and as straight-line code, the largest
@@ -99,6 +99,20 @@ potential -sum(dot(R[i]*[0, 0, 1], R[i+1]*[0, 0, 1]) + (R[i]*[0, 0, 1]).z/5, i =
 start R[i = 1..N] = rot([1, cos(i), 0], 1 + sin(i))
 start omega(R[i = 1..N]) = [0, 0, 2]
 """
+JOINTS = """\
+param l = 1/N
+coord x[1..N], y[1..N], z[1..N]
+rotation R[1..N]
+let head[i = 1..N] = [x[i], y[i], z[i]] - R[i]*[l/2, 0, 0]
+let tail[i = 1..N] = [x[i], y[i], z[i]] + R[i]*[l/2, 0, 0]
+kinetic sum(l*(x[i]'^2 + y[i]'^2 + z[i]'^2)/2, i = 1..N)
+kinetic sum(l^3*(omega(R[i]).x^2/50 + (omega(R[i]).y^2 + omega(R[i]).z^2)/24), i = 1..N)
+potential sum(l*9.81*z[i], i = 1..N)
+constraint wall: head[1] = [0, 0, 0]
+constraint joint[i = 1..N-1]: tail[i] = head[i+1]
+start x[i = 1..N] = (i - 0.5)*l
+start omega(R[i = 1..N]) = [1, 0, 0]
+"""
 MEMBERS = "k,q[1]\n" + "".join(f"{1 + k / 100},{k / 50}\n" for k in range(50))
 
 
@@ -123,6 +137,22 @@ CASES = (
     Case("constraints, a rope of rods", RODS, 10_000, 0.01),
     Case("rotations", SPINS, 10_000, 5, (*TIGHT, "--record", "R[1],omega(R[N]),energy")),
     Case("gauss", PENDULUMS, 10_000, 20, ("--method", "gauss", "--rtol", "1e-13")),
+    Case("gauss2 under constraints", RODS, 1000, 0.02, ("--method", "gauss2", "--step", "0.001")),
+    Case(
+        "constraints beside rotations",
+        JOINTS,
+        1000,
+        0.001,
+        (*TIGHT, "--record", "z[1],z[N],R[N],energy"),
+    ),
+    Case(
+        "radau5 with rotations",
+        SPINS,
+        1000,
+        1,
+        ("--method", "radau5", "--step", "0.05", "--record", "R[1],omega(R[N]),energy"),
+    ),
+    Case("an output for each index", f"{FPUT}observe d[i = 0..N] = q[i+1] - q[i]\n", 10_000, 20),
 )
 FEW = 20
 
@@ -140,6 +170,7 @@ def ran(case: Case, size: int, unrolled: int, folder: Path) -> tuple[list[list[f
     if size > FEW and "--record" not in words:
         words += ["--record", re.search(r"(?:coord|state) (\w+)", case.text)[1] + "[1]"]
     words += ["--until", case.until, "--every", case.until / 10, "--json", "-o", out]
+    words += ["--max-seconds", 100]  # twenty bodies on joints, written out, take some
     command = [sys.executable, "-c", RUN.format(unrolled), "run", model, *words]
     done = subprocess.run([*map(str, command)], capture_output=True, text=True)
     if done.returncode:
@@ -176,9 +207,12 @@ def judged(case: Case) -> tuple[float, tuple[str, ...]]:
 def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench families", description=__doc__)
     parser.add_argument("--docs", action="store_true")
+    parser.add_argument("--only", default="", help="features that have this text")
     options = parser.parse_args(arguments)
+    if options.docs and options.only:
+        raise SystemExit("bench: the docs have all features")
     found = []
-    for case in CASES:
+    for case in (case for case in CASES if options.only in case.feature):
         found.append(judged(case))
         print(" | ".join(found[-1][1]), flush=True)
     text = tables.table(HEAD, [row for _, row in found])
