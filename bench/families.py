@@ -1,5 +1,5 @@
-"""`python -m bench families [--only TEXT] [--docs]`: what families kept as loops can do, beside their members
-written out.
+"""`python -m bench families [--only TEXT] [--docs]`: what families kept as loops can do, beside
+their members written out.
 
 A row a feature: the model with a few members as loops and as straight-line code, the largest
 difference of a recorded number relative to the largest of its kind (integrators that choose their
