@@ -43,6 +43,7 @@ SECTIONS = {
     "Reference": (
         "language",
         "commands",
+        "editor",
         "python",
         "rotations",
         "events",

@@ -60,10 +60,11 @@ def laid_out(source: Source) -> str:
         raise ModelError(source, errors)
     lines = _lines(source, lexed)
     _scenes(lines)
+    tight = set().union(*(_tight_signs(statement.tokens) for statement in lexed))
     before = None
     for line in lines:
         before = None if line.first else before
-        line.pieces = _spaced(source, line, before, _tight_signs(lines, line))
+        line.pieces = _spaced(source, line, before, tight)
         before = line.tokens[-1] if line.tokens else before
     for block in _blocks(lines):
         _align(block, _behind_word)
@@ -117,16 +118,8 @@ def _scenes(lines: list[Line]) -> None:
         inside = inside or word == "SCENE"
 
 
-def _tight_signs(lines: list[Line], line: Line) -> set[int]:
-    """Where the + and - of a line stand that are in an index or in a range: i+1..N."""
-    if not any(token.type in SIGNS for token in line.tokens):
-        return set()
-    start = next(i for i in range(line.number - 1, -1, -1) if lines[i].first)
-    tokens = [token for one in lines[start : line.number] for token in one.tokens]
-    for one in lines[line.number :]:
-        if one.first:
-            break
-        tokens += one.tokens
+def _tight_signs(tokens: list[Token]) -> set[int]:
+    """Where the + and - of a statement stand that are in an index or in a range: i+1..N."""
     found: set[int] = set()
     waiting: list[list] = [["", False, []]]  # opener, whether there are dots, signs of a part
     for token in tokens:

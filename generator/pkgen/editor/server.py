@@ -61,7 +61,12 @@ def _text(uri: str) -> Text:
 
 
 def _lines(source: Source) -> list[str]:
-    return source.text.splitlines(keepends=True) or [""]
+    return _split(source.text)
+
+
+@lru_cache(maxsize=4)
+def _split(text: str) -> list[str]:
+    return [f"{line}\n" for line in text.split("\n")]
 
 
 def _position(source: Source, offset: int) -> lsp.Position:
