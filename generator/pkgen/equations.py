@@ -247,6 +247,7 @@ class Equations:
     state_start: Row = ()
     # The last n_first_order coordinates are dummies: their rates are the states.
     n_first_order: int = 0
+    n_unread: int = 0  # of these the last ones, which no rate depends on
     attitudes: tuple[Attitude, ...] = ()  # rotations: their rates stand behind all coordinates
     constraints: Constraints | None = None
     # M before M a = f was solved, where `mass` is the unit matrix; and beside `unconstrained`.

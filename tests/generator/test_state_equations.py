@@ -6,9 +6,11 @@ import random
 import re
 from pathlib import Path
 
+import pkgen
 import pytest
 import sympy as sp
 from c_harness import STRICT, run
+from conftest import long_but
 from pkgen.compiler import Use, compile_model
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
@@ -149,6 +151,43 @@ def test_influences_count_states_after_coordinates() -> None:
     assert structure.blocks == ((0, 1, 2),)
     assert structure.mass_blocks == ((0,), (1,), (2,))
     assert structure.cyclic == (False,)
+
+
+@pytest.mark.parametrize("seed", long_but(range(2), range(40)))
+def test_states_that_nothing_reads_are_left_out_of_newtons_equations(seed, tmp_path) -> None:
+    """A random graph of who reads whom; the same motion by methods without such equations."""
+    draw = random.Random(seed)
+    n, lines = draw.randint(1, 5), ["model reads", "coord q"]
+    reads = {k: {j for j in range(n) if draw.random() < 0.3} for k in range(n)}
+    by_force = {j for j in range(n) if draw.random() < 0.3}
+    read = by_force.union(*reads.values())
+    lines += [f"state s{k}" for k in range(n)]
+    for k in range(n):
+        terms = [f"{draw.uniform(-1, 1)!r}*sin(s{j})" for j in reads[k]]
+        lines += [f"rate s{k} = " + " + ".join([f"{draw.uniform(-1, 1)!r}*q*q' + cos(q)", *terms])]
+    forces = "".join(f" - 0.1*sin(s{j})" for j in by_force)
+    lines += ["kinetic (2 + cos(q))*q'^2/2", "potential -cos(q)", f"force q = -0.2*q'{forces}"]
+    lines += ["start q = 1.2", *(f"start s{k} = {draw.uniform(-1, 1)!r}" for k in range(n))]
+    text = "\n".join(lines) + "\n"
+    unread = n - 1 - max(read, default=-1)
+    (c,) = (body for name, body in compiled(text).files.items() if name.endswith(".c"))
+    assert (f".n_unread = {unread}," in c) == (unread > 0) and c.count("n_unread") == (unread > 0)
+    path = tmp_path / "reads.lag"
+    path.write_text(text)
+    model = pkgen.load(str(path))
+    one, *others = (
+        model.run(until=3, every=0.5, **of)
+        for of in (
+            {"method": "dop853", "rtol": 1e-12},
+            {"method": "gauss4", "step": 0.05},
+            {"method": "lobatto4", "step": 0.01},
+            {"method": "radau", "rtol": 1e-10},
+        )
+    )
+    for other in others:
+        for name in ("q", *(f"s{k}" for k in range(n))):
+            assert abs(one[name] - other[name]).max() < 1e-7
+            assert abs(one[name][-1] - one[name][0]) > 1e-6
 
 
 def test_what_nothing_recorded_needs_is_left_out() -> None:

@@ -107,6 +107,9 @@ struct pk_system {
      * momenta. The Lagrangian and the energy take them as given functions of time; energy is NULL
      * in a model without coordinates. */
     size_t n_first_order;
+    /* So many of the last ones no rate depends on, not their own either: quadratures. Newton's
+     * equations are of the others. 0 of families kept as loops. */
+    size_t n_unread;
     /* Rotations, attitudes R in SO(3), body to space. The first 3 n_rotations of the first-order
      * variables are their body rates, omega(R).x, .y, .z each; the next 4 n_rotations their unit
      * quaternions Q = (w, x, y, z), with Q' = Q (0, omega)/2: the matrix R turns by R v = Q v Q*.
@@ -214,11 +217,11 @@ static inline struct pk_turning pk_system_turning(const struct pk_system *system
     return system->families.turning ? system->families.turning(params, r) : found;
 }
 
-/* The pattern of its derivatives: dense ones are a border alone. */
+/* The pattern of its derivatives by what rates depend on: dense ones are a border alone. */
 static inline struct pk_pattern pk_system_pattern(const struct pk_system *system,
                                                   const void *params)
 {
-    struct pk_pattern pattern = {0, 0, system->n, 1};
+    struct pk_pattern pattern = {0, 0, system->n - system->n_unread, 1};
     if (system->families.pattern)
         system->families.pattern(params, &pattern);
     return pattern;

@@ -19,13 +19,14 @@
 #define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
 #define LONGER PK_C(4.0)
 enum {
-    OFTEN = 64
-}; /* steps between two looks at rounding, or fewer once they are so much longer */
+    OFTEN = 64, /* steps between two looks at rounding, or fewer once they are so much longer */
+    SAMPLES = 4 /* of it: of many coordinates one alone would find some that it hardly moves */
+};
 
 /* 2 n each: tolerances, these without rounding, largest values, whose unit is shared, a state; n
  * each: what rounding does to accelerations, an acceleration, what rounding of momenta does to
- * rates, two accelerations beside; and a mass matrix. */
-enum { ATOL = 0, OWN = 2, MOST = 4, GROUP = 6, MOVED = 8, NOISE = 10, A, BY_P, BESIDE, PARTS = 15 };
+ * rates, accelerations beside, two and their noise; and a mass matrix. */
+enum { ATOL = 0, OWN = 2, MOST = 4, GROUP = 6, MOVED = 8, NOISE = 10, A, BY_P, BESIDE, PARTS = 16 };
 
 size_t pk_scale_size(const struct pk_method *method, size_t n)
 {
@@ -137,23 +138,35 @@ static void shake(const struct pk_integrator *it, pk_real share, unsigned long r
     }
 }
 
+/* The acceleration at a state `aside` of this one, and the most that rounding makes of it; 0 where
+ * there is none. */
+static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real *noise)
+{
+    const size_t n = it->n;
+    pk_real *moved = part(it, MOVED), *other = part(it, BESIDE);
+    memset(noise, 0, n * sizeof *noise);
+    for (int k = 0; k <= SAMPLES; k++) {
+        memcpy(moved, it->own->state, 2 * n * sizeof *moved);
+        shake(it, aside, 54321, moved);
+        shake(it, k ? ROUNDING : 0, 12345ul * (unsigned long)k, moved);
+        const pk_real t = it->t * (1 + aside) * (1 + (k ? ROUNDING : 0));
+        if (!acceleration(it, t, moved, k ? other : a))
+            return 0;
+        for (size_t i = 0; i < n && k; i++)
+            noise[i] = pk_max(noise[i], pk_abs(other[i] - a[i]));
+    }
+    return 1;
+}
+
 /* Takes the smaller noise of two nearby states: where a force sets in like sqrt(x), rounding is
  * amplified, but only for much less than a step. */
 static void look_at_rounding(struct pk_integrator *it)
 {
     const size_t n = it->n;
-    pk_real *moved = part(it, MOVED), *noise = part(it, NOISE), *a = part(it, A);
-    pk_real *beside = part(it, BESIDE), *other = beside + n;
-    memcpy(moved, it->own->state, 2 * n * sizeof *moved);
-    int valid = acceleration(it, it->t, moved, a);
-    shake(it, ROUNDING, 12345, moved);
-    valid = valid && acceleration(it, it->t * (1 + ROUNDING), moved, noise);
-    shake(it, ASIDE, 54321, moved);
-    valid = valid && acceleration(it, it->t * (1 + ASIDE), moved, beside);
-    shake(it, ROUNDING, 12345, moved);
-    valid = valid && acceleration(it, it->t * (1 + ASIDE) * (1 + ROUNDING), moved, other);
+    pk_real *noise = part(it, NOISE), *beside = part(it, BESIDE) + n, *other = beside + n;
+    const int valid = noise_at(it, 0, part(it, A), noise) && noise_at(it, ASIDE, beside, other);
     for (size_t i = 0; i < n; i++)
-        noise[i] = valid ? pk_min(pk_abs(noise[i] - a[i]), pk_abs(other[i] - beside[i])) : 0;
+        noise[i] = valid ? pk_min(noise[i], other[i]) : 0;
     look_at_momenta(it);
 }
 

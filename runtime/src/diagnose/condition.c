@@ -14,9 +14,10 @@ struct parts {
 };
 
 /* Unknowns of the method's own equations; 0 where there are none, or too many. */
-static size_t unknowns(const struct pk_method *method, size_t n)
+static size_t unknowns(const struct pk_system *system, const struct pk_method *method, size_t n)
 {
-    const size_t m = method && method->equations ? (size_t)method->stages * n : 0;
+    const size_t m =
+        method && method->equations ? (size_t)method->stages * (n - system->n_unread) : 0;
     return m <= PK_CONDITION_MOST ? m : 0;
 }
 
@@ -26,7 +27,7 @@ static size_t lay_out(struct parts *w, const struct pk_problem *problem,
     const struct pk_system *system = problem->system;
     const size_t n = pk_system_count(system, problem->params), c = system->constraints.n;
     w->n = n;
-    w->most = unknowns(method, n);
+    w->most = unknowns(system, method, n);
     w->most = w->most > n ? w->most : n;
     w->most = w->most > c ? w->most : c;
     const size_t m = w->most;
@@ -196,7 +197,8 @@ void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
         most(&c->lost, terms[i] > 0 ? w.lost[i] / terms[i] : 0, t);
         c->where = c->lost.x > before ? i : c->where;
     }
-    const pk_real *factors = it && unknowns(it->method, w.n) ? it->method->equations(it) : NULL;
+    const size_t of_step = it ? unknowns(problem->system, it->method, w.n) : 0;
+    const pk_real *factors = of_step ? it->method->equations(it) : NULL;
     if (factors)
-        most(&c->step, of_lu(&w, factors, unknowns(it->method, w.n)), t);
+        most(&c->step, of_lu(&w, factors, of_step), t);
 }

@@ -38,7 +38,7 @@ enum { MOST_POINTS = 400 };
 /* |J1^-1 J2 - I|, J1 factored in w->lu. */
 static pk_real apart(struct pk_gauss_work *w, const pk_real *J2, size_t stride, pk_real tau)
 {
-    const size_t m = w->s * w->n;
+    const size_t m = w->s * w->places;
     pk_real *X = w->other.corner;
     pk_gauss_matrix(w, J2, stride, tau, 1, &w->other);
     if (!w->pattern.dense)
@@ -143,7 +143,7 @@ static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
  * fold on the way, is told by this alone. Leaves V as it was, and Q, P, F, G too. */
 static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
 {
-    const size_t n = it->n, m = w->s * n;
+    const size_t n = it->n, m = w->s * n, read = pk_gauss_read(w);
     pk_real most = 0, off = 0;
     memcpy(w->older_V, w->V, m * sizeof *w->V);
     for (size_t i = 0; i < w->s; i++)
@@ -152,6 +152,8 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
         return 0;
     pk_gauss_lu_solve(w, &w->lu, w->s, w->G);
     for (size_t k = 0; k < m; k++) {
+        if (k % n >= read)
+            continue;
         const pk_real d = w->older_V[k] - it->v[k % n], scale = w->scale[k % n] + PK_TINY;
         most = pk_max(most, pk_abs(d) / scale);
         off = pk_max(off, pk_abs(w->G[k] + d) / scale);

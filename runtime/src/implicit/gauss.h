@@ -47,8 +47,10 @@ struct pk_gauss_work {
     size_t s;
     struct pk_pattern pattern; /* of derivatives; rows 0: dense */
     int closed;                /* some places are of multipliers or accelerations */
-    /* Coordinates; places, as many or more; numbers of a matrix of the pattern. */
-    size_t n, places, nn;
+    /* Coordinates; places: where dense the first coordinates, without those that nothing reads,
+     * else as many or more; numbers of a matrix that a kernel writes, and how far apart rows of the
+     * border are in it. */
+    size_t n, places, nn, across;
     pk_real *place;             /* the coordinate that has each place, where not dense */
     pk_real *V, *Q, *P, *F, *G; /* stages: rates, coordinates, momenta, h b pdot, residual */
     pk_real *last_V;            /* of the last step made, for the predictor */
@@ -92,6 +94,8 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
 int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w);
 /* V -= (matrix)^-1 G; G is then that correction. */
 void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode);
+/* Where V has solved the equations: what nothing reads is G there what it is off, and follows. */
+void pk_gauss_settle(const struct pk_integrator *it, const struct pk_gauss_work *w);
 /* w->scale of each coordinate's rates, from V and q/h. */
 void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w);
 /* The iteration from V. 0 where it did not converge. */
@@ -114,7 +118,7 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
 const pk_real *pk_gauss_equations(struct pk_integrator *it);
 /* Where a matrix costs less than an iteration or two: it then takes the derivatives at each
  * predicted stage, and is made anew at the first sign of slower convergence. */
-int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w);
+int pk_gauss_small(const struct pk_gauss_work *w);
 /* M = L D L^T in place; 0, or 1 + the coordinate whose pivot is not positive. x = M^-1 x of what is
  * factored, x by coordinates. */
 size_t pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M);
@@ -124,7 +128,13 @@ void pk_gauss_mass_alone(const struct pk_gauss_work *w, const pk_real *J, pk_rea
 /* A matrix whose inverse is no less than |M^-1|, entry by entry, where it is positive definite:
  * A. M. Ostrowski, Comment. Math. Helv. 10 (1937) 69. */
 void pk_gauss_compare(const struct pk_gauss_work *w, pk_real *M);
-/* x = lu^-1 x, of s stages, x by coordinates; y = lu^-1 (y + A x) of one stage. */
+/* How many coordinates Newton's equations are of: they are the first ones. */
+static inline size_t pk_gauss_read(const struct pk_gauss_work *w)
+{
+    return w->pattern.dense ? w->places : w->n;
+}
+/* x = lu^-1 x, of s stages, x by coordinates; y = lu^-1 (y + A x) of
+ * one stage, where dense of all coordinates: what nothing reads is y + A x. */
 void pk_gauss_lu_solve(const struct pk_gauss_work *w, const struct pk_band *lu, size_t s,
                        pk_real *x);
 void pk_gauss_solve_with(const struct pk_gauss_work *w, pk_real *A, const pk_real *x,

@@ -19,9 +19,9 @@
 #define SURELY_ABOVE PK_C(1.5)
 enum { MOST_TURNS = 16, TURNS = 16 };
 
-int pk_gauss_small(const struct pk_integrator *it, const struct pk_gauss_work *w)
+int pk_gauss_small(const struct pk_gauss_work *w)
 {
-    return w->s * it->n <= 24;
+    return w->s * pk_gauss_read(w) <= 24;
 }
 
 int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode)
@@ -33,7 +33,7 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
         pk_gauss_mass(it, it->t, it->q, it->v, w->jacobian);
         return pk_gauss_mass_factor(w, w->jacobian) == 0;
     }
-    const int each = mode == PK_FULL || pk_gauss_small(it, w);
+    const int each = mode == PK_FULL || pk_gauss_small(w);
     if (each) {
         pk_gauss_stage_derivatives(it, w);
     } else {
@@ -118,27 +118,28 @@ pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M)
 static pk_real quick_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                                  const pk_real *J, size_t count)
 {
-    const size_t n = it->n, nn = n * n;
+    const size_t n = w->places, across = w->across, nn = w->nn;
     const int separable = (it->problem.system->facts & PK_SEPARABLE) != 0;
     pk_real *ldl = w->M, *r = w->x, p_q = 0, pdot_q = 0, pdot_v = 0, least = 1;
     for (size_t k = 0; k < count; k++, J += 4 * nn) {
         pk_real det = 1, of_p_q = 0, of_pdot_q = 0, of_pdot_v = 0;
         if (n > 1) {
-            for (size_t i = 0; i < nn; i++)
-                ldl[i] = J[i];
+            for (size_t i = 0; i < n; i++)
+                for (size_t j = 0; j < n; j++)
+                    ldl[i * n + j] = J[i * across + j];
             if (pk_ldl_factor(ldl, n))
                 return PK_INFINITY;
         } else if (!(J[0] > 0)) {
             return PK_INFINITY;
         }
         for (size_t i = 0; i < n; i++) {
-            r[i] = 1 / J[i * n + i];
+            r[i] = 1 / J[i * across + i];
             if (n > 1)
                 det *= ldl[i * n + i] * r[i];
         }
         for (size_t i = 0; i < n; i++)
             for (size_t j = 0; j < n; j++) {
-                const pk_real *x = J + i * n + j, scale = r[i] * r[j];
+                const pk_real *x = J + i * across + j, scale = r[i] * r[j];
                 of_pdot_q += x[2 * nn] * x[2 * nn] * scale;
                 if (!separable) {
                     of_p_q += x[nn] * x[nn] * scale;
@@ -198,7 +199,7 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
 /* |M^-1 (J - M)| itself, of bands no less than it. */
 static pk_real contraction(const struct pk_gauss_work *w, const pk_real *J, size_t stride)
 {
-    const size_t n = w->n, s = w->s, m = s * n, banded = !w->pattern.dense;
+    const size_t n = w->places, s = w->s, m = s * n, banded = !w->pattern.dense;
     pk_gauss_matrix(w, J, stride, 1, 0, &w->other);
     for (size_t i = 0; i < s; i++, J += stride) {
         pk_real *M = w->M + (banded ? i * w->nn : 0);

@@ -20,7 +20,9 @@ struct pk_band pk_gauss_band(const struct pk_gauss_work *w, pk_real *numbers)
 void pk_gauss_to_places(const struct pk_gauss_work *w, size_t s, const pk_real *x, pk_real *y)
 {
     const size_t rows = w->pattern.rows, border = w->pattern.border;
-    for (size_t k = 0; k < w->places; k++)
+    for (size_t i = 0; i < s && w->pattern.dense; i++)
+        memcpy(y + i * border, x + i * w->n, border * sizeof *y);
+    for (size_t k = 0; k < w->places && !w->pattern.dense; k++)
         for (size_t i = 0; i < s; i++) {
             pk_real *to = y + (k < rows ? k * s + i : rows * s + i * border + (k - rows));
             *to = w->place[k] < 0 ? 0 : x[i * w->n + (size_t)w->place[k]];
@@ -30,7 +32,9 @@ void pk_gauss_to_places(const struct pk_gauss_work *w, size_t s, const pk_real *
 void pk_gauss_to_coordinates(const struct pk_gauss_work *w, size_t s, const pk_real *y, pk_real *x)
 {
     const size_t rows = w->pattern.rows, border = w->pattern.border;
-    for (size_t k = 0; k < w->places; k++)
+    for (size_t i = 0; i < s && w->pattern.dense; i++)
+        memcpy(x + i * w->n, y + i * border, border * sizeof *y);
+    for (size_t k = 0; k < w->places && !w->pattern.dense; k++)
         for (size_t i = 0; i < s; i++)
             if (!(w->place[k] < 0))
                 x[i * w->n + (size_t)w->place[k]] =
@@ -40,7 +44,7 @@ void pk_gauss_to_coordinates(const struct pk_gauss_work *w, size_t s, const pk_r
 void pk_gauss_lu_solve(const struct pk_gauss_work *w, const struct pk_band *lu, size_t s,
                        pk_real *x)
 {
-    if (w->pattern.dense) {
+    if (w->pattern.dense && (s == 1 || w->places == w->n)) {
         pk_band_solve(lu, x);
         return;
     }
@@ -55,7 +59,9 @@ void pk_gauss_solve_with(const struct pk_gauss_work *w, pk_real *A, const pk_rea
     const struct pk_band band = pk_gauss_band(w, A);
     pk_real *of_x = w->z, *of_y = w->z + w->places;
     if (w->pattern.dense) {
-        pk_band_add_product(&band, x, y);
+        for (size_t i = 0; i < w->n; i++)
+            for (size_t k = 0; k < w->places; k++)
+                y[i] += A[i * w->n + k] * x[k];
         pk_band_solve(lu, y);
         return;
     }
@@ -81,6 +87,8 @@ void pk_gauss_mass_alone(const struct pk_gauss_work *w, const pk_real *J, pk_rea
 size_t pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M)
 {
     const struct pk_band band = pk_gauss_band(w, M);
+    for (size_t i = 1; i < w->places && w->pattern.dense && w->places < w->n; i++)
+        memmove(M + i * w->places, M + i * w->n, w->places * sizeof *M); /* shorter rows */
     const size_t failed = pk_band_ldl_factor(&band);
     return failed && !w->pattern.dense ? 1 + (size_t)w->place[failed - 1] : failed;
 }
@@ -161,6 +169,7 @@ void pk_gauss_matrix(const struct pk_gauss_work *w, const pk_real *J, size_t str
     const size_t s = w->s, rows = w->pattern.rows, width = w->pattern.width;
     const size_t border = w->pattern.border, band = 2 * width + 1, right = rows * band;
     const size_t bottom = right + rows * border, corner = bottom + rows * border;
+    const size_t across = w->across;
     if (rows)
         pk_band_clear(to);
     for (size_t i = 0; i < s; i++)
@@ -189,6 +198,6 @@ void pk_gauss_matrix(const struct pk_gauss_work *w, const pk_real *J, size_t str
                 }
             }
             for (size_t k = 0; k < border; k++)
-                fill(&b, corner + k * border, border, pk_band_entry(to, row + k, column), 1);
+                fill(&b, corner + k * across, border, pk_band_entry(to, row + k, column), 1);
         }
 }

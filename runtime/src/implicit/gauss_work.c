@@ -13,12 +13,14 @@ static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
     const size_t n = w->n, s = (size_t)w->table->stages, m = s * n;
     const size_t rows = w->pattern.rows, border = w->pattern.border, banded = !w->pattern.dense;
     const size_t places = rows + border, by_places = s * places;
-    const size_t kept = PK_REALS_OF(struct pk_gauss_kept);
-    const size_t nn = rows * (2 * w->pattern.width + 1) + (rows + places) * border;
+    const size_t kept = PK_REALS_OF(struct pk_gauss_kept), room = by_places > n ? by_places : n;
+    const size_t across = banded ? border : n;
+    const size_t nn = rows * (2 * w->pattern.width + 1) + (rows + rows + across) * across;
     pk_real *memory = NULL, *lu = NULL, *other = NULL;
     w->s = s;
     w->places = places;
     w->nn = nn;
+    w->across = across;
     w->lu = w->other = (struct pk_band){.rows = s * rows,
                                         .below = s * w->pattern.width + s - 1,
                                         .above = s * w->pattern.width + s - 1,
@@ -35,9 +37,9 @@ static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
         {&w->hb, s},          {&w->norms, 3},       {&w->hh, s * s * s},  {&w->mu_columns, s * s},
         {&w->start_J, 4 * nn},                      {&w->before_J, 4 * s * nn},
         {&w->old_J, 4 * s * nn},                    {&w->old_V, m},       {&w->older_V, m},
-        {&w->c, s},           {&w->b, s},           {&w->x, by_places},   {&w->y, by_places},
+        {&w->c, s},           {&w->b, s},           {&w->x, room},        {&w->y, room},
         {&w->M, banded ? s * nn : nn},              {&w->place, banded * places},
-        {&w->z, banded * (by_places + places)},
+        {&w->z, by_places + places},
         {&w->rest, s == PK_LANES ? pk_gauss_lanes_size(n) : 0}};
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);

@@ -6,7 +6,7 @@
  * steps is seen to in branch.c.
  *
  * An iteration ends where the next correction is foreseen to be far below round-off, on a scale
- * of its own for each coordinate, max|V| + |q|/h; or where corrections are at round-off and no
+ * of its own for each coordinate that is read, max|V| + |q|/h; or where corrections are at round-off and no
  * longer shrink. Far below, because what is left undone has a sign: at round-off itself the
  * energy drifts like t, not like sqrt(t) (E. Hairer, R. McLachlan, A. Razakarivony, BIT 48 (2008)
  * 231). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
@@ -55,12 +55,12 @@ int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
 static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w, pk_real *own,
                   pk_real *shared)
 {
-    const size_t n = it->n;
+    const size_t n = it->n, read = pk_gauss_read(w);
     pk_real most = 0;
-    for (size_t k = 0; k < n; k++)
+    for (size_t k = 0; k < read; k++)
         most = pk_max(most, w->scale[k]);
     *own = *shared = 0;
-    for (size_t k = 0; k < n; k++) {
+    for (size_t k = 0; k < read; k++) {
         pk_real size = 0;
         for (size_t i = 0; i < w->s; i++) /* written so that what is no number gets through */
             if (!(pk_abs(w->G[i * n + k]) <= size))
@@ -90,12 +90,12 @@ void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
  * kinds by itself. */
 static pk_real changed(const struct pk_gauss_work *w)
 {
-    const size_t nn = w->nn;
+    const size_t nn = w->nn, seen = w->pattern.dense ? w->places * w->n : nn; /* rows of these */
     pk_real worst = 0;
     for (size_t kind = 0; kind < 4; kind++) {
         pk_real most = 0, change = 0;
         for (size_t i = 0; i < w->s; i++)
-            for (size_t k = 0; k < nn; k++) {
+            for (size_t k = 0; k < seen; k++) {
                 const size_t x = (4 * i + kind) * nn + k;
                 most = pk_max(most, pk_abs(w->jacobian[x]));
                 change = pk_max(change, pk_abs(w->jacobian[x] - w->before_J[x]));
@@ -120,6 +120,16 @@ void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
     }
 }
 
+void pk_gauss_settle(const struct pk_integrator *it, const struct pk_gauss_work *w)
+{
+    const size_t n = it->n;
+    for (size_t i = 0; i < w->s; i++)
+        for (size_t k = i * n + pk_gauss_read(w); k < (i + 1) * n; k++) {
+            w->V[k] -= w->G[k];
+            w->P[k] = w->V[k];
+        }
+}
+
 /* Divergence of a slow iteration: the largest correction of 25 is not below that of the 25
  * before. Single ones may rise and fall, since the eigenvalues of h^2 A^2 are complex. */
 static int rising(pk_real size, int count, pk_real *window)
@@ -142,7 +152,7 @@ static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, i
     } else if (fresh) {
         w->kept->best = count;
         w->kept->wait -= w->kept->wait > 0;
-    } else if (count > w->kept->best + !pk_gauss_small(it, w)) {
+    } else if (count > w->kept->best + !pk_gauss_small(w)) {
         w->kept->patience = w->kept->patience < 31 ? 2 * w->kept->patience + 1 : 63;
         w->kept->wait = w->kept->patience;
     } else {
@@ -165,6 +175,7 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
         if (!pk_gauss_residual(it, w))
             return 0;
         if (last) { /* P and F now belong to the V that is kept */
+            pk_gauss_settle(it, w);
             keep_or_refresh(it, w, fresh, count);
             return 1;
         }

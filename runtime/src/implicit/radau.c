@@ -67,13 +67,14 @@ static enum pk_status init(struct pk_integrator *it)
 static pk_real correction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                           const struct pk_radau_parts *r)
 {
+    const size_t read = pk_gauss_read(w);
     pk_real sum = 0;
     for (size_t i = 0; i < w->s; i++)
-        for (size_t k = 0; k < it->n; k++) {
+        for (size_t k = 0; k < read; k++) {
             const pk_real dv = w->G[i * it->n + k], dq = it->own->h * dv;
             sum += dv / r->of_v[k] * (dv / r->of_v[k]) + dq / r->of_q[k] * (dq / r->of_q[k]);
         }
-    return PK_F(sqrt)(sum / (pk_real)(2 * w->s * it->n));
+    return read ? PK_F(sqrt)(sum / (pk_real)(2 * w->s * read)) : 0;
 }
 
 /* The last correction, relative to rates and |q/h|. */
@@ -81,6 +82,8 @@ static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_wo
 {
     pk_real size = 0, scale = PK_TINY;
     for (size_t i = 0; i < w->s * it->n; i++) {
+        if (i % it->n >= pk_gauss_read(w))
+            continue;
         size = pk_max(size, pk_abs(w->G[i]));
         scale = pk_max(scale, pk_max(pk_abs(w->V[i]), pk_abs(it->q[i % it->n] / it->own->h)));
     }
@@ -99,8 +102,10 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
     for (*count = 0; *count <= most; ++*count) {
         if (!pk_gauss_residual(it, w))
             return PK_NOT_FINITE;
-        if (done)
+        if (done) {
+            pk_gauss_settle(it, w);
             return PK_DONE;
+        }
         if (*count == 0 &&
             (!(it->own->flags & PK_HAVE_LU) || it->own->flags & PK_REFRESH ||
              it->own->h > w->kept->lu_h || it->own->h < w->kept->lu_h) &&

@@ -70,6 +70,9 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
     for (size_t x = 0; x < nn; x++)
         w->M[x] = hg * J[2 * nn + x] - J[nn + x];
     pk_gauss_solve_with(w, w->M, r->dq, &r->E, r->dv);
+    for (size_t k = pk_gauss_read(w); k < n; k++) /* what nothing reads, by the others' errors */
+        for (size_t i = 0; i < w->places; i++)
+            r->dv[k] += hg * (J[3 * nn + k * n + i] + hg * J[2 * nn + k * n + i]) * r->dv[i];
     for (size_t k = 0; k < n; k++) {
         r->dq[k] += hg * r->dv[k];
         sum += r->dq[k] / r->of_q[k] * (r->dq[k] / r->of_q[k]) +

@@ -242,6 +242,7 @@ def _context(program: Program) -> dict[str, Any]:
         "sizes": [],
         "n": len(equations.coordinates),
         "n_first_order": equations.n_first_order,
+        "n_unread": equations.n_unread,
         "states": [q.name for q in equations.rates[equations.own :]],
         # Whether p is dL/dv of the coordinates, and h made of these.
         "has_lagrangian": int("lagrangian" in present and not equations.inertia),

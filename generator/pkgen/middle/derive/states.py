@@ -117,8 +117,16 @@ def as_rates(
         state_rates=(),
         state_start=(),
         n_first_order=count + len(e.turning),
+        n_unread=_unread(g, n, motion),
     )
     return whole, _facts(structure, count, solved)
+
+
+def _unread(g: Graph, n: int, motion: Motion) -> int:
+    """How many of the last states no rate depends on, of n coordinates."""
+    nodes = (*motion.momenta[:n], *motion.pdot)
+    read = (s.index for s in symbols_in(g, nodes, BIT[Kind.RATE]))
+    return len(motion.pdot) - max(n, *(i + 1 for i in read), 0)
 
 
 def _switch(x: Switch, there, count: int) -> Switch:
