@@ -55,4 +55,13 @@ BOUND = (
     ),
 )
 # Wherever there are constraints.
-ALWAYS = frozenset({"constraint", "constraint_jacobian", "residual_scale", "inertia", "redundant"})
+ALWAYS = frozenset(
+    {
+        "constraint",
+        "constraint_jacobian",
+        "residual_scale",
+        "inertia",
+        "redundant",
+        "multipliers",
+    }
+)

@@ -11,7 +11,7 @@
  */
 #include <string.h>
 
-#include "internal.h"
+#include "project.h"
 
 #define SHARE PK_C(1e-6)
 #define ROUNDING (8 * PK_EPS)
@@ -158,6 +158,31 @@ static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real
     return 1;
 }
 
+/* What constraints hold in place has forces that cancel, and may be exactly where shaking moves
+ * nothing: a is no better than the terms (M^-1 J^T)_ki lambda_i. */
+static void look_at_rows(struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    if (!system->constraints.multipliers || !it->own->project)
+        return;
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    pk_real *noise = part(it, NOISE), *lambda = part(it, BESIDE);
+    w.t = it->t;
+    w.u = pk_eval_input(it, it->t);
+    if (!w.whole || pk_project_inertia(&w, it->q, it->v))
+        return;
+    pk_project_rows(&w, it->q, it->v);
+    if (pk_project_factor(&w, w.c, it->q, it->v))
+        return;
+    system->constraints.multipliers(w.params, w.t, it->q, it->v, w.u, lambda);
+    for (size_t k = 0; k < w.m; k++) {
+        pk_real sum = 0;
+        for (size_t i = 0; i < w.c; i++)
+            sum += pk_abs(w.W[i * w.m + k] * lambda[i]);
+        noise[k] = pk_finite(sum) ? pk_max(noise[k], ROUNDING * sum) : noise[k];
+    }
+}
+
 /* Takes the smaller noise of two nearby states: where a force sets in like sqrt(x), rounding is
  * amplified, but only for much less than a step. */
 static void look_at_rounding(struct pk_integrator *it)
@@ -167,6 +192,7 @@ static void look_at_rounding(struct pk_integrator *it)
     const int valid = noise_at(it, 0, part(it, A), noise) && noise_at(it, ASIDE, beside, other);
     for (size_t i = 0; i < n; i++)
         noise[i] = valid ? pk_min(noise[i], other[i]) : 0;
+    look_at_rows(it);
     look_at_momenta(it);
 }
 
