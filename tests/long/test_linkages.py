@@ -12,10 +12,15 @@ from pathlib import Path
 
 import numpy
 import pytest
-from conftest import long_but
 
 ADAPTIVE = ["gauss", "dop853", "dopri5", "radau"]
-FIXED = [("rk4", 0.01), ("gauss4", 0.02), ("gauss2", 0.05), ("rattle", 0.01), ("lie_midpoint4", 0.02)]
+FIXED = [
+    ("rk4", 0.01),
+    ("gauss4", 0.02),
+    ("gauss2", 0.05),
+    ("rattle", 0.01),
+    ("lie_midpoint4", 0.02),
+]
 UNTIL, EVERY, SECONDS = 2.5, 0.25, 60
 
 

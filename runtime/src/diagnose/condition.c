@@ -16,8 +16,8 @@ struct parts {
 /* Unknowns of the method's own equations; 0 where there are none, or too many. */
 static size_t unknowns(const struct pk_system *system, const struct pk_method *method, size_t n)
 {
-    const size_t m =
-        method && method->equations ? (size_t)method->stages * (n - system->n_unread) : 0;
+    const size_t m = method && method->equations ? (size_t)method->stages * (n - system->n_unread)
+                                                 : 0;
     return m <= PK_CONDITION_MOST ? m : 0;
 }
 

@@ -19,10 +19,7 @@
 #define SURELY_ABOVE PK_C(1.5)
 enum { MOST_TURNS = 16, TURNS = 16 };
 
-int pk_gauss_small(const struct pk_gauss_work *w)
-{
-    return w->s * pk_gauss_read(w) <= 24;
-}
+int pk_gauss_small(const struct pk_gauss_work *w) { return w->s * pk_gauss_read(w) <= 24; }
 
 int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode)
 {
