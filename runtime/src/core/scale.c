@@ -96,6 +96,16 @@ void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
         it->own->atol[i] = own[i] + h * of_v;
         it->own->atol[n + i] = own[n + i] + of_v;
     }
+    /* As rates move coordinates, body rates turn quaternions. */
+    const struct pk_system *system = it->problem.system;
+    for (size_t r = 0; r < pk_system_rotations(system, it->problem.params); r++) {
+        const struct pk_turning at = pk_system_turning(system, it->problem.params, r);
+        pk_real of_rate = 0;
+        for (size_t k = 0, i = at.rate; k < 3; k++, i += at.step)
+            of_rate = pk_max(of_rate, h * noise[i] + by_p[i]);
+        for (size_t k = 0, i = n + at.number; k < 4; k++, i += at.step)
+            it->own->atol[i] += h * of_rate / 2;
+    }
 }
 
 static int acceleration(struct pk_integrator *it, pk_real t, const pk_real *q, pk_real *a)

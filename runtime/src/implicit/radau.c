@@ -16,6 +16,8 @@
 #define SHRINK PK_C(0.2)
 #define GROW PK_C(8.0)
 #define KEEP PK_C(1.2) /* a step that might grow by less stays: Newton's matrix too */
+/* Of the tolerance: corrections below it that do not shrink as they should are rounding. */
+#define LITTLE PK_C(1e-3)
 enum { MOST_ITERATIONS = 10 };
 
 static size_t lay_out(struct pk_radau_parts *r, size_t n, struct pk_pattern pattern, pk_real *base)
@@ -121,13 +123,17 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             done = relative(it, w) <= asked_for;
         } else if (*count > 0) {
             const pk_real rate = now / before;
-            if (!(rate < 1))
+            const int little = now <= LITTLE;
+            if (!(rate < 1) && !little)
                 return PK_NO_CONVERGENCE;
-            left = rate / (1 - rate);
+            left = rate < 1 ? rate / (1 - rate) : 0;
             if (rate > PK_C(1e-3)) /* it pays to make the matrix anew */
                 it->own->flags |= PK_REFRESH;
-            if (left * now * PK_F(pow)(rate, (pk_real)(most - 1 - *count)) > r->kept->enough)
-                return PK_NO_CONVERGENCE;
+            if (left * now * PK_F(pow)(rate, (pk_real)(most - 1 - *count)) > r->kept->enough) {
+                if (!little)
+                    return PK_NO_CONVERGENCE;
+                left = 0;
+            }
         }
         before = now;
         if (!(asked_for > 0))
