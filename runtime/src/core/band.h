@@ -22,6 +22,12 @@ struct pk_band {
     pk_real *used; /* likewise: columns of the border and spare ones, kept as a number */
 };
 
+/* The numbers of a matrix as a kernel of that pattern writes it: a band without pivoting. */
+static inline size_t pk_pattern_numbers(const struct pk_pattern *p)
+{
+    return p->rows * (2 * p->width + 1) + (2 * p->rows + p->border) * p->border;
+}
+
 /* Lays out the memory of a matrix of the shape in `band`, the four parts in their order first;
  * numbers of pk_real, all there is where base is NULL. */
 size_t pk_band_lay_out(struct pk_band *band, pk_real *base);

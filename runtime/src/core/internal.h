@@ -121,7 +121,7 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
 
 /* Absolute tolerances, it->own->atol: numbers needed; at a start; after a step. Before each attempt
  * at one pk_scale_attempt() (pk/step/state.h). */
-size_t pk_scale_size(const struct pk_method *method, size_t n);
+size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n);
 void pk_scale_start(struct pk_integrator *it);
 void pk_scale_step(struct pk_integrator *it);
 /* After an underflow: coordinates that never moved but accelerate at t + h get that motion as their

@@ -11,32 +11,22 @@
  */
 #include <string.h>
 
-#include "project.h"
+#include "band.h"
+#include "scale.h"
 
 #define SHARE PK_C(1e-6)
-#define ROUNDING (8 * PK_EPS)
-#define ASIDE PK_F(sqrt)(PK_EPS)
 #define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
 #define LONGER PK_C(4.0)
 enum {
-    OFTEN = 64, /* steps between two looks at rounding, or fewer once they are so much longer */
-    SAMPLES = 4 /* of it: of many coordinates one alone would find some that it hardly moves */
-};
+    OFTEN = 64
+}; /* steps between two looks at rounding, or fewer once they are so much longer */
 
-/* 2 n each: tolerances, these without rounding, largest values, whose unit is shared, a state; n
- * each: what rounding does to accelerations, an acceleration, what rounding of momenta does to
- * rates, accelerations beside, two and their noise; and a mass matrix. */
-enum { ATOL = 0, OWN = 2, MOST = 4, GROUP = 6, MOVED = 8, NOISE = 10, A, BY_P, BESIDE, PARTS = 16 };
-
-size_t pk_scale_size(const struct pk_method *method, size_t n)
+size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n)
 {
-    const size_t matrix = method->traits & PK_JACOBIANS ? n * n : 0;
+    const struct pk_pattern p = pk_system_pattern(problem->system, problem->params);
+    const size_t banded = pk_pattern_numbers(&p) + 2 * (p.rows + p.border);
+    const size_t matrix = method->traits & PK_JACOBIANS ? (p.dense ? n * n : banded) : 0;
     return method->traits & PK_ADAPTIVE ? PARTS * n + matrix : 0;
-}
-
-static pk_real *part(const struct pk_integrator *it, int which)
-{
-    return it->own->atol + (size_t)which * it->n;
 }
 
 /* The first of the same unit, of a table with an entry a declared name; what stands behind these
@@ -107,105 +97,6 @@ void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
             it->own->atol[i] += h * of_rate / 2;
     }
 }
-
-static int acceleration(struct pk_integrator *it, pk_real t, const pk_real *q, pk_real *a)
-{
-    const struct pk_system *system = it->problem.system;
-    const pk_real *u = pk_eval_input(it, t);
-    it->count.evaluations++;
-    return !system->acceleration(it->problem.params, t, q, q + it->n, u, a) &&
-           pk_all_finite(a, it->n);
-}
-
-/* Methods in p solve M_ii v_i = p_i - (other terms), so v_i has the rounding of these. What
- * constraints hold does not move by itself; its error there is rtol of the terms. */
-static void look_at_momenta(struct pk_integrator *it)
-{
-    const struct pk_system *system = it->problem.system;
-    const size_t n = it->n;
-    const pk_real share = system->constraints.n ? it->options.rtol : ROUNDING;
-    pk_real *M = part(it, PARTS), *by_p = part(it, BY_P);
-    if (!(it->method->traits & PK_JACOBIANS) || !(system->inertia ? system->inertia : system->mass))
-        return;
-    memset(M, 0, n * n * sizeof *M);
-    (system->inertia ? system->inertia : system->mass)(it->problem.params, it->t, it->q, it->v,
-                                                       pk_eval_input(it, it->t), M);
-    for (size_t i = 0; i < n; i++) {
-        pk_real sum = 0;
-        for (size_t j = 0; j < n; j++)
-            sum += pk_abs(M[i * n + j] * it->v[j]);
-        by_p[i] = M[i * n + i] > 0 && pk_finite(sum) ? share * sum / M[i * n + i] : 0;
-    }
-}
-
-/* Each number of a state by its `share` up or down. */
-static void shake(const struct pk_integrator *it, pk_real share, unsigned long random,
-                  pk_real *state)
-{
-    for (size_t i = 0; i < 2 * it->n; i++) {
-        random = (random * 1103515245ul + 12345ul) & 0x7ffffffful;
-        state[i] *= 1 + (random & 0x40000000ul ? share : -share);
-    }
-}
-
-/* The acceleration at a state `aside` of this one, and the most that rounding makes of it; 0 where
- * there is none. */
-static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real *noise)
-{
-    const size_t n = it->n;
-    pk_real *moved = part(it, MOVED), *other = part(it, BESIDE);
-    memset(noise, 0, n * sizeof *noise);
-    for (int k = 0; k <= SAMPLES; k++) {
-        memcpy(moved, it->own->state, 2 * n * sizeof *moved);
-        shake(it, aside, 54321, moved);
-        shake(it, k ? ROUNDING : 0, 12345ul * (unsigned long)k, moved);
-        const pk_real t = it->t * (1 + aside) * (1 + (k ? ROUNDING : 0));
-        if (!acceleration(it, t, moved, k ? other : a))
-            return 0;
-        for (size_t i = 0; i < n && k; i++)
-            noise[i] = pk_max(noise[i], pk_abs(other[i] - a[i]));
-    }
-    return 1;
-}
-
-/* What constraints hold in place has forces that cancel, and may be exactly where shaking moves
- * nothing: a is no better than the terms (M^-1 J^T)_ki lambda_i. */
-static void look_at_rows(struct pk_integrator *it)
-{
-    const struct pk_system *system = it->problem.system;
-    if (!system->constraints.multipliers || !it->own->project)
-        return;
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
-    pk_real *noise = part(it, NOISE), *lambda = part(it, BESIDE);
-    w.t = it->t;
-    w.u = pk_eval_input(it, it->t);
-    if (!w.whole || pk_project_inertia(&w, it->q, it->v))
-        return;
-    pk_project_rows(&w, it->q, it->v);
-    if (pk_project_factor(&w, w.c, it->q, it->v))
-        return;
-    system->constraints.multipliers(w.params, w.t, it->q, it->v, w.u, lambda);
-    for (size_t k = 0; k < w.m; k++) {
-        pk_real sum = 0;
-        for (size_t i = 0; i < w.c; i++)
-            sum += pk_abs(w.W[i * w.m + k] * lambda[i]);
-        noise[k] = pk_finite(sum) ? pk_max(noise[k], ROUNDING * sum) : noise[k];
-    }
-}
-
-/* Takes the smaller noise of two nearby states: where a force sets in like sqrt(x), rounding is
- * amplified, but only for much less than a step. */
-static void look_at_rounding(struct pk_integrator *it)
-{
-    const size_t n = it->n;
-    pk_real *noise = part(it, NOISE), *beside = part(it, BESIDE) + n, *other = beside + n;
-    const int valid = noise_at(it, 0, part(it, A), noise) && noise_at(it, ASIDE, beside, other);
-    for (size_t i = 0; i < n; i++)
-        noise[i] = valid ? pk_min(noise[i], other[i]) : 0;
-    look_at_rows(it);
-    look_at_momenta(it);
-}
-
 /* The shortest time in which a coordinate moves by its own scale; 0: unknown. */
 static pk_real while_it_falls(const struct pk_integrator *it)
 {
@@ -237,7 +128,7 @@ void pk_scale_start(struct pk_integrator *it)
         group(it, it->problem.system->rates, n, part(it, GROUP + 1));
     }
     note(it);
-    look_at_rounding(it);
+    pk_scale_look(it);
     follow(it);
     const pk_real *a = part(it, A), ahead = LEAST * pk_abs(it->t), first = while_it_falls(it);
     pk_real *own = part(it, OWN), *fall = part(it, MOVED) + n;
@@ -270,7 +161,7 @@ static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
             moved[i] = it->q[i] + a[i] * d * d / 2;
             moved[n + i] = it->v[i] + a[i] * d;
         }
-        change = acceleration(it, t, moved, other) ? 0 : PK_INFINITY;
+        change = pk_scale_acceleration(it, t, moved, other) ? 0 : PK_INFINITY;
         for (size_t i = 0; i < n; i++)
             change = pk_max(change, pk_abs(other[i] - a[i]));
     }
@@ -285,7 +176,7 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
     pk_real *most = part(it, MOST);
     int raised = 0;
     if (!it->own->atol || it->options.atol >= 0 ||
-        !acceleration(it, it->t + h, it->own->state, part(it, A)))
+        !pk_scale_acceleration(it, it->t + h, it->own->state, part(it, A)))
         return 0;
     const pk_real d = push(it, it->t + h, pk_abs(h));
     for (size_t i = 0; i < n; i++) {
@@ -317,7 +208,7 @@ void pk_scale_step(struct pk_integrator *it)
     note(it);
     if (it->count.rejections - it->own->rounded > 1 || it->count.steps % OFTEN == 0 ||
         outdated(it)) {
-        look_at_rounding(it);
+        pk_scale_look(it);
         it->own->looked = pk_abs(it->own->h);
     }
     it->own->rounded = it->count.rejections;

@@ -15,7 +15,7 @@ static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
     const size_t places = rows + border, by_places = s * places;
     const size_t kept = PK_REALS_OF(struct pk_gauss_kept), room = by_places > n ? by_places : n;
     const size_t across = banded ? border : n;
-    const size_t nn = rows * (2 * w->pattern.width + 1) + (rows + rows + across) * across;
+    const size_t nn = banded ? pk_pattern_numbers(&w->pattern) : n * n;
     pk_real *memory = NULL, *lu = NULL, *other = NULL;
     w->s = s;
     w->places = places;

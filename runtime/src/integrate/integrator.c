@@ -44,7 +44,7 @@ static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem
     const struct pk_slot slots[] = {
         {&own->state, PK_PARTS * n},
         {&own->next, PK_PARTS * n},
-        {&own->atol, pk_scale_size(method, n)},
+        {&own->atol, pk_scale_size(problem, method, n)},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
         {&own->lane, system->lanes ? 0 : 3 * n + system->n_inputs},
         {&own->work, work_size(problem, method, n)},
@@ -110,10 +110,10 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
 
     it->own->step = stepper(system, method);
     lay_out(it->own, problem, method, it->n, (pk_real *)(void *)((char *)it->own + OWN));
-    if (!pk_scale_size(method, it->n))
+    if (!pk_scale_size(problem, method, it->n))
         it->own->atol = NULL;
     else
-        memset(it->own->atol, 0, pk_scale_size(method, it->n) * sizeof *it->own->atol);
+        memset(it->own->atol, 0, pk_scale_size(problem, method, it->n) * sizeof *it->own->atol);
     if (!it->own->n_singularities)
         it->own->singularities = NULL;
     if (!pk_project_size(problem, it->n))
@@ -287,7 +287,7 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     if (it->own->atol && side->own->atol)
         memcpy(side->own->atol, it->own->atol,
-               pk_scale_size(it->method, n) * sizeof *it->own->atol);
+               pk_scale_size(&it->problem, it->method, n) * sizeof *it->own->atol);
     if (it->own->crossed) { /* no start: rows may depend on each other there */
         pk_real *q = pk_part(side->own->state, n, PK_Q), *v = pk_part(side->own->state, n, PK_V);
         pk_passage_at(it, t, q, v);

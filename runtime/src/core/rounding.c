@@ -1,0 +1,136 @@
+/* What rounding of the state does to accelerations, and so to a step: each number of a state is
+ * changed by some units in its last place, several times, since of many coordinates one alone would
+ * find some that it hardly moves; and terms that cancel are rounded by their size.
+ */
+#include <string.h>
+
+#include "band.h"
+#include "scale.h"
+
+#define ROUNDING (8 * PK_EPS)
+#define ASIDE PK_F(sqrt)(PK_EPS)
+enum { SAMPLES = 4 };
+
+int pk_scale_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q, pk_real *a)
+{
+    const struct pk_system *system = it->problem.system;
+    const pk_real *u = pk_eval_input(it, t);
+    it->count.evaluations++;
+    return !system->acceleration(it->problem.params, t, q, q + it->n, u, a) &&
+           pk_all_finite(a, it->n);
+}
+
+/* by_p = sum_j |M_ij v_j| / M_ii of a mass matrix in a band, each row with its diagonal's share. */
+static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_real *M,
+                            pk_real *by_p)
+{
+    const struct pk_part_families *f = &it->problem.system->families;
+    const size_t places = p.rows + p.border;
+    struct pk_band band = {.rows = p.rows, .below = p.width, .above = p.width, .border = p.border};
+    pk_real *x = M + pk_band_lay_out(&band, M), *sum = x + places;
+    f->mass(it->problem.params, it->t, it->q, it->v, pk_eval_input(it, it->t), M);
+    memset(sum, 0, places * sizeof *sum);
+    for (size_t k = 0; k < places; k++) {
+        const ptrdiff_t at = f->place(it->problem.params, k);
+        x[k] = at < 0 ? 0 : pk_abs(it->v[at]);
+    }
+    pk_band_add_sizes(&band, x, sum);
+    for (size_t k = 0; k < places; k++) {
+        const ptrdiff_t at = f->place(it->problem.params, k);
+        const pk_real diagonal = *pk_band_entry(&band, k, k);
+        if (!(at < 0))
+            by_p[at] = diagonal > 0 && pk_finite(sum[k]) ? ROUNDING * sum[k] / diagonal : 0;
+    }
+}
+
+/* Methods in p solve M_ii v_i = p_i - (other terms), so v_i has the rounding of these. What
+ * constraints hold does not move by itself; its error there is rtol of the terms. */
+static void look_at_momenta(struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    const size_t n = it->n;
+    const pk_real share = system->constraints.n ? it->options.rtol : ROUNDING;
+    pk_real *M = part(it, PARTS), *by_p = part(it, BY_P);
+    const struct pk_pattern pattern = pk_system_pattern(system, it->problem.params);
+    if (it->method->traits & PK_JACOBIANS && !pattern.dense)
+        momenta_of_band(it, pattern, M, by_p);
+    if (!(it->method->traits & PK_JACOBIANS) || !(system->inertia ? system->inertia : system->mass))
+        return;
+    memset(M, 0, n * n * sizeof *M);
+    (system->inertia ? system->inertia : system->mass)(it->problem.params, it->t, it->q, it->v,
+                                                       pk_eval_input(it, it->t), M);
+    for (size_t i = 0; i < n; i++) {
+        pk_real sum = 0;
+        for (size_t j = 0; j < n; j++)
+            sum += pk_abs(M[i * n + j] * it->v[j]);
+        by_p[i] = M[i * n + i] > 0 && pk_finite(sum) ? share * sum / M[i * n + i] : 0;
+    }
+}
+
+/* Each number of a state by its `share` up or down. */
+static void shake(const struct pk_integrator *it, pk_real share, unsigned long random,
+                  pk_real *state)
+{
+    for (size_t i = 0; i < 2 * it->n; i++) {
+        random = (random * 1103515245ul + 12345ul) & 0x7ffffffful;
+        state[i] *= 1 + (random & 0x40000000ul ? share : -share);
+    }
+}
+
+/* The acceleration at a state `aside` of this one, and the most that rounding makes of it; 0 where
+ * there is none. */
+static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real *noise)
+{
+    const size_t n = it->n;
+    pk_real *moved = part(it, MOVED), *other = part(it, BESIDE);
+    memset(noise, 0, n * sizeof *noise);
+    for (int k = 0; k <= SAMPLES; k++) {
+        memcpy(moved, it->own->state, 2 * n * sizeof *moved);
+        shake(it, aside, 54321, moved);
+        shake(it, k ? ROUNDING : 0, 12345ul * (unsigned long)k, moved);
+        const pk_real t = it->t * (1 + aside) * (1 + (k ? ROUNDING : 0));
+        if (!pk_scale_acceleration(it, t, moved, k ? other : a))
+            return 0;
+        for (size_t i = 0; i < n && k; i++)
+            noise[i] = pk_max(noise[i], pk_abs(other[i] - a[i]));
+    }
+    return 1;
+}
+
+/* What constraints hold in place has forces that cancel, and may be exactly where shaking moves
+ * nothing: a is no better than the terms (M^-1 J^T)_ki lambda_i. */
+static void look_at_rows(struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    if (!system->constraints.multipliers || !it->own->project)
+        return;
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    pk_real *noise = part(it, NOISE), *lambda = part(it, BESIDE);
+    w.t = it->t;
+    w.u = pk_eval_input(it, it->t);
+    if (!w.whole || pk_project_inertia(&w, it->q, it->v))
+        return;
+    pk_project_rows(&w, it->q, it->v);
+    if (pk_project_factor(&w, w.c, it->q, it->v))
+        return;
+    system->constraints.multipliers(w.params, w.t, it->q, it->v, w.u, lambda);
+    for (size_t k = 0; k < w.m; k++) {
+        pk_real sum = 0;
+        for (size_t i = 0; i < w.c; i++)
+            sum += pk_abs(w.W[i * w.m + k] * lambda[i]);
+        noise[k] = pk_finite(sum) ? pk_max(noise[k], ROUNDING * sum) : noise[k];
+    }
+}
+
+/* Takes the smaller noise of two nearby states: where a force sets in like sqrt(x), rounding is
+ * amplified, but only for much less than a step. */
+void pk_scale_look(struct pk_integrator *it)
+{
+    const size_t n = it->n;
+    pk_real *noise = part(it, NOISE), *beside = part(it, BESIDE) + n, *other = beside + n;
+    const int valid = noise_at(it, 0, part(it, A), noise) && noise_at(it, ASIDE, beside, other);
+    for (size_t i = 0; i < n; i++)
+        noise[i] = valid ? pk_min(noise[i], other[i]) : 0;
+    look_at_rows(it);
+    look_at_momenta(it);
+}
