@@ -68,7 +68,8 @@ static int jacobian(double t, const double *y, double *df_dy, double *df_dt, voi
     memset(df_dy, 0, m * m * sizeof *df_dy);
     memset(df_dt, 0, n * sizeof *df_dt);
     for (size_t i = 0; i < n; i++) {
-        df_dy[i * m + n + i] = i < n - pk_system_first_order(it->problem.system, it->problem.params);
+        df_dy[i * m + n + i] = i <
+                               n - pk_system_first_order(it->problem.system, it->problem.params);
         memcpy(df_dy + (n + i) * m, a_q + i * n, n * sizeof *a_q);
         memcpy(df_dy + (n + i) * m + n, a_v + i * n, n * sizeof *a_v);
     }
@@ -109,6 +110,7 @@ static int hadjust(void *context, size_t dim, unsigned int order, const double y
     for (size_t i = 0; i < dim; i++)
         worst = pk_max(worst, pk_abs(error[i]) / pk_tolerance(it, i, y[i], y[i]));
     if (worst > 1.1) {
+        it->own->longest = pk_max(it->own->longest, pk_abs(*h));
         *h *= pk_max(0.2, 0.9 / pow(worst, 1.0 / order));
         return GSL_ODEIV_HADJ_DEC;
     }

@@ -225,11 +225,15 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
         return pk_say(it, text, size, "%s%s: %lu", what, words(it)->max_steps, it->count.steps);
     case PK_NO_PROGRESS:
         return pk_say(it, text, size,
-                      "%s: the last %lu lead from t = %.17g to here, and at this rate %.3g more "
+                      "%s: the last %lu%s lead from t = %.17g to here, and at this rate %.3g more "
                       "would arrive, or double the time passed: the motion may end here in a "
-                      "singularity, or be stiff (method radau)",
+                      "singularity, or be stiff (method radau)%s%s",
                       what, it->count.steps + it->count.rejections - it->own->judged,
-                      (double)it->own->judged_t, (double)it->detail);
+                      pk_often_rejected(it) ? ", many of them rejected," : "",
+                      (double)it->own->judged_t, (double)it->detail,
+                      pk_often_rejected(it) ? ", or the tolerance be below what forces are good for"
+                                            : "",
+                      pk_often_rejected(it) ? words(it)->rtol : "");
     case PK_STOPPED_EVENT:
         if (it->event)
             return snprintf(text, size, "stopped at event %s at t = %.17g",

@@ -128,6 +128,40 @@ static int wakes(const void *p, double t, const double *q, const double *v, cons
     return 0;
 }
 
+/* Forces that are noise, under tolerances that ask for fourteen digits: errors that no step makes
+ * smaller. */
+static int noisy(const void *p, double t, const double *q, const double *v, const double *u,
+                 double *a)
+{
+    const double x = 43758.5453 * sin(1e6 * t + 78.233e3 * q[0] + 12.9898e3 * v[0]);
+    (void)p, (void)u;
+    a[0] = -q[0] - (x - floor(x));
+    return 0;
+}
+
+static void noise(void)
+{
+    static const char *const methods[] = {"gauss", "dop853", "dopri5", "gsl_rkf45", "gsl_rk8pd"};
+    static struct fixture f;
+    char text[640];
+    static const struct pk_singularity none;
+    struct pk_system system = guarded_point(noisy, &none, first_coordinate);
+    system.singularities.n = 0;
+    system.singularities.values = NULL;
+    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+        fixture_set(&f, &system);
+        f.options.rtol = 0, f.options.atol = 1e-14;
+        CU_ASSERT_FATAL(fixture_init(&f, methods[m]) == PK_DONE);
+        const enum pk_status status = pk_integrator_to(&f.it, 1000);
+        pk_integrator_reason(&f.it, text, sizeof text);
+        printf("\n    %-11s t = %.3g after %lu + %lu: %s", methods[m], f.it.t, f.it.count.steps,
+               f.it.count.rejections, text);
+        CU_ASSERT(status == PK_NO_PROGRESS || status == PK_STEP_UNDERFLOW);
+        CU_ASSERT(f.it.count.steps + f.it.count.rejections < 1u << 20);
+        pk_integrator_free(&f.it);
+    }
+}
+
 /* A run that gets nowhere ends, and says since when; hard ones that get somewhere do not. */
 static void progress(void)
 {
@@ -173,4 +207,5 @@ void add_control(void)
     CU_add_test(suite, "a step cut short", cut_short);
     CU_add_test(suite, "the first step", first_step);
     CU_add_test(suite, "progress", progress);
+    CU_add_test(suite, "noise", noise);
 }

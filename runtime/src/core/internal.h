@@ -110,6 +110,8 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
 
 /* The time of a step towards `limit`, which is not it->t, before it is made: it->own->next_t and,
  * where steps are fixed, it->own->h. And after. */
+/* Whether many of those tried since progress was last looked at were rejected. */
+int pk_often_rejected(const struct pk_integrator *it);
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
 void pk_step_made(struct pk_integrator *it, int fixed);
 

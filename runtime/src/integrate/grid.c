@@ -3,8 +3,13 @@
  */
 #include "../core/internal.h"
 
-enum { FIRST_LOOK = 1 << 16 }; /* at progress: steps */
-#define MOST_AHEAD PK_C(1e9)   /* steps, where nobody says how many */
+/* At progress, in steps tried: where many are rejected, and else. */
+enum { FIRST_LOOK = 1 << 12, LATER_LOOK = 1 << 16 };
+#define MOST_AHEAD PK_C(1e9) /* steps, where nobody says how many */
+/* Where many are rejected, and steps are so short beside the longest that was tried, errors are
+ * noise; then that many over n. */
+#define SHRUNK PK_C(1e-6)
+#define MOST_SHRUNK PK_C(1e7)
 
 /* Chooses it->own->h and it->own->next_t of a fixed-step method. 1 where the step leaves the grid.
  */
@@ -30,6 +35,12 @@ static int choose_fixed(struct pk_integrator *it, pk_real limit)
     return 1;
 }
 
+int pk_often_rejected(const struct pk_integrator *it)
+{
+    const unsigned long tried = it->count.steps + it->count.rejections - it->own->judged;
+    return 4 * (it->count.rejections - it->own->judged_rejections) > tried;
+}
+
 /* Whether time all but stands still; looked at each time that the number of steps has doubled, so
  * that no more than this number and the times decide. It is measured by the lengths of steps, since
  * a caller may go back in time. */
@@ -39,15 +50,19 @@ static int stands_still(struct pk_integrator *it, pk_real left)
     if (tried < FIRST_LOOK || tried / 2 < it->own->judged)
         return 0;
     const unsigned long given = it->options.max_steps;
-    const pk_real most = given ? (pk_real)given : MOST_AHEAD;
     const pk_real rate = (it->own->passed - it->own->judged_passed) /
                          (pk_real)(tried - it->own->judged);
-    const pk_real ahead = pk_min(it->own->passed, pk_abs(left));
-    if (ahead > most * rate) {
+    const int shrunk = !given && pk_often_rejected(it) && rate < SHRUNK * it->own->longest;
+    const pk_real most = given    ? (pk_real)given
+                         : shrunk ? MOST_SHRUNK / (pk_real)it->n
+                                  : MOST_AHEAD;
+    const pk_real ahead = shrunk ? pk_abs(left) : pk_min(it->own->passed, pk_abs(left));
+    if (ahead > most * rate && (shrunk || tried >= LATER_LOOK)) {
         it->detail = rate > 0 ? ahead / rate : PK_INFINITY;
         return 1;
     }
     it->own->judged = tried;
+    it->own->judged_rejections = it->count.rejections;
     it->own->judged_t = it->t;
     it->own->judged_passed = it->own->passed;
     return 0;

@@ -29,7 +29,8 @@ struct pk_integrator_private {
     pk_real passed;         /* the lengths of all steps since init; when steps were last judged */
     pk_real judged_passed;  /* by their progress: that, their number with those rejected, and t */
     pk_real judged_t;
-    unsigned long judged;
+    unsigned long judged, judged_rejections;
+    pk_real longest; /* of the steps that were rejected */
     pk_real next_t;          /* end of the step being made */
     pk_real h;               /* signed step, made or to be made */
     pk_real anchor, grid;    /* fixed steps: t = anchor + grid * h, never a running sum */
@@ -112,6 +113,7 @@ static inline void pk_trial_reject(struct pk_integrator *it, struct pk_trial *x,
 {
     x->planned = planned;
     x->rejected = 1;
+    it->own->longest = pk_max(it->own->longest, pk_abs(x->h));
     it->count.rejections++;
     it->own->h = x->sign * planned;
 }
