@@ -30,7 +30,7 @@ struct pk_integrator_private {
     pk_real judged_passed;  /* by their progress: that, their number with those rejected, and t */
     pk_real judged_t;
     unsigned long judged, judged_rejections;
-    pk_real longest; /* of the steps that were rejected */
+    pk_real longest;         /* of the steps that were rejected */
     pk_real next_t;          /* end of the step being made */
     pk_real h;               /* signed step, made or to be made */
     pk_real anchor, grid;    /* fixed steps: t = anchor + grid * h, never a running sum */
