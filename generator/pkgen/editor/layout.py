@@ -189,6 +189,7 @@ def _align(block: list[Line], place: Callable[[Line], tuple[int, str] | None]) -
     """Spaces before the piece that `place` finds in each line, so that these stand below each other
     where they are near; what differs in its word does not."""
     run: list[tuple[Line, int, str, int]] = []
+    least = most = 0  # widths in it
     for line in block:
         found = place(line)
         if found is None:
@@ -197,10 +198,10 @@ def _align(block: list[Line], place: Callable[[Line], tuple[int, str] | None]) -
             continue
         index, kind = found
         width = len("".join(line.pieces[:index]))
-        widths = [width, *(other for *_, other in run)]
-        if run and (run[-1][2] != kind or max(widths) - min(widths) > NEAR):
+        least, most = (min(least, width), max(most, width)) if run else (width, width)
+        if run and (run[-1][2] != kind or most - least > NEAR):
             _pad(run)
-            run = []
+            run, least, most = [], width, width
         run.append((line, index, kind, width))
     _pad(run)
 
