@@ -16,8 +16,33 @@ from rotation_models import made
 from test_loops_bound import model as bound
 
 DENSE = ("gravity", "spin", "field", "links")  # a sum over all members, a chain: no bands
-SHORT = ("cart",)
-CASES = {**MODELS, **STATES}
+SHORT = ("cart", "uneven", "beside")
+# Families of other lengths beside a ring; a free end beside a member of another family there.
+UNEVEN = {
+    "uneven": (
+        """\
+model uneven
+size N = 5
+coord x[1..N], y[1..2*N]
+periodic x
+kinetic sum(x[i]'^2/2 + (2 + cos(x[i]))*(x[i+1]' - x[i]')^2/9, i = 1..N) + sum(y[i]'^2, i = 1..2*N)
+potential sum((x[i+1] - x[i])^4 + x[i]*y[i]^2, i = 1..N) + sum(y[i]^4 + y[i]*y[i-1], i = 2..2*N)
+""",
+        (2, 3, 5),
+    ),
+    "beside": (
+        """\
+model beside
+size N = 5
+coord x[1..N], y[0..N]
+free x[0]
+kinetic sum(x[i]'^2/2, i = 1..N) + sum(y[i]'^2, i = 0..N) + sum(x[i]'*y[i]'/5, i = 0..N)
+potential sum((x[i] - y[i])^4, i = 0..N)
+""",
+        (1, 2, 5),
+    ),
+}
+CASES = {**MODELS, **STATES, **UNEVEN}
 
 
 def matrices(at, kernel: str, state, count: int) -> tuple[list[int], list[np.ndarray]]:
