@@ -115,7 +115,7 @@ class Settable(Mapping[str, Column]):
                 flat, quantity = known[of]
                 member = 0
                 if kind == "param" and self._looped:
-                    flat, member = known.place(of)
+                    flat, member = known.place(flat)
                 return Column(name, kind, flat, quantity.unit, member)
         raise KeyError(name)
 
