@@ -66,7 +66,7 @@ def test_the_crate(tmp_path: Path) -> None:
 
 ODD = """model odd               # names that are words of Rust, families, followers
 param type = 1 [kg] in (0, inf)
-param k[1..3] = 2 [N/m]
+param k[i = 1..3] = 2 [N/m]
 param half = type/2
 coord x [m] = 0.5
 kinetic type/2*x'^2

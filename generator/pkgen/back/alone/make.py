@@ -94,6 +94,7 @@ def _main(step: Step) -> str:
     if f"{name}_energy(" in step.source:
         outputs.append((f"{name}_energy(&m->p, m->t, m->q, m->v, {u})", "energy"))
     shown += outputs
+    labels = ["t", *(label for _, label in shown)]
     return filled(
         HERE,
         "main.c.j2",
@@ -102,7 +103,7 @@ def _main(step: Step) -> str:
         digits=9 if step.float else 17,
         n_outputs=sum(not y["hidden"] for y in of["outputs"]),
         columns=[value for value, _ in shown],
-        head=string(",".join(["t", *(label for _, label in shown)])),
+        head=[string(f"{',' if k else ''}{label}") for k, label in enumerate(labels)],
         h=step.number(h),
         every=repr(float(every)),
         until=step.number(until),

@@ -19,6 +19,9 @@ from ..templates import filled
 
 HERE = Path(__file__).parent / "templates"
 CALLS = ("live.h", "motion.c", "params.c", "values.c")
+_NAME = re.compile(
+    r"\bpk_\w*\w\b(?!\s*##)"
+)  # of structs too: those of functions alone are not told
 _EXPORTED = re.compile(r"EXPORT\((live_\w+)\)\(")
 
 
@@ -44,7 +47,8 @@ def sources(model: Exported) -> dict[str, str]:
     files = {f"live/{path}": text for path, text in called.items()}
     files |= {f"model/{path}": text for path, text in model.files.items()}
     files = alone({**files, **runtime})
-    names = sorted({*public_names(runtime), *NAMES})
+    said = {name for text in runtime.values() for name in _NAME.findall(text)}
+    names = sorted({*public_names(runtime), *said, *NAMES})
     files["names.h"] = "".join(f"#define {n} {model.name}_{n}\n" for n in names)
     files = {path: _first(path, text) for path, text in files.items()}
     return {**files, "LICENSE": licence()}
