@@ -160,7 +160,8 @@ def run(path: Path, names: list[str], *options: str) -> tuple[dict, str]:
         assert "last valid time" in done.stderr, done.stderr
         return {}, done.stderr
     made = json.loads(done.stdout)
-    columns = dict(zip(made["columns"], numpy.array(made["rows"], dtype=float).T, strict=True))
+    rows = numpy.array(made["rows"], dtype=float).T
+    columns = {x["name"]: row for x, row in zip(made["columns"], rows, strict=True)}
     return columns, str(made.get("warning") or "")
 
 
