@@ -68,11 +68,13 @@ ODD = """model odd               # names that are words of Rust, families, follo
 param type = 1 [kg] in (0, inf)
 param k[i = 1..3] = 2 [N/m]
 param half = type/2
-coord x [m] = 0.5
+coord x [m]
 kinetic type/2*x'^2
 potential sum(k[i], i = 1..3)/2*x^2
-state loop [kg] = 3 [kg]
-loop' = -(loop - half)/(1 [s])
+start x = 0.5
+state loop [kg]
+rate loop = -(loop - half)/(1 [s])
+start loop = 3
 """
 
 

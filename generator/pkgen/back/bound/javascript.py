@@ -12,7 +12,7 @@ from ..templates import filled
 from ..web.build import wasm
 from ..web.page import HERE as PAGE
 from .c import HERE
-from .names import tables, whole
+from .names import step, tables, whole
 
 
 def make(model: Exported) -> dict[str, bytes]:
@@ -28,6 +28,7 @@ def make(model: Exported) -> dict[str, bytes]:
         "title": json.dumps(of["title"], ensure_ascii=False),
         "words": words,
         "methods": [json.dumps(m["name"]) for m in of["methods"] if m["applies"] and not m["gsl"]],
+        "step": step(of),
         "method": json.dumps(of["run"]["method"]),
     }
     files = {

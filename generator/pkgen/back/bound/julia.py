@@ -10,7 +10,7 @@ from ..library import TARGETS, named, this_machine
 from ..runtime import licence
 from ..templates import filled
 from .c import HERE, shared
-from .names import tables, whole
+from .names import step, tables, whole
 
 
 def make(model: Exported) -> dict[str, bytes]:
@@ -23,7 +23,7 @@ def make(model: Exported) -> dict[str, bytes]:
         "package": package,
         "uuid": uuid.uuid5(uuid.NAMESPACE_URL, f"pkgen/{model.name}/{of['sha256']}"),
         "title": of["title"],
-        "run": {**of["run"], "step": float(of["run"]["step"] or 0)},
+        "run": {**of["run"], "step": step(of)},
         "lists": {kind: [_string(q["name"]) for q in found] for kind, found in rows.items()},
         "units": [_string(p["unit"]) for p in rows["parameters"]],
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..exported import Exported, Host
 from ..templates import filled
 from .c import HERE, sources
-from .names import tables, whole
+from .names import step, tables, whole
 from .rust import place
 
 
@@ -18,7 +18,7 @@ def make(model: Exported) -> dict[str, bytes]:
     context = {
         "name": name,
         "title": of["title"],
-        "run": {**of["run"], "step": float(of["run"]["step"] or 0)},
+        "run": {**of["run"], "step": step(of)},
         "sources": [path for path in c if path.endswith(".c")],
         "lists": {kind: _cells([q["name"] for q in rows]) for kind, rows in named.items()},
         "n_q": len(named["coordinates"]),

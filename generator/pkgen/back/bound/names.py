@@ -29,3 +29,11 @@ def tables(of: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
     found = {kind: [q for q in of[kind] if not q.get("hidden")] for kind in TABLES if kind in of}
     found["rates"] = [rates[k] for k in sorted(rates)]
     return {kind: found[kind] for kind in TABLES}
+
+
+def step(of: Mapping[str, Any]) -> float:
+    """What a motion is begun with: 0 where its method chooses; an exact method makes one of any
+    length."""
+    run = of["run"]
+    adaptive = any(m["name"] == run["method"] and m["adaptive"] for m in of["methods"])
+    return float(run["step"] or (0 if adaptive else run["every"] or run["until"] / 1000))

@@ -12,7 +12,7 @@ from ..c.ctext import visible
 from ..exported import Exported, Host
 from ..templates import filled
 from .c import HERE, sources
-from .names import tables, whole
+from .names import step, tables, whole
 
 _WORDS = """
     abstract as async await become box break const continue crate do dyn else enum extern false
@@ -34,7 +34,7 @@ def make(model: Exported) -> dict[str, bytes]:
         "title": _doc(of["title"]),
         "fields": fields(of["parameters"]),
         "tables": {kind: [_row(q) for q in rows] for kind, rows in tables(of).items()},
-        "run": {**of["run"], "step": float(of["run"]["step"] or 0)},
+        "run": {**of["run"], "step": step(of)},
         "looped": of["looped"],
         "first": next((f for f in fields(of["parameters"]) if not f["count"]), None),
     }
