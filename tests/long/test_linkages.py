@@ -162,7 +162,7 @@ def run(path: Path, names: list[str], *options: str) -> tuple[dict, str]:
     made = json.loads(done.stdout)
     rows = numpy.array(made["rows"], dtype=float).T
     columns = {x["name"]: row for x, row in zip(made["columns"], rows, strict=True)}
-    return columns, str(made.get("warning") or "")
+    return columns, str(made["report"]["warning"] or "")
 
 
 def apart(one: dict, other: dict, names: list[str]) -> float:
