@@ -159,7 +159,7 @@ def test_several_starts_give_a_median_and_a_spread(pkgen, tmp_path: Path) -> Non
     ("words", "said"),
     [
         (["--starts", "0"], "--starts 0: from 1 to 99"),
-        (["--error", "first"], "invalid choice: 'first'"),
+        (["--error", "first"], "argument --error: first: there are: final, max"),
     ],
 )
 def test_wrong_words_are_refused(words: list[str], said: str, pkgen, tmp_path: Path) -> None:
