@@ -183,6 +183,6 @@ def test_no_linkage_is_silent(seed: int, tmp_path: Path) -> None:
         assert all(numpy.isfinite(x).all() for x in found.values()), (method, text)
         scale = max(1.0, float(numpy.abs(found["energy"]).max()))
         drift = float(numpy.ptp(found["energy"])) / scale
-        assert drift < (2e-2 if step else 1e-5) or "energy" in said, (method, drift, text)
+        assert drift < (5e-2 if step else 1e-5) or "energy" in said, (method, drift, text)
         assert not exact or drift > 1e-3 or apart(found, exact, names) < (0.3 if step else 1e-2), (
             method, drift, apart(found, exact, names), text, why)  # fmt: skip
