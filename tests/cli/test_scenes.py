@@ -89,6 +89,9 @@ WORSE = {
     "sine_gordon_free reflection": ["--start", "q[100]=1"],
     "sine_gordon_free small": ["--start", "q[100]=1"],
     "thrown_stone moon": ["--start", "y'=49.99"],
+    "slider_crank dead_centres": ["--rtol", "1e-7"],
+    "space_arm stiff": ["--set", "v=1"],
+    "two_links slow": ["--set", "l2=1.1"],
 }
 
 
