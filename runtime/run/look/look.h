@@ -35,6 +35,8 @@ enum pk_run_code rows_end(struct pk_run *run, enum pk_run_code code);
 enum pk_run_code rows_told(struct pk_run *run, enum pk_run_code code);
 /* Whether all are. */
 int rows_whole(const struct pk_run *run);
+/* The first output of theirs, or "energy", that was not finite; NULL where all were. */
+const char *rows_not_finite(const struct pk_run *run, char *name, size_t size);
 
 /* What a scene expects of its run: columns compared at times, at events or in all rows, and drifts
  * of outputs. It is measured here; what is said of it is pkgen's. */

@@ -250,4 +250,12 @@ enum pk_run_code rows_told(struct pk_run *run, enum pk_run_code code)
     return run->write_failed ? PK_RUN_USAGE : code;
 }
 
+const char *rows_not_finite(const struct pk_run *run, char *name, size_t size)
+{
+    if (!run->not_finite)
+        return NULL;
+    name_of(run, run->not_finite, name, size);
+    return name;
+}
+
 int rows_whole(const struct pk_run *run) { return !run->interrupted && !run->write_failed; }
