@@ -14,6 +14,18 @@ mod tests {
     }
 
     #[test]
+    fn times_that_are_none_are_said() {
+        let settings = p::Settings { rtol: 0.0, ..Default::default() };
+        assert!(p::Motion::new(&Default::default(), &settings).err().unwrap().to_string().contains("rtol"));
+        let mut motion = p::Motion::new(&Default::default(), &Default::default()).unwrap();
+        motion.to(1.0).unwrap();
+        for (t, said) in [(f64::NAN, "finite"), (f64::INFINITY, "finite"), (-1.0, "before"), (0.5, "before")] {
+            assert!(motion.to(t).err().unwrap().to_string().contains(said));
+        }
+        assert_eq!((motion.to(1.0), motion.t()), (Ok(true), 1.0));
+    }
+
+    #[test]
     fn threads_have_their_own() {
         let one = |m1: f64| {
             let mut motion = p::Motion::new(&p::Parameters { m1, ..Default::default() }, &Default::default()).unwrap();

@@ -84,6 +84,79 @@ def test_every_model_is_that_of_a_run(model: Path, tmp_path: Path) -> None:
     assert worst <= (1e-13 if loops else 1e-15)
 
 
+STOPS = """model stops
+param w = 3 in (0, inf)
+coord x
+kinetic x'^2/2
+potential w^2*x^2/2
+start x = START
+start x' = 1
+event top: x - 0.3 DIRECTION stop
+event turns: x' rising
+"""
+
+
+@pytest.mark.parametrize("direction", ["rising", "falling", ""])
+@pytest.mark.parametrize("start", long_but(["0.3"], ["0", "0.3", "0.7"]))  # 0.3: upon it
+def test_it_ends_at_an_event_that_stops(start: str, direction: str, tmp_path: Path) -> None:
+    model = tmp_path / "stops.lag"
+    model.write_text(STOPS.replace("START", start).replace("DIRECTION", direction))
+    words = ("--method", "rk4", "--step", "0.01", "--until", "4", "--every", "0.02")
+    said = rows_of(tmp_path, model, *words, flags=["-march=native"])
+    run = run_pkgen("run", model, *words)
+    assert "stopped at event top" in run.stderr
+    (head, rows), (expected, wanted) = table(said), table(run.stdout)
+    assert head == expected and rows[:-1] == wanted[:-1]  # to the bit
+    assert rows[-1] == pytest.approx(wanted[-1], abs=1e-13)
+    ended = subprocess.run([tmp_path / "one"], capture_output=True, text=True, check=True).stderr
+    when = ended.removeprefix("stops: stopped at event top at t = ").strip()
+    assert float(when) == rows[-1][0]
+    assert "main() ends at: top." in (tmp_path / "one.c").read_text()
+
+
+ARM = """model arm
+param g = 9.81 [m/s^2]
+param m = 1 [kg]
+gravity [0, -g, 0]
+body b mass m inertia [1, 1, 1] at [1, 0, 0] [m]
+joint hinge: ground to b revolute [0, 0, 1] coord a limits [-1, 1]
+start a = 0.5
+"""
+
+
+def test_it_ends_at_the_limit_of_a_joint(tmp_path: Path) -> None:
+    (tmp_path / "arm.lag").write_text(ARM)
+    words = ("--method", "rk4", "--step", "0.01", "--until", "4", "--every", "0.02")
+    for more in ((), ("--start", "a=-1.1")):  # where it begins beyond it
+        said = rows_of(tmp_path, tmp_path / "arm.lag", *words, *more, flags=["-march=native"])
+        run = run_pkgen("run", tmp_path / "arm.lag", *words, *more)
+        assert "stopped at event hinge_lower" in run.stderr
+        rows, wanted = table(said)[1], table(run.stdout)[1]
+        assert len(rows) == len(wanted) and rows[:-1] == wanted[:-1]
+        assert rows[-1] == pytest.approx(wanted[-1], abs=1e-13)
+    done = export(tmp_path / "arm.lag", "freestanding", tmp_path / "f", *words[:4])
+    assert "warning: nothing stops at hinge_lower, hinge_upper, where pkgen run does" in done.stderr
+    note = "Nothing stops at hinge_lower, hinge_upper, where pkgen run does."
+    assert done.returncode == 0 and note in (tmp_path / "f/arm_step.h").read_text()
+
+
+@pytest.mark.parametrize("host", ["single", "freestanding", "arduino"])
+def test_switches_are_warned_of(host: str, tmp_path: Path) -> None:
+    text = (
+        STOPS.replace("w^2*x^2/2", "w^2*abs(x)")
+        .replace(" DIRECTION stop", " falling")
+        .replace("DIRECTION", "")
+    )
+    (tmp_path / "m.lag").write_text(text.replace("START", "1"))
+    words = ("--method", "rk4", "--step", "0.01")
+    done = export(tmp_path / "m.lag", host, tmp_path / "one", *words)
+    assert done.returncode == 0
+    assert "warning: steps do not end where step, abs, min or max change" in done.stderr
+    files = (tmp_path / "one").rglob("*.[ch]")
+    assert sum("Steps do not end" in path.read_text() for path in files) == 1
+    assert export(PENDULUM, host, tmp_path / "two", *words).stderr == ""
+
+
 @pytest.mark.parametrize("host", ["freestanding", "arduino"])
 def test_firmware_has_no_double_and_no_libm(host: str, tmp_path: Path) -> None:
     """Compiled as the strictest users do; what it needs of a library is what is said."""

@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from conftest import ROOT, run_pkgen
+from conftest import ROOT, run_pkgen, table
 
 HERE = ROOT / "tests/firmware"
 PAGE = (ROOT / "docs/export-firmware.md").read_text()
@@ -152,6 +152,6 @@ def test_the_sketch_runs_on_an_uno(tmp_path: Path) -> None:
     rows = re.findall(r"(\d\.\d{3}) (-?\d\.\d{4})", said.stdout + said.stderr)
     assert len(rows) > 3
     again = run_pkgen("run", MODEL, "--until", "1", "--every", "0.005")
-    motion = dict(line.split(",")[:2] for line in again.stdout.splitlines()[1:])
+    motion = {f"{row[0]:.3f}": row[1] for row in table(again.stdout)[1]}
     for t, theta in rows:
-        assert float(theta) == pytest.approx(float(motion[f"{float(t):g}"]), abs=2e-3)
+        assert float(theta) == pytest.approx(motion[t], abs=2e-3)

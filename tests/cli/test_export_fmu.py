@@ -11,26 +11,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT, long_but, run_pkgen
+from columns import MODELS, ran
+from conftest import ROOT, long_but
 from pkgen.back.library import TARGETS
 from units import PENDULUM, TOP, fmpy, method, unit_  # noqa: F401
 
 validate_fmu = pytest.importorskip("fmpy.validation").validate_fmu
 
-MODELS = sorted((ROOT / "models").rglob("*.lag"))
 BOTH = ("3", "2")
 
 
 def columns(result: np.ndarray) -> dict[str, np.ndarray]:
     return {name: result[name] for name in result.dtype.names}
-
-
-def ran(model: Path, *words: object) -> dict[str, np.ndarray]:
-    done = run_pkgen("run", model, *map(str, words))
-    assert done.returncode == 0, done.stderr
-    names, *rows = done.stdout.splitlines()
-    values = np.array([[float(x) for x in row.split(",")] for row in rows])
-    return dict(zip(names.split(","), values.T, strict=True))
 
 
 def agree(unit_rows: dict, rows: dict, within: float) -> float:

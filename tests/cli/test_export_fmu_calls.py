@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pkgen
 import pytest
+from columns import MODELS
 from conftest import long_but
-from test_export_fmu import MODELS
 from units import PENDULUM, TOP, fmpy, method, unit_  # noqa: F401
 
 FMICallException = pytest.importorskip("fmpy.fmi1").FMICallException

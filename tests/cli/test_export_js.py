@@ -25,6 +25,14 @@ console.log(says(() => model.motion({ set: { m1: -1 } })));
 console.log(says(() => model.motion({ set: { nobody: 1 } })));
 console.log(says(() => model.motion({ start: { theta1: "1" } })));
 console.log(says(() => model.motion({ method: "verlet", step: 0.1 })));
+for (const name of ["rtol", "step"])
+  for (const value of [0, -1, NaN]) console.log(says(() => model.motion({ [name]: value })));
+for (const t of [Infinity, NaN, -1, 0.5]) console.log(says(() => motion.to(t)));
+const end = [motion.t, motion.to(1), ...motion.q].join();
+motion.to(1 + 1e-9);
+motion.to(1 - 1e-9); // within the last step
+motion.to(1);
+console.log(end === [1, true, ...motion.q].join() ? "the same" : "another");
 motion.free();
 console.log(says(() => motion.to(2)));
 const again = model.motion({ start: { theta1: 1, "theta2'": 0.5 } });
@@ -75,7 +83,10 @@ def test_the_example_of_the_page(package: Path, tmp_path: Path) -> None:
     assert [float(x) for x in first.split()] == pytest.approx([*exact[1:3], exact[-1]], abs=2e-9)
     *refused, values = rest
     wanted = ("m1 is outside", "set: there is no 'nobody'", "start.theta1: a number")
-    for text, words in zip(refused, (*wanted, "verlet needs", "is freed"), strict=True):
+    settings = 3 * ["rtol must be positive"] + 3 * ["the step must be positive and finite"]
+    times = 2 * ["time to go to is not finite"] + ["t = -1 is before", "t = 0.5 is before its last"]
+    wanted = (*wanted, "verlet needs", *settings, *times, "the same", "is freed")
+    for text, words in zip(refused, wanted, strict=True):
         assert words in text
     q, v, *a = map(float, values.split())
     assert (q, v) == (1, 0.5) and a[0] < -1 < 0 < abs(a[1])

@@ -24,7 +24,9 @@ function says(varargin)
     catch e, disp(e.message); end
 end
 says('m1', -1); says('nobody', 1); says('m1'); says('method', 'verlet', 'step', 0.1);
-says('theta1', 'x');
+says('theta1', 'x'); says('rtol', 0); says('rtol', nan);
+try, double_pendulum([0 1 0.5]); catch e, disp(e.message); end
+try, double_pendulum([0 inf]); catch e, disp(e.message); end
 """
 
 
@@ -57,12 +59,14 @@ def block(language: str) -> str:
 
 def test_the_example_of_the_page(tmp_path: Path) -> None:
     export("double_pendulum.lag", tmp_path / "pendulum")
-    *shown, a, b, c, d, e = octave(
+    *shown, a, b, c, d, e, f, g, h, i = octave(
         REFUSED.replace("says('m1', -1)", block("matlab") + "says('m1', -1)"), tmp_path
     )
     assert "\n".join(shown) + "\n" == block("text")
     assert "m1 is outside its bounds" in a and "there is no 'nobody'" in b and "pairs" in c
     assert "verlet needs" in d and "theta1: a real number" in e
+    assert "rtol must be positive" in f and f == g
+    assert "t = 0.5 is before its last step" in h and "is not finite" in i
     words = ("--set", "l2=0.5", "--method", "dop853", "--rtol", "1e-12", "--until", "1")
     run = run_pkgen("run", ROOT / "models/double_pendulum.lag", *words, "--every", "1")
     exact = [float(x) for x in run.stdout.splitlines()[-1].split(",")]

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy
 import pytest
+from columns import MODELS, ran
 from conftest import ROOT, long_but, run_pkgen
 from pkgen.back.library import TARGETS
 from pkgen.back.python.make import platform_tag
-from test_export_fmu import MODELS, ran
 
 PENDULUM = ROOT / "models" / "double_pendulum.lag"
 TOP = ROOT / "models" / "bodies" / "heavy_top_rotation.lag"
@@ -59,7 +59,9 @@ def said(call, *words, **how):
 wrong = [said(*c) for c in [
     (m.params.__setitem__, "m", 11), (m.params.__setitem__, "n", 1), (m.run, -1), (m.run, 1, 2),
     (m.run, 1, 1, "rk5"), (m.run, 1, 1, "rk4"), (m.acceleration, [1, 2], [1]),
-    (rows.__getitem__, "y"), (m.run, 1, 1, None, None, None, [1.0]),
+    (rows.__getitem__, "y"), (m.run, 1, 1, None, None, None, [1.0]), (m.run, 1, 0),
+    (m.run, 1, 1e-300), (m.run, 1, 1, None, 0), (m.run, 1, 1, None, float("nan")),
+    (m.run, 1, 1, None, None, 0), (m.run, 1, 1, None, None, float("nan")),
 ]]
 print(json.dumps([before, after, still["x"].tolist(), rows.t[-1], rows["x"][-1], rows.events,
                   a.tolist(), y.tolist(), many.tolist(), wrong, dict(m.params), rows.units]))
@@ -106,7 +108,9 @@ def test_a_wheel_does_what_its_model_does(tmp_path: Path) -> None:
     assert [kind for kind, _ in wrong] == ["ValueError"] * len(wrong)
     for part, (_, text) in zip(
         ("m is outside", "no such parameter", "positive", "at most until", "no such method",
-         "give step", "shape", "no such column", "shape"),
+         "give step", "shape", "no such column", "shape", "positive and finite", "1e+300",
+         "the step must be positive", "the step must be positive", "rtol must be positive",
+         "rtol must be positive"),
         wrong, strict=True,
     ):  # fmt: skip
         assert part in text

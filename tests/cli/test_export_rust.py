@@ -56,7 +56,7 @@ def test_the_crate(tmp_path: Path) -> None:
     (user / "Cargo.toml").write_text(MANIFEST)
     (user / "src/main.rs").write_text(main + USES)
     assert cargo("run", "-q", cwd=user, target=target) == shown
-    assert "3 passed" in cargo("test", cwd=user, target=target)
+    assert "4 passed" in cargo("test", cwd=user, target=target)
     words = ("--set", "l2=0.5", "--method", "dop853", "--rtol", "1e-12", "--until", "1")
     run = run_pkgen("run", ROOT / "models/double_pendulum.lag", *words, "--every", "1")
     exact = [float(x) for x in run.stdout.splitlines()[-1].split(",")]

@@ -63,7 +63,8 @@ class Exported:
 class Host:
     """`make` gives the files of an export by their paths, or raises BuildError or UsageError. Of a
     host with a `suffix` it is one file. `options` are its own, as argparse takes them; one that two
-    hosts have means the same for both. `how` is how the model is compiled for it."""
+    hosts have means the same for both. `how` is how the model is compiled for it, `warnings`
+    are of what pkgen run does and it does not."""
 
     name: str
     doc: str  # one line
@@ -72,6 +73,7 @@ class Host:
     options: tuple[tuple[str, Mapping[str, Any]], ...] = ()
     tools: str = ""  # what must be there to make it, for people
     how: Callable[[argparse.Namespace], Mapping[str, Any]] = lambda _: {}
+    warnings: Callable[[Exported], list[str]] = lambda _: []
     drawing: bool = False  # whether the C has the numbers of the drawing among its outputs
 
 

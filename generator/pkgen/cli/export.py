@@ -22,6 +22,7 @@ from ..system.files import replace
 from ..system.near import near
 from . import arguments as shared
 from .compilation import compile_within_limits
+from .said import findings
 
 HOSTS = (
     SOURCE,
@@ -86,6 +87,8 @@ def run(options: argparse.Namespace) -> int:
     made = found.compilation
     model = Exported(made.model.name, found.description, made.files, made.model.methods, options)
     files = _placed(host, model.name, host.make(model), options.path)
+    for line in host.warnings(model):
+        findings(f"{options.model}: warning: {line[0].lower()}{line[1:].rstrip('.')}")
     for folder in {path.parent for path in files}:
         folder.mkdir(parents=True, exist_ok=True)
     replace(files)

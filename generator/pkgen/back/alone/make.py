@@ -31,6 +31,11 @@ def how(options: object) -> dict[str, object]:
     return {"kernels": KERNELS}
 
 
+def how_single(options: object) -> dict[str, object]:
+    """With the functions of events too, at which its program may stop."""
+    return {"kernels": KERNELS | {"event"}}
+
+
 def _sources(step: Step) -> dict[str, str]:
     name = step.name
     return {
@@ -46,7 +51,7 @@ def freestanding(model: Exported) -> dict[str, bytes]:
 
 
 def single(model: Exported) -> dict[str, bytes]:
-    step = Step(model, "double")
+    step = Step(model, "double", has_main=True)
     source = step.source.replace(f'#include "{step.name}.h"\n', "", 1)
     parts = [step.header, source, step.step_header(""), step.step_source, _main(step)]
     return {f"{step.name}_single.c": "\n".join(parts).encode()}
@@ -110,6 +115,8 @@ def _main(step: Step) -> str:
         count=f"{count}ul",
         per_row=per_row,
         last=last,
+        stops=step.stops,
+        events=[string(event["name"]) for event in of["events"]],
     )
 
 
@@ -119,7 +126,8 @@ SINGLE = Host(
     single,
     ".c",
     (*OPTIONS, *EVERY),
-    how=how,
+    how=how_single,
+    warnings=lambda model: Step(model, "double", has_main=True).missed,
 )
 FREESTANDING = Host(
     "freestanding",
@@ -127,7 +135,13 @@ FREESTANDING = Host(
     freestanding,
     options=OPTIONS,
     how=how,
+    warnings=lambda model: Step(model, "float").missed,
 )
 ARDUINO = Host(
-    "arduino", "an Arduino and PlatformIO library with a sketch", arduino, options=OPTIONS, how=how
+    "arduino",
+    "an Arduino and PlatformIO library with a sketch",
+    arduino,
+    options=OPTIONS,
+    how=how,
+    warnings=lambda model: Step(model, "float").missed,
 )

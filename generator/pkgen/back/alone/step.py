@@ -28,8 +28,9 @@ INSTRUCTIONS = {"fabs", "fma", "sqrt"}  # of processors, not functions of libm
 class Step:
     """Refuses by a UsageError what no such step has."""
 
-    def __init__(self, model: Exported, scalar: str):
+    def __init__(self, model: Exported, scalar: str, *, has_main: bool = False):
         self.model = model
+        self.has_main = has_main  # which ends at events that stop
         self.of = model.description
         self.name = model.name
         self.float = (model.options.scalar or scalar) == "float"
@@ -151,15 +152,35 @@ class Step:
             "notes": self.notes,
         }
 
+    def _events(self, *, stop: bool) -> str:
+        return ", ".join(event["name"] for event in self.of["events"] if event["stop"] is stop)
+
+    @property
+    def stops(self) -> bool:
+        """Whether the program looks for events."""
+        return self.has_main and bool(self._events(stop=True))
+
+    @property
+    def missed(self) -> list[str]:
+        """What changes the motion of pkgen run and not this one."""
+        found = []
+        if not self.has_main and self._events(stop=True):
+            found.append(f"Nothing stops at {self._events(stop=True)}, where pkgen run does.")
+        if " side_[" in self.model.files[f"{self.name}.h"]:
+            found.append(
+                "Steps do not end where step, abs, min or max change the equations; one across "
+                "loses the order of the method."
+            )
+        return found
+
     @property
     def notes(self) -> list[str]:
         """What pkgen run does and this step does not."""
-        found = []
-        if self.of["events"]:
-            names = ", ".join(event["name"] for event in self.of["events"])
-            found.append(f"Events are not looked for, and nothing stops at them: {names}.")
-        if " side_[" in self.model.files[f"{self.name}.h"]:
-            found.append("Steps do not end where step, abs, min or max change the equations.")
+        found = self.missed
+        if self.stops:
+            found.append(f"A step looks for no events; main() ends at: {self._events(stop=True)}.")
+        if self._events(stop=False):
+            found.append(f"Events are not looked for: {self._events(stop=False)}.")
         return found
 
     def number(self, value: float) -> str:

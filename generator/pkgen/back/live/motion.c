@@ -1,5 +1,6 @@
 /* Motions: one state, any method, to any time. */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,7 +22,10 @@ struct live {
     double *crossings;   /* event, t, q, v of each */
     size_t n_crossings, room;
     size_t n_inputs;
-    int stopped; /* at an event, where `it` is */
+    int stopped;    /* at an event, where `it` is */
+    double from;    /* where the last step began */
+    double refused; /* the time of a live_to() that is no time to go to */
+    int is_refused;
 };
 
 static void give_inputs(void *context, pk_real t, pk_real *u)
@@ -82,8 +86,8 @@ const struct pk_method *live_method(const char *name)
     return pk_method_find(name);
 }
 
-/* NULL with why where the method, its settings or the start are refused. params stay the caller's
- * as long as the motion is used. */
+/* NULL with why where the method, its settings or the start are refused. h is 0 where the method
+ * begins by itself. params stay the caller's as long as the motion is used. */
 struct live *EXPORT(live_new)(const void *params, const char *method, double h, double rtol,
                               double t, const double *q, const double *v, const double *u)
 {
@@ -91,15 +95,20 @@ struct live *EXPORT(live_new)(const void *params, const char *method, double h, 
     struct pk_options options = pk_options_default();
     const struct pk_problem problem = {live_system, params, give_inputs, m};
     const struct pk_method *const found = live_method(method);
-    if (!m || !found) {
+    const char *const why = !m                         ? "there is no memory"
+                            : !found                   ? "there is no such method"
+                            : !(isfinite(h) && h >= 0) ? "the step must be positive and finite"
+                            : !(isfinite(rtol) && rtol > 0)
+                                ? "the tolerance rtol must be positive and finite"
+                                : NULL;
+    if (why) {
         free(m);
-        refuse(found ? "there is no memory" : "there is no such method");
+        refuse(why);
         return NULL;
     }
     options.h = h;
     options.max_steps = 0;
-    if (rtol > 0)
-        options.rtol = rtol;
+    options.rtol = rtol;
     m->n = pk_system_count(live_system, params);
     m->n_inputs = live_system->n_inputs;
     m->size = pk_integrator_size(&problem, found);
@@ -133,6 +142,7 @@ struct live *EXPORT(live_new)(const void *params, const char *method, double h, 
     }
     m->events.found = cross;
     m->events.context = m;
+    m->from = t;
     keep(m, t, m->it.q, m->it.v);
     return m;
 }
@@ -186,19 +196,25 @@ static int at_stop(struct live *m, double t)
 }
 
 /* To t, by at most `budget` steps: 1 if there are more to make, 0 at t, negative or above 1 the
- * status. Steps are what they are without t: the state at t is the method's own interpolant, or
- * a shorter step aside. */
+ * status. Steps are what they are without t: the state at t is the method's own interpolant, or a
+ * shorter step aside. A time before the last step is refused, since no state is kept there. */
 int EXPORT(live_to)(struct live *m, double t, double budget)
 {
     struct pk_integrator *it = &m->it;
     const double far = t + 1e9 * (fabs(t) + 1);
     const int fixed = !has(m, PK_ADAPTIVE | PK_DENSE);
+    m->is_refused = !isfinite(t) || t < m->from;
+    if (m->is_refused) {
+        m->refused = t;
+        return PK_BAD_ARGUMENT;
+    }
     if (m->stopped)
         return at_stop(m, t);
     while (it->t < t && !pk_integrator_is_at(it, t)) {
         if (budget-- <= 0)
             return 1;
         const double limit = fixed ? pk_integrator_limit(it, t, far) : far;
+        m->from = it->t;
         const enum pk_status status = pk_events_step(&m->events, it, limit);
         if (status == PK_STOPPED_EVENT) {
             m->stopped = 1;
@@ -220,7 +236,15 @@ int EXPORT(live_to)(struct live *m, double t, double budget)
 
 const char *EXPORT(live_reason)(struct live *m)
 {
-    pk_integrator_reason(&m->it, live_reason_text, LONGEST_TEXT);
+    if (!m->is_refused)
+        pk_integrator_reason(&m->it, live_reason_text, LONGEST_TEXT);
+    else if (!isfinite(m->refused))
+        refuse("the time to go to is not finite");
+    else
+        snprintf(
+            live_reason_text, LONGEST_TEXT,
+            "a motion goes forward: t = %.17g is before its last step, which began at t = %.17g",
+            m->refused, m->from);
     return live_reason_text;
 }
 

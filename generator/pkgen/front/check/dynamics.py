@@ -39,8 +39,8 @@ class Dynamics(Checks):
                 f"{keyword} contains {facts.rough} of the motion, which has no derivative where"
                 " it bends or jumps",
                 statement.value.span,
-                "the force jumps there, or the rates: steps of a run end at it, but in families"
-                " kept as loops",
+                "the force jumps there, or the rates: steps of `pkgen run` end at it, but in"
+                " families kept as loops",
             )
         if facts.state_rates:
             message = f"{keyword} cannot use the rate of the state '{min(facts.state_rates)}'"

@@ -38,6 +38,7 @@ _C.live_t.restype = ctypes.c_double
 _COORDINATES = tuple(c["name"] for c in description["coordinates"])
 _BUDGET = 100_000.0  # steps between two looks at Ctrl-C
 _MOTION_ENDED, _MORE = 2, 1
+_MOST_ROWS = 1e9
 
 
 class RunError(Exception):
@@ -258,9 +259,16 @@ class Model:
         default = description["run"]
         method = _known(method or default["method"], {m: m for m in self.methods}, "method")
         until = float(until)
-        every = float(every or until / 1000)
+        every = until / 1000 if every is None else float(every)
+        rtol = default["rtol"] if rtol is None else float(rtol)
         if not (0 < until < math.inf and 0 < every <= until):
             raise ValueError("until and every must be positive and finite, every at most until")
+        if not until / every < _MOST_ROWS:
+            raise ValueError(
+                f"every: rows would be {until / every:.3g}, at most {_MOST_ROWS:g} can be"
+            )
+        if step is not None and not step > 0:
+            raise ValueError("the step must be positive and finite")
         count = math.floor(until / every * (1 + 1e-12)) + 1
         times = np.minimum(np.arange(count) * every, until)
         if until - times[-1] > 1e-9 * until:
@@ -272,7 +280,7 @@ class Model:
             raise ValueError(f"method {method} has fixed steps: give step")
         q, v = self._begin(start)
         u = self._u(1)
-        sizes = [ctypes.c_double(x) for x in (step or 0.0, rtol or default["rtol"], 0.0)]
+        sizes = [ctypes.c_double(x) for x in (step or 0.0, rtol, 0.0)]
         motion = _C.live_new(self._params, method.encode(), *sizes, *map(_pointer, (q, v, u)))
         if not motion:
             raise ValueError(_C.live_why().decode())

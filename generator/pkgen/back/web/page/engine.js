@@ -211,7 +211,8 @@ const Engine = (() => {
       room.set(v, n);
       if (inputs) room.set(inputs, 2 * n);
       const h = step ?? this.usual(engine, method);
-      this.at = c.live_new(own.at, name, h, rtol ?? 0, t, start, start + 8 * n, start + 16 * n);
+      const tolerance = rtol ?? engine.description.run.rtol;
+      this.at = c.live_new(own.at, name, h, tolerance, t, start, start + 8 * n, start + 16 * n);
       c.free(name);
       c.free(start);
       if (!this.at) throw new Error(engine.text(c.live_why()));

@@ -1,0 +1,18 @@
+"""Columns of a run by their names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from conftest import ROOT, run_pkgen
+
+MODELS = sorted((ROOT / "models").rglob("*.lag"))
+
+
+def ran(model: Path, *words: object) -> dict[str, np.ndarray]:
+    done = run_pkgen("run", model, *map(str, words))
+    assert done.returncode == 0, done.stderr
+    names, *rows = done.stdout.splitlines()
+    values = np.array([[float(x) for x in row.split(",")] for row in rows])
+    return dict(zip(names.split(","), values.T, strict=True))
