@@ -151,7 +151,7 @@ def test_the_sketch_runs_on_an_uno(tmp_path: Path) -> None:
     said = subprocess.run(emulator, cwd=tmp_path, capture_output=True, text=True, check=False)
     rows = re.findall(r"(\d\.\d{3}) (-?\d\.\d{4})", said.stdout + said.stderr)
     assert len(rows) > 3
-    again = run_pkgen("run", MODEL, "--until", "1", "--every", "0.005")
+    again = run_pkgen("run", MODEL, "--until", rows[-1][0], "--every", "0.005")
     motion = {f"{row[0]:.3f}": row[1] for row in table(again.stdout)[1]}
     for t, theta in rows:
         assert float(theta) == pytest.approx(motion[t], abs=2e-3)
