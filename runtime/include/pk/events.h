@@ -30,7 +30,9 @@
  *
  * Where g is exactly zero at the start, or stays so, nothing has crossed: an event fires when g
  * reaches zero from somewhere else. Each step begins anew with the state that `it` has: after a
- * jump (pk_integrator_reset()) g may be on the other side, and that is no crossing.
+ * jump (pk_integrator_reset()) g may be on the other side, and that is no crossing. A limit (stop 2)
+ * is not passed so: a first step that begins beyond it, or on it and leads out, ends at once, and a
+ * later one that begins on it crosses it where it leads out.
  *
  * Switches of the system (struct pk_system) are located as events are. Each is held on the side on
  * which the motion is, so that within a step the equations are smooth, every method has its order
@@ -105,6 +107,7 @@ struct pk_events {
     int kept;       /* the step starts where the last one ended, at `left` */
     pk_real left;   /* end of the last step; impulse switches keep sides */
     pk_real *held;  /* signed rounding; an event within it keeps the side of `held` */
+    pk_real *off;   /* of limits on which the first step begins: rounding, taken off */
     pk_real *room;  /* for impulses */
 };
 

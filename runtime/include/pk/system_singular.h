@@ -44,7 +44,7 @@ struct pk_part_singularities {
 struct pk_event {
     struct pk_quantity what;
     int direction; /* +1 rising, -1 falling, 0 either */
-    int stop;      /* a run ends there; 2: one that starts beyond it too, at once */
+    int stop;      /* a run ends there; 2, of a function linear in q: a start beyond it too */
 };
 
 /* What `event` declares. */

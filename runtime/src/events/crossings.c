@@ -239,7 +239,9 @@ static enum pk_status nodes(struct along *a)
 static void enlist(struct pk_events *e, const struct along *a, pk_real x, int direction)
 {
     const struct pk_event *events = a->it->problem.system->events.table;
-    const int asked = a->k < e->n_events ? events[a->k].direction : 0;
+    const int limit = a->k < e->n_events && events[a->k].stop > 1; /* backwards in t as well */
+    const int asked = (a->k < e->n_events ? events[a->k].direction : 0) *
+                      (limit ? a->it->own->direction : 1);
     size_t at = PK_EVENT_ENTRY * e->listed++;
     if (asked && asked != direction) {
         e->listed--;

@@ -12,7 +12,8 @@
 
 #include "events.h"
 
-enum { HALVINGS = 20 }; /* of what is left to a singularity: to a millionth of a step */
+enum { HALVINGS = 20 };  /* of what is left to a singularity: to a millionth of a step */
+enum { ROUNDINGS = 16 }; /* of the largest number, within which a limit or its rate is zero */
 
 static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_real *base)
 {
@@ -26,7 +27,7 @@ static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_
         {&e->q0, n}, {&e->v0, n}, {&e->bend, 2 * n}, {&e->trial, 2 * n}, {&e->u, system->n_inputs},
         {&e->g, m * (PK_MOST_SAMPLES + 2)}, {&e->ends, 2 * m},
         {&e->list, m * PK_EVENT_ENTRY * PK_MOST_NODES},
-        {&e->held, system->events.n}, {&e->fresh, system->switches.n},
+        {&e->held, system->events.n}, {&e->off, system->events.n}, {&e->fresh, system->switches.n},
         {&params, system->switches.n ? pk_params_reals(system) : 0},
         {&e->room, pk_impulse_size(system, n)}};
     /* clang-format on */
@@ -92,15 +93,60 @@ static enum pk_status at_end(const struct pk_events *e, struct pk_integrator *it
     return PK_DONE;
 }
 
-/* A start beyond a limit, which nothing crosses: the run ends there, as at the limit. */
-static int beyond(struct pk_events *e, struct pk_integrator *it)
+static pk_real largest(const pk_real *x, size_t n)
+{
+    pk_real most = 0;
+    for (size_t i = 0; i < n; i++)
+        most = pk_max(most, pk_abs(x[i]));
+    return most;
+}
+
+/* What a limit, which is linear in q, gains along d; 0 where that is rounding. */
+static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t k, const pk_real *d)
+{
+    pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1), ends[2];
+    for (int end = 0; end < 2; end++) {
+        for (size_t i = 0; i < e->n; i++)
+            e->trial[i] = end ? e->q0[i] + d[i] : e->q0[i] - d[i];
+        pk_events_functions(e, it, it->t, e->trial, e->v0, g);
+        ends[end] = g[k];
+    }
+    const pk_real rounding = ROUNDINGS * PK_EPS * (largest(e->q0, e->n) + largest(d, e->n));
+    return pk_abs(ends[1] - ends[0]) > rounding ? ends[1] - ends[0] : 0;
+}
+
+/* Whether the motion passes limit k, on which it starts: by its rate, at rest by its acceleration. */
+static int leads_outwards(struct pk_events *e, const struct pk_integrator *it, size_t k,
+                          int backwards)
+{
+    pk_real rise = gain(e, it, k, e->v0) * (backwards ? PK_C(-1.0) : PK_C(1.0));
+    if (!(rise < 0 || rise > 0) &&
+        pk_eval_acceleration(&e->scout, it->t, e->q0, e->v0, e->bend) >= 0)
+        rise = gain(e, it, k, e->bend);
+    return rise * (pk_real)it->problem.system->events.table[k].direction > 0;
+}
+
+/* A start beyond a limit, or on it but for rounding and on the way out, which crosses nothing: the
+ * run ends there, as at the limit. If it goes on that rounding is taken off, and the start is
+ * inside, as pk_events_functions() has it: so the limit is crossed where the motion goes out later. */
+static int beyond(struct pk_events *e, struct pk_integrator *it, int backwards)
 {
     const struct pk_event *table = it->problem.system->events.table;
-    const pk_real *g = pk_events_end(e, 0);
+    pk_real *g = pk_events_end(e, 0);
+    const pk_real rounding = ROUNDINGS * PK_EPS * largest(e->q0, e->n) + PK_TINY;
     size_t first = e->n_events;
-    for (size_t k = e->n_events; k-- > 0 && !e->begun;)
-        if (table[k].stop > 1 && g[k] * (pk_real)table[k].direction > 0)
+    for (size_t k = e->n_events; k-- > 0 && !e->begun;) {
+        const pk_real outwards = (pk_real)table[k].direction;
+        if (table[k].stop < 2)
+            continue;
+        const int on = pk_abs(g[k]) <= rounding;
+        if (on ? leads_outwards(e, it, k, backwards) : g[k] * outwards > 0)
             first = k;
+        if (on) {
+            e->off[k] = pk_abs(g[k]) > PK_TINY ? g[k] : 0;
+            g[k] = -outwards * PK_TINY;
+        }
+    }
     e->begun = 1;
     if (first == e->n_events)
         return 0;
@@ -129,7 +175,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->scout.options.h = it->options.h;
     memcpy(e->q0, it->q, e->n * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
-    if (at_end(e, it, 0, e->q0, e->v0) < 0 || beyond(e, it) ||
+    if (at_end(e, it, 0, e->q0, e->v0) < 0 || beyond(e, it, limit < it->t) ||
         pk_integrator_step(it, limit) != PK_DONE)
         return it->status;
     if (!(it->t < e->from || it->t > e->from)) /* the limit is here */

@@ -53,6 +53,9 @@ void pk_events_functions(const struct pk_events *e, const struct pk_integrator *
     pk_input(p, t, e->u);
     if (e->n_events)
         p->system->events.values(p->params, t, q, v, e->u, g);
+    for (size_t k = 0; k < e->n_events; k++)
+        if (p->system->events.table[k].stop > 1 && pk_abs(g[k] -= e->off[k]) <= 0)
+            g[k] = -PK_TINY * (pk_real)p->system->events.table[k].direction; /* on it is inside */
     switches(e, it, t, q, v, g + e->n_events);
 }
 
