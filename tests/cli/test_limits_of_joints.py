@@ -90,3 +90,68 @@ def test_members_that_start_beyond_one_end_alone(pkgen, tmp_path):
     assert ran.returncode == 0, ran.stderr
     assert [float(r[1]) for r in rows if r[0] == "1"][-1] == 0  # begins at -1, beyond -0.4
     assert [float(r[1]) for r in rows if r[0] == "2"][-1] == pytest.approx(math.sqrt(1 / 9.81))
+
+
+SHUTTLE = """model shuttle
+param F = 1
+param c = 0
+param low = 0
+param high = 1
+body a mass 1
+joint z: ground to a prismatic [0, 0, 1] limits [low, high]
+force z = F + c*t
+"""
+
+
+def on_a_limit(draw: random.Random) -> tuple[tuple[float, ...], float | None]:
+    """z, z', F, c, low, high of a start on a limit, but for rounding, far from the other one; and
+    when it is passed, by hand: what leads outwards is positive here, and of F and c one is 0."""
+    v, F = (draw.choice((0, draw.uniform(-2, -0.1), draw.uniform(0.1, 1))) for _ in range(2))
+    c = draw.choice((0, -0.5, 0.5)) if v == F == 0 else 0
+    at = 0 if next((x for x in (v, F, c) if x), 0) > 0 else -2 * v / F if v < 0 < F else None
+    wall, side = draw.uniform(-2, 2), draw.choice((-1, 1))
+    ends = (wall, 1e9) if side < 0 else (-1e9, wall)
+    start = math.nextafter(wall, wall + draw.choice((-1, 0, 1)))
+    return (start, side * v, side * F, side * c, *ends), at
+
+
+@pytest.mark.parametrize("method", ["--method=gauss", "--method=rk4 --step=7"])
+def test_random_starts_on_a_limit(pkgen, tmp_path, method):
+    draw = random.Random(method)
+    starts = [on_a_limit(draw) for _ in range(60)]
+    (tmp_path / "shuttle.lag").write_text(SHUTTLE)
+    rows = [",".join(map(repr, row)) for row, _ in starts]
+    (tmp_path / "starts.csv").write_text("\n".join(("z,z',F,c,low,high", *rows)) + "\n")
+    given = (tmp_path / "shuttle.lag", "--ensemble", tmp_path / "starts.csv", *method.split())
+    ran = pkgen("run", *given, "--until", "70", "--record", "z")
+    assert ran.returncode == 0, ran.stderr
+    ends = {int(r[0]): float(r[1]) for r in map(lambda x: x.split(","), ran.stdout.split()[1:])}
+    for k, (row, at) in enumerate(starts, 1):
+        # where c alone leads out it is at rest but for rounding for a while: t^3 = 6 eps/c
+        near = 1e-4 if row[3] else 0 if at == 0 else 1e-9
+        assert abs(ends[k] - (70 if at is None else at)) <= near, (row, at, ends[k])
+    assert {0, None} < {at for _, at in starts}
+
+
+KNEE = """model knee
+gravity [0, 0, -9.81 [m/s^2]]
+body a mass 1 [kg] at [0, 0, -0.5]
+joint hip: ground to a revolute [0, 1, 0] limits [-30, 0] [deg]
+event straight: hip rising stop
+start hip = 0
+"""
+
+
+def test_a_joint_straight_at_its_limit(pkgen, tmp_path):
+    model = tmp_path / "knee.lag"
+    model.write_text(KNEE)
+    ran = pkgen("run", model, "--until", "1", "--start", "hip'=1")
+    assert "stopped at event hip_upper at t = 0\n" in ran.stderr
+    ran = pkgen("run", model, "--until", "1")  # hangs there
+    assert ran.returncode == 0 and "limits not met: 2" in ran.stderr
+    ran = pkgen("run", model, "--until", "1", "--start", "hip'=-1")  # half a swing
+    assert "stopped at event hip_upper at t = 0.7115" in ran.stderr
+    plain = tmp_path / "plain.lag"
+    plain.write_text(KNEE.replace("limits [-30, 0] [deg]", "limits [-30 [deg], inf]"))
+    ran = pkgen("run", plain, "--until", "1", "--start", "hip'=1")  # of 0 at the start none
+    assert ran.returncode == 0 and "stopped at" not in ran.stderr

@@ -7,11 +7,12 @@ import re
 
 import pytest
 from conftest import long_but
+from pkgen.front.check.body_families import TOO_MANY
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
 from pkgen.middle.derive.derive import derive
-from pkgen.source import Source
+from pkgen.source import ModelError, Source
 
 KINDS = ("revolute", "prismatic", "planar", "spherical", "free", "fixed")
 
@@ -176,3 +177,31 @@ def test_members_on_the_command_line(pkgen, tmp_path):
     ran = pkgen(*run, "--record", "link[9].com")
     assert ran.stderr.count("link[9].com is outside the family: there is link[1..3].com") == 1
     assert ran.returncode == 1 and not ran.stdout
+
+
+def test_of_one_member_a_range_of_others_is_empty():
+    text = """model chain
+size N = 3
+body link[1..N] mass 1 at [0, 0, -1]
+joint j[1]: ground to link[1] revolute [0, 1, 0]
+joint j[i = 2..N]: link[i-1] to link[i] revolute [0, 1, 0] at [0, 0, -1]
+potential sum(j[i]^2, i = 2..N)
+"""
+    alone = re.sub("joint j.i.*\n|potential.*\n", "", text)
+    given: dict[str, float] = {}
+    wanted = values_of(model_of(alone, N=1), given)
+    assert values_of(model_of(text, N=1), given) == wanted
+    for wrong in (re.sub("joint j.1.*\n", "", text), text.replace("2..N]:", "3..N]:")):
+        with pytest.raises(ModelError) as told:
+            model_of(wrong, N=1)
+        assert "an empty family" in told.value.diagnostics[0].message
+
+
+def test_too_many_members_are_told_once():
+    text = "model many\nsize N = 15000\n" + "".join(
+        f"body {x}[1..N] mass 1\njoint j{x}[i = 1..N]: ground to {x}[i] revolute [0, 1, 0]\n"
+        for x in "ab"
+    )
+    with pytest.raises(ModelError) as told:
+        model_of(text)
+    assert [d.message for d in told.value.diagnostics] == [TOO_MANY]

@@ -202,6 +202,30 @@ static void stops(void)
     CU_ASSERT_EQUAL(w.events.count, 3 + 29); /* 100/pi + 1/2 crossings in all */
 }
 
+/* q >= 0 of a harmonic motion: to where it goes from q and v, forwards and backwards in time. */
+static void limits(void)
+{
+    const double pi = acos(-1),
+                 starts[][4] = {{1, 0, 1, pi / 2}, {1, 0, -1, -pi / 2}, {0, -1, 1, 0},
+                                {0, -1, -1, -pi},  {0, 1, 1, pi},       {0, 1, -1, 0}};
+    static struct watch w;
+    for (size_t k = 0; k < sizeof starts / sizeof *starts; k++) {
+        const double *s = starts[k], again = -2, zero = 0;
+        watch_cosine(&w, at_zero, 1);
+        w.declared[0] = (struct pk_event){{"crossing", "", ""}, -1, 2};
+        w.f.q0[0] = s[0];
+        w.f.v0[0] = s[1];
+        watch_init(&w, "dop853", 1e-12);
+        CU_ASSERT(pk_events_to(&w.events, &w.f.it, 10 * s[2]) == PK_STOPPED_EVENT);
+        CU_ASSERT_DOUBLE_EQUAL(w.f.it.t, s[3], 1e-10);
+        const double t = w.f.it.t;
+        CU_ASSERT(pk_integrator_reset(&w.f.it, t, &zero, &again) == PK_DONE);
+        CU_ASSERT(pk_events_to(&w.events, &w.f.it, t + 1) == PK_STOPPED_EVENT);
+        CU_ASSERT_DOUBLE_EQUAL(w.f.it.t, t, 1e-14);
+        watch_free(&w);
+    }
+}
+
 static void no_number(const void *p, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *g)
 {
@@ -265,6 +289,7 @@ void add_events(void)
     CU_add_test(suite, "the trajectory is undisturbed", undisturbed);
     CU_add_test(suite, "bounces", bounces);
     CU_add_test(suite, "stops", stops);
+    CU_add_test(suite, "limits", limits);
     CU_add_test(suite, "failures", failures);
     CU_add_test(suite, "no events", none);
 }

@@ -48,7 +48,7 @@ void run_integrate(struct pk_run *run)
     while (it->t < s->until && step(run) && run_due(run, it->t))
         if (each)
             observe_row(run, run_moment(run));
-    if (by_time && it->status == PK_STOPPED_EVENT && run->last_row < it->t)
+    if (by_time && it->status == PK_STOPPED_EVENT && (!run->rows || run->last_row < it->t))
         observe_row(run, run_moment(run));
     observe_end(run);
 }

@@ -4,6 +4,7 @@ members, so there is no loop that could be kept."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Container, Mapping
 from contextlib import suppress
 from dataclasses import fields, replace
@@ -16,6 +17,7 @@ from ...tree import Expr, Number, of_member
 from .. import statements as st
 
 OfBodies = st.Body | st.Joint
+TOO_MANY = f"more than {limits.STATEMENTS:,} statements, families of bodies written out"
 
 
 def written_out(
@@ -29,17 +31,22 @@ def written_out(
     if not any(indices(s) for s in file.statements):
         return file
     sizes = _sizes(file, given)
+    statements = Counter((type(s), s.left.name) for s in file.statements if isinstance(s, OfBodies))
     found: list[st.Statement] = []
     broken = [*file.broken]
+    told: set[str] = set()
     for statement in file.statements:
         if not isinstance(statement, OfBodies):
             found.append(statement)
             continue
         try:
-            found += _members(statement, sizes, taken, limits.STATEMENTS - len(found))
+            shared = statements[type(statement), statement.left.name] > 1
+            found += _members(statement, sizes, taken, limits.STATEMENTS - len(found), shared)
         except NotAnInteger as wrong:
             help = "" if "not a size" not in wrong.message else "declare it with 'size'"
-            tell(wrong.message, wrong.span, help)
+            if wrong.message != TOO_MANY or not told:
+                tell(wrong.message, wrong.span, help)
+            told |= {wrong.message} & {TOO_MANY}
             names = statement.left.name, *(end.id for end in getattr(statement, "ends", ()))
             broken.append(st.Broken(statement.keyword, names, statement.span))
     return replace(file, statements=tuple(found), broken=tuple(broken))
@@ -66,17 +73,17 @@ def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
 
 
 def _members(
-    statement: OfBodies, sizes: Mapping[str, int], taken: Container[str], most: int
+    statement: OfBodies, sizes: Mapping[str, int], taken: Container[str], most: int, shared: bool
 ) -> list[OfBodies]:
+    """One statement each; none of 2..1 where others have members of the same family."""
     left = statement.left
     if left.range is None:
         return [_with_numbers(statement, sizes)]
     lo, hi = integer(left.range.lo, sizes), integer(left.range.hi, sizes)
-    if lo > hi:
+    if lo > hi + shared:
         raise NotAnInteger(f"an empty family: {lo}..{hi}", left.range.span)
     if hi - lo >= most:
-        message = f"more than {limits.STATEMENTS:,} statements, families of bodies written out"
-        raise NotAnInteger(message, left.range.span)
+        raise NotAnInteger(TOO_MANY, left.range.span)
     variable = left.range.variable
     if variable in taken:
         message = f"the loop variable '{variable}' has another meaning in this model"
