@@ -165,6 +165,28 @@ def test_states_and_events_of_loops_are_those_of_members_written_out(seed: int, 
         assert one["times"] == pytest.approx(other["times"], abs=1e-8), text
 
 
+@pytest.mark.parametrize("seed", long_but([0, 1], range(8)))
+def test_rows_of_loops_that_all_but_follow_from_others_are_told(seed: int, both) -> None:
+    """In O(N): a bound from below of the condition number that the matrix itself gives."""
+    dice = random.Random(seed)
+    apart = (3e-4, 0.5, 1e-3, 0.2)[seed % 4]
+    m, a, b, c = (dice.uniform(0.5, 2) for _ in range(4))
+    text = (
+        f"model rails\nsize N = {dice.randint(1, 6)}\ncoord x[1..N], y[1..N], z[1..N]\n"
+        f"kinetic sum((x[i]'^2 + {m!r}*y[i]'^2 + z[i]'^2)/2, i = 1..N)\n"
+        f"potential sum(z[i] + {c!r}*x[i]*z[i] + x[i]^2*y[i], i = 1..N)\n"
+        f"fixed x[0] = 0, y[0] = 0, z[0] = 0\nlet r[i = 0..N] = x[i] - {a!r}*y[i] + {b!r}*z[i]\n"
+        f"constraint one[i = 1..N]: r[i] - r[i-1]/3 = 0\n"
+        f"constraint two[i = 1..N]: r[i] - {apart!r}*y[i] = 0\n"
+        f"start x[i = 1..N] = {b!r}, z[i = 1..N] = -1\n"
+    )
+    (_, told), (_, said) = both(text, "--until", 0.5, "--every", 0.5, "--method", "dop853")
+    ours, whole = (x["condition"]["constraints"]["cond"] for x in (told, said))
+    assert whole / 20 < ours < 1.1 * whole, text
+    for found in (told, said):
+        assert (found["condition"]["lost"]["digits"] > 5) == (apart < 0.1), (found, text)
+
+
 @pytest.mark.parametrize("seed", long_but([1], range(6)))
 def test_outputs_for_each_index_are_those_of_members_written_out(
     seed: int,

@@ -12,6 +12,9 @@
  * Beside the terms e_i that it is a sum of, |M_ij a_j|/M_ii and those of M^-1 J^T lambda, each loses
  * log10(d_i/e_i) digits: 0 of a diagonal M. What cancels within the forces is not seen.
  *
+ * Of families kept as loops, under constraints, there is of J M^-1 J^T a bound from below, in O(N):
+ * by how little a row differs from what the others say. It stands for the loss too.
+ *
  * References: F. L. Bauer, Numer. Math. 5 (1963) 73; R. D. Skeel, J. ACM 26 (1979) 494;
  * N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 7.2, 7.3.
  */
@@ -34,7 +37,7 @@ struct pk_condition {
     unsigned long looks;
 };
 
-/* More unknowns than these are not looked at: a look costs some 6 times their cube. */
+/* More unknowns than these are not looked at where a look costs some 6 times their cube. */
 enum { PK_CONDITION_MOST = 128 };
 
 /* Bytes, and alignment for pk_real; 0: the system has no M here, or it is too large. */

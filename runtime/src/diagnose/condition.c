@@ -30,6 +30,7 @@ static size_t lay_out(struct parts *w, const struct pk_problem *problem,
     w->most = unknowns(system, method, n);
     w->most = w->most > n ? w->most : n;
     w->most = w->most > c ? w->most : c;
+    w->most = system->constraints.factor ? 0 : w->most; /* loops: at any number */
     const size_t m = w->most;
     const struct pk_slot slots[] = {{&w->project, pk_project_room(problem, n)},
                                     {&w->u, system->n_inputs},
@@ -50,7 +51,8 @@ size_t pk_condition_size(const struct pk_problem *problem, const struct pk_metho
     struct parts w;
     const struct pk_system *system = problem->system;
     const size_t size = lay_out(&w, problem, method, NULL);
-    const int has = (system->mass || system->inertia) && system->acceleration;
+    const int kernels = system->mass || system->inertia || system->constraints.factor;
+    const int has = kernels && system->acceleration;
     return has && w.n && w.most <= PK_CONDITION_MOST ? size * sizeof *w.A : 0;
 }
 
@@ -163,6 +165,36 @@ static pk_real of_rows(struct parts *w, struct pk_projection *at, const pk_real 
     return found;
 }
 
+/* Families kept as loops have no matrices, but solve for S = J M^-1 J^T. S_kk (S^-1)_kk is 1/sin^2
+ * of the angle of row k to all others in the metric of M^-1. By column r of S^-1, that of the row
+ * with the smallest pivot, it is S_kk (S^-1)_kr^2/(S^-1)_rr at least. Where it is large, S z = 0 but
+ * for little, and z^T |S| z is 3 S_kk z_k^2 at least: so much more is the condition number.
+ * `where` is the rate that the row's multiplier turns most, in the metric of M. */
+static pk_real of_solves(struct pk_projection *at, const pk_real *q, const pk_real *v,
+                         size_t *where)
+{
+    size_t row = 0;
+    pk_real least = PK_INFINITY, found = 1, turned = 0;
+    pk_project_inertia(at, q, v);
+    if (pk_project_factor(at, at->c, q, v))
+        return PK_INFINITY;
+    for (size_t i = 0; i < at->c; i++) {
+        at->rate[i] = 0;
+        if (at->pivots[i] < least * at->norms[i])
+            least = at->pivots[i] / at->norms[i], row = i;
+    }
+    at->rate[row] = 1;
+    pk_project_solve(at, at->c, at->rate);
+    for (size_t i = 0; i < at->c; i++)
+        found = pk_max(found, at->norms[i] * at->mu[i] * (at->mu[i] / at->mu[row]));
+    for (size_t k = 0; k < at->m; k++) {
+        const pk_real x = PK_F(sqrt)(at->M[k]) * pk_abs(at->d[k]);
+        if (x > turned)
+            turned = x, *where = k;
+    }
+    return 3 * found - 2;
+}
+
 void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
                        struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        void *block)
@@ -175,6 +207,14 @@ void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
     at.t = t;
     at.u = w.u;
     pk_input(problem, t, w.u);
+    if (!at.whole) {
+        size_t where = c->where;
+        const pk_real found = of_solves(&at, q, v, &where), before = c->lost.x;
+        most(&c->constraints, found, t);
+        most(&c->lost, found, t);
+        c->where = c->lost.x > before ? where : c->where;
+        return;
+    }
     if (problem->system->acceleration(problem->params, t, q, v, w.u, w.a) ||
         pk_project_inertia(&at, q, v)) {
         most(&c->mass, PK_INFINITY, t);
