@@ -149,9 +149,10 @@ def test_the_sketch_runs_on_an_uno(tmp_path: Path) -> None:
     assert int(text) + int(data) < 16_000 and int(data) + int(bss) < 600
     emulator = ["timeout", "20", "simavr", "-m", "atmega328p", "-f", "16000000", "uno.elf"]
     said = subprocess.run(emulator, cwd=tmp_path, capture_output=True, text=True, check=False)
-    rows = re.findall(r"(\d\.\d{3}) (-?\d\.\d{4})", said.stdout + said.stderr)
+    said = re.findall(r"(?<!\d)(\d\.\d{3}) (-?\d\.\d{4})", said.stdout + said.stderr)
+    rows = [row for row in said if float(row[0]) <= 1]  # it goes as far as this machine is fast
     assert len(rows) > 3
-    again = run_pkgen("run", MODEL, "--until", rows[-1][0], "--every", "0.005")
+    again = run_pkgen("run", MODEL, "--until", "1", "--every", "0.005")
     motion = {f"{row[0]:.3f}": row[1] for row in table(again.stdout)[1]}
     for t, theta in rows:
         assert float(theta) == pytest.approx(motion[t], abs=2e-3)
