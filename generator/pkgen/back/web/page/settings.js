@@ -20,6 +20,10 @@ const Settings = (() => {
     const x = Number(text);
     return text !== "" && text !== null && Number.isFinite(x) ? x : null;
   };
+  const positive = (text) => {
+    const value = number(text ?? "");
+    return value > 0 ? value : null;
+  };
 
   function chosen(model, scene) {
     const row = scene ? model.sceneNamed.get(scene) : null;
@@ -114,7 +118,7 @@ const Settings = (() => {
       const [method, step, rtol] = text.split(":");
       const row = model.methodNamed.get(method);
       if (row && row.applies)
-        methods.push({ method, step: number(step ?? ""), rtol: number(rtol ?? "") });
+        methods.push({ method, step: positive(step), rtol: positive(rtol) });
     }
     if (methods.length) settings.methods = methods;
     settings.reference = query.get("ref") === "1";
