@@ -94,10 +94,11 @@ def test_hosts_that_share_an_option_mean_the_same() -> None:
             assert said.setdefault(flag, how) == how
 
 
-def test_nothing_that_is_exported_names_gsl(tmp_path: Path) -> None:
+@pytest.mark.parametrize("tools", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_nothing_that_is_exported_names_gsl(tmp_path: Path, tools: bool) -> None:
     """But in comments."""
     steps = ("--method", "rk4", "--step", "0.01")  # some take no others
-    for host in HOSTS:
+    for host in (h for h in HOSTS if bool(h.tools) == tools):
         done = run_pkgen("export", PENDULUM, "--as", host.name, "-o", tmp_path / host.name, *steps)
         if done.returncode == 3 and host.tools:
             continue  # they are not here

@@ -31,6 +31,8 @@ def needs(*tools: str) -> pytest.MarkDecorator:
 
 
 def said(*words: object, cwd: Path, env: dict[str, str] | None = None) -> str:
+    """Of a command that is no child of the `make` that runs the tests."""
+    env = {k: v for k, v in (env or os.environ).items() if k not in ("MAKEFLAGS", "MFLAGS")}
     done = subprocess.run(
         list(map(str, words)), cwd=cwd, capture_output=True, text=True, env=env, check=False
     )

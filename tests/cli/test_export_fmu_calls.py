@@ -343,6 +343,7 @@ def test_wrong_tokens_and_modes_make_no_unit(rig) -> None:
     assert "token" in u.said[-1]
 
 
+@pytest.mark.long
 def test_methods_of_the_authors_own_are_in_a_unit(unit) -> None:
     """Two Verlet steps of half the length each, of a separable system."""
     path = unit(OSCILLATOR, "3", "--composition", "0.5,0.5")

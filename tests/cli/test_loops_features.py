@@ -152,7 +152,7 @@ def both(tmp_path: Path, capsys, monkeypatch) -> Callable[..., list[tuple[list, 
     return ran
 
 
-@pytest.mark.parametrize("seed", long_but([3, 5], range(14)))
+@pytest.mark.parametrize("seed", long_but([5], range(14)))
 def test_states_and_events_of_loops_are_those_of_members_written_out(seed: int, both) -> None:
     dice = random.Random(seed)
     text = chain(dice, coordinates=seed % 4 != 3)
@@ -165,7 +165,7 @@ def test_states_and_events_of_loops_are_those_of_members_written_out(seed: int, 
         assert one["times"] == pytest.approx(other["times"], abs=1e-8), text
 
 
-@pytest.mark.parametrize("seed", long_but([0, 1], range(8)))
+@pytest.mark.parametrize("seed", long_but([0], range(8)))
 def test_rows_of_loops_that_all_but_follow_from_others_are_told(seed: int, both) -> None:
     """In O(N): a bound from below of the condition number that the matrix itself gives."""
     dice = random.Random(seed)
@@ -187,7 +187,7 @@ def test_rows_of_loops_that_all_but_follow_from_others_are_told(seed: int, both)
         assert (found["condition"]["lost"]["digits"] > 5) == (apart < 0.1), (found, text)
 
 
-@pytest.mark.parametrize("seed", long_but([1], range(6)))
+@pytest.mark.parametrize("seed", long_but([], range(6)))
 def test_outputs_for_each_index_are_those_of_members_written_out(
     seed: int,
     both,

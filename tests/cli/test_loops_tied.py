@@ -21,7 +21,7 @@ METHODS = {
     "gauss4": ("--step", "0.1"),
     "rk4": ("--step", "0.02"),
 }
-SHORT = {("rope", 1), ("bodies", 2), ("spins", 3)}
+SHORT = {("rope", 1)}
 MADE = {"rope": rope, "bodies": bodies, "spins": lambda dice: made(dice, 3).text}
 CASES = [
     pytest.param(name, seed, marks=[] if (name, seed) in SHORT else pytest.mark.long)

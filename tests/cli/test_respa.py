@@ -53,7 +53,7 @@ def end(model: api.Model, method: str, step: float, n: int, **more: object) -> n
     return np.array([rows[name][-1] for name in rows.columns[1 : 2 * n + 1]])
 
 
-@pytest.mark.parametrize("seed", [1, 2, pytest.param(3, marks=pytest.mark.long)])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(k, marks=pytest.mark.long) for k in (2, 3))])
 def test_orders_and_the_form(tmp_path: Path, seed: int) -> None:
     drawn = Drawn(seed)
     model, n = drawn.model(tmp_path), drawn.n

@@ -46,7 +46,7 @@ SIZES = (3, 2, 1, 20)
 METHODS = ("dop853 --rtol 1e-12", "rkmk4 --step 0.01", "gauss --rtol 1e-12", "rk4 --step 0.01")
 
 
-@pytest.mark.parametrize("seed", long_but([5, 6], range(60)))
+@pytest.mark.parametrize("seed", long_but([5], range(60)))
 def test_loops_are_members_written_out(seed: int, tmp_path: Path, monkeypatch) -> None:
     """Ends of every kind, inertia that varies and couples, beside coordinates and one rotation."""
     dice = random.Random(seed)

@@ -201,7 +201,7 @@ def test_constraints_are_closed_by_their_multipliers(seed: int, tmp_path) -> Non
     assert largest > 0
 
 
-@pytest.mark.parametrize("seed", long_but([2, 3], range(40)))
+@pytest.mark.parametrize("seed", long_but([], range(40)))
 def test_rotations_have_bands(seed: int, tmp_path) -> None:
     """With accelerations for unknowns where momenta depend on attitudes."""
     dice = random.Random(seed)

@@ -92,7 +92,7 @@ def off(a, b) -> float:
     return max(float(numpy.abs(a[x] - b[x]).max()) for x in names if x != "energy")
 
 
-@pytest.mark.parametrize("seed", long_but([1, 5], range(6)))
+@pytest.mark.parametrize("seed", long_but([1], range(6)))
 def test_redundant_rows_change_no_motion(seed, tmp_path):
     """Sums of rows: what is solved is the same off the constraints too, and so is each step."""
     (plain, more), _ = models(seed, True, tmp_path)
@@ -104,7 +104,7 @@ def test_redundant_rows_change_no_motion(seed, tmp_path):
         assert off(one, one) == 0 and float(numpy.abs(one["energy"]).max()) > 0
 
 
-@pytest.mark.parametrize("seed", long_but([21, 23], range(20, 26)))
+@pytest.mark.parametrize("seed", long_but([21], range(20, 26)))
 def test_rows_that_geometry_implies_change_no_motion(seed, tmp_path):
     """Functions of rows: alike on the constraints alone, so that steps differ by their error."""
     (plain, more), _ = models(seed, False, tmp_path)
@@ -113,7 +113,7 @@ def test_rows_that_geometry_implies_change_no_motion(seed, tmp_path):
         assert off(one, other) < 1e-9, options
 
 
-@pytest.mark.parametrize("seed", long_but([1, 21], [*range(4), *range(20, 24)]))
+@pytest.mark.parametrize("seed", long_but([21], [*range(4), *range(20, 24)]))
 def test_accelerations_are_those_of_the_rows_alone(seed, tmp_path):
     (plain, more), _ = models(seed, seed < 20, tmp_path)
     rows = plain.run(
