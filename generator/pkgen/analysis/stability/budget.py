@@ -68,7 +68,7 @@ def cut(costs: dict[str, float], up: int, across: int, seconds: float) -> Cut:
     least = min(up, LEAST_UP) * min(across, LEAST_ACROSS)
     while len(methods) > 1 and least * sum(methods.values()) > seconds:
         del methods[max(methods, key=lambda name: methods[name])]
-    part = math.sqrt(min(1.0, seconds / max(up * across * sum(methods.values()), 1e-9)))
+    part = math.sqrt(min(1.0, max(seconds, 0.0) / max(up * across * sum(methods.values()), 1e-9)))
     fewer = (max(min(n, low), int(part * n)) for n, low in ((up, LEAST_UP), (across, LEAST_ACROSS)))
     return Cut(*fewer, tuple(methods))
 
