@@ -55,6 +55,14 @@ def test_check_finds_nothing_in_the_models(pkgen) -> None:
         assert (done.returncode, done.stdout, done.stderr) == (0, "", ""), model
 
 
+def test_warnings_come_as_json_with_all_that_is_written(pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "a.lag"
+    model.write_text("model a\nparam m = 1\ncoord x\nkinetic x'^2/2\n")
+    done = pkgen(model, "-o", tmp_path, "--depfile", tmp_path / "a.d", "--json")
+    (found,) = json.loads(done.stdout)["warnings"]
+    assert (found["line"], found["column"]) == (2, 7) and (tmp_path / "a.d").exists()
+
+
 def test_check_reports_as_json(pkgen, tmp_path: Path) -> None:
     wrong = tmp_path / "wrong.lag"
     wrong.write_text("model wrong\ncoord x\nkinetic x'^2/2 + yy\n")

@@ -77,8 +77,8 @@ def run(options: argparse.Namespace) -> int:
     directory.mkdir(parents=True, exist_ok=True)
     files = {directory / name: text for name, text in compilation.files.items()}
     if options.depfile:
-        source = directory / f"{compilation.model.name}.c"
-        files[Path(options.depfile)] = _depends([source, *(f for f in files if f != source)])
+        first = directory / f"{compilation.model.name}.c"
+        files[Path(options.depfile)] = _depends([first, *(f for f in files if f != first)])
     replace(files)
     if options.json:
         files = [str(directory / name) for name in compilation.files]

@@ -21,6 +21,7 @@ from ..joints import SHOWN, joint_names, loose
 from ..parse import parse_all
 from ..table import STATEMENTS
 from ..units import NONE, UnitError, over, parse_unit, si_text
+from ..words import CONSTANTS
 from .bodies import Bodies
 from .body_families import indices, written_out
 from .constraints import Constraints
@@ -105,7 +106,7 @@ class _Checker:
         self.report = Report()
         counted = (expr for s in file.statements for expr in indices(s))
         self.counting = frozenset().union(*map(names, counted))  # sizes of families of bodies
-        taken = {*dict(_declarations(file.statements)), "t", "pi", "inf"}
+        taken = {*dict(_declarations(file.statements)), *CONSTANTS}
         self.file, self.given = written_out(file, given, taken, self.report.error), dict(given)
         file = self.file
         declared = dict(_declarations(file.statements))

@@ -17,6 +17,7 @@ from ... import limits
 from ...indices import NotAnInteger, assignments, indexed, integer
 from ...source import Source, Span
 from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, within
+from ..words import CONSTANTS
 from .names import MOVING, Entry, Names, Report
 from .scope import PLACES, Interval, Loop, Scope
 
@@ -59,7 +60,7 @@ class Indices:
             if entry is not None:
                 entry.used = True
                 known &= entry.kind != "poisoned"
-            elif expr.id not in ("t", "pi", "inf"):
+            elif expr.id not in CONSTANTS:
                 running = f"an index runs in a sum: sum(…, {expr.id} = 1..3)"
                 running += f", or where members are declared: f[{expr.id} = 1..3]"
                 letter = len(expr.id) == 1 and expr.id.islower()
@@ -100,7 +101,7 @@ class Indices:
             self.report.error(f"'{item.variable}' is a loop variable already", variable)
             return None
         entry = self.names.table.get(item.variable)
-        if (entry is not None and entry.kind != "poisoned") or item.variable in ("t", "pi", "inf"):
+        if (entry is not None and entry.kind != "poisoned") or item.variable in CONSTANTS:
             message = f"the loop variable '{item.variable}' has another meaning in this model"
             self.report.error(message, variable, "choose another letter")
             return None
