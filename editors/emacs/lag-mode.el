@@ -1,5 +1,5 @@
 ;;; lag-mode.el --- Lagrangians for pkgen  -*- lexical-binding: t -*-
-;; Made by tools/editors.py from the words of the language; do not edit.
+;; Made by tools/editors from the words of the language; do not edit.
 
 ;; Package-Requires: ((emacs "26.1"))
 ;; SPDX-License-Identifier: MIT

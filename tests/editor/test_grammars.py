@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -51,9 +52,9 @@ def every_word() -> str:
 
 
 def test_the_files_are_what_the_generator_makes() -> None:
-    command = [sys.executable, ROOT / "tools/editors.py", "--check"]
+    command = [sys.executable, ROOT / "tools/editors", "--check"]
     done = subprocess.run(command, capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (0, ""), "run python tools/editors.py"
+    assert (done.returncode, done.stdout) == (0, ""), "run python tools/editors"
 
 
 def test_each_function_has_its_sentence() -> None:
@@ -74,19 +75,13 @@ def test_textmate() -> None:
         assert differences(text, engine.colour(text)) == [], name
 
 
-def test_vim(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("colour", "same"), [(by_vim, {}), (by_emacs, {"shape": "unit", "number": ""})]
+)
+def test_vim_and_emacs(colour: Callable, same: dict[str, str], tmp_path: Path) -> None:
     given = [every_word(), *(text for _, text in texts())]
-    coloured = by_vim(given, tmp_path)
+    coloured = colour(given, tmp_path)
     if coloured is None:
-        pytest.skip("no vim with syntax here")
+        pytest.skip("not here, or without colours")
     for text, kinds in zip(given, coloured, strict=True):
-        assert differences(text, kinds) == []
-
-
-def test_emacs(tmp_path: Path) -> None:
-    given = [every_word(), *(text for _, text in texts())]
-    coloured = by_emacs(given, tmp_path)
-    if coloured is None:
-        pytest.skip("no emacs here")
-    for text, kinds in zip(given, coloured, strict=True):
-        assert differences(text, kinds, {"shape": "unit", "number": ""}) == []
+        assert differences(text, kinds, same) == []

@@ -1,4 +1,4 @@
-" Syntax of .lag files; made by tools/editors.py from the words of the language; do not edit.
+" Syntax of .lag files. Made by tools/editors from the words of the language; do not edit.
 if exists('b:current_syntax') | finish | endif
 syn case match
 syn match lagOperator /\v\*\*|\.\.|[-+*\/^=<>:,']/
