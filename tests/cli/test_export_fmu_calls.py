@@ -379,14 +379,7 @@ def test_sources_compile_alone_and_declare_what_the_standard_does(
     subprocess.run(["gcc", *flags, *files, "-o", "unit.so", "-lm"], cwd=sources, check=True)
     # The standard's own headers in place of ours.
     headers = Path(fmpy.__file__).parent / "c-code"
-    ours = [
-        "-DUNIT_SHOWN=",
-        f"-DUNIT_FMI{version}_H",
-        "-include",
-        "stdbool.h",
-        "-include",
-        "stdint.h",
-    ]
+    ours = [f"-DUNIT_FMI{version}_H", "-include", "stdbool.h", "-include", "stdint.h"]
     theirs = ["-include", headers / f"fmi{version}Functions.h", "-fsyntax-only"]
     subprocess.run(["gcc", *ours, *theirs, f"fmi{version}.c"], cwd=sources, check=True)
 

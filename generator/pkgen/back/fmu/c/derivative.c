@@ -11,26 +11,17 @@
 
 enum { LEVELS = 3, TRIES = 6 };
 
-/* Where an unknown or a known may be. */
-static enum unit_kind kind_of(unsigned reference)
-{
-    return reference >> UNIT_SHIFT < UNIT_KINDS ? (enum unit_kind)(reference >> UNIT_SHIFT)
-                                                : UNIT_KINDS;
-}
-
-static size_t index_of(unsigned reference) { return reference & ((1u << UNIT_SHIFT) - 1); }
-
 /* What a known moves; NULL: nothing that derivatives are taken by. */
 static double *moved(struct unit *unit, unsigned known)
 {
-    const size_t i = index_of(known);
-    const enum unit_kind kind = kind_of(known);
+    const size_t i = unit_index_of(known);
+    const enum unit_kind kind = unit_kind_of(known);
     if (kind == UNIT_TIME && i == 0)
         return unit->time;
     if (kind == UNIT_INPUT && i < unit->n_inputs)
         return unit->inputs + i;
     if (kind == UNIT_STATE && i < unit->n_x)
-        return i < unit->n_q ? unit->q + i : unit->v + (i - unit->n_q);
+        return unit_x(unit, i);
     return NULL;
 }
 
@@ -116,7 +107,7 @@ static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_
     const size_t n = unit->n;
     const struct pk_problem problem = unit_problem(unit);
     for (size_t k = 0; k < n_knowns; k++)
-        if (kind_of(knowns[k]) == UNIT_INPUT)
+        if (unit_kind_of(knowns[k]) == UNIT_INPUT)
             return UNIT_DISCARD;
     if (!unit->system->linear)
         return UNIT_DISCARD;
@@ -129,11 +120,11 @@ static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_
         pk_system_linear(&problem, *unit->time, unit->q, unit->v, a, a_q, a_v, a_t, a_t + n);
     memset(out, 0, n * sizeof *out);
     for (size_t k = 0; k < n_knowns && found == PK_DONE; k++) {
-        const size_t j = index_of(knowns[k]);
+        const size_t j = unit_index_of(knowns[k]);
         for (size_t i = 0; i < n; i++)
-            out[i] += seed[k] * (kind_of(knowns[k]) == UNIT_TIME ? a_t[i]
-                                 : j < unit->n_q                 ? a_q[i * n + j]
-                                                                 : a_v[i * n + (j - unit->n_q)]);
+            out[i] += seed[k] * (unit_kind_of(knowns[k]) == UNIT_TIME ? a_t[i]
+                                 : j < unit->n_q ? a_q[i * n + j]
+                                                 : a_v[i * n + (j - unit->n_q)]);
     }
     free(a);
     return found == PK_DONE ? UNIT_OK : UNIT_DISCARD;
@@ -146,14 +137,15 @@ static enum unit_status along(struct unit *unit, const unsigned *unknowns, size_
 {
     int rates_alone = 1;
     for (size_t i = 0; i < n; i++)
-        rates_alone &= kind_of(unknowns[i]) == UNIT_RATE;
+        rates_alone &= unit_kind_of(unknowns[i]) == UNIT_RATE;
     double *const rates = (double *)malloc((unit->n + 1) * sizeof *rates);
     if (rates_alone && rates && exactly(unit, knowns, n_knowns, seed, rates) == UNIT_OK) {
         for (size_t i = 0; i < n; i++) {
-            const size_t j = index_of(unknowns[i]);
+            const size_t j = unit_index_of(unknowns[i]);
             out[i] = j < unit->n_q ? 0 : rates[j - unit->n_q];
             for (size_t k = 0; k < n_knowns && j < unit->n_q; k++)
-                if (kind_of(knowns[k]) == UNIT_STATE && index_of(knowns[k]) == unit->n_q + j)
+                if (unit_kind_of(knowns[k]) == UNIT_STATE &&
+                    unit_index_of(knowns[k]) == unit->n_q + j)
                     out[i] += seed[k];
         }
         free(rates);
@@ -176,7 +168,7 @@ enum unit_status unit_derivative(struct unit *unit, const unsigned *unknowns, si
                             "there are no derivatives by variable %u", knowns[k]);
     for (size_t i = 0; i < n_unknowns; i++) {
         double ignored;
-        const enum unit_kind kind = kind_of(unknowns[i]);
+        const enum unit_kind kind = unit_kind_of(unknowns[i]);
         if (kind != UNIT_RATE && kind != UNIT_OUTPUT && kind != UNIT_ENERGY && kind != UNIT_CLAIM &&
             kind != UNIT_INDICATOR && kind != UNIT_STATE)
             return unit_say(unit, UNIT_ERROR, "logStatusError",

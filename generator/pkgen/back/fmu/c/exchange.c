@@ -25,9 +25,7 @@ static enum unit_status take_sides(struct unit *unit)
                 s->switches.names[k].name, *unit->time);
         unit->sides[k] = side;
     }
-    if (unit->n_switches)
-        memcpy((char *)unit->held + s->switches.sides, unit->sides,
-               unit->n_switches * sizeof *unit->sides);
+    unit_hold_sides(unit);
     unit_forget(unit);
     return UNIT_OK;
 }
@@ -79,10 +77,11 @@ enum unit_status unit_set_time(struct unit *unit, double t)
     return UNIT_OK;
 }
 
-static enum unit_status right(const struct unit *unit, const void *values, size_t n, size_t wanted)
+/* Whether so many numbers are those that are wanted; params are as they are set. */
+static enum unit_status right(struct unit *unit, const void *values, size_t n, size_t wanted)
 {
     if (n == wanted && (values || !n))
-        return UNIT_OK;
+        return unit_refresh(unit);
     return unit_say(unit, UNIT_ERROR, "logStatusError", "%zu numbers are given, not %zu",
                     values ? n : 0, wanted);
 }
@@ -105,8 +104,6 @@ enum unit_status unit_set_states(struct unit *unit, const double *x, size_t n)
 enum unit_status unit_get_states(struct unit *unit, double *x, size_t n)
 {
     enum unit_status status = right(unit, x, n, unit->n_x);
-    if (status == UNIT_OK)
-        status = unit_refresh(unit);
     if (status != UNIT_OK)
         return status;
     memcpy(x, unit->q, unit->n_q * sizeof *x);
@@ -117,8 +114,6 @@ enum unit_status unit_get_states(struct unit *unit, double *x, size_t n)
 enum unit_status unit_derivatives(struct unit *unit, double *rates, size_t n)
 {
     enum unit_status status = right(unit, rates, n, unit->n_x);
-    if (status == UNIT_OK)
-        status = unit_refresh(unit);
     if (status == UNIT_OK)
         status = unit_rates(unit);
     if (status != UNIT_OK)
@@ -131,8 +126,6 @@ enum unit_status unit_derivatives(struct unit *unit, double *rates, size_t n)
 enum unit_status unit_indicators(struct unit *unit, double *values, size_t n)
 {
     enum unit_status status = right(unit, values, n, unit->n_events + unit->n_switches);
-    if (status == UNIT_OK)
-        status = unit_refresh(unit);
     if (status == UNIT_OK)
         status = unit_functions(unit);
     if (status == UNIT_OK && n)

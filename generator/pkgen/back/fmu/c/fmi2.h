@@ -4,14 +4,6 @@
 
 #include <stddef.h>
 
-#if defined _WIN32
-#define UNIT_SHOWN __declspec(dllexport)
-#elif defined __GNUC__
-#define UNIT_SHOWN __attribute__((visibility("default")))
-#else
-#define UNIT_SHOWN
-#endif
-
 typedef void *fmi2Component, *fmi2ComponentEnvironment, *fmi2FMUstate;
 typedef unsigned int fmi2ValueReference;
 typedef double fmi2Real;

@@ -6,14 +6,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined _WIN32
-#define UNIT_SHOWN __declspec(dllexport)
-#elif defined __GNUC__
-#define UNIT_SHOWN __attribute__((visibility("default")))
-#else
-#define UNIT_SHOWN
-#endif
-
 typedef void *fmi3Instance, *fmi3InstanceEnvironment, *fmi3FMUState;
 typedef uint32_t fmi3ValueReference;
 typedef float fmi3Float32;

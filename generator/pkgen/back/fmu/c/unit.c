@@ -240,10 +240,16 @@ static enum unit_status apply(struct unit *unit)
     for (size_t k = 0; k < unit->model->n_parameters; k++)
         unit->parameters[k] = *unit->places[k];
     memcpy(unit->held, unit->params, s->params_size);
-    if (unit->n_switches && !unit->co_simulation)
-        memcpy((char *)unit->held + s->switches.sides, unit->sides,
-               unit->n_switches * sizeof *unit->sides);
+    if (!unit->co_simulation)
+        unit_hold_sides(unit);
     return UNIT_OK;
+}
+
+void unit_hold_sides(struct unit *unit)
+{
+    if (unit->n_switches)
+        memcpy((char *)unit->held + unit->system->switches.sides, unit->sides,
+               unit->n_switches * sizeof *unit->sides);
 }
 
 enum unit_status unit_refresh(struct unit *unit)
@@ -257,11 +263,9 @@ enum unit_status unit_refresh(struct unit *unit)
     if (!((int)*unit->mode & UNIT_BEFORE))
         return UNIT_OK;
     unit->system->start(unit->params, unit->q, unit->v);
-    for (size_t i = 0; i < unit->n_x; i++) {
-        double *const x = i < unit->n_q ? unit->q + i : unit->v + (i - unit->n_q);
+    for (size_t i = 0; i < unit->n_x; i++)
         if (unit->start_is_set[i])
-            *x = unit->start[i];
-    }
+            *unit_x(unit, i) = unit->start[i];
     return UNIT_OK;
 }
 
@@ -339,8 +343,9 @@ double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, si
     const double mode = state[unit->mode - unit->all],
                  method = state[unit->settings - unit->all + UNIT_METHOD];
     const int known = mode == UNIT_INSTANTIATED || mode == UNIT_INITIALIZATION ||
-                      mode == UNIT_EVENT || mode == UNIT_CONTINUOUS || mode == UNIT_STEPPING ||
-                      mode == UNIT_TERMINATED;
+                      mode == UNIT_TERMINATED ||
+                      (unit->co_simulation ? mode == UNIT_STEPPING
+                                           : mode == UNIT_EVENT || mode == UNIT_CONTINUOUS);
     if (known && method >= 0 && method < (double)unit->model->n_methods && method == floor(method))
         return state;
     free(state);

@@ -150,7 +150,21 @@ void unit_serialise(const struct unit *unit, const double *state, unsigned char 
 double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, size_t size);
 
 /* For the files of a unit. */
+static inline enum unit_kind unit_kind_of(unsigned reference)
+{
+    const unsigned kind = reference >> UNIT_SHIFT;
+    return kind < UNIT_KINDS ? (enum unit_kind)kind : UNIT_KINDS;
+}
+static inline size_t unit_index_of(unsigned reference)
+{
+    return reference & ((1u << UNIT_SHIFT) - 1);
+}
+static inline double *unit_x(const struct unit *unit, size_t i) /* state i */
+{
+    return i < unit->n_q ? unit->q + i : unit->v + (i - unit->n_q);
+}
 enum unit_status unit_refresh(struct unit *unit); /* params and, before the run, the start */
+void unit_hold_sides(struct unit *unit);          /* of switches, in `held` */
 const void *unit_params(const struct unit *unit);
 void unit_forget(struct unit *unit);               /* the state has changed */
 void unit_inputs(void *unit, double t, double *u); /* as pk_problem.input */

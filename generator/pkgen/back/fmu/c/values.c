@@ -6,14 +6,6 @@
 
 enum { RATES = 1, OUTPUTS = 2, CLAIMS = 4, FUNCTIONS = 8 }; /* bits of `known` */
 
-static enum unit_kind kind_of(unsigned reference)
-{
-    const unsigned kind = reference >> UNIT_SHIFT;
-    return kind < UNIT_KINDS ? (enum unit_kind)kind : UNIT_KINDS;
-}
-
-static size_t index_of(unsigned reference) { return reference & ((1u << UNIT_SHIFT) - 1); }
-
 static size_t count(const struct unit *unit, enum unit_kind kind)
 {
     const struct pk_system *s = unit->system;
@@ -93,8 +85,8 @@ static double computed(struct unit *unit, unsigned bit, pk_kernel *kernel, doubl
 enum unit_status unit_get(struct unit *unit, unsigned reference, double *value)
 {
     const struct pk_system *s = unit->system;
-    const enum unit_kind kind = kind_of(reference);
-    const size_t i = index_of(reference);
+    const enum unit_kind kind = unit_kind_of(reference);
+    const size_t i = unit_index_of(reference);
     if (i >= count(unit, kind))
         return none(unit, reference);
     enum unit_status status = UNIT_OK;
@@ -116,7 +108,7 @@ enum unit_status unit_get(struct unit *unit, unsigned reference, double *value)
         *value = unit->slopes[UNIT_ORDERS * i];
         break;
     case UNIT_STATE:
-        *value = i < unit->n_q ? unit->q[i] : unit->v[i - unit->n_q];
+        *value = *unit_x(unit, i);
         break;
     case UNIT_RATE:
         if (i >= unit->n_q)
@@ -195,8 +187,8 @@ static const int settable[UNIT_KINDS] = {[UNIT_PARAMETER] = UNIT_BEFORE | UNIT_E
 
 enum unit_status unit_set(struct unit *unit, unsigned reference, double value)
 {
-    const enum unit_kind kind = kind_of(reference);
-    const size_t i = index_of(reference);
+    const enum unit_kind kind = unit_kind_of(reference);
+    const size_t i = unit_index_of(reference);
     if (i >= count(unit, kind))
         return none(unit, reference);
     const int input = kind == UNIT_INPUT || kind == UNIT_SLOPE;
@@ -229,8 +221,8 @@ enum unit_status unit_set(struct unit *unit, unsigned reference, double value)
 /* The derivative of that order of an input, from its time on. */
 enum unit_status unit_slope(struct unit *unit, unsigned reference, int order, double value)
 {
-    const enum unit_kind kind = kind_of(reference);
-    const size_t i = index_of(reference);
+    const enum unit_kind kind = unit_kind_of(reference);
+    const size_t i = unit_index_of(reference);
     if ((kind != UNIT_INPUT && kind != UNIT_SLOPE) || i >= unit->n_inputs || order < 1 ||
         order > UNIT_ORDERS || !isfinite(value))
         return unit_say(unit, UNIT_ERROR, "logStatusError",
