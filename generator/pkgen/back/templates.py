@@ -1,4 +1,4 @@
-"""Text of exports from templates in the folder of a host."""
+"""Templates of C and of exports, each in the folder of who fills it."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ if TYPE_CHECKING:
 
 
 def filled(folder: Path, template: str, **context: object) -> str:
-    return _environment(folder).get_template(template).render(context)
+    return environment(folder).get_template(template).render(context)
 
 
 @cache
-def _environment(folder: Path) -> jinja2.Environment:
-    import jinja2  # as in back/c/render.py
+def environment(folder: Path) -> jinja2.Environment:
+    import jinja2  # only where it is used: it takes longer to load than a model to check
 
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from ...system.exits import UsageError
@@ -129,19 +130,14 @@ SINGLE = Host(
     how=how_single,
     warnings=lambda model: Step(model, "double", has_main=True).missed,
 )
-FREESTANDING = Host(
-    "freestanding",
-    "the model and the step of one method for firmware",
-    freestanding,
-    options=OPTIONS,
-    how=how,
-    warnings=lambda model: Step(model, "float").missed,
+
+
+def _firmware(name: str, doc: str, make: Callable[[Exported], dict[str, bytes]]) -> Host:
+    missed = lambda model: Step(model, "float").missed  # noqa: E731
+    return Host(name, doc, make, options=OPTIONS, how=how, warnings=missed)
+
+
+FREESTANDING = _firmware(
+    "freestanding", "the model and the step of one method for firmware", freestanding
 )
-ARDUINO = Host(
-    "arduino",
-    "an Arduino and PlatformIO library with a sketch",
-    arduino,
-    options=OPTIONS,
-    how=how,
-    warnings=lambda model: Step(model, "float").missed,
-)
+ARDUINO = _firmware("arduino", "an Arduino and PlatformIO library with a sketch", arduino)

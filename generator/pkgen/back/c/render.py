@@ -23,6 +23,7 @@ from ...system.exits import BuildError
 from ...version import __version__
 from ..facts import facts, invariants
 from ..kernels import KERNELS
+from ..templates import environment
 from . import parameter_code, tables
 from .ctext import comment, fold, fold_call, paragraph, string
 from .describe import entries, labelled, operations_rows
@@ -89,7 +90,7 @@ def render_loops(program: LoopProgram) -> dict[str, str]:
 
 def _files(name: str, context: dict[str, Any], templates: dict[str, str]) -> dict[str, str]:
     return {
-        f"{name}{end}": environment().get_template(template).render(context)
+        f"{name}{end}": _environment().get_template(template).render(context)
         for end, template in templates.items()
     }
 
@@ -160,18 +161,11 @@ TEMPLATES = Path(__file__).parent / "templates"
 
 
 @cache
-def environment() -> jinja2.Environment:
-    import jinja2  # only where there is C to write: it takes longer to load than a model to check
+def _environment() -> jinja2.Environment:
+    import jinja2
 
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,
-    )
-    environment.filters |= {
+    made = environment(TEMPLATES)
+    made.filters |= {
         "comment": comment,
         "string": string,
         "paragraph": paragraph,
@@ -183,15 +177,15 @@ def environment() -> jinja2.Environment:
     made_by = repr((texts, jinja2.__version__, sys.version_info[:2]))
 
     def translate(folder: Path) -> None:
-        environment.bytecode_cache = jinja2.FileSystemBytecodeCache(str(folder))
-        for name in environment.list_templates():
-            environment.get_template(name)
+        made.bytecode_cache = jinja2.FileSystemBytecodeCache(str(folder))
+        for name in made.list_templates():
+            made.get_template(name)
 
     # Templates as bytecode: to translate them takes longer than a short run.
     with suppress(BuildError):
         folder = cached("templates", hashlib.sha256(made_by.encode()).hexdigest()[:24], translate)
-        environment.bytecode_cache = jinja2.FileSystemBytecodeCache(str(folder))
-    return environment
+        made.bytecode_cache = jinja2.FileSystemBytecodeCache(str(folder))
+    return made
 
 
 def pasted(header: str) -> str:
@@ -283,7 +277,7 @@ def _context(program: Program) -> dict[str, Any]:
 def _functions(program: Program) -> str:
     """All functions of the C file, with a blank line between."""
     names = {"name": program.equations.model.name, "n": len(program.equations.coordinates)}
-    dense = environment().get_template("dense.j2").make_module(names)
+    dense = _environment().get_template("dense.j2").make_module(names)
     solve = str(dense.acceleration(program.factored))
     found = list(parameter_code.functions(program))
     if any(kernel.solves for kernel in program.kernels):

@@ -101,14 +101,19 @@ enum unit_status unit_set_states(struct unit *unit, const double *x, size_t n)
     return UNIT_OK;
 }
 
+/* What there is of coordinates, behind it what there is of rates and first-order variables. */
+static void give(const struct unit *unit, double *x, const double *first, const double *rest)
+{
+    memcpy(x, first, unit->n_q * sizeof *x);
+    memcpy(x + unit->n_q, rest, unit->n * sizeof *x);
+}
+
 enum unit_status unit_get_states(struct unit *unit, double *x, size_t n)
 {
-    enum unit_status status = right(unit, x, n, unit->n_x);
-    if (status != UNIT_OK)
-        return status;
-    memcpy(x, unit->q, unit->n_q * sizeof *x);
-    memcpy(x + unit->n_q, unit->v, unit->n * sizeof *x);
-    return UNIT_OK;
+    const enum unit_status status = right(unit, x, n, unit->n_x);
+    if (status == UNIT_OK)
+        give(unit, x, unit->q, unit->v);
+    return status;
 }
 
 enum unit_status unit_derivatives(struct unit *unit, double *rates, size_t n)
@@ -116,11 +121,9 @@ enum unit_status unit_derivatives(struct unit *unit, double *rates, size_t n)
     enum unit_status status = right(unit, rates, n, unit->n_x);
     if (status == UNIT_OK)
         status = unit_rates(unit);
-    if (status != UNIT_OK)
-        return status;
-    memcpy(rates, unit->v, unit->n_q * sizeof *rates);
-    memcpy(rates + unit->n_q, unit->rates, unit->n * sizeof *rates);
-    return UNIT_OK;
+    if (status == UNIT_OK)
+        give(unit, rates, unit->v, unit->rates);
+    return status;
 }
 
 enum unit_status unit_indicators(struct unit *unit, double *values, size_t n)
