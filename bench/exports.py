@@ -1,156 +1,152 @@
-"""`python -m bench exports [--docs] [--only NAME,...]`: every model to the hosts that run it whole.
+"""`python -m bench exports [--docs] [--only NAME,...] [--hosts NAME,...] [--again]`: every model to
+every host that runs it here, built as its users do.
 
-A row a model, of each host: kB, seconds to make it, and the largest difference from `pkgen run`
-with the same method and step, in units of each column's size (at least 1), over 16 steps. A unit is
-validated by FMPy and the standard's schemas first. Exit code 4 if one differs by more than WITHIN.
+Of each: kB, seconds of the processor for the export, and the largest difference from `pkgen run`
+with the same method and step, in units of each column's size (at least 1): export_hosts.py. What
+is measured is kept in build/bench/exports.json, so that a run that was ended goes on from there;
+--again measures it anew. Exit code 4 if one differs by more than its host may, or fails.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import re
+import resource
+import statistics
 import subprocess
 import sys
 import tempfile
-import time
-import zipfile
-from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 from . import machine
+from .builds import OUTPUT
+from .export_hosts import HOSTS, METHOD, ROOT, STEP, STEPS, Case, Host, Rows
 from .tables import table
 
-ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "exports.md"
 MARK = "<!-- python -m bench exports --docs -->\n"
-STEP, STEPS = 2.0**-7, 16
-WITHIN = 1e-9
-METHOD = "rk4"
-Rows = dict[str, list[float]]
-IN_WHEEL = """
-import json, sys
-sys.path.insert(0, FOLDER)
-import NAME as d
-rows = d.Model().run(UNTIL, every=STEP, method="rk4", step=STEP)
-print(json.dumps({name: rows[name].tolist() for name in rows.columns}))
-"""
+# What a host may refuse a model for, and the word for it in the table.
+REFUSALS = {
+    r"has constraints": "constraints",
+    r"has rotations": "rotations",
+    r"families are too long": "too long",
+}
+Found = dict[str, dict[str, dict]]  # model, host
 
 
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench exports", description=__doc__)
-    parser.add_argument("--docs", action="store_true", help="write the table into docs/exports.md")
+    parser.add_argument("--docs", action="store_true", help="write the tables into docs/exports.md")
     parser.add_argument("--only", metavar="LIST", help="these models alone")
+    parser.add_argument("--hosts", metavar="LIST", help="these hosts alone")
+    parser.add_argument("--again", action="store_true", help="what is kept is measured anew")
     options = parser.parse_args(words)
-    only = options.only.split(",") if options.only else None
-    rows, wrong = [], []
-    for model in sorted((ROOT / "models").rglob("*.lag")):
-        if only is not None and model.stem not in only:
+    kept = OUTPUT / "exports.json"
+    found: Found = json.loads(kept.read_text()) if kept.exists() else {}
+    hosts = {k: h for k, h in HOSTS.items() if k in (options.hosts or ",".join(HOSTS)).split(",")}
+    for model in sorted((ROOT / "models").rglob("*.lag"), key=lambda path: path.stem):
+        if options.only and model.stem not in options.only.split(","):
             continue
-        row: list[object] = [model.stem]
-        expected = _run(model)
-        for host, (more, result) in HOSTS.items():
-            size, seconds, off = _measured(model, more, result, expected)
-            row += [size, seconds, off]
-            if not off <= WITHIN:
-                wrong.append(f"{model.stem}, {host}: {off:.3g}")
-        rows.append(row)
-        print(" ".join(f"{x:.3g}" if isinstance(x, float) else str(x) for x in row), flush=True)
+        of = found.setdefault(model.stem, {})
+        for name, host in hosts.items():
+            if (
+                name in of and not options.again and "failed" not in of[name]
+            ) or not host.is_here():
+                continue
+            of[name] = _measured(model, host)
+            print(model.stem, name, *of[name].values(), flush=True)
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            kept.write_text(json.dumps(found, indent=1))
+    wrong = list(_wrong(found))
     for line in wrong:
         print(line, file=sys.stderr)
     if options.docs:
-        _write(rows)
+        _write(found)
     return 4 if wrong else 0
 
 
-def _measured(
-    model: Path, more: list[str], result: Callable[[Path, Path], Rows], expected: Rows
-) -> tuple[float, float, float]:
-    """kB, seconds, the difference."""
+def _wrong(found: Found):
+    for model, of in found.items():
+        for name, row in of.items():
+            if "failed" in row:
+                yield f"{model}, {name}: {row['failed']}"
+            elif "off" in row and not row["off"] <= HOSTS[name].within:
+                yield f"{model}, {name}: {row['off']:.3g}"
+
+
+def _measured(model: Path, host: Host) -> dict[str, object]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        began = time.monotonic()
-        _pkgen("export", str(model), *more, "-o", str(folder / "made"))
-        seconds = time.monotonic() - began
-        (path,) = (folder / "made").iterdir()
-        return path.stat().st_size / 1000, seconds, _off(result(path, folder), expected)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        made = folder / ("made.c" if host.words[0] == "single" else "made")
+        done = _pkgen("export", str(model), "--as", *host.words, "-o", str(made))
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if done.returncode:
+            for words, word in REFUSALS.items():
+                if done.returncode == 2 and re.search(words, done.stderr):
+                    return {"refused": word}
+            return {"failed": done.stderr.strip()[:300]}
+        size = sum(path.stat().st_size for path in [made, *made.rglob("*")] if path.is_file())
+        seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        if made.is_dir() and host.words[0] in ("fmu", "python"):
+            (made,) = made.iterdir()
+        of = json.loads(_pkgen("describe", str(model), "--json").stdout)
+        try:
+            off = host.off(Case(model, of, made, folder, lambda *more: _run(model, *more)))
+        except Exception as error:
+            return {"failed": f"{type(error).__name__}: {error}"[:2000]}
+        return {"kB": round(size / 1000), "s": round(seconds, 1), "off": off}
 
 
-def _pkgen(*words: str) -> str:
-    done = subprocess.run(
-        [sys.executable, "-m", "pkgen", *words], capture_output=True, text=True, cwd=ROOT
-    )
-    if done.returncode:
-        raise RuntimeError(f"pkgen {' '.join(words)}: {done.stderr}")
-    return done.stdout
+def _pkgen(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "pkgen", *words]
+    return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
 
 
-def _run(model: Path) -> Rows:
+@cache
+def _run(model: Path, *more: str) -> Rows:
     words = ("--method", METHOD, "--step", str(STEP), "--until", str(STEP * STEPS))
-    head, *lines = _pkgen("run", str(model), *words, "--every", str(STEP)).splitlines()
+    done = _pkgen("run", str(model), *words, "--every", str(STEP), *more)
+    if done.returncode:
+        raise RuntimeError(f"pkgen run: {done.stderr}")
+    head, *lines = done.stdout.splitlines()
     columns = zip(*(map(float, line.split(",")) for line in lines), strict=True)
     return {name: list(column) for name, column in zip(head.split(","), columns, strict=True)}
 
 
-def _off(found: Rows, expected: Rows) -> float:
-    common = [name for name in expected if name in found and name != "t"]
-    if not common or len(found[common[0]]) != len(expected["t"]):
-        return float("inf")
-    worst = 0.0
-    for name in common:
-        size = max(1.0, *map(abs, expected[name]))
-        gaps = (abs(a - b) for a, b in zip(found[name], expected[name], strict=True))
-        worst = max(worst, *(gap / size for gap in gaps))
-    return worst
-
-
-def _unit(path: Path, _: Path) -> Rows:
-    import fmpy
-    from fmpy.validation import validate_fmu
-
-    if problems := validate_fmu(str(path)):
-        raise RuntimeError(f"{path.name}: {problems}")
-    variables = fmpy.read_model_description(str(path)).modelVariables
-    (choice,) = (v for v in variables if v.name == "integrator.method")
-    number = next(int(i.value) for i in choice.declaredType.items if i.name == METHOD)
-    rows = fmpy.simulate_fmu(
-        str(path),
-        fmi_type="CoSimulation",
-        stop_time=STEP * STEPS,
-        output_interval=STEP,
-        start_values={"integrator.step": STEP, "integrator.method": number},
-    )
-    return {name: rows[name].tolist() for name in rows.dtype.names}
-
-
-def _wheel(path: Path, folder: Path) -> Rows:
-    with zipfile.ZipFile(path) as archive:
-        archive.extractall(folder / "in")
-    name = path.name.partition("-")[0]
-    text = IN_WHEEL.replace("FOLDER", repr(str(folder / "in"))).replace("NAME", name)
-    text = text.replace("UNTIL", repr(STEP * STEPS)).replace("STEP", repr(STEP))
-    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
-    return json.loads(done.stdout)
-
-
-# By what each is called in the table: how it is made, and what its rows are.
-HOSTS: dict[str, tuple[list[str], Callable[[Path, Path], Rows]]] = {
-    "FMI 3": (["--as", "fmu"], _unit),
-    "FMI 2": (["--as", "fmu", "--fmi", "2"], _unit),
-    "wheel": (["--as", "python"], _wheel),
-}
-
-
-def _write(rows: list[list[object]]) -> None:
-    head = ["model"]
-    for host in HOSTS:
-        head += [f"{host}, kB", "made, s", "equal within"]
+def _write(found: Found) -> None:
     before, _, rest = PAGE.read_text(encoding="utf-8").partition(MARK)
     _, _, after = rest.partition("<!-- end -->\n")
-    here = machine.describe()
-    shown = [
-        [x if isinstance(x, str) else f"{x:.0f}" if k % 3 == 1 else f"{x:.1f}" if k % 3 == 2
-         else f"{x:.1e}" if x else "0" for k, x in enumerate(row)]
-        for row in rows
-    ]  # fmt: skip
-    text = f"{before}{MARK}\n{here.lines()[0]}\n\n{table(head, shown)}\n<!-- end -->\n{after}"
-    PAGE.write_text(text, encoding="utf-8")
+    first = machine.describe().lines()[0]
+    rows = [[model, *(_cell(of.get(name)) for name in HOSTS)] for model, of in found.items()]
+    text = f"\n{first}\n\n{_by_host(found)}\n\n{table(['kB, s, within', *HOSTS], rows)}\n"
+    PAGE.write_text(f"{before}{MARK}{text}<!-- end -->\n{after}", encoding="utf-8")
+
+
+def _by_host(found: Found) -> str:
+    rows = []
+    for name, host in HOSTS.items():
+        all_ = [of[name] for of in found.values() if name in of]
+        good = [row for row in all_ if "off" in row]
+        if not good:
+            continue
+        low, high = min(row["kB"] for row in good), max(row["kB"] for row in good)
+        refused = sum("refused" in row for row in all_)
+        seconds = statistics.median(row["s"] for row in good)
+        worst = max(row["off"] for row in good)
+        count = f"{len(good)} of {len(found)}"
+        rows.append((name, count, refused, host.by, _off(worst), f"{low}–{high}", f"{seconds:.1f}"))
+    head = ("", "models", "refused", "validated by", "equal within", "kB", "s, median")
+    return table(head, rows)
+
+
+def _cell(row: dict | None) -> str:
+    if row is None or "failed" in row:
+        return "-"
+    return row.get("refused") or f"{row['kB']}, {row['s']:.1f}, {_off(row['off'])}"
+
+
+def _off(x: float) -> str:
+    return f"{x:.0e}".replace("e-0", "e-") if x else "0"

@@ -275,24 +275,16 @@ UNIT_SHOWN status_type FMI(SetTime)(instance_type instance, double t)
     return (status_type)unit_set_time(unit, t);
 }
 
-UNIT_SHOWN status_type FMI(GetContinuousStates)(instance_type instance, double x[], size_t n)
-{
-    CALL(__func__, UNIT_ANY);
-    return (status_type)unit_get_states(unit, x, n);
-}
+#define NUMBERS(call, how)                                                         \
+    UNIT_SHOWN status_type call(instance_type instance, double values[], size_t n) \
+    {                                                                              \
+        CALL(__func__, UNIT_ANY);                                                  \
+        return (status_type)how(unit, values, n);                                  \
+    }
 
-UNIT_SHOWN status_type FMI(GetContinuousStateDerivatives)(instance_type instance, double rates[],
-                                                          size_t n)
-{
-    CALL(__func__, UNIT_ANY);
-    return (status_type)unit_derivatives(unit, rates, n);
-}
-
-UNIT_SHOWN status_type FMI(GetEventIndicators)(instance_type instance, double values[], size_t n)
-{
-    CALL(__func__, UNIT_ANY);
-    return (status_type)unit_indicators(unit, values, n);
-}
+NUMBERS(FMI(GetContinuousStates), unit_get_states)
+NUMBERS(FMI(GetContinuousStateDerivatives), unit_derivatives)
+NUMBERS(FMI(GetEventIndicators), unit_indicators)
 
 UNIT_SHOWN status_type FMI(GetNominalsOfContinuousStates)(instance_type instance, double nominals[],
                                                           size_t n)

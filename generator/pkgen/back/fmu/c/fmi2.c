@@ -79,29 +79,17 @@ UNIT_SHOWN fmi2Status fmi2EnterEventMode(fmi2Component instance)
     return fmi2OK;
 }
 
-UNIT_SHOWN fmi2Status fmi2GetReal(fmi2Component instance, const fmi2ValueReference references[],
-                                  size_t n, fmi2Real values[])
-{
-    return get_reals(instance, __func__, references, n, values, n);
-}
+#define VALUES(call, how, type)                                                               \
+    UNIT_SHOWN fmi2Status call(fmi2Component instance, const fmi2ValueReference references[], \
+                               size_t n, type values[])                                       \
+    {                                                                                         \
+        return how(instance, __func__, references, n, values, n);                             \
+    }
 
-UNIT_SHOWN fmi2Status fmi2SetReal(fmi2Component instance, const fmi2ValueReference references[],
-                                  size_t n, const fmi2Real values[])
-{
-    return set_reals(instance, __func__, references, n, values, n);
-}
-
-UNIT_SHOWN fmi2Status fmi2GetInteger(fmi2Component instance, const fmi2ValueReference references[],
-                                     size_t n, fmi2Integer values[])
-{
-    return get_wholes(instance, __func__, references, n, values, n);
-}
-
-UNIT_SHOWN fmi2Status fmi2SetInteger(fmi2Component instance, const fmi2ValueReference references[],
-                                     size_t n, const fmi2Integer values[])
-{
-    return set_wholes(instance, __func__, references, n, values, n);
-}
+VALUES(fmi2GetReal, get_reals, fmi2Real)
+VALUES(fmi2SetReal, set_reals, const fmi2Real)
+VALUES(fmi2GetInteger, get_wholes, fmi2Integer)
+VALUES(fmi2SetInteger, set_wholes, const fmi2Integer)
 
 #define NO_VARIABLES(call, type)                                                              \
     UNIT_SHOWN fmi2Status call(fmi2Component instance, const fmi2ValueReference references[], \

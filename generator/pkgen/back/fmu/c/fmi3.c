@@ -107,29 +107,17 @@ UNIT_SHOWN fmi3Status fmi3EnterEventMode(fmi3Instance instance)
     return fmi3OK;
 }
 
-UNIT_SHOWN fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[],
-                                     size_t n, fmi3Float64 values[], size_t n_values)
-{
-    return get_reals(instance, __func__, references, n, values, n_values);
-}
+#define VALUES(call, how, type)                                                              \
+    UNIT_SHOWN fmi3Status call(fmi3Instance instance, const fmi3ValueReference references[], \
+                               size_t n, type values[], size_t n_values)                     \
+    {                                                                                        \
+        return how(instance, __func__, references, n, values, n_values);                     \
+    }
 
-UNIT_SHOWN fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference references[],
-                                     size_t n, const fmi3Float64 values[], size_t n_values)
-{
-    return set_reals(instance, __func__, references, n, values, n_values);
-}
-
-UNIT_SHOWN fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference references[],
-                                   size_t n, fmi3Int64 values[], size_t n_values)
-{
-    return get_wholes(instance, __func__, references, n, values, n_values);
-}
-
-UNIT_SHOWN fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference references[],
-                                   size_t n, const fmi3Int64 values[], size_t n_values)
-{
-    return set_wholes(instance, __func__, references, n, values, n_values);
-}
+VALUES(fmi3GetFloat64, get_reals, fmi3Float64)
+VALUES(fmi3SetFloat64, set_reals, const fmi3Float64)
+VALUES(fmi3GetInt64, get_wholes, fmi3Int64)
+VALUES(fmi3SetInt64, set_wholes, const fmi3Int64)
 
 UNIT_SHOWN fmi3Status fmi3GetDirectionalDerivative(
     fmi3Instance instance, const fmi3ValueReference unknowns[], size_t n_unknowns,
