@@ -111,3 +111,19 @@ def test_a_model_called_as_a_file_of_the_export(tmp_path: Path) -> None:
     (tmp_path / "m.lag").write_text(PENDULUM.read_text().replace("double_pendulum", "motion", 1))
     done = run_pkgen("export", tmp_path / "m.lag", "--as", "python", cwd=tmp_path)
     assert done.returncode == 2 and "motion.c is a file of the export itself" in done.stderr
+
+
+def _lines(text: str) -> int:
+    return sum(1 for line in text.splitlines() if line.strip())
+
+
+def test_lines_of_ones_own_are_those_of_the_pages() -> None:
+    """The last number of a row that links a page: its first program's."""
+    _, _, table = (ROOT / "docs/exports.md").read_text().partition("## Lines of one's own")
+    rows = re.findall(r"(\d+)[^\d|]*\[the page\]\((.*?)\)", table)
+    assert len(rows) == 5
+    for count, page in rows:
+        text = (ROOT / "docs" / page).read_text()
+        languages = re.findall(r"^```(?!console|sh|text)\w+\n(.*?)^```", text, re.M | re.S)
+        assert int(count) == _lines(languages[0]), page
+    assert f"{_lines((ROOT / 'docs/embed.c').read_text())}, [embed.c](embed.c)" in table
