@@ -47,6 +47,15 @@ def pytest_configure(config: pytest.Config) -> None:
             build.runtime_library(toolchain.find_toolchain())
 
 
+@pytest.hookimpl(tryfirst=True)  # before -m chooses
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Marks what tools/long_tests.py has measured to be long."""
+    long = set((ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines())
+    for item in items:
+        if item.nodeid in long:
+            item.add_marker(pytest.mark.long)
+
+
 class Names:
     """Says the name of each test that fails as it fails, since -q prints letters alone."""
 
@@ -60,7 +69,7 @@ class Names:
 
 
 def long_but(kept: Iterable[object], values: Iterable[object]) -> list:
-    """Parameters of a test, of which all but `kept` are for `make test-long`."""
+    """Parameters of a test, of which all but `kept` are for `make test-long` (see long.txt too)."""
     kept = set(kept)
     return [v if v in kept else pytest.param(v, marks=pytest.mark.long) for v in values]
 

@@ -277,3 +277,10 @@ def test_exports_take_what_a_linker_would(objects: dict[str, set[str]]) -> None:
         if f"{other}.c" not in _with_headers((ROOT / "runtime" / f"{one}.c").read_text())
     }
     assert short == set()
+
+
+def test_the_table_of_long_cases_names_what_is_there() -> None:
+    """Else a case that was renamed would be among the quick ones unseen."""
+    for line in (ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines():
+        path, _, name = line.partition("::")
+        assert f"def {name.partition('[')[0]}(" in (ROOT / path).read_text(encoding="utf-8"), line
