@@ -28,7 +28,7 @@ by one, or by the commands that are shown below. A prediction is met if the meas
 within the tolerance of it, or in the band that it is, and the worse method beside it, measured in
 the same way, does not; where no method can be worse, something else is changed, and why stands at
 the end. A limit that is met says more: the motion is stable at .999 of it and grows at 1.001. `make
-test` measures every fourth of the short ones, `make test-long` all, those marked *long* with the
+test` measures some, `make test-long` all, those marked *long* with the
 day on which they were; with `PKGEN_UPDATE=1` either writes its rows here. Closed forms are to be
 met within 1% or closer, boundaries within .1%, fitted powers within 5%, what was only ever measured
 within its band or 20%.
