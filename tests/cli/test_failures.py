@@ -14,7 +14,7 @@ from conftest import MODELS, ROOT
 from pkgen import limits
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
-from pkgen.run import ensemble
+from pkgen.run import members_file
 from pkgen.system.exits import UsageError
 
 DOUBLE = ROOT / "models/double_pendulum.lag"
@@ -142,6 +142,6 @@ def test_an_ensemble_without_end_is_refused_by_its_size(pkgen, tmp_path: Path, m
     (model,) = [m for m in MODELS if m.name == HOOP.name]
     compilation = compile_model(read(model), unroll=None)
     with pytest.raises(UsageError, match=r"many.csv:1002: the limit is 1,000 members"):
-        ensemble.read(str(path), compilation)
+        members_file.read(str(path), compilation)
     path.write_text("theta\n" + 1000 * "1\n")
-    assert len(ensemble.read(str(path), compilation).lines) == 1000
+    assert len(members_file.read(str(path), compilation).lines) == 1000

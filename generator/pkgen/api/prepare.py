@@ -13,7 +13,6 @@ from ..model import Scene
 from ..own.given import taken
 from ..record import record
 from ..run import diagnostics, rows
-from ..run import ensemble as members
 from ..run.ensemble import Ensemble
 from ..run.settings import Settings
 from ..run.simulate import build
@@ -74,7 +73,12 @@ def prepare(
         scene_run.refuse_swarm(options, compilation.declared, of_swarm)
     ensemble = None
     if options.ensemble is not None:
-        ensemble = table(compilation) if table else members.read(options.ensemble, compilation)
+        if table:
+            ensemble = table(compilation)
+        else:
+            from ..run import members_file  # with NumPy
+
+            ensemble = members_file.read(options.ensemble, compilation)
     count = scene_run.count(compilation.declared, of_swarm) if of_swarm is not None else None
     settings = parsing.settings(
         options, compilation, len(ensemble.lines) if ensemble else count, chosen

@@ -1,0 +1,226 @@
+"""`pkgen run --ensemble FILE`: a row a trajectory, what differs from the others in its columns.
+
+Columns are named as in --set and --start: parameters and inputs (`m1`, `k[2]`), coordinates
+(`theta1`, `q[1]`) and their rates (`theta1'`). What no column names is the same for all: the
+model's value, or that of --set, --start. In CSV a value is written as there, its unit with it or
+left out; a column of Parquet may have its unit in the metadata of its field, as `unit`.
+"""
+
+from __future__ import annotations
+
+import array
+import codecs
+import csv
+import difflib
+import math
+import os
+import re
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, TextIO
+
+import numpy
+
+from .. import limits
+from ..compiler import Compilation
+from ..front.check import options_text
+from ..front.check.options_text import OptionError
+from ..system.exits import UsageError
+from . import plain_csv
+from .ensemble import Column, Ensemble, Settable
+
+if TYPE_CHECKING:
+    import pyarrow
+
+PLAIN = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?([eE][-+]?[0-9]+)?")
+
+
+def read(path: str, compilation: Compilation) -> Ensemble:
+    """The members of a file. Raises UsageError with the place of what is wrong."""
+    if path.endswith(".parquet"):
+        return _Reader(path, compilation).parquet()
+    try:
+        if os.path.isfile(path):  # what can be read twice
+            found = _Reader(path, compilation).plain()
+            if found is not None:
+                return found
+        with open(path, encoding="utf-8-sig", newline="") as file:
+            return _Reader(path, compilation).read(file)
+    except UnicodeDecodeError:
+        raise UsageError(f"{path}: not text in UTF-8; save it as CSV in UTF-8") from None
+    except csv.Error as error:
+        raise UsageError(f"{path}: not CSV: {error}") from None
+
+
+class _Reader:
+    def __init__(self, path: str, compilation: Compilation):
+        self.path = path
+        self.model = compilation.model
+        self.sizes = {size.name: size.value for size in self.model.sizes}
+        self.known = Settable(compilation)
+
+    def read(self, file: TextIO) -> Ensemble:
+        rows = self._rows(file)
+        line, header = next(rows, (1, None))
+        if header is None:
+            raise UsageError(
+                f"{self.path}: the file is empty; its first line names columns, e.g. "
+                f"{','.join(list(self.known)[-2:])}"
+            )
+        columns = self._columns(f"{self.path}:{line}", header)
+        values = array.array("d")
+        lines = array.array("q")
+        for line, row in rows:
+            if len(row) != len(columns):
+                raise UsageError(
+                    f"{self.path}:{line}: {len(row)} values where the header has "
+                    f"{len(columns)} columns"
+                )
+            values.extend(self._value(line, c, cell) for c, cell in zip(columns, row, strict=True))
+            lines.append(line)
+            self._bounded(line, len(lines), len(columns))
+        if not lines:
+            raise UsageError(f"{self.path}: no rows below the header; give one a trajectory")
+        return Ensemble(self.path, columns, lines, values)
+
+    def plain(self) -> Ensemble | None:
+        """Of CSV whose cells are plain numbers alone; None of any other."""
+        with open(self.path, "rb") as file:
+            if file.read(3) != codecs.BOM_UTF8:
+                file.seek(0)
+            header = file.readline(limits.ENSEMBLE_LINE)
+            if not header.strip() or b'"' in header or b"\r" in header.removesuffix(b"\r\n"):
+                return None
+            cells = [cell.strip() for cell in header.decode().split(",")]
+            columns = self._columns(f"{self.path}:1", cells)
+            values = array.array("d")
+            for block in plain_csv.blocks(file, limits.ENSEMBLE_LINE):
+                found = None if block is None else plain_csv.numbers(block, len(columns))
+                if found is None:
+                    return None
+                values.frombytes(found.view(numpy.uint8).data)
+                members = len(values) // len(columns)
+                self._bounded(members + 1, members, len(columns))
+        members = len(values) // len(columns)
+        return Ensemble(self.path, columns, range(2, members + 2), values) if members else None
+
+    def parquet(self) -> Ensemble:
+        """Of Parquet; the line of a member is its row, from 1."""
+        try:
+            import pyarrow.parquet
+        except ImportError:
+            raise UsageError(
+                f"{self.path}: Parquet is read by pyarrow, which is missing: pip install pyarrow"
+            ) from None
+        try:
+            file = pyarrow.parquet.ParquetFile(self.path)
+            members, schema = file.metadata.num_rows, file.schema_arrow
+            columns = self._columns(self.path, schema.names)
+            self._bounded(members, members, len(columns))
+            values = numpy.empty((members, len(columns)))
+            for k, (column, one) in enumerate(zip(columns, schema, strict=True)):
+                values[:, k] = self._of_parquet(file, column, one)
+        except pyarrow.ArrowException as error:
+            raise UsageError(f"{self.path}: not Parquet that can be read: {error}") from None
+        if not members:
+            raise UsageError(f"{self.path}: it has no rows; give one a trajectory")
+        return Ensemble(self.path, columns, range(1, members + 1), values)
+
+    def _of_parquet(self, file: pyarrow.parquet.ParquetFile, column: Column, one: pyarrow.Field):
+        """A column in SI."""
+        import pyarrow
+
+        if not (pyarrow.types.is_floating(one.type) or pyarrow.types.is_integer(one.type)):
+            raise UsageError(f"{self.path}: column {column.name}: {one.type} is no number")
+        read = file.read([one.name]).column(0)
+        unit = ((one.metadata or {}).get(b"unit") or b"").decode(errors="replace")
+        factor = self._quantity(0, column, f"1 [{unit}]") if unit else 1.0
+        found = read.to_numpy().astype(float, copy=False) * factor
+        wrong = numpy.flatnonzero(~numpy.isfinite(found))
+        if len(wrong):
+            row = f"{self.path}:{wrong[0] + 1}: column {column.name}"
+            raise UsageError(f"{row}: a value is missing or not finite")
+        return found
+
+    def _bounded(self, line: int, members: int, columns: int) -> None:
+        if members > limits.SWARM or members * columns > limits.SWARM_VALUES:
+            raise UsageError(
+                f"{self.path}:{line}: the limit is {limits.SWARM:,} members, and "
+                f"{limits.SWARM_VALUES:,} values in all"
+            )
+
+    def _lines(self, file: TextIO) -> Iterator[str]:
+        """What never ends, /dev/zero say, is not read to its end."""
+        number = 0
+        while text := file.readline(limits.ENSEMBLE_LINE):
+            number += 1
+            if len(text) == limits.ENSEMBLE_LINE:
+                most = f"{limits.ENSEMBLE_LINE:,}"
+                raise UsageError(f"{self.path}:{number}: a line of more than {most} characters")
+            yield text
+
+    def _rows(self, file: TextIO) -> Iterator[tuple[int, list[str]]]:
+        """Rows that are not blank, with their lines."""
+        reader = csv.reader(self._lines(file), strict=True)
+        for row in reader:
+            if any(cell.strip() for cell in row):
+                yield reader.line_num, [cell.strip() for cell in row]
+
+    def _columns(self, place: str, header: Sequence[str]) -> tuple[Column, ...]:
+        columns = tuple(self._column(place, cell) for cell in header)
+        for column in columns:
+            if columns.count(column) > 1:
+                raise UsageError(f"{place}: column {column.name} stands there twice")
+        return columns
+
+    def _column(self, place: str, text: str) -> Column:
+        if not text:
+            raise UsageError(f"{place}: a column has no name; give that of what it sets")
+        try:
+            side = options_text.left_side(text, self.sizes)
+        except OptionError as error:
+            raise UsageError(f"{place}: column {text}: {error.text()}") from None
+        name = side.text()
+        if name not in self.known:
+            near = difflib.get_close_matches(name, self.known, n=1)
+            names = list(self.known)
+            hint = (
+                f"did you mean '{near[0]}'?"
+                if near
+                else f"it has: {', '.join(names[:12])}{', ...' if len(names) > 12 else ''}"
+            )
+            raise UsageError(
+                f"{place}: column {text}: the model has no such parameter, input, coordinate or "
+                f"rate; {hint}"
+            )
+        return self.known[name]
+
+    def _value(self, line: int, column: Column, text: str) -> float:
+        # A bare number is in the SI unit of what it sets: the fast way, as files are long.
+        found = float(text) if PLAIN.fullmatch(text) else self._quantity(line, column, text)
+        if not math.isfinite(found):
+            raise UsageError(f"{self.path}:{line}: column {column.name}: {text} is not finite")
+        return found
+
+    def _quantity(self, line: int, column: Column, text: str) -> float:
+        """At a line of the file, or at none, which is 0."""
+        place = (
+            f"{self.path}:{line}: column {column.name}"
+            if line
+            else f"{self.path}: column {column.name}"
+        )
+        if not text:
+            raise UsageError(f"{place}: a value is missing; give one, or drop the column")
+        try:
+            return float(
+                options_text.quantity(
+                    text,
+                    column.unit,
+                    dimensionless=self.model.dimensionless,
+                    values=self.sizes,
+                    name=column.name,
+                )
+            )
+        except OptionError as error:
+            raise UsageError(f"{place}: {text}: {error.text()}") from None
+        except OverflowError:
+            raise UsageError(f"{place}: {text} is not finite") from None
