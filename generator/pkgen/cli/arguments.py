@@ -117,7 +117,7 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
     add("--units", action="store_true", help="units in the header of the CSV")
     add("--record", metavar="a,b,energy", help="only these columns, behind t")
     add("--at", metavar="EVENT", help="a row at each crossing, and by time only with --every")
-    add("--ensemble", metavar="FILE", help="CSV or Parquet, a row a trajectory: parameters, starts, inputs")
+    add("--ensemble", metavar="FILE", help="CSV or Parquet, a row a trajectory: starts, parameters")
     add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
     of_implicit_methods(parser)
     add("--diagnose", metavar="LIST", help=f"{','.join(NAMES)}, or all")
