@@ -44,7 +44,7 @@ editor
 analysis/chart
 analysis/choose analysis/enclose analysis/stability explain
 api
-film
+film sweep
 __init__ cli
 __main__
 """

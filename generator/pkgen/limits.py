@@ -17,6 +17,7 @@ SWARM = 10_000_000  # members of a scene's swarm or of an ensemble
 XML_DEPTH = 100
 XML_ELEMENTS = 200_000
 ENSEMBLE_LINE = 1_000_000  # characters of a line of its file
+SWEEP = 100_000_000_000  # members of a sweep
 SWARM_VALUES = 50_000_000  # starts of all of them, in memory
 WRITTEN = 1_000_000_000  # numbers in all rows of a run: some 20 GB
 VISITS = 300_000  # of expressions while sums unroll, each time through one counted

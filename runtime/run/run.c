@@ -121,7 +121,7 @@ enum pk_run_code pk_run_go(struct pk_run *run)
     if (run->code || run->control.began > 0 || memory_try(&run->memory, go, run))
         return run->code;
     memory_end(&run->memory);
-    run->kept = run->kept_low = NULL;
+    run->kept = run->kept_low = run->members = NULL;
     run->n_kept = 0;
     run->report = strdup("{}");
     run->said = NULL;
@@ -135,6 +135,13 @@ size_t pk_run_rows(const struct pk_run *run, const double **rows, const double *
     *low = run->kept_low;
     *columns = run_width(run);
     return run->n_kept;
+}
+
+size_t pk_run_members(const struct pk_run *run, const double **numbers, size_t *columns)
+{
+    *numbers = run->members;
+    *columns = 2 + run->settings.asked.n_reduced;
+    return run->members ? run->settings.asked.members : 0;
 }
 
 /* What is written when it is first asked for. */
@@ -168,9 +175,9 @@ int pk_run_refused(const struct pk_run *of) { return of->refused; }
 size_t pk_run_size(int which)
 {
     static const size_t sizes[] = {sizeof(struct pk_run_settings), sizeof(struct pk_run_expected),
-                                   sizeof(struct pk_run_part),
+                                   sizeof(struct pk_run_part), sizeof(struct pk_run_reduced),
                                    sizeof(struct pk_stability_question)};
-    return which >= 0 && which < 4 ? sizes[which] : 0;
+    return which >= 0 && which < 5 ? sizes[which] : 0;
 }
 
 /* Laps are longer until the clock shows them: under a limit of CPU time it goes by ticks of

@@ -30,6 +30,7 @@ Make something of it
   export      MODEL.lag --as HOST          for FMI, C and other programs
 Integrate it
   run         MODEL.lag                    rows of the motion, as CSV
+  sweep       [MODEL.lag] [-o DIR]         many members of a plan, as Parquet
   plot        MODEL.lag|FILE.csv...        pictures, in the terminal or -o FILE.svg
 Judge methods
   methods                                  the methods, what each requires

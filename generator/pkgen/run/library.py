@@ -29,7 +29,7 @@ DONE, USAGE, FAILED, INTERRUPTED = 0, 2, 4, 130  # enum pk_run_code
 DERIVED = 4  # PK_FAILURE_DERIVED
 _SIZED = [
     STRUCTURES[f"struct pk_{name}"]
-    for name in ("run_settings", "run_expected", "run_part", "stability_question")
+    for name in ("run_settings", "run_expected", "run_part", "run_reduced", "stability_question")
 ]
 _Settings, *_, _Question = _SIZED
 _FIELDS = dict(_Settings._fields_)
@@ -93,7 +93,7 @@ class Library:
         _fill(s, "parts", parts)
         s.watch = {"": 0, "events": 1, "times": 2}[given.watch]
         for name, value in more.items():
-            setattr(s, name, value)
+            (_fill if isinstance(value, tuple) else setattr)(s, name, value)
         return s
 
     def run(
@@ -172,6 +172,16 @@ class Run:
         if not count or not of:
             return numpy.zeros((count, columns.value))
         return numpy.ctypeslib.as_array(of, (count, columns.value)).copy()
+
+    def members(self) -> numpy.ndarray:
+        """What is kept of each member of an ensemble: how it ended, its last valid time, numbers."""
+        import numpy
+
+        numbers, columns = POINTER(c_double)(), c_size_t()
+        count = self._c.pk_run_members(self._run, numbers, columns)
+        if not count:
+            return numpy.zeros((0, columns.value))
+        return numpy.ctypeslib.as_array(numbers, (count, columns.value)).copy()
 
     def laps(self, seconds: float) -> float:
         """Seconds of the processor for one such run without rows; infinite if it fails."""

@@ -69,6 +69,14 @@ struct pk_run_part {
     double step, rtol, h_max;
 };
 
+/* One number that is kept of each member: `what` is f the final value of a column of the rows, M, m
+ * and a the largest, the smallest and the mean of its rows, n how often an event happened, t when
+ * it first did, d a drift of `drifts`, x whether a relation of `expected` was met (1 or 0). */
+struct pk_run_reduced {
+    char what;
+    size_t index; /* of the column behind t, the event, the drift, the relation */
+};
+
 struct pk_run_settings {
     const char *method;
     double until; /* > 0 */
@@ -105,6 +113,10 @@ struct pk_run_settings {
     long first_member;
     size_t threads; /* 0: all */
     int watch;      /* events of members are looked for; 2: and their first times reported */
+    size_t n_reduced;
+    const struct pk_run_reduced *reduced; /* what pk_run_members() has */
+    int no_rows;                          /* no more than that */
+    int lenient; /* a member whose parameters are refused fails alone, not the whole */
 
     int csv;    /* file descriptor for rows as CSV; < 0: they are kept in memory */
     int header; /* of names above the CSV */
@@ -125,6 +137,10 @@ enum pk_run_code pk_run_go(struct pk_run *run);
  * double, low[i] is what rows[i] lacks: the value is rows[i] + low[i]; else low is NULL. */
 size_t pk_run_rows(const struct pk_run *run, const double **rows, const double **low,
                    size_t *columns);
+/* Of each member 2 + n_reduced numbers, which *columns says: how it ended (enum pk_status), its last
+ * valid time, and what is kept; not a number of a member that failed, and where an event never
+ * was. How many members there are; 0 without `reduced` and `no_rows`. */
+size_t pk_run_members(const struct pk_run *run, const double **numbers, size_t *columns);
 /* The name of column i of the rows, its unit in *unit; 0 behind the last. */
 int pk_run_column_name(const struct pk_run *run, size_t i, char *name, size_t size,
                        const char **unit);
@@ -151,7 +167,8 @@ void pk_run_free(struct pk_run *run);
  * those to come too, until 0. A signal's handler may call it. */
 void pk_run_stop(int whether);
 
-/* sizeof of pk_run_settings, pk_run_expected, pk_run_part, pk_stability_question: 0 to 3. */
+/* sizeof of pk_run_settings, pk_run_expected, pk_run_part, pk_run_reduced, pk_stability_question: 0
+ * to 4. */
 size_t pk_run_size(int which);
 /* The bit of a diagnostic, 0: there is none of that name. The list of methods in JSON; and that of
  * a model's own, which stands until the next call. */

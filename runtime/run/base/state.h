@@ -47,6 +47,7 @@ struct expected {
     unsigned long count, missed;
     pk_real off, value, bound, allowed, t;
     size_t member;
+    unsigned long counted, lost; /* of the members before: count and missed */
 };
 
 /* An output whose drift is wanted, or the energy; of an ensemble the worst member's. */
@@ -54,7 +55,7 @@ struct drifting {
     int energy;
     size_t output, member, members;
     struct pk_drift drift;
-    pk_real max;
+    pk_real max, last; /* of all, and of the member that has ended */
 };
 
 /* Whether a run is to stop; shared by an ensemble's members. */
@@ -135,6 +136,9 @@ struct pk_run {
     FILE *out;               /* where rows go as CSV; NULL: they are kept */
     double *kept, *kept_low; /* rows; what they lack of more digits */
     size_t n_kept, room;
+    double *members;       /* of pk_run_members(), */
+    pk_real *reduced;      /* and what of the member at hand is known so far, */
+    unsigned long reduces; /* from so many rows */
     struct moment now;   /* of run_moment() */
     pk_real count, next; /* rows by time behind the first, and the number of the next one */
     pk_real expecting;   /* what is expected at times within steps was looked at up to here */

@@ -21,31 +21,45 @@ static void show(struct pk_run *run, int has_row, const struct moment *at)
     observe_step(run, at);
 }
 
-/* All rows of a member, as far as it came; the driver's own columns take its parameters and inputs.
- * Drifts are those over its rows. */
+/* All rows of a member, as far as it came. Drifts are those over its rows. */
+static void show_all(const struct batch *b, struct pk_run *run, size_t i)
+{
+    const struct pk_ensemble *e = &b->e;
+    const struct settings *s = &run->settings;
+    const struct pk_problem problem = {.system = b->system, .params = s->params};
+    struct moment at = {0, b->q0 + i * b->n, b->v0 + i * b->n};
+    if (run->monitor_block)
+        drift_begin(run, &problem);
+    show(run, s->has_every, &at);
+    area_note(run, at.t, at.q, at.v);
+    for (size_t row = 0; row < e->done[i]; row++) {
+        const size_t k = (i * e->rows + row) * b->n;
+        at = (struct moment){b->t[row], e->q + k, e->v + k};
+        show(run, 1, &at);
+    }
+    observe_end(run);
+    if (e->status[i] < 0)
+        at.t = e->last_t[i];
+    reduce_end(run, run, run->member, e->status[i], &at);
+}
+
+/* The driver's own columns take its parameters and inputs. */
 static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t member)
 {
     const struct pk_ensemble *e = &b->e;
     struct settings *s = &run->settings;
     void *const params = s->params;
     pk_real *const u = s->u;
-    if (e->status[i] == PK_BAD_ARGUMENT || e->status[i] == PK_REFUSED)
+    const enum pk_status status = e->status[i];
+    const struct moment none = {0, NULL, NULL};
+    if (status == PK_BAD_ARGUMENT || status == PK_REFUSED || status == PK_OUT_OF_BOUNDS) {
+        reduce_end(run, run, member, status, &none);
         return;
+    }
     s->params = b->params + i * b->system->params_size;
     s->u = b->u + i * b->system->n_inputs;
     run->member = member;
-    const struct pk_problem problem = {.system = b->system, .params = s->params};
-    const struct moment start = {0, b->q0 + i * b->n, b->v0 + i * b->n};
-    if (run->monitor_block)
-        drift_begin(run, &problem);
-    show(run, s->has_every, &start);
-    area_note(run, start.t, start.q, start.v);
-    for (size_t row = 0; row < e->done[i]; row++) {
-        const size_t at = (i * e->rows + row) * b->n;
-        const struct moment then = {b->t[row], e->q + at, e->v + at};
-        show(run, 1, &then);
-    }
-    observe_end(run);
+    show_all(b, run, i);
     s->params = params;
     s->u = u;
 }
@@ -65,9 +79,25 @@ static void write_batch(struct batch *b, struct pk_run *run, size_t first, size_
     const struct pk_ensemble *e = &b->e;
     for (size_t i = 0; i < count; i++) {
         write_member(b, run, i, first + i);
-        if (tally_note(tally, first + i, e->status[i], e->last_t[i], is_astray(b, run, i)))
-            pk_ensemble_reason(e, i, b->block, b->block_size, tally->reason, sizeof tally->reason);
+        char *reason =
+            tally_note(tally, first + i, e->status[i], e->last_t[i], is_astray(b, run, i));
+        if (reason)
+            pk_ensemble_reason(e, i, b->block, b->block_size, reason, TALLY_REASON);
     }
+}
+
+/* Of members that failed in one way. */
+static void report_failed(const struct settings *s, struct json *j, const char *key,
+                          const struct failed *of)
+{
+    json_open(j, key, '{');
+    json_whole(j, "count", of->count);
+    json_real(j, "member", (pk_real)member_number(s, of->member));
+    json_text(j, "status", pk_status_name(of->status));
+    json_text(j, "text", pk_status_text(of->status));
+    json_real(j, "t", of->t);
+    json_text(j, "reason", of->reason);
+    json_close(j, '}');
 }
 
 static void report(const struct pk_run *run, const struct batch *b, const struct tally *tally,
@@ -82,16 +112,15 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
     json_reals(j, {"order", s->method->order},
                {"step", member_fixed(s) ? s->options.h : PK_INFINITY});
     json_counts(j, {"members", s->asked.members}, {"done", tally->done}, {"failed", tally->failed});
-    if (tally->failed) {
-        json_open(j, "first_failed", '{');
-        json_real(j, "member", (pk_real)member_number(s, tally->first_failed));
-        json_text(j, "status", pk_status_name(tally->status));
-        json_text(j, "text", pk_status_text(tally->status));
-        json_real(j, "t", tally->t);
-        json_close(j, '}');
-    } else {
+    if (tally->failed)
+        report_failed(s, j, "first_failed", tally->first_failed);
+    else
         json_text(j, "first_failed", NULL);
-    }
+    json_open(j, "failures", '[');
+    for (size_t k = 0; k < sizeof tally->failures / sizeof *tally->failures; k++)
+        if (tally->failures[k].count)
+            report_failed(s, j, NULL, &tally->failures[k]);
+    json_close(j, ']');
     json_whole(j, "astray", tally->astray);
     json_real(j, "first_astray",
               tally->astray ? (pk_real)member_number(s, tally->first_astray) : PK_INFINITY);
@@ -125,7 +154,8 @@ static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const 
     if (tally->failed) {
         run_say(run, "%s: %zu of %zu members failed, first member %ld: %s",
                 run->settings.method->name, tally->failed, run->settings.asked.members,
-                member_number(&run->settings, tally->first_failed), tally->reason);
+                member_number(&run->settings, tally->first_failed->member),
+                tally->first_failed->reason);
         code = PK_RUN_FAILED;
     }
     watched_warn(run, tally);
@@ -172,7 +202,10 @@ enum pk_run_code ensemble_run(struct pk_run *run)
     }
     for (size_t k = 0; k < rows; k++)
         b.t[k] = k + 1 < rows ? (pk_real)(k + 1) * s->every : s->until;
-    enum pk_run_code code = members_check(&b, run);
+    enum pk_run_code code = s->asked.lenient ? PK_RUN_DONE : members_check(&b, run);
+    if (s->asked.n_reduced || s->asked.no_rows)
+        run->members = memory_take(&run->memory, s->asked.members * (2 + s->asked.n_reduced),
+                                   sizeof *run->members);
     if (watched)
         watched_begin(&tally, run);
     observe_begin(run);

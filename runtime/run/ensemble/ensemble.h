@@ -25,20 +25,26 @@ enum pk_run_code members_set(struct batch *b, size_t first, size_t count, struct
 /* Every member once, without running: a parameter out of bounds shows before the first row. */
 enum pk_run_code members_check(struct batch *b, struct pk_run *run);
 
-/* Members that run one by one since events are watched or there are switches. */
+/* Members that failed in the same way, and the first of them. */
+struct failed {
+    enum pk_status status;
+    size_t count, member;
+    pk_real t;
+    char reason[512]; /* in words */
+};
+
 /* What has become of the members. */
 struct tally {
-    size_t done, failed, first_failed;
+    size_t done, failed;
+    struct failed *first_failed, failures[-PK_STATUS_LAST];
     size_t astray, first_astray; /* whose energy at the end is wrong */
-    enum pk_status status;       /* of the first that failed, */
-    pk_real t;
-    char reason[512];         /* in words */
     unsigned long *crossings; /* of events and switches, in all, */
     unsigned long *never;     /* and how many members had none, */
     unsigned long *doubts;    /* or may have missed some */
     pk_real *first; /* when each event was first in each member, infinite without; or NULL */
 };
-/* Memory of the tally; so many members; the members "events" and "switches" of the report. */
+/* Members that run one by one since events are watched or there are switches: memory of the tally;
+ * so many members; the members "events" and "switches" of the report. */
 enum { WATCHED_AT_ONCE = 1024 };
 void watched_begin(struct tally *tally, struct pk_run *run);
 void watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_t count,
@@ -46,8 +52,10 @@ void watched_batch(const struct batch *b, struct pk_run *run, size_t first, size
 void watched_warn(struct pk_run *run, const struct tally *tally);
 void watched_report(const struct tally *tally, const struct settings *s, struct json *j);
 
-/* Counts how a member ended; 1: it is the first that failed. */
-int tally_note(struct tally *tally, size_t member, enum pk_status status, pk_real t, int astray);
+/* Counts how a member ended; of the first that fails in a way, room for the reason: TALLY_REASON
+ * characters. */
+#define TALLY_REASON sizeof((struct failed *)0)->reason
+char *tally_note(struct tally *tally, size_t member, enum pk_status status, pk_real t, int astray);
 
 /* All of it, rows at equal times up to the end. */
 enum pk_run_code ensemble_run(struct pk_run *run);

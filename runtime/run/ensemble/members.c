@@ -35,7 +35,7 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     }
     settings_assign(s, params, b->own, n_own);
     const int outside = system->prepare(params);
-    if (outside) {
+    if (outside && !s->asked.lenient) { /* else its integrator will not begin */
         snprintf(who, sizeof who, "member %ld: ", member_number(s, member));
         settings_refused(run, params, outside, who);
         return PK_RUN_USAGE;
@@ -69,17 +69,22 @@ enum pk_run_code members_check(struct batch *b, struct pk_run *run)
     return code;
 }
 
-int tally_note(struct tally *tally, size_t member, enum pk_status status, pk_real t, int astray)
+char *tally_note(struct tally *tally, size_t member, enum pk_status status, pk_real t, int astray)
 {
     tally->done += status == PK_DONE || status == PK_STOPPED_EVENT;
     if (astray && tally->astray++ == 0)
         tally->first_astray = member;
-    if (status >= 0 || tally->failed++)
-        return 0;
-    tally->first_failed = member;
-    tally->status = status;
-    tally->t = t;
-    return 1;
+    if (status >= 0)
+        return NULL;
+    struct failed *of = &tally->failures[-status];
+    if (tally->failed++ == 0)
+        tally->first_failed = of;
+    if (of->count++)
+        return NULL;
+    of->member = member;
+    of->t = t;
+    of->status = status;
+    return of->reason;
 }
 
 void members_allocate(struct batch *b, struct pk_run *run, size_t rows)

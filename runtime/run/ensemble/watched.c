@@ -91,12 +91,13 @@ static void merge(struct pk_run *run, struct pk_run *of, struct tally *tally)
     }
     run->bad_rows += of->bad_rows;
     expect_merge(&run->settings, &of->settings);
-    if (tally_note(tally, i, status, of->it.t, status >= 0 && of->distrusted && run_fixed(of))) {
-        if (of->it.method)
-            pk_integrator_reason(&of->it, tally->reason, sizeof tally->reason);
-        else
-            strcpy(tally->reason, pk_status_text(status));
-    }
+    const int astray = status >= 0 && of->distrusted && run_fixed(of);
+    char *reason = tally_note(tally, i, status, of->it.t, astray);
+    if (reason && of->it.method)
+        pk_integrator_reason(&of->it, reason, TALLY_REASON);
+    else if (reason)
+        strcpy(reason, pk_status_text(status));
+    reduce_end(run, of, i, status, run_moment(of));
     for (size_t k = 0; k < kinds(&run->settings); k++) {
         static const struct crossed none = {0};
         const struct crossed *crossed = of->crossed ? &of->crossed[k] : &none;

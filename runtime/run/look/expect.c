@@ -112,6 +112,7 @@ static void end(struct pk_run *run)
         struct drifting *d = &run->settings.drifting[i];
         const struct pk_drift *drift = d->energy ? &run->monitor.energy : &d->drift;
         const pk_real max = drift->samples ? pk_drift_max(drift) : (pk_real)NAN;
+        d->last = max;
         if (is_worst(!d->members, max, d->max)) {
             d->max = max;
             d->member = run->member;

@@ -20,7 +20,7 @@ struct observer {
 };
 
 extern const struct observer watch_observer, rows_observer, expect_observer, drift_observer,
-    trust_observer, condition_observer, diagnose_observer, area_observer;
+    trust_observer, condition_observer, diagnose_observer, area_observer, reduce_observer;
 
 /* Rows. */
 void rows_header(struct pk_run *run);
@@ -37,6 +37,17 @@ enum pk_run_code rows_told(struct pk_run *run, enum pk_run_code code);
 int rows_whole(const struct pk_run *run);
 /* The first output of theirs, or "energy", that was not finite; NULL where all were. */
 const char *rows_not_finite(const struct pk_run *run, char *name, size_t size);
+
+/* The cells of a row, run->cells; the column of the first that is not finite, or NULL. */
+const struct pk_run_column *rows_fill(struct pk_run *run, const struct moment *at);
+
+/* What is kept of members. */
+/* Whether the cells of rows are looked at. */
+int reduce_by_row(const struct pk_run *run);
+/* A member has ended here: its numbers go to those of all, and the next one begins. `of` is its own
+ * run, or that of all. */
+void reduce_end(struct pk_run *run, struct pk_run *of, size_t member, enum pk_status status,
+                const struct moment *at);
 
 /* What a scene expects of its run: columns compared at times, at events or in all rows, and drifts
  * of outputs. It is measured here; what is said of it is pkgen's. */

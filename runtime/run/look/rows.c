@@ -132,8 +132,7 @@ static void lose(struct pk_run *run, const struct moment *at, pk_real *out)
     }
 }
 
-/* The cells of a row; the column of the first that is not finite, or NULL. */
-static const struct pk_run_column *fill(struct pk_run *run, const struct moment *at)
+const struct pk_run_column *rows_fill(struct pk_run *run, const struct moment *at)
 {
     const struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
@@ -207,8 +206,10 @@ void rows_take(struct pk_run *run, const struct pk_run *from)
 /* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
 static void write_row(struct pk_run *run, const struct moment *at)
 {
-    const struct pk_run_column *bad = fill(run, at);
-    (run->out ? write_csv : keep)(run);
+    const int none = run->settings.asked.no_rows;
+    const struct pk_run_column *bad = none && !reduce_by_row(run) ? NULL : rows_fill(run, at);
+    if (!none)
+        (run->out ? write_csv : keep)(run);
     run->rows++;
     run->last_row = at->t;
     if (bad && run->bad_rows++ == 0) {

@@ -258,6 +258,23 @@ static const char *members(struct settings *s)
     return NULL;
 }
 
+static const char *reductions(struct settings *s)
+{
+    struct pk_run_settings *x = &s->asked;
+    x->reduced = copy(s, x->reduced, x->n_reduced, sizeof *x->reduced);
+    for (size_t i = 0; i < x->n_reduced; i++) {
+        const char what = x->reduced[i].what;
+        const size_t count = what == 'n' || what == 't' ? x->watch ? s->system->events.n : 0
+                             : what == 'd'              ? x->n_drifts
+                             : what == 'x'              ? x->n_expected
+                             : strchr("fMma", what)     ? s->n_show
+                                                        : 0;
+        if (!(x->reduced[i].index < count))
+            return "members have no such number";
+    }
+    return NULL;
+}
+
 static const char *prepare(struct settings *s)
 {
     struct pk_run *run = s->run;
@@ -272,7 +289,7 @@ enum pk_run_code settings_take(struct pk_run *run)
 {
     const struct pk_run_model *model = run->model;
     static const char *(*const each[])(struct settings *s) = {
-        steps, sizes, parameters, prepare, start, columns, expectations, members};
+        steps, sizes, parameters, prepare, start, columns, expectations, members, reductions};
     struct settings *s = &run->settings;
     const struct pk_system *system = model->system;
     const char *wrong = NULL, *method = s->asked.method ? s->asked.method : "";

@@ -1,11 +1,11 @@
 /* The observers of a run. Events come first, whose times stand above all rows of the report; drifts come
- * before trust, which judges by them; diagnostics close the report.
+ * before trust, which judges by them; what is reduced is the cells of rows; diagnostics close the report.
  */
 #include "steps.h"
 
 static const struct observer *const observers[] = {
-    &watch_observer, &rows_observer,      &expect_observer,   &drift_observer,
-    &trust_observer, &condition_observer, &diagnose_observer, &area_observer,
+    &watch_observer, &rows_observer,      &expect_observer,   &drift_observer,  &trust_observer,
+    &reduce_observer, &condition_observer, &diagnose_observer, &area_observer,
 };
 
 #define EACH(call)                                                    \

@@ -1,0 +1,262 @@
+"""A sweep's folder: its plan, the shards that are done, what of them is in the data set, and why
+others failed.
+
+    plan.json    what the sweep is; written once
+    model.lag, plan.toml
+    shards/K     members K S, ..., of which some are not in the data set yet
+    data/        a row a member, in Parquet: part-K.parquet, of members K P, ...
+    rows/        rows of the motions, likewise, where they are kept
+    parts/K      digests of these, and who of the members failed
+    failed/K     how often a shard was tried, and why it could not be made
+    now.json     who is at work
+
+Each file is renamed to its place when it is whole. A shard is blocks of numbers, then a line of
+JSON on what they are, which has their digest.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO, TYPE_CHECKING
+
+from ..record import record
+from ..system.exits import UsageError
+from ..system.files import PARTIAL
+
+if TYPE_CHECKING:
+    import numpy
+
+TAIL = 1 << 16  # bytes in which the last line of a shard is
+_FOLDERS = ("shards", "parts", "failed", "data")
+
+
+@record
+class Folder:
+    """Where a sweep lies; what of it may be cut anew is in `plan`."""
+
+    path: Path
+    digest: str
+    members: int
+    shard: int  # members of one
+    part: int
+    rows: bool
+
+    @property
+    def shards(self) -> range:
+        return range(-(-self.members // self.shard))
+
+    @property
+    def parts(self) -> range:
+        return range(-(-self.members // self.part))
+
+    def of_shard(self, k: int) -> tuple[int, int]:
+        """Its first member, and how many."""
+        return k * self.shard, min(self.shard, self.members - k * self.shard)
+
+    def of_part(self, k: int) -> tuple[int, int]:
+        return k * self.part, min(self.part, self.members - k * self.part)
+
+    def shards_of(self, part: int) -> range:
+        first, count = self.of_part(part)
+        return range(first // self.shard, (first + count - 1) // self.shard + 1)
+
+    def parts_of(self, shard: int) -> range:
+        first, count = self.of_shard(shard)
+        return range(first // self.part, (first + count - 1) // self.part + 1)
+
+    def shard_file(self, k: int) -> Path:
+        return self.path / "shards" / f"{k:08d}"
+
+    def failed_file(self, k: int) -> Path:
+        return self.path / "failed" / f"{k:08d}"
+
+    def part_file(self, k: int) -> Path:
+        return self.path / "parts" / f"{k:06d}"
+
+    def data_files(self, k: int) -> list[Path]:
+        """Those of a part; where rows are kept, there are two."""
+        folders = ("data", "rows") if self.rows else ("data",)
+        return [self.path / folder / f"part-{k:06d}.parquet" for folder in folders]
+
+    def made(self) -> None:
+        for name in (*_FOLDERS, *(["rows"] if self.rows else [])):
+            (self.path / name).mkdir(parents=True, exist_ok=True)
+
+    def cleaned(self) -> None:
+        """What those left who were killed while they wrote."""
+        for folder in self.path.iterdir():
+            if folder.is_dir() and not folder.is_symlink():
+                for path in folder.glob(f"*{PARTIAL}"):
+                    path.unlink(missing_ok=True)
+
+
+@contextmanager
+def written(path: Path) -> Iterator[IO[bytes]]:
+    """A file that is there when it is whole. Two may write it at once: both write the same."""
+    new = path.with_name(f"{path.name}.{os.uname().nodename}.{os.getpid()}{PARTIAL}")
+    try:
+        with open(new, "wb") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(new, path)
+    except OSError as error:
+        error.filename = str(path)
+        raise
+    finally:
+        with suppress(OSError):
+            new.unlink(missing_ok=True)
+
+
+def write_json(path: Path, content: object) -> None:
+    with written(path) as file:
+        file.write(json.dumps(content, indent=1).encode() + b"\n")
+
+
+def read_json(path: Path) -> dict | None:
+    """None where it is not there, or not whole."""
+    try:
+        found = json.loads(path.read_bytes())
+    except (OSError, ValueError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
+def write_shard(
+    folder: Folder, k: int, blocks: Iterable[tuple[numpy.ndarray, numpy.ndarray | None, list]]
+) -> dict:
+    """Of blocks of members: their numbers, their rows, how some failed. What is said of it."""
+    digest = hashlib.sha256()
+    first, count = folder.of_shard(k)
+    said = {"sweep": folder.digest, "shard": k, "first": first, "count": count, "blocks": []}
+    failures: dict[str, dict] = {}
+    with written(folder.shard_file(k)) as file:
+        for members, rows, failed in blocks:
+            for numbers in (members, rows):
+                if numbers is not None:
+                    data = numbers.astype("<f8", copy=False).tobytes()
+                    digest.update(data)
+                    file.write(data)
+            shape = (*members.shape, *(rows.shape if rows is not None else (0, 0)))
+            said["blocks"].append(shape)
+            added(failures, failed)
+        said["failures"] = list(failures.values())
+        digest.update(json.dumps(said).encode())
+        said["sha256"] = digest.hexdigest()
+        file.write(b"\n" + json.dumps(said).encode() + b"\n")
+    return said
+
+
+def added(to: dict[str, dict], failures: Iterable[dict]) -> None:
+    """Failures by their status: how many, and the first."""
+    for one in failures:
+        known = to.setdefault(one["status"], {**one, "count": 0})
+        count = known["count"] + one["count"]
+        if one["member"] < known["member"]:
+            known.update(one)
+        known["count"] = count
+
+
+def head(folder: Folder, k: int) -> dict | None:
+    """What a shard says of itself; None: there is none, or it is another's."""
+    path = folder.shard_file(k)
+    try:
+        with open(path, "rb") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(0, size - TAIL))
+            tail = file.read()
+        if not tail.endswith(b"\n"):
+            return None
+        line = tail[:-1].rpartition(b"\n")[2]
+        if len(line) + 2 >= TAIL:  # many blocks
+            data = path.read_bytes()
+            line = data[:-1].rpartition(b"\n")[2]
+        said = json.loads(line)
+        ours = (said["sweep"], said["shard"]) == (folder.digest, k)
+        numbers = sum(8 * (a * b + c * d) for a, b, c, d in said["blocks"])
+        whole = size == numbers + len(line) + 2
+        right = (said["first"], said["count"]) == folder.of_shard(k)
+        return said if ours and whole and right else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+class Torn(Exception):
+    """A shard, or a part, that is not as it was written."""
+
+
+def blocks(folder: Folder, k: int) -> Iterator[tuple[numpy.ndarray, numpy.ndarray | None]]:
+    """The blocks of a shard. Raises Torn at the end where the digest is another: nothing that is
+    made of them may be kept before."""
+    import numpy
+
+    said = head(folder, k)
+    if said is None:
+        raise Torn(f"shard {k}")
+    digest = hashlib.sha256()
+    with open(folder.shard_file(k), "rb") as file:
+        for a, b, c, d in said["blocks"]:
+            found = []
+            for shape in ((a, b), (c, d)):
+                data = file.read(8 * shape[0] * shape[1])
+                digest.update(data)
+                if len(data) != 8 * shape[0] * shape[1]:
+                    raise Torn(f"shard {k}")
+                found.append(numpy.frombuffer(data, "<f8").reshape(shape))
+            yield found[0], found[1] if d else None
+    expected = said.pop("sha256", None)
+    digest.update(json.dumps(said).encode())
+    if digest.hexdigest() != expected:
+        raise Torn(f"shard {k}")
+
+
+def digest_of(path: Path) -> str | None:
+    digest = hashlib.sha256()
+    try:
+        with open(path, "rb") as file:
+            while data := file.read(1 << 20):
+                digest.update(data)
+    except OSError:
+        return None
+    return digest.hexdigest()
+
+
+def part_is_whole(folder: Folder, k: int, thorough: bool) -> bool:
+    """Whether a part is in the data set, as it was written if one looks at each byte."""
+    said = read_json(folder.part_file(k))
+    files = folder.data_files(k)
+    if said is None or said.get("sweep") != folder.digest:
+        return False
+    sums = said.get("sha256")
+    if not isinstance(sums, list) or len(sums) != len(files):
+        return False
+    if not thorough:
+        return all(path.is_file() for path in files)
+    return all(digest_of(path) == found for path, found in zip(files, sums, strict=True))
+
+
+def failed_shard(folder: Folder, k: int, why: str) -> int:
+    """Notes it; how often it was tried."""
+    known = read_json(folder.failed_file(k)) or {}
+    tried = int(known.get("tried", 0)) + 1
+    write_json(folder.failed_file(k), {"shard": k, "tried": tried, "why": why})
+    return tried
+
+
+def free_bytes(path: Path) -> int:
+    return shutil.disk_usage(path).free
+
+
+def foreign(path: Path) -> UsageError | None:
+    """A folder with other things in it is no sweep's."""
+    if path.exists() and not path.is_dir():
+        return UsageError(f"-o {path}: it is a file; a sweep needs a folder")
+    if path.is_dir() and any(path.iterdir()):
+        return UsageError(f"-o {path}: it has files in it, and is no sweep's; take another folder")
+    return None

@@ -1,0 +1,119 @@
+"""How far a sweep is, by what lies in its folder alone."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+from ..system.exits import UsageError
+from .shards import Folder, added, head, part_is_whole, read_json
+from .sweep import PLAN, at_work
+
+
+def status(path: Path) -> dict:
+    """Raises UsageError where no sweep lies there."""
+    known = read_json(path / PLAN)
+    if known is None:
+        raise UsageError(f"--status {path}: no sweep lies there: it has no {PLAN}")
+    try:
+        numbers = [known[key] for key in ("members", "shard", "part")]
+        if not all(isinstance(n, int) and n > 0 for n in numbers):
+            raise UsageError(f"{path / PLAN}: it is not as it was written")
+        folder = Folder(path, known["digest"], *numbers, (path / "rows").is_dir())
+        name = known["name"]
+    except KeyError:
+        raise UsageError(f"{path / PLAN}: it is not as it was written") from None
+    failures: dict[str, dict] = {}
+    done, parts, shards = 0, 0, set()
+    for part in folder.parts:
+        whole = part_is_whole(folder, part, False)
+        first, count = folder.of_part(part)
+        if whole:
+            parts += 1
+            done += count
+            shards |= set(folder.shards_of(part))
+            added(failures, read_json(folder.part_file(part))["failures"])
+            continue
+        for k in folder.shards_of(part):
+            if (said := head(folder, k)) is None:
+                shards.discard(k)
+                continue
+            begin, of = folder.of_shard(k)
+            done += min(first + count, begin + of) - max(first, begin)
+            if k not in shards:
+                shards.add(k)
+                added(failures, said["failures"])
+    given_up = [read_json(file) for file in sorted((path / "failed").glob("*"))]
+    now = read_json(path / "now.json") or {}
+    running = at_work(path)
+    found = {
+        "name": name,
+        "folder": str(path),
+        "members": folder.members,
+        "done": done,
+        "failed": sum(one["count"] for one in failures.values()),
+        "failures": sorted(failures.values(), key=lambda one: one["member"]),
+        "shards": len(folder.shards),
+        "shards_done": len(shards),
+        "shards_failed": [one for one in given_up if one],
+        "parts": len(folder.parts),
+        "parts_done": parts,
+        "running": running,
+    }
+    if running and now:
+        seconds = time.time() - now["began"]
+        flying = min(now["flying"], folder.members - done)
+        rate = (done + flying - now["before"]) / seconds if seconds > 0 else 0.0
+        left = (folder.members - done - flying) / rate if rate > 0 else None
+        found |= {"engine": now["engine"], "workers": now["workers"], "host": now["host"]}
+        found |= {"flying": flying, "rate": rate, "left": left}
+    return found
+
+
+def lines(found: dict) -> list[str]:
+    """The same for a person."""
+    members, done = found["members"], found["done"] + found.get("flying", 0)
+    said = [f"{found['name']}: {done:,} of {members:,} members ({100 * done / members:.4g}%)"]
+    if found["running"] and "rate" in found:
+        left = "" if found["left"] is None else f", {duration(found['left'])} left"
+        workers = found["workers"]
+        at = f"{workers} worker{'s' if workers != 1 else ''} on {found['host']}"
+        said.append(f"running, {found['engine']}, {at}: {found['rate']:,.4g} members/s{left}")
+    elif found["running"]:
+        said.append("running")
+    elif found["parts_done"] < found["parts"]:
+        said.append(f"not running: pkgen sweep --resume {found['folder']}")
+    missing = found["shards"] - found["shards_done"]
+    given_up = len(found["shards_failed"])
+    said.append(
+        f"shards: {found['shards_done']} done, {missing - given_up} missing, {given_up} failed"
+    )
+    said += [
+        f"  shard {one['shard']}, tried {one['tried']} times: {one['why']}"
+        for one in found["shards_failed"][:10]
+    ]
+    said += failed(found)
+    whole = found["parts_done"] == found["parts"]
+    parts = "" if whole else f", {found['parts_done']} of {found['parts']} files"
+    said.append(f"data set: {Path(found['folder']) / 'data'}{parts}")
+    return said
+
+
+def failed(found: dict) -> list[str]:
+    """Which members, and why."""
+    if not found["failed"]:
+        return []
+    said = [f"{found['failed']:,} of {found['members']:,} members failed"]
+    for one in found["failures"]:
+        reason = one["reason"] or f"at t = {one['t']:.9g}"
+        said.append(f"  {one['count']:,} {one['status']}, first member {one['member']}: {reason}")
+    return said
+
+
+def duration(seconds: float) -> str:
+    if seconds < 100:
+        return f"{seconds:.3g} s"
+    minutes = round(seconds / 60)
+    if minutes < 100:
+        return f"{minutes} min"
+    return f"{minutes // 60} h {minutes % 60:02d}" if minutes < 6000 else f"{minutes // 1440} days"

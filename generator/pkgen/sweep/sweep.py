@@ -1,0 +1,280 @@
+"""A sweep from its plan to its data set: begun, gone on with, and how far it is."""
+
+from __future__ import annotations
+
+import argparse
+import fcntl
+import os
+import platform
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+
+from ..compiler import Compilation
+from ..front.read import from_text, read
+from ..record import record
+from ..source import Source
+from ..system.exits import NumericsFailed, UsageError
+from ..version import __version__
+from . import job as jobs
+from . import work
+from .job import Job
+from .parts import arrow, names
+from .plan import Plan, of_text, read_plan
+from .shards import (
+    Folder,
+    foreign,
+    free_bytes,
+    read_json,
+    write_json,
+    written,
+)
+
+SECONDS = 10.0  # of work in a shard, at least
+TIMED = 0.3  # seconds that the first timing takes
+PLAN = "plan.json"
+Compiled = Callable[..., Compilation]
+
+
+@record
+class Sweep:
+    job: Job
+    folder: Folder
+    notes: tuple[str, ...] = ()  # what there is to say before it runs
+
+
+def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
+    """A new one, or that which lies there of the same plan. Raises UsageError where it is of
+    another, and whatever is wrong with the plan."""
+    arrow()
+    path = Path(options.directory)
+    known = read_json(path / PLAN)
+    if known is None and (wrong := foreign(path)):
+        raise wrong
+    plan, source = read_plan(options.plan), read(options.model)
+    made = _made(plan, source, options, compiled, known)
+    job, _, _ = made
+    if known is None:
+        return _new(path, plan, source, options, made)
+    if known.get("digest") != job.digest:
+        raise UsageError(f"-o {path}: {_other(path, known, plan, source)}; take another folder")
+    return Sweep(job, _folder(path, known, job))
+
+
+def resumed(path: Path, options: argparse.Namespace, compiled: Compiled) -> Sweep:
+    """That which lies there."""
+    arrow()
+    known = read_json(path / PLAN)
+    if known is None:
+        raise UsageError(f"--resume {path}: no sweep lies there: it has no {PLAN}")
+    try:
+        where, file, size = known["model"], path / known["file"], known["size"]
+        plan = of_text(from_text(str(path / "plan.toml"), (path / "plan.toml").read_text("utf-8")))
+        source = from_text(where, file.read_text("utf-8"))
+    except (OSError, KeyError, TypeError, UnicodeDecodeError) as error:
+        raise UsageError(f"--resume {path}: it is not as it was begun: {error}") from None
+    options.model, options.size = str(file), size
+    job, _, _ = _made(plan, source, options, compiled, known)
+    if known.get("digest") != job.digest:
+        why = _other(path, known, plan, source)
+        raise UsageError(f"--resume {path}: {why}; begin it anew in another folder")
+    return Sweep(job, _folder(path, known, job))
+
+
+def _made(plan: Plan, source: Source, options: argparse.Namespace, compiled, known: dict | None):
+    chosen = known and known.get("chosen")
+    if chosen:
+        chosen = {k: tuple(x) if isinstance(x, list) else x for k, x in chosen.items()}
+    return jobs.make(plan, options, partial(compiled, source=source), chosen)
+
+
+def _other(path: Path, known: dict, plan: Plan, source: Source) -> str:
+    """Why what lies there is not this."""
+    if known.get("pkgen") != __version__:
+        return f"the sweep there is of pkgen {known.get('pkgen')}, and this is {__version__}"
+    with suppress(OSError):
+        if (path / "plan.toml").read_text("utf-8") != plan.source.text:
+            return "the sweep there is of another plan"
+    with suppress(OSError):
+        if (path / str(known.get("file"))).read_text("utf-8") != source.text:
+            return "the sweep there is of another model"
+    return "the sweep there is not of this plan and model"
+
+
+def _folder(path: Path, known: dict, job: Job) -> Folder:
+    shard, part = known.get("shard"), known.get("part")
+    if not (isinstance(shard, int) and shard > 0 and part == job.part):
+        raise UsageError(f"{path / PLAN}: it is not as it was written")
+    return Folder(path, job.digest, job.members, shard, job.part, bool(job.kept.rows))
+
+
+def _new(path: Path, plan: Plan, source: Source, options: argparse.Namespace, made) -> Sweep:
+    job, prepared, chosen = made
+    there = next(p for p in (path.absolute(), *path.absolute().parents) if p.is_dir())
+    need, free = job.number_bytes * job.members, free_bytes(there)
+    if need > free:
+        raise UsageError(
+            f"{plan.source.path}: {job.members:,} members of {job.number_bytes:,} bytes are some "
+            f"{_size(need)}, and {there} has {_size(free)} left; keep less, or fewer"
+        )
+    pace = _pace(job)
+    shard = options.shard or _shard(job.members, pace, options.workers)
+    folder = Folder(path, job.digest, job.members, shard, job.part, bool(job.kept.rows))
+    folder.made()
+    file = f"{job.name}.lag"
+    for name, text in ((file, source.text), ("plan.toml", plan.source.text)):
+        with written(path / name) as out:
+            out.write(text.encode())
+    write_json(
+        path / PLAN,
+        {
+            "pkgen": __version__,
+            "digest": job.digest,
+            "name": job.name,
+            "model": os.path.abspath(source.path),
+            "file": file,
+            "size": options.size,
+            "members": job.members,
+            "shard": shard,
+            "part": job.part,
+            "seconds": pace,  # of a member, at first
+            "chosen": chosen,
+            "columns": [asdict(c) for c in names(job)],
+        },
+    )
+    return Sweep(job, folder, prepared.notes)
+
+
+def _size(n: float) -> str:
+    for unit in ("bytes", "kB", "MB", "GB", "TB", "PB"):
+        if n < 1000:
+            break
+        n /= 1000
+    return f"{n:.3g} {unit}"
+
+
+def _pace(job: Job) -> float:
+    """Seconds of a member, of some here and there among all. Raises NumericsFailed where the method
+    is none for this system."""
+    count = 1
+    while True:
+        began = time.monotonic()
+        firsts = sorted({min(job.members - count, k * job.members // 4) for k in range(4)})
+        refused = 0
+        for first in firsts:
+            for batch in job.run(first, count):
+                for one in batch.failures:
+                    if one["status"] in ("PK_REFUSED", "PK_BAD_ARGUMENT"):
+                        refused += one["count"]
+                        why = one["reason"]
+        if refused == count * len(firsts):
+            raise NumericsFailed(why)
+        took = time.monotonic() - began
+        if took > TIMED or count * len(firsts) >= job.members:
+            return took / (count * len(firsts))
+        count = min(job.members, count * 8)
+
+
+def _shard(members: int, pace: float, workers: int) -> int:
+    """Ten seconds of work, or what each worker has of all."""
+    size = max(1, min(int(SECONDS / max(pace, 1e-9)) + 1, -(-members // workers)))
+    return size if size < 64 else -(-size // 64) * 64
+
+
+@contextmanager
+def alone(folder: Folder) -> Iterator[None]:
+    """One at a time shares the work out. Raises UsageError where another does."""
+    fd = os.open(folder.path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        try:
+            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise UsageError(f"{folder.path}: another pkgen sweeps here") from None
+        except OSError:  # a file system without locks
+            pass
+        yield
+    finally:
+        os.close(fd)
+
+
+def at_work(path: Path) -> bool:
+    try:
+        fd = os.open(path / "lock", os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    finally:
+        os.close(fd)
+    return False
+
+
+class Work:
+    """The tasks of a sweep that are left; engines take them."""
+
+    def __init__(self, sweep: Sweep, engine: str, workers: int, on_progress=None):
+        self.job, self.folder = sweep.job, sweep.folder
+        self.on_progress = on_progress
+        folder = self.folder
+        folder.made()
+        folder.cleaned()
+        for path in (folder.path / "failed").iterdir():
+            path.unlink()  # each is tried anew
+        missing, parts = work.survey(folder, True)
+        self.shards = missing[::-1]
+        self.waiting = {part: 0 for part in parts}
+        for k in missing:
+            for part in folder.parts_of(k):
+                if part in self.waiting:
+                    self.waiting[part] += 1
+        self.ready = [part for part in parts if not self.waiting[part]][::-1]
+        left = sum(folder.of_shard(k)[1] for k in missing)
+        self.done_before = self.done = self.job.members - left
+        self.began, self.told = time.time(), 0.0
+        self.about = {"engine": engine, "workers": workers, "host": platform.node()}
+        self.about |= {"pid": os.getpid(), "began": self.began, "before": self.done_before}
+        self.tick(0.0)
+
+    def next(self) -> tuple[str, int] | None:
+        if self.ready:
+            return "part", self.ready.pop()
+        return ("shard", self.shards.pop()) if self.shards else None
+
+    def finished(self, task: tuple[str, int], said: dict) -> None:
+        kind, k = task
+        if kind == "part":
+            if said.get("torn"):
+                self._torn(k)
+            return
+        self.done += self.folder.of_shard(k)[1]
+        self.folder.failed_file(k).unlink(missing_ok=True)
+        for part in self.folder.parts_of(k):
+            self.waiting[part] -= 1
+            if not self.waiting[part]:
+                self.ready.append(part)
+
+    def _torn(self, part: int) -> None:
+        gone = [k for k in self.folder.shards_of(part) if not self.folder.shard_file(k).exists()]
+        for k in gone:
+            self.shards.append(k)
+            self.done -= self.folder.of_shard(k)[1]
+            for other in self.folder.parts_of(k):
+                if other in self.waiting:
+                    self.waiting[other] += 1
+
+    def tick(self, flying: float) -> None:
+        """How far it is, for other terminals and this one."""
+        now = time.time()
+        if now - self.told < 1:
+            return
+        self.told = now
+        if self.on_progress:
+            self.on_progress((self.done + flying) / self.job.members)
+        write_json(self.folder.path / "now.json", {**self.about, "at": now, "flying": int(flying)})

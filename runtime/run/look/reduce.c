@@ -1,0 +1,95 @@
+/* What is kept of each member of an ensemble, some numbers in place of its rows or beside them; an
+ * observer. Of columns it sees the cells of each row, as they are written.
+ */
+#include "look.h"
+
+#include "../settings/settings.h"
+
+enum { BEFORE = 2 }; /* cells of a row: the member, t */
+
+static void begin(struct pk_run *run)
+{
+    const size_t count = run->settings.asked.n_reduced;
+    run->reduced = count ? memory_take(&run->memory, count, sizeof *run->reduced) : NULL;
+}
+
+int reduce_by_row(const struct pk_run *run)
+{
+    const struct pk_run_settings *s = &run->settings.asked;
+    for (size_t k = 0; k < s->n_reduced; k++)
+        if (strchr("Mma", s->reduced[k].what))
+            return 1;
+    return 0;
+}
+
+/* What is not a number once stays so. */
+static void row(struct pk_run *run, const struct moment *at)
+{
+    const struct pk_run_settings *s = &run->settings.asked;
+    (void)at;
+    for (size_t k = 0; k < s->n_reduced; k++) {
+        const char what = s->reduced[k].what;
+        pk_real *so_far = &run->reduced[k];
+        if (!strchr("Mma", what))
+            continue;
+        const pk_real x = run->cells[BEFORE + s->reduced[k].index];
+        if (run->reduces == 0 || x != x)
+            *so_far = x;
+        else if (what == 'a')
+            *so_far += x;
+        else if (what == 'M' ? x > *so_far : x < *so_far)
+            *so_far = x;
+    }
+    run->reduces++;
+}
+
+/* Whether the member at hand has met a relation wherever it was to hold, and it was somewhere. */
+static int met(struct expected *x)
+{
+    const int found = x->count > x->counted && x->missed == x->lost;
+    x->counted = x->count;
+    x->lost = x->missed;
+    return found;
+}
+
+static pk_real number(struct pk_run *of, size_t k)
+{
+    const struct pk_run_reduced r = of->settings.asked.reduced[k];
+    const struct crossed *crossed = of->crossed ? &of->crossed[r.index] : NULL;
+    switch (r.what) {
+    case 'f':
+        return of->cells[BEFORE + r.index];
+    case 'a':
+        return of->reduced[k] / (pk_real)of->reduces;
+    case 'n':
+        return crossed ? (pk_real)crossed->count : 0;
+    case 't':
+        return crossed && crossed->count ? crossed->t[0] : (pk_real)NAN;
+    case 'd':
+        return of->settings.drifting[r.index].last;
+    case 'x':
+        return met(&of->settings.expected[r.index]);
+    default:
+        return of->reduces ? of->reduced[k] : (pk_real)NAN;
+    }
+}
+
+void reduce_end(struct pk_run *run, struct pk_run *of, size_t member, enum pk_status status,
+                const struct moment *at)
+{
+    const size_t count = run->settings.asked.n_reduced;
+    if (!run->members)
+        return;
+    double *to = run->members + member * (2 + count);
+    to[0] = status;
+    to[1] = (double)at->t;
+    if (status >= 0 && at->q)
+        (void)rows_fill(of, at);
+    for (size_t k = 0; k < count; k++) {
+        const pk_real x = status < 0 || !at->q ? (pk_real)NAN : number(of, k);
+        to[2 + k] = (double)x;
+    }
+    of->reduces = 0;
+}
+
+const struct observer reduce_observer = {.begin = begin, .row = row};
