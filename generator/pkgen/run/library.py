@@ -174,7 +174,7 @@ class Run:
         return numpy.ctypeslib.as_array(of, (count, columns.value)).copy()
 
     def members(self) -> numpy.ndarray:
-        """What is kept of each member of an ensemble: how it ended, its last valid time, numbers."""
+        """Of each member of an ensemble: how it ended, its last valid time, what is kept."""
         import numpy
 
         numbers, columns = POINTER(c_double)(), c_size_t()

@@ -1,4 +1,4 @@
-"""The two tasks of a sweep, which any engine gives to any process: to make a shard, to merge a part.
+"""The two tasks of a sweep, which an engine gives to any process: to make a shard, to merge a part.
 Each may be done twice, and by two at once: both write the same.
 """
 
@@ -16,8 +16,8 @@ Poll = Callable[[float], bool]
 
 
 def shard(job: Job, folder: Folder, k: int, poll: Poll | None = None) -> dict:
-    """What the shard says of itself, and the seconds that it took. Raises OSError where it cannot be
-    written."""
+    """What the shard says of itself, and the seconds that it took. Raises OSError where it cannot
+    be written."""
     began = time.monotonic()
     first, count = folder.of_shard(k)
     batches = ((b.members, b.rows, b.failures) for b in job.run(first, count, poll))
