@@ -122,11 +122,11 @@ class _Keeper:
             shown = self.values.shown(self.values.flat_name("keep", name), "keep")
         except UsageError as error:
             raise self.wrong(str(error)) from None
-        for k, other in enumerate(self.show):
-            if (other.kind, other.index) == (shown.kind, shown.index):
-                break
+        places = [(other.kind, other.index) for other in self.show]
+        if (shown.kind, shown.index) in places:
+            k = places.index((shown.kind, shown.index))
         else:
-            k = len(self.show)
+            k = len(places)
             self.show.append(shown)
         return k, self.quantity(shown.kind, shown.name)
 
@@ -158,12 +158,10 @@ class _Keeper:
         """Of each relation of the scene, 1 where it is met."""
         if self.scene is None or not self.scene.expects:
             raise self.wrong("'expects' is for a scene that expects something")
-        k = 0
-        for i, item in enumerate(self.scene.expects, 1):
+        for k, item in enumerate(self.scene.expects):
             if of_run(item):
                 raise self.wrong(
                     "'expects' is for relations of the motion; keep drift(…) or time(…) itself"
                 )
-            compared = self.settings.watched.compared[k]
-            self.found.append(("x", k, Quantity(f"expect {i}", "", compared.text)))
-            k += 1
+            text = self.settings.watched.compared[k].text
+            self.found.append(("x", k, Quantity(f"expect {k + 1}", "", text)))

@@ -253,10 +253,13 @@ def free_bytes(path: Path) -> int:
     return shutil.disk_usage(path).free
 
 
-def foreign(path: Path) -> UsageError | None:
-    """A folder with other things in it is no sweep's."""
+def foreign(path: Path, own: str) -> UsageError | None:
+    """A folder with other things in it is no sweep's; `own` is the model's file. One that was
+    killed before its plan was written has left these."""
     if path.exists() and not path.is_dir():
         return UsageError(f"-o {path}: it is a file; a sweep needs a folder")
-    if path.is_dir() and any(path.iterdir()):
-        return UsageError(f"-o {path}: it has files in it, and is no sweep's; take another folder")
+    ours = {*_FOLDERS, "rows", "plan.toml", own}
+    for one in path.iterdir() if path.is_dir() else ():
+        if one.name not in ours and not one.name.endswith(PARTIAL):
+            return UsageError(f"-o {path}: it has {one.name} in it, and is no sweep's")
     return None

@@ -52,12 +52,12 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
     arrow()
     path = Path(options.directory)
     known = read_json(path / PLAN)
-    if known is None and (wrong := foreign(path)):
-        raise wrong
     plan, source = read_plan(options.plan), read(options.model)
     made = _made(plan, source, options, compiled, known)
     job, _, _ = made
     if known is None:
+        if wrong := foreign(path, f"{job.name}.lag"):
+            raise wrong
         return _new(path, plan, source, options, made)
     if known.get("digest") != job.digest:
         raise UsageError(f"-o {path}: {_other(path, known, plan, source)}; take another folder")
@@ -149,11 +149,11 @@ def _new(path: Path, plan: Plan, source: Source, options: argparse.Namespace, ma
 
 
 def _size(n: float) -> str:
-    for unit in ("bytes", "kB", "MB", "GB", "TB", "PB"):
-        if n < 1000:
-            break
+    units = ["bytes", "kB", "MB", "GB", "TB", "PB"]
+    while n >= 1000 and len(units) > 1:
         n /= 1000
-    return f"{n:.3g} {unit}"
+        units.pop(0)
+    return f"{n:.3g} {units[0]}"
 
 
 def _pace(job: Job) -> float:
