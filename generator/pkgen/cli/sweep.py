@@ -18,7 +18,7 @@ pkgen sweep models/double_pendulum.lag --plan plan.toml -o flips
 pkgen sweep --resume flips
 pkgen sweep --status flips
 """
-ENGINES = ("local",)
+ENGINES = ("local", "dask")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,6 +31,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--resume", metavar="DIR", help="go on with the sweep that lies there")
     add("--status", metavar="DIR", help="how far the sweep is that lies there")
     add("--engine", choices=ENGINES, default="local", help="who runs it (default: local)")
+    add("--scheduler", metavar="ADDRESS", help="of a Dask cluster (default: one is made here)")
     add("--workers", type=int, metavar="N", help="how many at once (default: all cores)")
     add("--shard", type=int, metavar="N", help="members of a shard (default: 10 s of work)")
 
@@ -47,6 +48,8 @@ def run(options: argparse.Namespace) -> int:
         value = getattr(options, option)
         if value is not None and value < 1:
             raise UsageError(f"--{option} {value}: must be positive")
+    if options.scheduler is not None and options.engine != "dask":
+        raise UsageError("--scheduler is for --engine dask")
     options.workers = options.workers or len(os.sched_getaffinity(0))
     if options.workers > 1024:
         raise UsageError(f"--workers {options.workers}: 1024 at most")
@@ -69,11 +72,18 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _go(begun, options: argparse.Namespace, on_progress) -> None:
-    from ..sweep import local, sweep
+    from ..sweep import sweep
 
     left = sweep.Work(begun, options.engine, options.workers, on_progress)
     try:
-        engine = local.Local(begun.job, begun.folder, options.workers)
+        if options.engine == "dask":
+            from ..sweep.dask import Dask
+
+            engine = Dask(begun.job, begun.folder, options.workers, options.scheduler)
+        else:
+            from ..sweep.local import Local
+
+            engine = Local(begun.job, begun.folder, options.workers)
         engine.run(left.next, left.finished, left.tick)
     except KeyboardInterrupt:
         print(

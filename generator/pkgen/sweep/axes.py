@@ -122,7 +122,7 @@ class _Reader:
         try:
             name = options_text.left_side(key, self.sizes).text()
         except OptionError as error:
-            raise self.wrong(key, error.text()) from None
+            raise self.plan.wrong(self.plan.kind, key, error.diagnostic.message) from None
         if name in self.known:
             return self.known[name]
         if name in self.unread:
@@ -135,24 +135,24 @@ class _Reader:
         ends = text.split("..")
         if len(ends) != 2 or not all(end.strip() for end in ends):
             raise self.wrong(key, f'{key} is a range: "LOW .. HIGH", with its unit behind it')
-        unit = _UNIT.search(ends[1])
-        if unit and not _UNIT.search(ends[0]):
-            ends[0] = f"{ends[0].strip()} {unit[0]}"  # a unit is of all before it
-        lo, hi = (self.value(key, end.strip(), column) for end in ends)
+        unit = _UNIT.search(ends[1])  # which is of all before it
+        more = f" {unit[0]}" if unit and not _UNIT.search(ends[0]) else ""
+        lo = self.value(key, ends[0].strip(), column, more)
+        hi = self.value(key, ends[1].strip(), column)
         if lo > hi:
             raise self.wrong(key, f"{key}: the range runs backwards", f'"{hi:g} .. {lo:g}", in SI')
         if not math.isfinite(hi - lo):
             raise self.wrong(key, f"{key}: the range is wider than any double")
         return lo, hi
 
-    def value(self, key: str, given: object, column: Column) -> float:
+    def value(self, key: str, given: object, column: Column, unit: str = "") -> float:
         if isinstance(given, bool) or not isinstance(given, str | int | float):
             raise self.wrong(key, f"{key}: a value is a number, or a text with its unit")
         text = given if isinstance(given, str) else repr(given)
         try:
             found = float(
                 options_text.quantity(
-                    text,
+                    text + unit,
                     column.unit,
                     dimensionless=self.model.dimensionless,
                     values=self.sizes,
@@ -160,7 +160,7 @@ class _Reader:
                 )
             )
         except OptionError as error:
-            raise self.wrong(key, f"{text}: {error.text()}") from None
+            raise self.plan.wrong_within(self.plan.kind, key, text, error.diagnostic) from None
         except OverflowError:
             found = math.inf
         if not math.isfinite(found):

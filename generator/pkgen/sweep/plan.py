@@ -46,6 +46,17 @@ class Plan:
         span = self.places.get((section, key)) or self.places.get((section, ""), Span(0, 0))
         return UsageError(Diagnostic(message, span, help).text(self.source))
 
+    def wrong_within(self, section: str, key: str, text: str, found: Diagnostic) -> UsageError:
+        """The same of a place in a text that is part of the key's value."""
+        whole = self.places.get((section, key), Span(0, 0))
+        at = self.source.text.find(text, whole.start, whole.end)
+        message = f"{key}: {found.message}"
+        if at < 0 or not text:
+            return self.wrong(section, key, message, found.help)
+        start = at + min(found.span.start, len(text) - 1)
+        end = max(start + 1, min(at + found.span.end, at + len(text)))
+        return UsageError(Diagnostic(message, Span(start, end), found.help).text(self.source))
+
     def of_a_run(self, options: argparse.Namespace) -> argparse.Namespace:
         """The options of a run, those of the plan in place of their defaults."""
         return argparse.Namespace(**{**vars(options), **self.options})

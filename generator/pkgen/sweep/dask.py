@@ -1,0 +1,100 @@
+"""The Dask engine: shards as tasks of a cluster, which is given by its address or made here.
+
+The folder is one that all its workers see. A worker that dies takes its tasks with it; Dask gives
+them to another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..system.exits import BuildError, NumericsFailed, UsageError
+from . import work
+from .job import Job
+from .local import TRIES, Task
+from .shards import Folder, failed_shard
+
+AHEAD = 3  # tasks of a worker that the cluster knows at a time
+
+
+def _task(job: Job, folder: Folder, kind: str, k: int) -> dict:
+    """On a worker. What cannot be done is told, not raised: its text is for a person."""
+    try:
+        done = work.shard(job, folder, k) if kind == "shard" else work.part(job, folder, k)
+        done = done or {"torn": True}
+        done.pop("blocks", None)
+        return {"done": done}
+    except OSError as error:
+        return {"disk": f"{error.filename or folder.path}: {error.strerror}"}
+    except (BuildError, NumericsFailed, UsageError) as error:
+        return {"wrong": str(error)}
+
+
+class Dask:
+    """As Local of local.py."""
+
+    def __init__(self, job: Job, folder: Folder, workers: int, address: str | None = None):
+        try:
+            from distributed import Client, LocalCluster
+        except ImportError:
+            raise UsageError("--engine dask: pip install dask distributed") from None
+        self.job, self.folder = job, folder
+        self.cluster = None
+        if address is None:
+            self.cluster = LocalCluster(
+                n_workers=workers, threads_per_worker=1, dashboard_address=None
+            )
+        try:
+            self.client = Client(self.cluster or address, timeout="10s")
+        except (OSError, ValueError) as error:
+            raise UsageError(f"--scheduler {address}: no cluster answers: {error}") from None
+        self.most = AHEAD * (workers if address is None else max(1, self._workers()))
+
+    def _workers(self) -> int:
+        return len(self.client.scheduler_info(n_workers=-1)["workers"])
+
+    def run(
+        self,
+        next_task: Callable[[], Task | None],
+        done: Callable[[Task, dict], None],
+        tick: Callable[[float], None],
+    ) -> list[int]:
+        from distributed import wait
+
+        failed: list[int] = []
+        flying: dict[object, Task] = {}
+        again: list[Task] = []
+        try:
+            job = self.client.scatter(self.job, broadcast=True, hash=False)
+            while True:
+                while len(flying) < self.most and (task := again.pop() if again else next_task()):
+                    one = self.client.submit(_task, job, self.folder, *task, pure=False)
+                    flying[one] = task
+                if not flying:
+                    return failed
+                try:
+                    wait(list(flying), timeout=0.5, return_when="FIRST_COMPLETED")
+                except TimeoutError:
+                    pass
+                for one in [one for one in flying if one.done()]:
+                    task = flying.pop(one)
+                    error = one.exception()
+                    said = {"wrong": f"{type(error).__name__}: {error}"} if error else one.result()
+                    if "disk" in said:
+                        raise UsageError(f"{said['disk']}; what is done stays: --resume")
+                    if "done" in said:
+                        done(task, said["done"])
+                    else:
+                        self._lost(task, said["wrong"], again, failed)
+                tick(0.0)
+        finally:
+            self.client.close()
+            if self.cluster is not None:
+                self.cluster.close()
+
+    def _lost(self, task: Task, why: str, again: list[Task], failed: list[int]) -> None:
+        k = task[1] if task[0] == "shard" else self.folder.shards_of(task[1])[0]
+        if failed_shard(self.folder, k, why) < TRIES:
+            again.append(task)
+        elif k not in failed:
+            failed.append(k)
