@@ -7,6 +7,7 @@ them to another.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 
 from ..system.exits import BuildError, NumericsFailed, UsageError
 from . import work
@@ -72,10 +73,8 @@ class Dask:
                     flying[one] = task
                 if not flying:
                     return failed
-                try:
+                with suppress(TimeoutError):
                     wait(list(flying), timeout=0.5, return_when="FIRST_COMPLETED")
-                except TimeoutError:
-                    pass
                 for one in [one for one in flying if one.done()]:
                     task = flying.pop(one)
                     error = one.exception()

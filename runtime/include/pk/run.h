@@ -50,7 +50,7 @@ struct pk_run_value {
 
 /* A column of the rows, or of an ensemble's members. */
 struct pk_run_column {
-    char kind; /* rows: q, v, o of an output, e of the energy; members: p, i, q, v */
+    char kind;            /* rows: q, v, o of an output, e of the energy; members: p, i, q, v */
     size_t index, member; /* of a family of parameters of members the one, from 0 */
 };
 

@@ -139,9 +139,10 @@ struct pk_run {
     double *members;       /* of pk_run_members(), */
     pk_real *reduced;      /* and what of the member at hand is known so far, */
     unsigned long reduces; /* from so many rows */
-    struct moment now;   /* of run_moment() */
-    pk_real count, next; /* rows by time behind the first, and the number of the next one */
-    pk_real expecting;   /* what is expected at times within steps was looked at up to here */
+    int reduces_rows;      /* some of it is of these */
+    struct moment now;     /* of run_moment() */
+    pk_real count, next;   /* rows by time behind the first, and the number of the next one */
+    pk_real expecting;     /* what is expected at times within steps was looked at up to here */
     struct pk_integrator aside; /* for states within fixed steps, made when one is asked for */
     void *aside_block;
     pk_real last_row; /* its time */

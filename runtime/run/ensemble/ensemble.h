@@ -9,7 +9,7 @@
 struct batch {
     struct pk_ensemble e;
     const struct pk_system *system;
-    size_t n, size; /* members that it has room for */
+    size_t n, size;          /* members that it has room for */
     char *params, *families; /* of each member: what families.attach() takes */
     size_t families_size;
     pk_real *q0, *v0, *u, *t;
@@ -38,9 +38,9 @@ struct tally {
     size_t done, failed;
     struct failed *first_failed, failures[-PK_STATUS_LAST];
     size_t astray, first_astray; /* whose energy at the end is wrong */
-    unsigned long *crossings; /* of events and switches, in all, */
-    unsigned long *never;     /* and how many members had none, */
-    unsigned long *doubts;    /* or may have missed some */
+    unsigned long *crossings;    /* of events and switches, in all, */
+    unsigned long *never;        /* and how many members had none, */
+    unsigned long *doubts;       /* or may have missed some */
     pk_real *first; /* when each event was first in each member, infinite without; or NULL */
 };
 /* Members that run one by one since events are watched or there are switches: memory of the tally;

@@ -42,8 +42,6 @@ const char *rows_not_finite(const struct pk_run *run, char *name, size_t size);
 const struct pk_run_column *rows_fill(struct pk_run *run, const struct moment *at);
 
 /* What is kept of members. */
-/* Whether the cells of rows are looked at. */
-int reduce_by_row(const struct pk_run *run);
 /* A member has ended here: its numbers go to those of all, and the next one begins. `of` is its own
  * run, or that of all. */
 void reduce_end(struct pk_run *run, struct pk_run *of, size_t member, enum pk_status status,

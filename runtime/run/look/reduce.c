@@ -7,19 +7,21 @@
 
 enum { BEFORE = 2 }; /* cells of a row: the member, t */
 
+/* Whether some of it is one of these. */
+static int has(const struct pk_run *run, const char *kinds)
+{
+    const struct pk_run_settings *s = &run->settings.asked;
+    for (size_t k = 0; k < s->n_reduced; k++)
+        if (strchr(kinds, s->reduced[k].what))
+            return 1;
+    return 0;
+}
+
 static void begin(struct pk_run *run)
 {
     const size_t count = run->settings.asked.n_reduced;
     run->reduced = count ? memory_take(&run->memory, count, sizeof *run->reduced) : NULL;
-}
-
-int reduce_by_row(const struct pk_run *run)
-{
-    const struct pk_run_settings *s = &run->settings.asked;
-    for (size_t k = 0; k < s->n_reduced; k++)
-        if (strchr("Mma", s->reduced[k].what))
-            return 1;
-    return 0;
+    run->reduces_rows = has(run, "Mma");
 }
 
 /* What is not a number once stays so. */
@@ -83,11 +85,14 @@ void reduce_end(struct pk_run *run, struct pk_run *of, size_t member, enum pk_st
     double *to = run->members + member * (2 + count);
     to[0] = status;
     to[1] = (double)at->t;
-    if (status >= 0 && at->q)
+    const int ended = status >= 0 && at->q;
+    if (ended && has(run, "f"))
         (void)rows_fill(of, at);
     for (size_t k = 0; k < count; k++) {
-        const pk_real x = status < 0 || !at->q ? (pk_real)NAN : number(of, k);
-        to[2 + k] = (double)x;
+        const struct pk_run_reduced r = of->settings.asked.reduced[k];
+        if (!ended && r.what == 'x')
+            (void)met(&of->settings.expected[r.index]);
+        to[2 + k] = (double)(ended ? number(of, k) : (pk_real)NAN);
     }
     of->reduces = 0;
 }

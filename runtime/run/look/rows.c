@@ -207,7 +207,7 @@ void rows_take(struct pk_run *run, const struct pk_run *from)
 static void write_row(struct pk_run *run, const struct moment *at)
 {
     const int none = run->settings.asked.no_rows;
-    const struct pk_run_column *bad = none && !reduce_by_row(run) ? NULL : rows_fill(run, at);
+    const struct pk_run_column *bad = none && !run->reduces_rows ? NULL : rows_fill(run, at);
     if (!none)
         (run->out ? write_csv : keep)(run);
     run->rows++;

@@ -4,7 +4,7 @@
 #include "steps.h"
 
 static const struct observer *const observers[] = {
-    &watch_observer, &rows_observer,      &expect_observer,   &drift_observer,  &trust_observer,
+    &watch_observer,  &rows_observer,      &expect_observer,   &drift_observer, &trust_observer,
     &reduce_observer, &condition_observer, &diagnose_observer, &area_observer,
 };
 
