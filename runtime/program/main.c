@@ -141,7 +141,7 @@ int main(int argc, char **argv)
     signal(SIGTTOU, SIG_IGN);
     signal(SIGINT, on_signal);
     signal(SIGTERM, on_signal);
-    const int code = go(p);
+    const int code = p->shard ? shard_write(p) : go(p);
     options_free(p);
     return fflush(stdout) ? PK_RUN_USAGE : code;
 }

@@ -167,6 +167,19 @@ static int table(struct program *p, const struct option *o, const char *path)
     return table_read(p, path);
 }
 
+static int shard(struct program *p, const struct option *o, const char *text)
+{
+    *(o->value[0] == 'F' ? o->name[2] == 's' ? &p->starts : &p->to : &p->shard) = text;
+    return 0;
+}
+
+static int first(struct program *p, const struct option *o, const char *text)
+{
+    char *end;
+    p->first = strtoul(text, &end, 10);
+    return isdigit((unsigned char)*text) && !*end ? 0 : usage(o->name, text, "not a whole number");
+}
+
 static int iteration(struct program *p, const struct option *o, const char *text)
 {
     p->settings.fixed_point = strcmp(text, "fixed") == 0;
@@ -193,6 +206,10 @@ static const struct option options[] = {
     {"--iteration", "newton|fixed", "of implicit methods", iteration, 0, ""},
     {"--diagnose", "LIST", "as of pkgen run", diagnose, 0, ""},
     {"--max-steps", "N", "", count, PLACE(max_steps), ""},
+    {"--shard", "JSON", "of a sweep: which shard it is", shard, 0, ""},
+    {"--starts", "FILE", "its members, as doubles", shard, 0, ""},
+    {"--first", "N", "the number of the first, from 0", first, 0, ""},
+    {"--to", "FILE", "what comes of them", shard, 0, ""},
     {"-o", "FILE", "FILE.csv or FILE.npy; default: standard output", output, 0, ""},
 };
 

@@ -15,6 +15,8 @@ struct program {
     struct pk_run_settings settings;
     const char *output; /* NULL: standard output */
     int json, shows;
+    const char *shard, *starts, *to; /* of a sweep: what is said of a shard, in JSON; its files */
+    unsigned long first;             /* its first member, from 0 */
     void *lists[16]; /* memory of keep() */
     size_t n_lists;
 };
@@ -26,6 +28,8 @@ int options_read(struct program *p, int argc, char **argv);
 void options_help(FILE *file);
 void options_free(struct program *p);
 
+/* Of shard.c: the members of a shard; the exit code. */
+int shard_write(const struct program *p);
 /* Of tables.c: an ensemble's CSV; 0, or the exit code after a message. */
 int table_read(struct program *p, const char *path);
 /* Of files.c: rows as an array with named columns; settings, columns and report in JSON; one line.

@@ -18,7 +18,7 @@ pkgen sweep models/double_pendulum.lag --plan plan.toml -o flips
 pkgen sweep --resume flips
 pkgen sweep --status flips
 """
-ENGINES = ("local", "dask")
+ENGINES = ("local", "dask", "slurm")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,6 +50,7 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError(f"--{option} {value}: must be positive")
     if options.scheduler is not None and options.engine != "dask":
         raise UsageError("--scheduler is for --engine dask")
+    options.at_once = options.workers
     options.workers = options.workers or len(os.sched_getaffinity(0))
     if options.workers > 1024:
         raise UsageError(f"--workers {options.workers}: 1024 at most")
@@ -80,6 +81,10 @@ def _go(begun, options: argparse.Namespace, on_progress) -> None:
             from ..sweep.dask import Dask
 
             engine = Dask(begun.job, begun.folder, options.workers, options.scheduler)
+        elif options.engine == "slurm":
+            from ..sweep.slurm import Slurm
+
+            engine = Slurm(begun.job, begun.folder, options.at_once)
         else:
             from ..sweep.local import Local
 

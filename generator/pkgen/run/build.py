@@ -176,8 +176,7 @@ def build_library(
     Raises BuildError with what the compiler said.
     """
     tools = _portable(tools or find_toolchain(), files)
-    inlined = _inlined(tools, methods, own)
-    inlined += ["-DPK_INLINE_ENSEMBLE"] if inlined and ensemble else []
+    inlined = _inlined(tools, methods, own, ensemble)
     choice = _choice("pk_model", name, parts, own)
     made_of = (_runtime_name(tools), inlined, choice, in_c.tables(own), sorted(files.items()))
     digest = hashlib.sha256(repr(made_of).encode()).hexdigest()[:24]
@@ -193,9 +192,12 @@ def build_library(
     return cached("models", f"{name[:40]}-{digest}", make) / "model.so"
 
 
-def _inlined(tools: Toolchain, methods: Sequence[str | None], own: Sequence[Own]) -> list[str]:
+def _inlined(
+    tools: Toolchain, methods: Sequence[str | None], own: Sequence[Own], ensemble: bool
+) -> list[str]:
     """Steps that are compiled with a model save time only where the compiler optimises."""
-    return [] if {"-O0", "-O1"} & set(tools.flags) else inline_flags(methods, own)
+    flags = [] if {"-O0", "-O1"} & set(tools.flags) else inline_flags(methods, own)
+    return [*flags, "-DPK_INLINE_ENSEMBLE"] if flags and ensemble else flags
 
 
 def build_program(
@@ -209,9 +211,11 @@ def build_program(
     native: bool = False,
     gsl: bool = False,
     own: Sequence[Own] = (),
+    ensemble: bool = False,
 ) -> None:
-    """A program of its own, with `settings` in C. Without GSL, which is under the GPL, unless asked
-    for; for any processor of this kind unless `native`. Raises BuildError."""
+    """A program of its own, with `settings` in C; by `ensemble` for blocks of members. Without GSL,
+    which is under the GPL, unless asked for; for any processor of this kind unless `native`. Raises
+    BuildError."""
     tools = find_toolchain()
     if not gsl:
         tools = replace(tools, gsl_cflags=None, gsl_libs=())
@@ -221,7 +225,8 @@ def build_program(
     library = runtime_library(tools)
     declared = "extern const struct pk_run_settings program_settings;\n"
     choice = _choice("program_model", name, parts, own) + declared + settings
-    linked = [*_inlined(tools, methods, own), *map(str, sorted((RUNTIME / "program").glob("*.c")))]
+    inlined = _inlined(tools, methods, own, ensemble)
+    linked = [*inlined, *map(str, sorted((RUNTIME / "program").glob("*.c")))]
     linked += ["-o", "program", str(library / "librun.a"), *(["-static"] if static else [])]
     linked += runtime_links(tools, library)
     with scratch() as folder:

@@ -80,7 +80,7 @@ class Library:
         for name in ("inputs", "q", "v"):
             pairs = given.inputs if name == "inputs" else getattr(given, f"start_{name}")
             _fill(s, name, [(i, 0, x) for i, x in pairs])
-        _fill(s, "columns", [_column(c) for c in given.show])
+        _fill(s, "columns", [column(c) for c in given.show])
         _fill(s, "hidden", given.watched.hidden)
         s.at = 0 if given.at is None else given.at + 1
         _fill(s, "expected", [_expected(c) for c in given.watched.compared])
@@ -110,7 +110,7 @@ class Library:
             count = len(ensemble.lines) * len(ensemble.columns)
             values = (c_double * count).from_buffer(ensemble.values) if count else None
             s.members = len(ensemble.lines)
-            _fill(s, "member_columns", [_column(c) for c in ensemble.columns])
+            _fill(s, "member_columns", [column(c) for c in ensemble.columns])
             s.member_values = ctypes.cast(values, POINTER(c_double))
             if ensemble.counted:
                 s.member_name = ensemble.counted.encode()
@@ -277,14 +277,14 @@ def _fill(s: Structure, name: str, values: Sequence[object]) -> None:
     setattr(s, name, (_FIELDS[name]._type_ * len(values))(*values))
 
 
-def _column(shown: Shown | Column) -> tuple[bytes, int, int]:
+def column(shown: Shown | Column) -> tuple[bytes, int, int]:
     return shown.kind[0].encode(), shown.index, getattr(shown, "member", 0)
 
 
 def _expected(c: Compared) -> tuple[object, ...]:
     when = b"t" if c.at is not None else b"r" if c.event is None else b"e"
-    within = (b"\0", 0, 0) if c.within is None else _column(c.within)
-    sides = _column(c.a), _column(c.b), within
+    within = (b"\0", 0, 0) if c.within is None else column(c.within)
+    sides = column(c.a), column(c.b), within
     return c.relation.encode(), when, *sides, c.at or 0, c.event or 0
 
 

@@ -23,8 +23,7 @@ def _task(job: Job, folder: Folder, kind: str, k: int) -> dict:
     try:
         done = work.shard(job, folder, k) if kind == "shard" else work.part(job, folder, k)
         done = done or {"torn": True}
-        done.pop("blocks", None)
-        return {"done": done}
+        return {"done": {"torn": bool(done.get("torn"))}}
     except OSError as error:
         return {"disk": f"{error.filename or folder.path}: {error.strerror}"}
     except (BuildError, NumericsFailed, UsageError) as error:

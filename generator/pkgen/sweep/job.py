@@ -48,7 +48,7 @@ class Batch(NamedTuple):
     first: int
     members: numpy.ndarray
     rows: numpy.ndarray | None  # the member in front, t
-    failures: list[dict]
+    report: dict
 
 
 @record
@@ -125,7 +125,7 @@ class Job:
             raise NumericsFailed(done.messages.strip() or "the members could not be run")
         rows = done.rows() if self.kept.rows else None
         done.close()
-        return Batch(first, found, rows, done.report["failures"])
+        return Batch(first, found, rows, done.report)
 
 
 def make(

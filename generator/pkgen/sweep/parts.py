@@ -17,7 +17,7 @@ from ..equations import Quantity
 from ..system.exits import UsageError
 from ..version import __version__
 from .job import Job
-from .shards import Folder, Torn, added, blocks, digest_of, head, write_json, written
+from .shards import Folder, Torn, added, blocks, digest_of, failures_of, head, write_json, written
 
 if TYPE_CHECKING:
     import pyarrow
@@ -141,7 +141,7 @@ def merge(job: Job, folder: Folder, part: int) -> dict:
         if rows is not None:
             rows.close()
     heads = [h for k in folder.shards_of(part) if (h := head(folder, k))]
-    for one in (one for h in heads for one in h["failures"]):
+    for one in (one for h in heads for one in failures_of(h)):
         if one["status"] in failures and failures[one["status"]]["member"] == one["member"]:
             failures[one["status"]]["reason"] = one["reason"]
     said = {

@@ -10,8 +10,8 @@ others failed.
     failed/K     how often a shard was tried, and why it could not be made
     now.json     who is at work
 
-Each file is renamed to its place when it is whole. A shard is blocks of numbers, then a line of
-JSON on what they are, which has their digest.
+Each file is renamed to its place when it is whole. A shard is blocks of numbers (little-endian
+doubles), a line of JSON on what they are, and the SHA-256 of all that.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ from ..system.files import PARTIAL
 if TYPE_CHECKING:
     import numpy
 
-TAIL = 1 << 16  # bytes in which the last line of a shard is
+TAIL = 1 << 16  # bytes in which the last lines of a shard are, mostly
+DIGEST = 65  # bytes of the last one
 _FOLDERS = ("shards", "parts", "failed", "data")
 
 
@@ -128,29 +129,42 @@ def read_json(path: Path) -> dict | None:
     return found if isinstance(found, dict) else None
 
 
-def write_shard(
-    folder: Folder, k: int, blocks: Iterable[tuple[numpy.ndarray, numpy.ndarray | None, list]]
-) -> dict:
-    """Of blocks of members: their numbers, their rows, how some failed. What is said of it."""
-    digest = hashlib.sha256()
+def shard_head(folder: Folder, k: int) -> dict:
+    """Which shard of which sweep it is."""
     first, count = folder.of_shard(k)
-    said = {"sweep": folder.digest, "shard": k, "first": first, "count": count, "blocks": []}
-    failures: dict[str, dict] = {}
+    return {"sweep": folder.digest, "shard": k, "first": first, "count": count}
+
+
+def write_shard(
+    folder: Folder, k: int, blocks: Iterable[tuple[numpy.ndarray, numpy.ndarray | None, dict]]
+) -> dict:
+    """Of blocks of members: their numbers, their rows, the report of their run. What is said of
+    it. Programs that need no Python write the same: runtime/program/shard.c."""
+    digest = hashlib.sha256()
+    said = {**shard_head(folder, k), "blocks": [], "reports": []}
     with written(folder.shard_file(k)) as file:
-        for members, rows, failed in blocks:
+
+        def write(data: bytes) -> None:
+            digest.update(data)
+            file.write(data)
+
+        for members, rows, report in blocks:
             for numbers in (members, rows):
                 if numbers is not None:
-                    data = numbers.astype("<f8", copy=False).tobytes()
-                    digest.update(data)
-                    file.write(data)
-            shape = (*members.shape, *(rows.shape if rows is not None else (0, 0)))
-            said["blocks"].append(shape)
-            added(failures, failed)
-        said["failures"] = list(failures.values())
-        digest.update(json.dumps(said).encode())
-        said["sha256"] = digest.hexdigest()
-        file.write(b"\n" + json.dumps(said).encode() + b"\n")
+                    write(numbers.astype("<f8", copy=False).tobytes())
+            said["blocks"].append((*members.shape, *(rows.shape if rows is not None else (0, 0))))
+            said["reports"].append({"failures": report["failures"]})
+        write(b"\n" + json.dumps(said).encode() + b"\n")
+        file.write(digest.hexdigest().encode() + b"\n")
     return said
+
+
+def failures_of(said: dict) -> list[dict]:
+    """Of a shard, for each status."""
+    found: dict[str, dict] = {}
+    for report in said["reports"]:
+        added(found, report["failures"])
+    return list(found.values())
 
 
 def added(to: dict[str, dict], failures: Iterable[dict]) -> None:
@@ -171,19 +185,17 @@ def head(folder: Folder, k: int) -> dict | None:
             size = file.seek(0, os.SEEK_END)
             file.seek(max(0, size - TAIL))
             tail = file.read()
-        if not tail.endswith(b"\n"):
-            return None
-        line = tail[:-1].rpartition(b"\n")[2]
-        if len(line) + 2 >= TAIL:  # many blocks
-            data = path.read_bytes()
-            line = data[:-1].rpartition(b"\n")[2]
+            if tail[:-DIGEST].count(b"\n") < 2:  # there are many blocks
+                file.seek(0)
+                tail = file.read()
+        line = tail[: -DIGEST - 1].rpartition(b"\n")[2]
         said = json.loads(line)
-        ours = (said["sweep"], said["shard"]) == (folder.digest, k)
         numbers = sum(8 * (a * b + c * d) for a, b, c, d in said["blocks"])
-        whole = size == numbers + len(line) + 2
-        right = (said["first"], said["count"]) == folder.of_shard(k)
-        return said if ours and whole and right else None
-    except (OSError, ValueError, KeyError, TypeError):
+        whole = size == numbers + len(line) + 2 + DIGEST
+        ours = all(said[key] == x for key, x in shard_head(folder, k).items())
+        failures_of(said)
+        return said if ours and whole else None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 
 
@@ -210,9 +222,9 @@ def blocks(folder: Folder, k: int) -> Iterator[tuple[numpy.ndarray, numpy.ndarra
                     raise Torn(f"shard {k}")
                 found.append(numpy.frombuffer(data, "<f8").reshape(shape))
             yield found[0], found[1] if d else None
-    expected = said.pop("sha256", None)
-    digest.update(json.dumps(said).encode())
-    if digest.hexdigest() != expected:
+        rest = file.read()
+    digest.update(rest[:-DIGEST])
+    if digest.hexdigest().encode() + b"\n" != rest[-DIGEST:]:
         raise Torn(f"shard {k}")
 
 

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from ..system.exits import UsageError
-from .shards import Folder, added, head, part_is_whole, read_json
+from .shards import Folder, added, failures_of, head, part_is_whole, read_json
 from .sweep import PLAN, at_work
 
 
@@ -42,7 +42,7 @@ def status(path: Path) -> dict:
             done += min(first + count, begin + of) - max(first, begin)
             if k not in shards:
                 shards.add(k)
-                added(failures, said["failures"])
+                added(failures, failures_of(said))
     given_up = [read_json(file) for file in sorted((path / "failed").glob("*"))]
     now = read_json(path / "now.json") or {}
     running = at_work(path)

@@ -166,7 +166,7 @@ def _pace(job: Job) -> float:
         refused = 0
         for first in firsts:
             for batch in job.run(first, count):
-                for one in batch.failures:
+                for one in batch.report["failures"]:
                     if one["status"] in ("PK_REFUSED", "PK_BAD_ARGUMENT"):
                         refused += one["count"]
                         why = one["reason"]

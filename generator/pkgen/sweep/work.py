@@ -20,7 +20,7 @@ def shard(job: Job, folder: Folder, k: int, poll: Poll | None = None) -> dict:
     be written."""
     began = time.monotonic()
     first, count = folder.of_shard(k)
-    batches = ((b.members, b.rows, b.failures) for b in job.run(first, count, poll))
+    batches = ((b.members, b.rows, b.report) for b in job.run(first, count, poll))
     said = write_shard(folder, k, batches)
     return {**said, "seconds": time.monotonic() - began}
 

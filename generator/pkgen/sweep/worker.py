@@ -45,8 +45,7 @@ def main() -> None:
                 done = work.shard(job, folder, k, _Teller(k))
             else:
                 done = work.part(job, folder, k) or {"torn": True}
-            done.pop("blocks", None)
-            tell({"done": done})
+            tell({"done": {"torn": bool(done.get("torn"))}})
         except OSError as error:
             tell({"disk": f"{error.filename or folder.path}: {error.strerror}"})
         except (BuildError, NumericsFailed, UsageError) as error:

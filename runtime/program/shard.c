@@ -1,0 +1,105 @@
+/* A shard of a sweep: its members' starts from a file of doubles, what came of them into another:
+ * blocks of numbers, then a line of JSON on what they are. Python writes the same
+ * (generator/pkgen/sweep/shards.py). The digest behind it is made by who renames the file.
+ */
+#define _POSIX_C_SOURCE 200809L
+
+#include "program.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MEMBERS = 1 << 14, WITH_ROWS = 1 << 8 }; /* at once */
+
+static int wrong(const char *what, const char *path)
+{
+    fprintf(stderr, "run: cannot %s %s: %s\n", what, path, errno ? strerror(errno) : "it is short");
+    return PK_RUN_USAGE;
+}
+
+/* One block; what is said of it goes to `shapes` and `reports`. */
+static int block(const struct program *p, size_t first, size_t count, const double *starts,
+                 FILE *out, FILE *shapes, FILE *reports)
+{
+    struct pk_run_settings s = p->settings;
+    const double *numbers = NULL, *rows = NULL, *low;
+    size_t columns = 0, width = 0, n_rows = 0;
+    s.members = count;
+    s.member_values = starts;
+    s.first_member = (long)first + 1;
+    s.csv = -1;
+    struct pk_run *run = pk_run_new(&program_model, &s);
+    enum pk_run_code code = run ? pk_run_go(run) : PK_RUN_FAILED;
+    const size_t n = run ? pk_run_members(run, &numbers, &columns) : 0;
+    if (code == PK_RUN_DONE || (code == PK_RUN_FAILED && n == count)) {
+        code = PK_RUN_DONE;
+        if (!s.no_rows)
+            n_rows = pk_run_rows(run, &rows, &low, &width);
+        if (fwrite(numbers, columns * sizeof *numbers, n, out) != n ||
+            (n_rows && fwrite(rows, width * sizeof *rows, n_rows, out) != n_rows))
+            code = PK_RUN_USAGE;
+        fprintf(shapes, "%s[%zu, %zu, %zu, %zu]", ftell(shapes) > 0 ? ", " : "", n, columns, n_rows,
+                s.no_rows ? 0 : width);
+        fprintf(reports, "%s%s", ftell(reports) > 0 ? ", " : "", pk_run_report(run));
+    } else {
+        fputs(run ? pk_run_messages(run) : "out of memory\n", stderr);
+        code = code ? code : PK_RUN_FAILED;
+    }
+    pk_run_free(run);
+    return code;
+}
+
+/* All of them, and the line of JSON. */
+static int blocks(const struct program *p, FILE *in, FILE *out)
+{
+    const size_t n = p->settings.n_member_columns;
+    const size_t most = p->settings.no_rows ? MEMBERS : WITH_ROWS;
+    double *starts = (double *)malloc(most * n * sizeof *starts);
+    char *texts[2] = {NULL, NULL};
+    size_t sizes[2], count, first = (size_t)p->first;
+    FILE *shapes = open_memstream(&texts[0], &sizes[0]);
+    FILE *reports = open_memstream(&texts[1], &sizes[1]);
+    int code = starts && shapes && reports ? PK_RUN_DONE : PK_RUN_FAILED;
+    while (!code && (count = fread(starts, n * sizeof *starts, most, in)) > 0) {
+        code = block(p, first, count, starts, out, shapes, reports);
+        first += count;
+    }
+    if (shapes)
+        fclose(shapes);
+    if (reports)
+        fclose(reports);
+    if (!code)
+        fprintf(out, "\n{%s, \"blocks\": [%s], \"reports\": [", p->shard, texts[0]);
+    for (const char *c = code ? "" : texts[1]; *c; c++) /* a report has lines */
+        fputc(*c == '\n' ? ' ' : *c, out);
+    if (!code)
+        fputs("]}\n", out);
+    free(starts);
+    free(texts[0]);
+    free(texts[1]);
+    return code;
+}
+
+int shard_write(const struct program *p)
+{
+    FILE *in = p->starts ? fopen(p->starts, "rb") : NULL;
+    if (!p->starts || !p->to || !p->settings.n_member_columns) {
+        fputs("run: --shard takes --starts and --to, of a program made for a sweep\n", stderr);
+        return PK_RUN_USAGE;
+    }
+    if (!in)
+        return wrong("read", p->starts);
+    FILE *out = fopen(p->to, "wb");
+    int code = out ? blocks(p, in, out) : wrong("write", p->to);
+    fclose(in);
+    errno = 0;
+    if (out && (fflush(out) || ferror(out) || fsync(fileno(out))))
+        code = wrong("write", p->to);
+    if (out && fclose(out))
+        code = wrong("write", p->to);
+    if (out && code)
+        remove(p->to);
+    return code;
+}
