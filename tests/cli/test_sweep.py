@@ -8,10 +8,12 @@ import json
 import os
 import random
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -209,10 +211,9 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"), long_but([WRONG[0], WRONG[4], WRONG[20], WRONG[25]], WRONG)
-)
-def test_wrong_plans_are_told_with_their_place(pkgen, tmp_path: Path, old, new, said) -> None:
+@pytest.mark.parametrize("case", long_but([WRONG[0], WRONG[4], WRONG[20], WRONG[25]], WRONG))
+def test_wrong_plans_are_told_with_their_place(pkgen, tmp_path: Path, case) -> None:
+    old, new, said = case
     path = tmp_path / "plan.toml"
     path.write_text(PLAN.replace(old, new))
     done = pkgen("sweep", DOUBLE, "--plan", path, "-o", tmp_path / "sweep")
@@ -267,3 +268,42 @@ def test_a_folder_is_of_one_plan(pkgen, tmp_path: Path) -> None:
     assert done.returncode == 2 and "is no sweep's" in done.stderr
     done = pkgen("sweep", "--status", tmp_path)
     assert done.returncode == 2 and "no sweep lies there" in done.stderr
+
+
+def _engine(name: str) -> str:
+    """Why it is not here, or ""."""
+    if name == "dask":
+        return "" if find_spec("distributed") else "pip install distributed"
+    found = shutil.which("sinfo") and subprocess.run(["sinfo"], capture_output=True)
+    return "" if found and found.returncode == 0 else "no Slurm answers"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("engine", ["dask", "slurm"])
+def test_engines_make_the_same_bytes(pkgen, tmp_path: Path, engine: str) -> None:
+    if why := _engine(engine):
+        pytest.skip(why)
+    path, members = plan(tmp_path, 6)
+    command = ("sweep", DOUBLE, "--plan", path, "--workers", 2)
+    assert pkgen(*command, "-o", tmp_path / "local").returncode == 0
+    more = ("--engine", engine, "--shard", members // 5, "-o", tmp_path / engine)
+    done = pkgen(*command, *more, env=dict(os.environ))
+    assert done.returncode == 0, done.stderr
+    assert contents(tmp_path / engine) == contents(tmp_path / "local")
+
+
+def test_a_full_disk_is_told_and_leaves_no_half_file(tmp_path: Path) -> None:
+    """A limit of the size of files stands for it."""
+    path, folder = tmp_path / "plan.toml", tmp_path / "sweep"
+    path.write_text(PLAN.replace("members = 8", "members = 20000"))
+    command = (
+        f"ulimit -f 100; exec {sys.executable} -m pkgen sweep {DOUBLE} --plan {path} -o {folder}"
+    )
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert done.returncode == 2 and "File too large; what is done stays" in done.stderr
+    assert not list(folder.glob("**/*.partial")) and not list(folder.glob("shards/*"))
+    done = subprocess.run(
+        [sys.executable, "-m", "pkgen", "sweep", "--resume", folder], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert pq.read_table(folder / "data").num_rows == 20000
