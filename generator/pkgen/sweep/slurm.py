@@ -64,6 +64,10 @@ class Slurm:
     def __init__(self, job: Job, folder: Folder, at_once: int | None):
         if shutil.which("sbatch") is None:
             raise UsageError("--engine slurm: there is no sbatch here; start it where Slurm is")
+        if job.settings.method.startswith("gsl_"):
+            raise UsageError(
+                f"--engine slurm: its program is without GSL: no {job.settings.method}"
+            )
         self.job, self.folder, self.at_once = job, folder, at_once
         self.place = folder.path.absolute() / "slurm"
 
