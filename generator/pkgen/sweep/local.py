@@ -73,6 +73,7 @@ class Local:
     `done` is told of each; `tick` some times a second how much of shards is on its way."""
 
     def __init__(self, job: Job, folder: Folder, workers: int):
+        folder.cleaned()
         self.start = pickle.dumps((job, folder))
         self.folder = folder
         self.most = workers
@@ -115,6 +116,7 @@ class Local:
             selector.close()
             for worker in self.workers:
                 worker.end()
+            self.folder.cleaned()
 
     @staticmethod
     def _task(again: list[Task], next_task: Callable[[], Task | None]) -> Task | None:

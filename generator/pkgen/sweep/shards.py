@@ -90,7 +90,7 @@ class Folder:
             (self.path / name).mkdir(parents=True, exist_ok=True)
 
     def cleaned(self) -> None:
-        """What those left who were killed while they wrote."""
+        """Without what those left who were killed while they wrote; nobody else may write now."""
         for folder in self.path.iterdir():
             if folder.is_dir() and not folder.is_symlink():
                 for path in folder.glob(f"*{PARTIAL}"):

@@ -224,7 +224,6 @@ class Work:
         self.on_progress = on_progress
         folder = self.folder
         folder.made()
-        folder.cleaned()
         for path in (folder.path / "failed").iterdir():
             path.unlink()  # each is tried anew
         missing, parts = work.survey(folder, True)
