@@ -346,7 +346,7 @@ ROWS = (*FIXED, "--until", repr(STEP * STEPS), "--every", repr(STEP))
 _SCHEMAS = "FMPy in co-simulation, the standard's schemas"
 HOSTS = {
     "FMI 3": Host(("fmu",), _SCHEMAS, _unit),
-    "FMI 3, rates": Host(("fmu",), "FMPy in model exchange, the kernels", _exchanged, within=1e-12),
+    "FMI 3 rates": Host(("fmu",), "FMPy in model exchange, the kernels", _exchanged, within=1e-12),
     "FMI 2": Host(("fmu", "--fmi", "2"), _SCHEMAS, _unit),
     "python": Host(("python",), "Python, where it is unpacked", _wheel),
     "source": Host(("source",), "gcc, a main of 40 lines", _source),

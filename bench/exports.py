@@ -92,7 +92,7 @@ def _measured(model: Path, host: Host) -> dict[str, object]:
         seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
         if made.is_dir() and host.words[0] in ("fmu", "python"):
             (made,) = made.iterdir()
-        of = json.loads(_pkgen("describe", str(model), "--json").stdout)
+        of = _described(model)
         try:
             off = host.off(Case(model, of, made, folder, lambda *more: _run(model, *more)))
         except Exception as error:
@@ -103,6 +103,11 @@ def _measured(model: Path, host: Host) -> dict[str, object]:
 def _pkgen(*words: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "pkgen", *words]
     return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
+
+
+@cache
+def _described(model: Path) -> dict:
+    return json.loads(_pkgen("describe", str(model), "--json").stdout)
 
 
 @cache

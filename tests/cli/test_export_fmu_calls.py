@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import subprocess
 import zipfile
@@ -127,3 +128,78 @@ def test_calls_at_random_under_sanitizers(seed: int, unit, tmp_path: Path) -> No
     assert said.returncode == 0, said.stdout + said.stderr
     steps, done, refusals, *_ = (int(word.split()[0]) for word in said.stdout.split(", "))
     assert steps > 100 and done > 10_000 and refusals > 10_000
+
+
+def test_settings_and_bounds(rig) -> None:
+    u = rig()
+    u.set(m=10.0, k=7.0, **{"integrator.step": 0.5, "integrator.rtol": 1e-3})
+    u.set(k=8.0, **{"integrator.step": 0.0})  # as the model has it: it follows m again
+    assert u.get("k", "integrator.step") == [40, 0]
+    for name, wrong, said in (
+        ("m", 10.5, "outside its bounds"),
+        ("integrator.step", -0.1, "step is negative"),
+        ("integrator.rtol", 1.0, "not positive and below 1"),
+        ("integrator.rtol", 0.0, "not positive and below 1"),
+    ):
+        assert said in u.refused(u.fmu.setFloat64, [u.by_name[name]], [wrong])
+    u.fmu.enterInitializationMode(tolerance=1e-5)
+    assert u.get("integrator.rtol") == [1e-3]  # what is set goes before the experiment's
+    u = rig()
+    u.fmu.enterInitializationMode(tolerance=1e-5, startTime=2.0)
+    u.fmu.exitInitializationMode()
+    assert u.get("integrator.rtol", "time") == [1e-5, 2]
+    assert "but the unit is at t = 2" in u.refused(u.fmu.doStep, 2.0 + 1e-6, 0.1)
+    u = rig()
+    assert "not positive" in u.refused(u.fmu.enterInitializationMode, -1.0)
+
+
+def test_what_a_callback_may_do(rig) -> None:
+    """The inputs it is asked for; nothing else of the unit changes within a step."""
+    refused: list[str] = []
+
+    def update(env, t, set_requested, get_allowed, finished, may_return, asked, when):
+        if t > 0 and not refused:
+            refused.append(u.refused(u.fmu.setFloat64, [u.by_name["m"]], [3.0]))
+            refused.append(u.refused(u.fmu.doStep, 0.0, 0.1))
+
+    u = rig(intermediateUpdate=update, requiredIntermediateVariables=[2 << 20])
+    u.start()
+    u.fmu.doStep(0.0, 0.1)
+    assert "cannot be set now" in refused[0] and "within a callback" in refused[1]
+
+
+def test_steps_are_the_importers_where_none_is_set(rig) -> None:
+    """rk4 in steps of other lengths, against the same lengths set as its step."""
+    ends = []
+    for lengths in ([0.1, 0.2, 0.2], [0.1] * 5):
+        for step in (0.0, 0.1):
+            u = rig()
+            u.fmu.setInt64([u.by_name["integrator.method"]], [method(u.path, "rk4")])
+            u.set(**{"integrator.step": step})
+            u.start()
+            t = 0.0
+            for h in lengths:
+                u.fmu.doStep(t, h)
+                t += h
+            ends.append(u.get("x")[0])
+    assert abs(ends[0] - ends[1]) > 1e-6 and ends[1:] == pytest.approx([ends[1]] * 3, abs=1e-15)
+
+
+def test_states_are_written_over_and_are_of_one_model(rig, unit) -> None:
+    u = rig().start(x=3.0)
+    state = u.fmu.getFMUState()
+    u.fmu.doStep(0.0, 0.5)
+    there = u.get("x")
+    u.fmu.fmi3GetFMUState(u.fmu.component, ctypes.byref(state))
+    u.fmu.doStep(0.5, 0.5)
+    assert u.get("x") != there
+    u.fmu.setFMUState(state)
+    assert u.get("x") == there
+    u.fmu.terminate()
+    state = u.fmu.getFMUState()
+    kept = u.fmu.serializeFMUState(state)
+    again = rig()
+    again.fmu.setFMUState(again.fmu.deserializeFMUState(kept))
+    assert "terminated" in again.refused(again.fmu.doStep, 0.5, 0.1)
+    other = Unit(unit(RIG, "3", "--start", "x=0.7"))
+    assert "no state of this model" in other.refused(other.fmu.deserializeFMUState, kept)

@@ -111,12 +111,19 @@ def test_a_page_moves_a_model_of_its_own_scale(folder: Path) -> None:
     assert max(abs(x - y) for x, y in zip(rk2, rk4, strict=True)) > 1e-6
 
 
-def test_a_scene_and_options_are_the_start(folder: Path) -> None:
-    model = ROOT / "models" / "double_pendulum.lag"
-    path = page(model, folder, "--set", "l2=0.5", "--start", "theta1=2")
+@pytest.mark.parametrize(
+    ("name", "given", "shown"),
+    [
+        ("double_pendulum", "--set l2=0.5 --start theta1=2", "theta1,theta2,theta1',theta2'"),
+        ("bodies/free_body", "--start omega(R).x=3", "omega(R),R.w,R.x,R.y,R.z"),
+    ],
+)
+def test_a_scene_and_options_are_the_start(name: str, given: str, shown: str, folder: Path) -> None:
+    model = ROOT / "models" / f"{name}.lag"
+    path = page(model, folder, *given.split())
     (found,) = asked(path, {"method": "gauss", "rtol": 1e-12, "times": [1.0]})["found"]
-    options = "--set l2=0.5 --start theta1=2 --until 1 --every 1 --rtol 1e-12 --method gauss"
-    done = run_pkgen("run", model, "--record", "theta1,theta2,theta1',theta2'", *options.split())
+    options = f"{given} --until 1 --every 1 --rtol 1e-12 --method gauss"
+    done = run_pkgen("run", model, "--record", shown, *options.split())
     last = [float(x) for x in done.stdout.splitlines()[-1].split(",")]
     assert found["rows"][0] == pytest.approx(last, abs=1e-9)
 

@@ -80,16 +80,21 @@ const Engine = (() => {
       return { params: all, q, v };
     }
 
-    /* Starts that scene and options give stand in the description: they hold as long as the
-     * parameters are its own. */
+    /* Starts that scene and options give stand in the description; those that follow parameters
+     * are as there while these are its own. */
     asDescribed(all, q, v) {
-      const { parameters, coordinates, states } = this.description;
-      if (!parameters.every((p) => p.value === null || p.value === all[p.index])) return;
+      const { parameters, coordinates, states, rotations } = this.description;
+      const own = parameters.every((p) => p.value === null || p.value === all[p.index]);
+      const put = (to, index, value, follows) => {
+        if (value !== null && (own || !follows)) to[index] = value;
+      };
       for (const x of coordinates) {
-        if (x.q !== null) q[x.index] = x.q;
-        if (x.v !== null) v[x.index] = x.v;
+        put(q, x.index, x.q, x.q_follows);
+        put(v, x.index, x.v, x.v_follows);
       }
-      for (const x of states) if (x.value !== null) v[x.index] = x.value;
+      for (const x of states) put(v, x.index, x.value, x.follows);
+      for (const r of rotations)
+        r.rate_indices.forEach((k, i) => put(v, k, r.rate_values[i], r.rates_follow[i]));
     }
 
     /* null, or why these parameters cannot be. */
