@@ -308,3 +308,56 @@ def test_a_full_disk_is_told_and_leaves_no_half_file(pkgen, tmp_path: Path) -> N
     done = pkgen("sweep", "--resume", folder)
     assert done.returncode == 0, done.stderr
     assert pq.read_table(folder / "data").num_rows == 20000
+
+
+BASINS = """model basins
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential x^4/4 - x^2/2 + y^2/2 + x*y^2/3
+event right: x - 0.9 rising
+"""
+REFINED = """until = 3
+method = "rk4"
+step = 0.02
+keep = ["count(right)"]
+[grid]
+x = ["-1.5 .. 1.5", {0}]
+"y'" = ["0 .. 1.5", {0}]
+"""
+
+
+def _cut(found: dict, size: int, at: tuple[int, int], wanted: set) -> None:
+    """The corners of a cell, and of the pieces that it is cut into."""
+    corners = [(at[0] + i * size, at[1] + j * size) for i in (0, 1) for j in (0, 1)]
+    wanted.update(corners)
+    if size > 1 and len({found[c] for c in corners}) > 1:
+        half = size // 2
+        for i in (0, 1):
+            for j in (0, 1):
+                _cut(found, half, (at[0] + i * half, at[1] + j * half), wanted)
+
+
+def test_grids_are_refined_where_classes_change(pkgen, tmp_path: Path) -> None:
+    """Against the whole of the finest grid, cut by a recursion."""
+    model, path, whole = (tmp_path / name for name in ("basins.lag", "plan.toml", "whole.toml"))
+    model.write_text(BASINS)
+    path.write_text(REFINED.format(5) + '[refine]\nwhere = "count(right)"\nlevels = 2\n')
+    whole.write_text(REFINED.format(17))
+    for name, of, shard in (("by7", path, 7), ("by99", path, 99), ("whole", whole, 300)):
+        done = pkgen("sweep", model, "--plan", of, "-o", tmp_path / name, "--shard", shard)
+        assert done.returncode == 0, done.stderr
+    assert contents(tmp_path / "by7") == contents(tmp_path / "by99")
+    table = {}
+    for name in ("by7", "whole"):
+        rows = pq.read_table(tmp_path / name / "data").sort_by("member").to_pydict()
+        places = (round((x + 1.5) / 3 * 16) for x in rows["x(0)"])
+        places = list(zip(places, (round(v / 1.5 * 16) for v in rows["y'(0)"]), strict=True))
+        table[name] = dict(zip(places, rows["count(right)"], strict=True))
+        assert len(table[name]) == len(places)  # each once
+        assert rows["member"] == list(range(1, len(places) + 1))
+    wanted: set[tuple[int, int]] = set()
+    for i in range(0, 16, 4):
+        for j in range(0, 16, 4):
+            _cut(table["whole"], 4, (i, j), wanted)
+    assert table["by7"] == {place: table["whole"][place] for place in wanted}
+    assert 25 < len(wanted) < 17 * 17

@@ -75,26 +75,31 @@ def run(options: argparse.Namespace) -> int:
 def _go(begun, options: argparse.Namespace, on_progress) -> None:
     from ..sweep import sweep
 
-    left = sweep.Work(begun, options.engine, options.workers, on_progress)
     try:
-        if options.engine == "dask":
-            from ..sweep.dask import Dask
-
-            engine = Dask(begun.job, begun.folder, options.workers, options.scheduler)
-        elif options.engine == "slurm":
-            from ..sweep.slurm import Slurm
-
-            engine = Slurm(begun.job, begun.folder, options.at_once)
-        else:
-            from ..sweep.local import Local
-
-            engine = Local(begun.job, begun.folder, options.workers)
-        engine.run(left.next, left.finished, left.tick)
+        for level in sweep.levels(begun):
+            left = sweep.Work(level, options.engine, options.workers, on_progress)
+            _engine(level, options).run(left.next, left.finished, left.tick)
+    except sweep.Unfinished:
+        pass  # which is told with the rest
     except KeyboardInterrupt:
         print(
             f"pkgen: what is done stays: pkgen sweep --resume {begun.folder.path}", file=sys.stderr
         )
         raise
+
+
+def _engine(level, options: argparse.Namespace):
+    if options.engine == "dask":
+        from ..sweep.dask import Dask
+
+        return Dask(level.job, level.folder, options.workers, options.scheduler)
+    if options.engine == "slurm":
+        from ..sweep.slurm import Slurm
+
+        return Slurm(level.job, level.folder, options.at_once)
+    from ..sweep.local import Local
+
+    return Local(level.job, level.folder, options.workers)
 
 
 def _tell(options: argparse.Namespace, found: dict, stream=None) -> int:

@@ -6,7 +6,6 @@ It is made once, where the sweep is started, and goes to workers whole: they der
 from __future__ import annotations
 
 import argparse
-import array
 import hashlib
 import json
 from collections.abc import Callable, Iterator
@@ -14,6 +13,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
+from .. import limits
 from ..api.prepare import Prepared, prepare
 from ..compiler import Compilation
 from ..equations import Quantity
@@ -25,6 +25,7 @@ from ..run.ensemble import Ensemble
 from ..run.library import INTERRUPTED, USAGE, Library, load
 from ..run.settings import Settings
 from ..system.exits import NumericsFailed, UsageError
+from ..system.near import near
 from ..version import __version__
 from . import axes
 from .keep import Kept, by_row, kept
@@ -52,6 +53,14 @@ class Batch(NamedTuple):
 
 
 @record
+class Refine:
+    """Where classes change, members of finer grids follow."""
+
+    levels: int
+    column: str  # of the data set; it has the classes
+
+
+@record
 class Job:
     name: str
     digest: str  # of the plan, the model, this pkgen
@@ -62,6 +71,8 @@ class Job:
     kept: Kept
     time_unit: str
     counts: Quantity  # what numbers members
+    refine: Refine | None
+    before: int = 0  # members of the levels before
 
     @cached_property
     def library(self) -> Library:
@@ -111,13 +122,13 @@ class Job:
             yield self._batch(begin, of, part)
 
     def _batch(self, first: int, count: int, poll: Callable[[float], bool] | None) -> Batch:
-        values = array.array("d")
-        values.frombytes(self.starts.values(first, count).tobytes())
-        numbers = range(first + 1, first + count + 1)
+        number = self.before + first + 1
+        numbers = range(number, number + count)
+        values = self.starts.values(first, count)
         ensemble = Ensemble("sweep", self.starts.columns, numbers, values)
         more = {"reduced": self.kept.reduced, "no_rows": not self.kept.rows, "lenient": 1}
         library = self.library
-        done = library.run(self.settings, poll, ensemble, threads=1, first_member=first + 1, **more)
+        done = library.run(self.settings, poll, ensemble, threads=1, first_member=number, **more)
         if done.code == INTERRUPTED:
             raise KeyboardInterrupt
         found = done.members()
@@ -146,8 +157,7 @@ def make(
         """The first members, by which settings are settled."""
         made = found["starts"] = axes.starts(plan, compilation)
         count = min(SAMPLE, made.members)
-        values = array.array("d")
-        values.frombytes(made.values(0, count).tobytes())
+        values = made.values(0, count)
         return Ensemble(options.ensemble, made.columns, range(1, count + 1), values)
 
     try:
@@ -180,8 +190,31 @@ def make(
         kept=keeping,
         time_unit="" if model.dimensionless else "s",
         counts=Quantity("member", "", "number of the member, from 1"),
+        refine=_refine(plan, found["starts"], keeping),
     )
     return job, prepared, chosen
+
+
+def _refine(plan: Plan, starts: Starts, keeping: Kept) -> Refine | None:
+    if not plan.refine:
+        return None
+    where, levels = plan.refine["where"], plan.refine["levels"]
+    if plan.kind != "grid" or any(x.values or x.points < 2 for x in starts.axes):
+        raise plan.wrong(
+            "refine", "", "what is refined is a [grid] of ranges, of two points or more"
+        )
+    kinds = zip(keeping.reduced, keeping.numbers, strict=True)
+    classes = ["status", *(c.name for (what, _), c in kinds if what in b"nx")]
+    if where not in classes:
+        said = near(where, classes, "column")
+        help = "a class is status, or of what is kept a count(EVENT) or an expect"
+        raise plan.wrong("refine", "where", f"'{where}' has no classes; {said}", help)
+    if starts.members > limits.SWARM:
+        most = f"{limits.SWARM:,}"
+        raise plan.wrong(
+            "refine", "", f"a grid that is refined has {most} members at first, at most"
+        )
+    return Refine(levels, where)
 
 
 def _of_plan(plan: Plan, said: str) -> str:

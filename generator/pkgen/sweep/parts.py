@@ -130,13 +130,13 @@ def merge(job: Job, folder: Folder, part: int) -> dict:
         files = [stack.enter_context(written(path)) for path in folder.data_files(part)]
         data = _Writer(files[0], job, names(job))
         rows = _Writer(files[1], job, [job.counts, *job.kept.rows]) if folder.rows else None
-        for begin, members, moved in _members(folder, part):
+        for begin, members, moved in _members(job, folder, part):
             starts = job.starts.values(begin, len(members)).T
-            numbers = np.arange(begin + 1, begin + 1 + len(members))
+            numbers = np.arange(begin + 1, begin + 1 + len(members)) + job.before
             data.add([numbers, *starts, *members.T])
             if rows is not None and len(moved):
                 rows.add(list(moved.T))
-            _failed(members, begin, failures)
+            _failed(members, job.before + begin, failures)
         data.close()
         if rows is not None:
             rows.close()
@@ -165,7 +165,7 @@ def _failed(members: np.ndarray, begin: int, failures: dict[str, dict]) -> None:
         added(failures, [{**one, "t": float(members[which[0], 1]), "reason": ""}])
 
 
-def _members(folder: Folder, part: int) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+def _members(job: Job, folder: Folder, part: int) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
     """Blocks of a part's members, each with its rows, cut where the part is."""
     first, count = folder.of_part(part)
     for k in folder.shards_of(part):
@@ -175,10 +175,24 @@ def _members(folder: Folder, part: int) -> Iterator[tuple[int, np.ndarray, np.nd
             if lo < hi:
                 rows = np.empty((0, 0))
                 if moved is not None:
-                    a, b = np.searchsorted(moved[:, 0], [lo + 1, hi + 1])
+                    ends = [job.before + lo + 1, job.before + hi + 1]
+                    a, b = np.searchsorted(moved[:, 0], ends)
                     rows = moved[a:b]
                 yield lo, members[lo - at : hi - at], rows
             at += len(members)
 
 
 __all__ = ["Torn", "arrow", "merge", "names", "schema"]
+
+
+def classes(job: Job, folder: Folder) -> np.ndarray:
+    """The class of each member of a level, where classes are refined."""
+    pa, found = arrow(), []
+    for k in folder.parts:
+        table = pa.parquet.read_table(folder.data_files(k)[0], columns=[job.refine.column])
+        x = table.column(0).combine_chunks()
+        if pa.types.is_dictionary(x.type):
+            x = x.indices
+        numbers = x.to_numpy(zero_copy_only=False).astype(float)
+        found.append(np.where(np.isnan(numbers), -1, numbers).astype(np.int64))
+    return np.concatenate(found)

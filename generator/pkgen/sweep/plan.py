@@ -18,6 +18,8 @@ from ..system.exits import UsageError
 from ..system.near import near
 
 KINDS = ("random", "grid", "list", "sobol", "latin")
+SECTIONS = (*KINDS, "refine")
+MOST_LEVELS = 30
 OWN = ("members", "seed", "keep")
 TEXTS = ("until", "method", "every", "step", "rtol", "atol", "max_step", "scene", "record", "at")
 LISTS = ("set", "start", "size", "tableau", "composition")
@@ -39,6 +41,7 @@ class Plan:
     members: int | None
     seed: int
     keep: tuple[str, ...]
+    refine: dict[str, Any]  # "where" and "levels", or nothing
     places: dict[tuple[str, str], Span] = field(repr=False)  # of each key in its section
 
     def wrong(self, section: str, key: str, message: str, help: str = "") -> UsageError:
@@ -81,7 +84,7 @@ def of_text(source: Source) -> Plan:
         raise UsageError(f"{source.path}: not TOML: {error}") from None
     except RecursionError:
         raise UsageError(f"{source.path}: not a plan: brackets within brackets") from None
-    made = Plan(source, {}, "", {}, None, 0, (), _places(source.text))
+    made = Plan(source, {}, "", {}, None, 0, (), {}, _places(source.text))
     said = {key.replace("-", "_"): value for key, value in said.items()}
     _refuse_unknown(made, said)
     kinds = [kind for kind in KINDS if kind in said]
@@ -101,21 +104,35 @@ def of_text(source: Source) -> Plan:
     if not isinstance(keep, list) or not keep or not all(isinstance(x, str) for x in keep):
         raise made.wrong("", "keep", 'what is kept is a list, e.g. ["final", "max(x)"]')
     options = {key: _option(made, key, said[key]) for key in said if key in KEYS and key not in OWN}
-    return Plan(source, options, kind, said[kind], members, seed, tuple(keep), made.places)
+    refine = _refine(made, said.get("refine", {}))
+    return Plan(source, options, kind, said[kind], members, seed, tuple(keep), refine, made.places)
 
 
 def _refuse_unknown(plan: Plan, said: Mapping[str, object]) -> None:
     for key, value in said.items():
-        if key in KINDS and isinstance(value, dict):
+        if key in SECTIONS and isinstance(value, dict):
             continue
-        if key in KINDS:
+        if key in SECTIONS:
             raise plan.wrong("", key, f"{key} is a section: [{key}]")
         if key in KEYS and (not isinstance(value, dict) or key in ("set", "start")):
             continue
         shown = f"[{key}]" if isinstance(value, dict) else f"'{key}'"
         at = (key, "") if isinstance(value, dict) else ("", key)
-        said_near = near(key, [*KEYS, *KINDS], "option")
+        said_near = near(key, [*KEYS, *SECTIONS], "option")
         raise plan.wrong(*at, f"a plan has no {shown}", said_near)
+
+
+def _refine(plan: Plan, said: Mapping[str, object]) -> dict[str, Any]:
+    for key in said:
+        if key not in ("where", "levels"):
+            said_near = near(key, ["where", "levels"], "option")
+            raise plan.wrong("refine", key, f"[refine] has no '{key}'", said_near)
+    if said and not ("where" in said and isinstance(said["where"], str) and "levels" in said):
+        raise plan.wrong("refine", "", '[refine] takes where = "status" and levels = 3')
+    levels = said.get("levels", 1)
+    if isinstance(levels, bool) or not isinstance(levels, int) or not 1 <= levels <= MOST_LEVELS:
+        raise plan.wrong("refine", "levels", f"levels are 1 to {MOST_LEVELS}")
+    return dict(said)
 
 
 def _whole(plan: Plan, said: Mapping[str, object], key: str, usual: int | None, least: int):

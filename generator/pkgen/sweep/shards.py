@@ -4,10 +4,12 @@ others failed.
     plan.json    what the sweep is; written once
     model.lag, plan.toml
     shards/K     members K S, ..., of which some are not in the data set yet
-    data/        a row a member, in Parquet: part-K.parquet, of members K P, ...
+    data/        a row a member, in Parquet: part-K.parquet, of members K P, ..., and
+                 level-L-part-K.parquet of the levels that refine a grid
     rows/        rows of the motions, likewise, where they are kept
     parts/K      digests of these, and who of the members failed
     failed/K     how often a shard was tried, and why it could not be made
+    levels.json  how many members the levels have that are known
     now.json     who is at work
 
 Each file is renamed to its place when it is whole. A shard is blocks of numbers (little-endian
@@ -47,6 +49,10 @@ class Folder:
     shard: int  # members of one
     part: int
     rows: bool
+    level: int = 0  # of those that refine: its files have names of their own
+
+    def _name(self, k: int, digits: int) -> str:
+        return f"{f'level-{self.level}-' if self.level else ''}{k:0{digits}d}"
 
     @property
     def shards(self) -> range:
@@ -72,18 +78,19 @@ class Folder:
         return range(first // self.part, (first + count - 1) // self.part + 1)
 
     def shard_file(self, k: int) -> Path:
-        return self.path / "shards" / f"{k:08d}"
+        return self.path / "shards" / self._name(k, 8)
 
     def failed_file(self, k: int) -> Path:
-        return self.path / "failed" / f"{k:08d}"
+        return self.path / "failed" / self._name(k, 8)
 
     def part_file(self, k: int) -> Path:
-        return self.path / "parts" / f"{k:06d}"
+        return self.path / "parts" / self._name(k, 6)
 
     def data_files(self, k: int) -> list[Path]:
         """Those of a part; where rows are kept, there are two."""
         folders = ("data", "rows") if self.rows else ("data",)
-        return [self.path / folder / f"part-{k:06d}.parquet" for folder in folders]
+        name = f"level-{self.level}-part" if self.level else "part"
+        return [self.path / folder / f"{name}-{k:06d}.parquet" for folder in folders]
 
     def made(self) -> None:
         for name in (*_FOLDERS, *(["rows"] if self.rows else [])):
@@ -132,7 +139,8 @@ def read_json(path: Path) -> dict | None:
 def shard_head(folder: Folder, k: int) -> dict:
     """Which shard of which sweep it is."""
     first, count = folder.of_shard(k)
-    return {"sweep": folder.digest, "shard": k, "first": first, "count": count}
+    at = {"level": folder.level, "shard": k}
+    return {"sweep": folder.digest, **at, "first": first, "count": count}
 
 
 def write_shard(

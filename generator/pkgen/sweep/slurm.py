@@ -38,10 +38,10 @@ SCRIPT = r"""#!/bin/sh
 #SBATCH --output=FOLDER/slurm/task-%a.txt
 # Made by pkgen sweep. A shard that is there is left alone, so a task may run again.
 cd FOLDER || exit 2
-made() { # number, file, first member, count
+made() { # number, file, first member, count, members before the level
     new=shards/$2.$(hostname).$$.partial
-    head="\"sweep\": \"DIGEST\", \"shard\": $1, \"first\": $3, \"count\": $4"
-    ./slurm/program --starts "slurm/starts-$2" --first "$3" --to "$new" --shard "$head" \
+    head="\"sweep\": \"DIGEST\", \"level\": LEVEL, \"shard\": $1, \"first\": $3, \"count\": $4"
+    ./slurm/program --starts "slurm/starts-$2" --first $(($3 + $5)) --to "$new" --shard "$head" \
         2> "slurm/said-$2" &&
         sum=$(sha256sum < "$new") && echo "${sum%% *}" >> "$new" && mv "$new" "shards/$2" &&
         rm -f "slurm/said-$2" "slurm/starts-$2"
@@ -52,8 +52,8 @@ failed() {
     echo "{\"shard\": $1, \"tried\": 1, \"why\": \"${why:-the program was ended}\"}" > "failed/$2"
 }
 awk -v t="$SLURM_ARRAY_TASK_ID" -v n=EACH 'NR % n == t % n' slurm/shards.txt |
-while read -r k file first count; do
-    [ -s "shards/$file" ] || made "$k" "$file" "$first" "$count" || failed "$k" "$file"
+while read -r k file first count before; do
+    [ -s "shards/$file" ] || made "$k" "$file" "$first" "$count" "$before" || failed "$k" "$file"
 done
 """
 
@@ -149,7 +149,7 @@ class Slurm:
         lines = []
         for k in shards:
             file, (first, count) = self.folder.shard_file(k).name, self.folder.of_shard(k)
-            lines.append(f"{k} {file} {first} {count}\n")
+            lines.append(f"{k} {file} {first} {count} {self.job.before}\n")
             starts = self.place / f"starts-{file}"
             if starts.exists():
                 continue
@@ -166,6 +166,7 @@ class Slurm:
             "EACH": str(tasks),
             "FOLDER": shlex.quote(str(self.folder.path.absolute())),
             "DIGEST": self.folder.digest,
+            "LEVEL": str(self.folder.level),
         }
         text = re.sub("|".join(rf"\b{word}\b" for word in words), lambda w: words[w[0]], SCRIPT)
         script = self.place / "job.sh"

@@ -46,6 +46,7 @@ class Starts:
     axes: tuple[Axis, ...]
     members: int
     seed: int
+    numbers: np.ndarray | None = None  # of "points": places in the grid
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -124,11 +125,21 @@ def _grid(starts: Starts, first: int, count: int) -> list[np.ndarray]:
     return found[::-1]
 
 
+def _points(starts: Starts, first: int, count: int) -> list[np.ndarray]:
+    axes = [axis.on_grid() for axis in starts.axes]
+    shape = tuple(map(len, axes))
+    digits = np.unravel_index(starts.numbers[first : first + count], shape)
+    return [points[digit] for points, digit in zip(axes, digits, strict=True)]
+
+
 def _list(starts: Starts, first: int, count: int) -> list[np.ndarray]:
     return [np.array(axis.values[first : first + count]) for axis in starts.axes]
 
 
-_KINDS = {"random": _random, "latin": _latin, "sobol": _sobol, "grid": _grid, "list": _list}
+_KINDS = {
+    **{"random": _random, "latin": _latin, "sobol": _sobol},
+    **{"grid": _grid, "list": _list, "points": _points},
+}
 
 
 def on_grid(axes: tuple[Axis, ...]) -> int:

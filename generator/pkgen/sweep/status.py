@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from ..system.exits import UsageError
 from .shards import Folder, added, failures_of, head, part_is_whole, read_json
-from .sweep import PLAN, at_work
+from .sweep import LEVELS, PLAN, at_work
 
 
 def status(path: Path) -> dict:
@@ -24,11 +25,44 @@ def status(path: Path) -> dict:
     except KeyError:
         raise UsageError(f"{path / PLAN}: it is not as it was written") from None
     failures: dict[str, dict] = {}
+    levels = (read_json(path / LEVELS) or {}).get("members") or [folder.members]
+    each = [replace(folder, members=n, level=k) for k, n in enumerate(levels) if n]
+    found = [_of_level(one, failures) for one in each]
+    done, parts, shards_done = (sum(x) for x in zip(*found, strict=True))
+    members = sum(one.members for one in each)
+    given_up = [read_json(file) for file in sorted((path / "failed").glob("*"))]
+    now = read_json(path / "now.json") or {}
+    running = at_work(path)
+    found = {
+        "name": name,
+        "folder": str(path),
+        "members": members,
+        "done": done,
+        "failed": sum(one["count"] for one in failures.values()),
+        "failures": sorted(failures.values(), key=lambda one: one["member"]),
+        "shards": sum(len(one.shards) for one in each),
+        "shards_done": shards_done,
+        "shards_failed": [one for one in given_up if one],
+        "parts": sum(len(one.parts) for one in each),
+        "parts_done": parts,
+        "running": running,
+    }
+    if running and now:
+        seconds = time.time() - now["began"]
+        flying = min(now["flying"], members - done)
+        rate = (done + flying - now["before"]) / seconds if seconds > 0 else 0.0
+        left = (members - done - flying) / rate if rate > 0 else None
+        found |= {"engine": now["engine"], "workers": now["workers"], "host": now["host"]}
+        found |= {"flying": flying, "rate": rate, "left": left}
+    return found
+
+
+def _of_level(folder: Folder, failures: dict[str, dict]) -> tuple[int, int, int]:
+    """Members, parts and shards that are done; how members failed is added."""
     done, parts, shards = 0, 0, set()
     for part in folder.parts:
-        whole = part_is_whole(folder, part, False)
         first, count = folder.of_part(part)
-        if whole:
+        if part_is_whole(folder, part, False):
             parts += 1
             done += count
             shards |= set(folder.shards_of(part))
@@ -43,31 +77,7 @@ def status(path: Path) -> dict:
             if k not in shards:
                 shards.add(k)
                 added(failures, failures_of(said))
-    given_up = [read_json(file) for file in sorted((path / "failed").glob("*"))]
-    now = read_json(path / "now.json") or {}
-    running = at_work(path)
-    found = {
-        "name": name,
-        "folder": str(path),
-        "members": folder.members,
-        "done": done,
-        "failed": sum(one["count"] for one in failures.values()),
-        "failures": sorted(failures.values(), key=lambda one: one["member"]),
-        "shards": len(folder.shards),
-        "shards_done": len(shards),
-        "shards_failed": [one for one in given_up if one],
-        "parts": len(folder.parts),
-        "parts_done": parts,
-        "running": running,
-    }
-    if running and now:
-        seconds = time.time() - now["began"]
-        flying = min(now["flying"], folder.members - done)
-        rate = (done + flying - now["before"]) / seconds if seconds > 0 else 0.0
-        left = (folder.members - done - flying) / rate if rate > 0 else None
-        found |= {"engine": now["engine"], "workers": now["workers"], "host": now["host"]}
-        found |= {"flying": flying, "rate": rate, "left": left}
-    return found
+    return done, parts, len(shards)
 
 
 def lines(found: dict) -> list[str]:

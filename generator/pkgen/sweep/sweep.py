@@ -9,7 +9,7 @@ import platform
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 
@@ -22,20 +22,23 @@ from ..version import __version__
 from . import job as jobs
 from . import work
 from .job import Job
-from .parts import arrow, names
+from .parts import arrow, classes, names
 from .plan import Plan, of_text, read_plan
+from .refine import begun as begun_grid
 from .shards import (
     Folder,
     foreign,
     free_bytes,
+    part_is_whole,
     read_json,
     write_json,
     written,
 )
+from .starts import Starts
 
 SECONDS = 10.0  # of work in a shard, at least
 TIMED = 0.3  # seconds that the first timing takes
-PLAN = "plan.json"
+PLAN, LEVELS = "plan.json", "levels.json"
 Compiled = Callable[..., Compilation]
 
 
@@ -121,7 +124,7 @@ def _new(path: Path, plan: Plan, source: Source, options: argparse.Namespace, ma
             f"{_size(need)}, and {there} has {_size(free)} left; keep less, or fewer"
         )
     pace = _pace(job)
-    shard = options.shard or _shard(job.members, pace, options.workers)
+    shard = options.shard or _shard(job.members, pace)
     folder = Folder(path, job.digest, job.members, shard, job.part, bool(job.kept.rows))
     folder.made()
     file = f"{job.name}.lag"
@@ -157,11 +160,12 @@ def _size(n: float) -> str:
 
 
 def _pace(job: Job) -> float:
-    """Seconds of a member, of some here and there among all. Raises NumericsFailed where the method
-    is none for this system."""
+    """Seconds of the processor for a member, of some here and there among all. Raises NumericsFailed
+    where the method is none for this system."""
     count = 1
+    job.library  # noqa: B018 (it may have to be compiled)
     while True:
-        began = time.monotonic()
+        began = time.process_time()
         firsts = sorted({min(job.members - count, k * job.members // 4) for k in range(4)})
         refused = 0
         for first in firsts:
@@ -172,16 +176,51 @@ def _pace(job: Job) -> float:
                         why = one["reason"]
         if refused == count * len(firsts):
             raise NumericsFailed(why)
-        took = time.monotonic() - began
+        took = time.process_time() - began
         if took > TIMED or count * len(firsts) >= job.members:
             return took / (count * len(firsts))
         count = min(job.members, count * 8)
 
 
-def _shard(members: int, pace: float, workers: int) -> int:
-    """Ten seconds of work, or what each worker has of all."""
-    size = max(1, min(int(SECONDS / max(pace, 1e-9)) + 1, -(-members // workers)))
+def _shard(members: int, pace: float) -> int:
+    """Ten seconds of work, or all."""
+    size = max(1, min(int(SECONDS / max(pace, 1e-9)) + 1, members))
     return size if size < 64 else -(-size // 64) * 64
+
+
+def levels(sweep: Sweep) -> Iterator[Sweep]:
+    """The sweep, and those that refine it, each when all before it is done; none behind one that
+    is not whole."""
+    job, folder = sweep.job, sweep.folder
+    yield sweep
+    if job.refine is None:
+        return
+    known = begun_grid(tuple(x.points for x in job.starts.axes), _classes(job, folder))
+    made = [folder.members]
+    for number in range(1, job.refine.levels + 1):
+        finer, new = known.next()
+        write_json(folder.path / LEVELS, {"sweep": job.digest, "members": [*made, len(new)]})
+        if not len(new):
+            return
+        axes = tuple(
+            replace(axis, points=n) for axis, n in zip(job.starts.axes, finer.shape, strict=True)
+        )
+        starts = Starts("points", axes, len(new), job.starts.seed, new)
+        level = replace(job, starts=starts, before=sum(made))
+        of_level = replace(folder, members=len(new), level=number)
+        yield Sweep(level, of_level)
+        known = finer.known(new, _classes(level, of_level))
+        made.append(len(new))
+
+
+def _classes(job: Job, folder: Folder):
+    if any(not part_is_whole(folder, k, False) for k in folder.parts):
+        raise Unfinished
+    return classes(job, folder)
+
+
+class Unfinished(Exception):
+    """Some of a level is missing, of which the next would be made."""
 
 
 @contextmanager
