@@ -160,7 +160,7 @@ def _size(n: float) -> str:
 
 
 def _pace(job: Job) -> float:
-    """Seconds of the processor for a member, of some here and there among all. Raises NumericsFailed
+    """Seconds of the processor for a member, of some here and there. Raises NumericsFailed
     where the method is none for this system."""
     count = 1
     job.library  # noqa: B018 (it may have to be compiled)
