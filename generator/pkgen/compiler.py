@@ -32,7 +32,8 @@ from .methods import Own
 from .middle.analyze import analyze
 from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
-from .middle.loops.loops import LoopEquations, Unrolled
+from .middle.loops.loops import LoopEquations
+from .middle.loops.parts import Unrolled
 from .middle.quantities import families
 from .middle.reduce import reduce
 from .middle.reduce.reduction import ENOUGH, Needs

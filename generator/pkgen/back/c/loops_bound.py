@@ -14,7 +14,8 @@ from typing import Any
 
 from ...graph.affine import Affine
 from ...middle.loops.expand import size_values
-from ...middle.loops.loops import Bound, Group, LoopEquations
+from ...middle.loops.loops import LoopEquations
+from ...middle.loops.parts import Bound, Group
 from .loops import Places
 from .loops_plan import BOUND, Plan, singles
 

@@ -12,7 +12,8 @@ from ...graph.affine import ROW, Affine
 from ...graph.graph import Node
 from ...indices import indexed
 from ...middle.loops.expand import size_values
-from ...middle.loops.loops import Assigned, Bound, Group, Limit, LoopEquations
+from ...middle.loops.loops import Assigned, Limit, LoopEquations
+from ...middle.loops.parts import Bound, Group
 from ..facts import facts, invariants
 from ..kernels import KERNELS
 from ..targets import RETURN, STORE, Target

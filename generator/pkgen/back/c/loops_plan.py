@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ...graph.affine import Affine
-from ...middle.loops.loops import Bound, Group, LoopEquations, Part, Row, Total, Unrolled
+from ...middle.loops.loops import LoopEquations
+from ...middle.loops.parts import Bound, Group, Part, Row, Total, Unrolled
 from ...middle.loops.slopes import Matrix, Slopes, Unknown, slopes_of
 from .loops import Block
 from .loops_chain import Chain

@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from ...graph.affine import ROW, Affine, extremes
 from ...graph.graph import Node
 from .expand import LoopExpander
-from .loops import CELLS, Group, Limit, PairForce, Part, Slot, Total, Unrolled
+from .loops import Limit
 from .pairs import M
+from .parts import CELLS, Group, PairForce, Part, Slot, Total, Unrolled
 from .terms import Term
 
 

@@ -14,8 +14,9 @@ from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ZERO, Kind, Node
 from ..derive.impulses import arguments_of
 from .expand import LoopExpander
-from .loops import Band, Carried, Limit, Piece, Slot, Unrolled
+from .loops import Limit
 from .pairs import STATE, M
+from .parts import Band, Carried, Piece, Slot, Unrolled
 from .rows import Gather
 
 FRONT = 24  # what a place may share with those before it

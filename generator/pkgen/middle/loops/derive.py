@@ -15,7 +15,8 @@ from .bound import bound_of
 from .carried import carried_of, check_chain, inert
 from .expand import LoopExpander, size_values
 from .facts import facts_of, total_nodes, vector_nodes
-from .loops import Band, Carried, Limit, LoopEquations, Row, Unrolled, Vector
+from .loops import Limit, LoopEquations
+from .parts import Band, Carried, Row, Unrolled, Vector
 from .rows import Gather
 from .singularities import singularities_of
 from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of

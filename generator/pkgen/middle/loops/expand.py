@@ -18,7 +18,8 @@ from ..attitudes import body_rates
 from ..expand.names import BUILT_IN, Value, next_input
 from ..expand.terms import EXPAND
 from ..quantities import error, input_index
-from .loops import Group, Limit, Total, Unrolled
+from .loops import Limit
+from .parts import Group, Total, Unrolled
 from .rotations import Rotations
 from .slots import Slots
 

@@ -12,7 +12,8 @@ from ...graph.graph import BIT, ZERO, Kind, Node, Op
 from ..analyze.affine import CONSTANT, VARYING, in_rates, is_affine
 from .carried import nodes_of
 from .expand import LoopExpander
-from .loops import CELLS, LoopEquations, Slot, Total, Vector
+from .loops import LoopEquations
+from .parts import CELLS, Slot, Total, Vector
 from .rows import Gather
 
 

@@ -6,7 +6,8 @@ from ...graph.affine import OTHER, ROW, Affine, extremes, variable
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, MINUS_ONE, ZERO, Graph, Kind, Node
 from .expand import LoopExpander
-from .loops import CELLS, Limit, PairForce, Unrolled
+from .loops import Limit
+from .parts import CELLS, PairForce, Unrolled
 from .terms import Term
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]

@@ -11,8 +11,8 @@ from ...model import Rotation
 from ..motion import degree
 from .bodies import Bodies, Gathered
 from .expand import LoopExpander
-from .loops import Group, PairPart, Part, Slot, Total, Unrolled
 from .pairs import ATTITUDES, RATES, STATE, M, pair_body, pair_force, pair_ranges, pair_row, signed
+from .parts import Group, PairPart, Part, Slot, Total, Unrolled
 from .terms import Term
 
 APPLIED = ("pdot", "force")  # what a generalized force is in

@@ -21,8 +21,9 @@ from ...graph.wording import wording
 from ...indices import indexed
 from ..points.singularities import COORDINATES, DIVISOR, about, dangerous, squared, zeros
 from .expand import LoopExpander, unlike_loops
-from .loops import Group, LoopEquations, LoopSingularity, PairPart, Part, Total
+from .loops import LoopEquations, LoopSingularity
 from .pairs import M
+from .parts import Group, PairPart, Part, Total
 from .rows import Gather
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE] | BIT[Kind.TIME]

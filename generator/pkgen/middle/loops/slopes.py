@@ -18,7 +18,8 @@ from ...graph.affine import ROW, Affine, variable
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ONE, ZERO, Kind, Node
 from ...record import record
-from .loops import Band, Bound, Group, LoopEquations, Part, Row, Total, Unrolled, Vector
+from .loops import LoopEquations
+from .parts import Band, Bound, Group, Part, Row, Total, Unrolled, Vector
 from .slots import Slots
 
 M = variable(ROW)

@@ -10,7 +10,8 @@ from ...model import Definition, Event
 from ...tree import Name, children
 from ..quantities import error
 from .expand import LoopExpander
-from .loops import CELLS, Assigned, Bounded, Observed, Total, Unrolled
+from .loops import Assigned, Bounded, Observed
+from .parts import CELLS, Total, Unrolled
 from .rows import Gather
 from .terms import terms
 

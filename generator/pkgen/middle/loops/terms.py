@@ -12,7 +12,7 @@ from ...record import record
 from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, Sum
 from ..quantities import error
 from .expand import Loop, LoopExpander, has_sum
-from .loops import Unrolled
+from .parts import Unrolled
 
 SHORT = 8  # a range of constant length up to this is written out
 
