@@ -33,7 +33,8 @@ void fixture_exact(struct fixture *f, const struct pk_system *system, const doub
                    const double *v, double t, int steps);
 typedef int acceleration_function(const void *, pk_real, const pk_real *, const pk_real *,
                                   const pk_real *, pk_real *);
-/* The oscillator with another acceleration and one singularity, all through function pointers. */
+/* The oscillator with another acceleration, all through function pointers; and one singularity. */
+struct pk_system free_point(acceleration_function *acceleration);
 struct pk_system guarded_point(acceleration_function *acceleration,
                                const struct pk_singularity *what,
                                void (*singularity)(const void *, pk_real, const pk_real *,
@@ -62,6 +63,7 @@ void add_order(void);
 void add_gauss(void);
 void add_dense(void);
 void add_memory(void);
+void add_memory_blocks(void);
 void add_faults(void);
 void add_geometry(void);
 void add_status(void);

@@ -19,10 +19,7 @@ void fixture_set(struct fixture *f, const struct pk_system *system)
     f->options = pk_options_default();
 }
 
-struct pk_system guarded_point(acceleration_function *acceleration,
-                               const struct pk_singularity *what,
-                               void (*singularity)(const void *, pk_real, const pk_real *,
-                                                   const pk_real *, const pk_real *, pk_real *))
+struct pk_system free_point(acceleration_function *acceleration)
 {
     struct pk_system system = oscillator_system;
     system.acceleration = acceleration;
@@ -30,6 +27,15 @@ struct pk_system guarded_point(acceleration_function *acceleration,
     system.steppers = NULL;
     system.block_steppers = NULL;
     system.members = NULL;
+    return system;
+}
+
+struct pk_system guarded_point(acceleration_function *acceleration,
+                               const struct pk_singularity *what,
+                               void (*singularity)(const void *, pk_real, const pk_real *,
+                                                   const pk_real *, const pk_real *, pk_real *))
+{
+    struct pk_system system = free_point(acceleration);
     system.singularities.n = 1;
     system.singularities.table = what;
     system.singularities.values = singularity;
@@ -175,6 +181,7 @@ int main(int argc, char **argv)
     add_gauss();
     add_dense();
     add_memory();
+    add_memory_blocks();
     if (strcmp(instance, "inlined") != 0) /* its kernels are not called through pointers */
         add_faults();
     add_geometry();

@@ -144,10 +144,7 @@ static void noise(void)
     static const char *const methods[] = {"gauss", "dop853", "dopri5", "gsl_rkf45", "gsl_rk8pd"};
     static struct fixture f;
     char text[640];
-    static const struct pk_singularity none;
-    struct pk_system system = guarded_point(noisy, &none, first_coordinate);
-    system.singularities.n = 0;
-    system.singularities.values = NULL;
+    struct pk_system system = free_point(noisy);
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
         fixture_set(&f, &system);
         f.options.rtol = 0, f.options.atol = 1e-14;
@@ -167,10 +164,7 @@ static void progress(void)
 {
     static struct fixture f;
     char text[640];
-    static const struct pk_singularity none;
-    struct pk_system system = guarded_point(creeps, &none, first_coordinate);
-    system.singularities.n = 0;
-    system.singularities.values = NULL;
+    struct pk_system system = free_point(creeps);
     fixture_set(&f, &system);
     CU_ASSERT_FATAL(fixture_init(&f, "dopri5") == PK_DONE);
     CU_ASSERT(pk_integrator_to(&f.it, 3) == PK_NO_PROGRESS);

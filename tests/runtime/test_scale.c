@@ -35,15 +35,6 @@ static int balances(const void *p, double t, const double *q, const double *v, c
     return 0;
 }
 
-static struct pk_system of(acceleration_function *a)
-{
-    static const struct pk_singularity none;
-    struct pk_system system = guarded_point(a, &none, first_coordinate);
-    system.singularities.n = 0;
-    system.singularities.values = NULL;
-    return system;
-}
-
 static double end(struct fixture *f, const struct pk_system *system, const char *method,
                   double unit, double x0, double t)
 {
@@ -63,7 +54,7 @@ static void units(void)
 {
     static struct fixture f;
     static const double sizes[] = {1e-90, 1e-15, 1e-3, 1e6, 1e15};
-    const struct pk_system system = of(duffing), late = of(waits);
+    const struct pk_system system = free_point(duffing), late = free_point(waits);
     for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
         const double one = end(&f, &system, methods[m], 1, 0.9, 20);
         const double tight = end(&f, &system, "dop853", 1, 0.9, 20);
@@ -80,7 +71,7 @@ static void units(void)
 static void absolute(void)
 {
     static struct fixture f;
-    const struct pk_system system = of(duffing);
+    const struct pk_system system = free_point(duffing);
     fixture_set(&f, &system);
     f.params.limit = 1e-15;
     f.options.rtol = f.options.atol = 1e-10; /* who says so loses 1e-15 */

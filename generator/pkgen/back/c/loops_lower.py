@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import zip_longest
 from typing import Any
 
 from ...equations import Facts, Quantity
-from ...graph.affine import ROW, Affine
 from ...graph.graph import Node
-from ...indices import indexed
 from ...middle.loops.expand import size_values
 from ...middle.loops.loops import Assigned, Limit, LoopEquations
 from ...middle.loops.parts import Bound, Group
@@ -25,14 +22,13 @@ from .loops_bound import bound_context, shape_of
 from .loops_chain import chain_context
 from .loops_plan import TOTALS, VECTORS, divides, emitted, entries, planned, within
 from .loops_sets import Builder, Guarded
+from .loops_singular import described
 from .loops_slopes import slopes_context
+from .loops_steps import stepper
 from .parameter_code import ParameterCode
 from .program import Interval, LoopProgram, operations_text
 from .render import frame, pasted
 from .tree import Declare
-
-LINE = 8  # members, so that rows begin where a line of memory does
-STAGES = 32  # in flight: with a block within 32 KiB
 
 
 def lower_loops(
@@ -96,6 +92,7 @@ class _Context:
         model, group, ids = e.model, self.places.group, self.places.ids
         diagonal = divides(e)
         alone = diagonal and not e.force.pairs
+        fused = alone and "advance" in self.kernels
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
         acceleration = "carried" if e.carried else acceleration
         kernels = [
@@ -181,7 +178,7 @@ class _Context:
             "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS, *self.outputs)},
             "outputs": {k: x.statements for k, x in self.outputs.items() if self._there(k)},
             **self._outputs_of_members(),
-            "singularities": list(self._singularities()),
+            "singularities": list(described(e, self.places)),
             "singular": {
                 "sets": plan.singularities,
                 "pivots": ("mass" if diagonal else "pivots") if e.pivots else "",
@@ -198,7 +195,7 @@ class _Context:
             "operations": list(self._operations()),
             "proved": labelled(facts(e, e.facts)),
             "constant": labelled(invariants(e, e.facts)),
-            "stepper": self._stepper() if alone and "advance" in self.kernels else None,
+            "stepper": stepper(e, plan, self.places, self.slots) if fused else None,
             "wraps": any(g.periodic for g in e.families),
             "homes": [
                 s.group for s in main if plan.band or plan.slopes or s.ghosts or s.group["periodic"]
@@ -303,26 +300,6 @@ class _Context:
             keys = ("count", "rate", "number")
             yield dict(zip(keys, (self.places.index(turn.count), *first), strict=True))
 
-    def _singularities(self) -> Iterator[dict[str, str]]:
-        """What the tables say of each: M's pivots come first."""
-        e = self.e
-        for g in e.coordinates if e.pivots else ():
-            name = f"the pivot of {indexed(g.shown, 'i' if g.is_family else None)}"
-            yield self._singularity(name, "COORDINATES", (g.lo, g.hi) if g.is_family else ())
-        for x in e.singularities:
-            [over] = [
-                *((p.lo, p.hi) for p in x.terms.parts),
-                *((p.lo, p.hi, p.first, p.last) for p in x.terms.pairs),
-            ] or [()]
-            yield self._singularity(x.name, x.use, over)
-
-    def _singularity(self, text: str, use: str, over: tuple[Affine, ...]) -> dict[str, str]:
-        found = {"name": text, "kind": f"PK_SINGULARITY_{use}"}
-        for key, at in zip_longest(("lo", "hi", "first", "last"), over):
-            found[key] = "" if at is None else self.places.index(at)
-            found[f"{key}_text"] = "" if at is None else at.text({ROW: "i"})
-        return found
-
     def _band(self) -> dict[str, Any]:
         """The shape of M: cells interleaved by index, then scalar coordinates as a border."""
         e, ids = self.e, self.places.ids
@@ -341,41 +318,6 @@ class _Context:
             yield f"{s.name}: {operations_text(s.inner.operations)} a member"
         if self.plan.chain:
             yield from self.plan.chain.operations
-
-    def _stepper(self) -> dict[str, Any] | None:
-        """Fused steps exist where the acceleration of a row needs q of cells near it and t."""
-        e, rows, index = self.e, self.plan.rows["acceleration"], self.places.index
-        if not e.facts.separable or e.scalars or e.model.inputs:
-            return None
-        nodes = [node for s in rows for block in s.blocks for node in block.nodes]
-        cells = [s.at for s in self.slots.below(*nodes) if s.kind == "q" and s.at is not None]
-        if not all(at.factor(ROW) for at in cells):
-            return None  # one member is felt by all
-        reach = max((abs(at.constant) for at in cells), default=0)
-        if reach > CHUNK or not all((g.lo - e.families[0].lo).is_constant for g in e.families):
-            return None
-        # Behind a drift rows still need cells that have not drifted: theirs, or beyond a free end.
-        reach = max([1, reach, *(s.span for s in rows)]) + max(max(s.below, s.above) for s in rows)
-        trail = -(-reach // LINE) * LINE
-        block = max(1, BLOCK // CHUNK // len(e.families)) * CHUNK
-        own = [s.at for s in self.slots.below(*rows[0].inner.nodes) if s.kind == "q"]
-        together = not any(g.periodic for g in e.families)
-        return {
-            "stages": STAGES if together else 1,
-            "block": block,
-            "line": LINE,
-            "trail": trail,
-            "together": together,
-            # Rows that find what is behind them in bonds alone drift as they are kicked.
-            "merged": len(rows) == 1
-            and bool(rows[0].flux)
-            and not rows[0].trig
-            and all(at is not None and at.constant >= 0 for at in own),
-            "lows": list(dict.fromkeys(x for s in rows for x in s.lows)),
-            "highs": list(dict.fromkeys(x for s in rows for x in s.highs)),
-            "least": [index(g.lo) for g in e.families],
-            "greatest": [index(g.hi) for g in e.families],
-        }
 
 
 def _told(e: LoopEquations) -> Facts:
