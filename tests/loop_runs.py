@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import random
 
-SIZE = 11
+SIZE = 5  # of what is written out, rows that one coordinate couples densely too
 INERTIA = (
     "",
     "",
