@@ -299,3 +299,16 @@ def test_a_member_of_a_definition_is_recorded_of_loops_too(pkgen, tmp_path: Path
         assert names == ["t", "D[3]", "q[3]", "q[0]"]
         assert all(abs(row[1]) > 1e-3 for row in table)
         assert all(row[1] == pytest.approx(row[2] - row[3], abs=1e-12) for row in table)
+
+
+def test_steps_too_long_for_a_pole_are_told_between_rows(pkgen, tmp_path: Path) -> None:
+    """Between two rows the energy of Verlet's method comes back to within .6 %."""
+    model = tmp_path / "gaps.lag"
+    model.write_text(
+        "model gaps\nsize N = 20\ncoord q[1..N]\nfixed q[0] = 0\nfixed q[N+1] = N + 1\n"
+        "kinetic sum(q[i]'^2/2, i = 1..N)\npotential sum(1/(q[i+1] - q[i]), i = 0..N)\n"
+        "start q[i = 1..N] = i + 0.3*sin(i*2)\n"
+    )
+    how = ("--until", 50, "--every", 50, "--method", "verlet", "--step", 0.22)
+    done = pkgen("run", model, *how)
+    assert done.returncode == 0 and "the energy, which the motion keeps" in done.stderr

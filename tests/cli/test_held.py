@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import pytest
-
 HELD = """model held
 gravity [0, 0, -9.81]
 body b mass 2 inertia [0.1, 0.2, 0.25] at [0.1, 0.3, -0.4]
@@ -17,14 +15,17 @@ let s = b.point([0, 1, 0])
 """
 
 
-@pytest.mark.parametrize("method", ["radau", "gauss", "dop853"])
-def test_a_body_that_points_hold_at_rest(method: str, pkgen, tmp_path: Path) -> None:
-    """Once 11,060 steps of radau: the forces in the rows cancel to 1e-15 of themselves."""
-    rows = (f"constraint {p}{c}: {p}.{c} = {int((p, c) in (('r', 'x'), ('s', 'y')))}\n"
-            for p in "prs" for c in "xyz")  # fmt: skip
+def test_a_body_that_points_hold_at_rest(pkgen, tmp_path: Path) -> None:
+    """Once 11,060 steps. Two steps or more if one sample tells the rounding of accelerations, or the
+    forces in the rows do not; if quaternions do not err by what rounding turns; if radau refuses
+    corrections that rounding leaves."""
     model = tmp_path / "held.lag"
+    ones = {"r.x", "s.y"}
+    places = [f"{point}.{axis}" for point in "prs" for axis in "xyz"]
+    rows = (f"constraint {p.replace('.', '')}: {p} = {int(p in ones)}\n" for p in places)
     model.write_text(HELD + "".join(rows))
-    done = pkgen("run", model, "--until", 1, "--every", 1, "--method", method, "--json")
+    how = ("--until", 1, "--every", 1, "--method", "radau")
+    done = pkgen("run", model, *how, "--json", "-o", tmp_path / "rows.csv")
     assert done.returncode == 0, done.stderr
-    report = json.loads(done.stdout[done.stdout.index("{") :])["report"]
-    assert report["steps"] + report["rejections"] <= 20
+    report = json.loads(done.stdout)["report"]
+    assert (report["steps"], report["rejections"]) == (1, 0)

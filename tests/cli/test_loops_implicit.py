@@ -6,6 +6,9 @@ from __future__ import annotations
 import json
 import math
 import random
+import resource
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -116,3 +119,27 @@ def test_sums_over_all_are_refused(pkgen) -> None:
     )
     assert done.returncode == 4
     assert "are no band: sums over all" in done.stderr
+
+
+LIMIT = 1 << 30  # bytes of address space: of 20,000 numbers a matrix of each with each takes 3.2e9
+
+
+@pytest.mark.parametrize("method", [("radau", "--rtol", "1e-4"), ("gauss2", "--step", "1e-5")])
+def test_memory_grows_with_the_members(method: tuple[str, ...], tmp_path: Path) -> None:
+    """Radau's tolerances once had M whole."""
+    model = tmp_path / "chain.lag"
+    model.write_text(
+        "model chain\nsize N = 20000\nparam k = 1e6\ncoord q[1..N]\nfixed q[0] = 0\n"
+        "kinetic sum(q[i]'^2/2, i = 1..N) + sum((q[i] - q[i-1])'^2/8, i = 1..N)\n"
+        "potential sum(k*(q[i] - q[i-1])^2/2, i = 1..N)\nstart q[i = 1..N] = 1e-3*sin(i/100)\n"
+    )
+    words = ("--until", "1e-5", "--every", "1e-5", "--record", "energy", "--method", *method)
+    done = subprocess.run(
+        [sys.executable, "-m", "pkgen", "run", model, *words],
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (LIMIT, LIMIT)),
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    first, last = (row[1] for row in rows(done.stdout))
+    assert first != last and last == pytest.approx(first, rel=1e-9)

@@ -1,11 +1,18 @@
 /* One trajectory from the start to the end, row by row. */
 #include "steps.h"
 
-/* Many steps of a large system at once: some 0.1 s of them. Drifts are measured where they end. */
+enum { CLOSE = 8 }; /* steps between two looks at drifts where steps may be too long for a pole */
+
+static int singular(const struct pk_run *run)
+{
+    return run->problem.system->singularities.values != NULL;
+}
+
+/* Many steps of a large system at once: some 0.1 s of them. Drifts are measured at rows. */
 static enum pk_status many(struct pk_run *run, pk_real end)
 {
     struct pk_integrator *it = &run->it;
-    const unsigned long most = (unsigned long)(50000000 / it->n) + 2;
+    const unsigned long most = singular(run) ? CLOSE : (unsigned long)(50000000 / it->n) + 2;
     const pk_real next = run_wanted(run, it->t, run->settings.until);
     const pk_real whole = PK_F(floor)((next - it->t) / it->options.h);
     if (end > next && !(whole >= 2)) /* the row is within this one */
@@ -28,7 +35,7 @@ static int step(struct pk_run *run)
         run->h_min = h;
     if (h > run->h_max)
         run->h_max = h;
-    if (!fused || !(it->t < end))
+    if (!fused || singular(run) || !(it->t < end))
         observe_step(run, run_moment(run));
     const struct control *control = run->settings.control;
     if (fused || control->often < 2 || it->count.steps % control->often == 0 || control->stop)
