@@ -16,8 +16,8 @@ let s = b.point([0, 1, 0])
 
 
 def test_a_body_that_points_hold_at_rest(pkgen, tmp_path: Path) -> None:
-    """Once 11,060 steps. Two steps or more if one sample tells the rounding of accelerations, or the
-    forces in the rows do not; if quaternions do not err by what rounding turns; if radau refuses
+    """Once 11,060 steps. Steps are rejected if one sample tells the rounding of accelerations, or
+    the forces in rows do not; if quaternions do not err by what rounding turns; if radau refuses
     corrections that rounding leaves."""
     model = tmp_path / "held.lag"
     ones = {"r.x", "s.y"}
