@@ -46,7 +46,8 @@ FIXED = [n for n, m in METHODS.items() if m.family in ("ERK", "SPLITTING")]
 
 @pytest.mark.parametrize("method", long_but(["rk4", "verlet", "blanes_moan4"], FIXED))
 def test_rows_are_those_of_a_run_to_the_bit(method: str, tmp_path: Path) -> None:
-    words = ("--method", method, "--step", "0.01", "--until", "5", "--every", "0.1")
+    # A row is 7 steps of 0.07/7, which is not 0.01.
+    words = ("--method", method, "--step", "0.01", "--until", "4.9", "--every", "0.07")
     model = ROOT / "models/coupled_oscillators.lag"
     said = rows_of(tmp_path, model, *words, flags=["-march=native"])
     assert compare(said, model, *words) == 0
@@ -58,6 +59,66 @@ def test_values_and_starts_that_are_given_are_in_it(tmp_path: Path) -> None:
     words += ("--set", "l2=0.5", "--start", "theta1=20 [deg]", "--start", "theta2'=0.7")
     said = rows_of(tmp_path, PENDULUM, *words, flags=["-march=native"])
     assert compare(said, PENDULUM, *words) == 0
+
+
+RIG = """model rig
+param m = 2 [kg] in (0, 10]
+param k = 4*m*(1 [1/s^2]) in [0, inf)
+input F [N]
+coord x [m]
+state s
+kinetic m/2*x'^2
+potential k/2*x^2
+force x = F
+rate s = x/(1 [m*s])
+start x = m*(0.5 [m/kg])
+scene pushed
+  set m = 3, F = -2
+  start x' = -0.5, s = -2
+end
+"""
+
+
+def test_a_scene_with_inputs_and_states_is_in_it(tmp_path: Path) -> None:
+    """To a time that is no multiple of a row."""
+    (tmp_path / "rig.lag").write_text(RIG)
+    words = ("--scene", "pushed", "--method", "rk4", "--step", "1e-3")
+    words += ("--until", "1.03", "--every", "0.05")
+    said = rows_of(tmp_path, tmp_path / "rig.lag", *words, flags=["-march=native"])
+    assert compare(said, tmp_path / "rig.lag", *words) == 0
+
+
+PUSHED = """#include "rig_step.h"
+#include <stdio.h>
+int main(void)
+{
+    struct rig_motion m, n;
+    int status = rig_begin(&m, PK_C(0.01)) | rig_begin(&n, PK_C(0.01));
+    for (int k = 0; k < 100 && !status; k++) {
+        m.u[0] = n.u[0] = PK_C(0.5) * (pk_real)(k % 7);
+        status = rig_again(&n) | rig_step(&m) | rig_step(&n);
+    }
+    printf("%.17g %.17g", (double)m.q[0], (double)n.q[0]);
+    return status;
+}
+"""
+
+
+def test_an_input_is_set_at_any_time(tmp_path: Path) -> None:
+    """Verlet keeps its last acceleration; of another input it is none."""
+    model = tmp_path / "rig.lag"
+    model.write_text(RIG.replace("state s\n", "").replace("rate s = x/(1 [m*s])\n", "")
+                     .replace(", s = -2", ""))  # fmt: skip
+    words = ("--method", "verlet", "--step", "0.01", "--scalar", "double")
+    done = export(model, "freestanding", tmp_path / "f", *words)
+    assert done.returncode == 0, done.stderr
+    (tmp_path / "main.c").write_text(PUSHED)
+    sources = [tmp_path / "main.c", *(tmp_path / "f").glob("*.c")]
+    command = ["gcc", *FREE, f"-I{tmp_path}/f", *sources, "-o", tmp_path / "main", "-lm"]
+    subprocess.run(command, check=True)
+    said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
+    kept, anew = map(float, said.split())
+    assert kept == pytest.approx(anew, abs=1e-14) and abs(kept - 1) > 0.1
 
 
 def test_a_tableau_of_ones_own_is_taken(tmp_path: Path) -> None:
@@ -97,7 +158,7 @@ event turns: x' rising
 
 
 @pytest.mark.parametrize("direction", ["rising", "falling", ""])
-@pytest.mark.parametrize("start", long_but(["0.3"], ["0", "0.3", "0.7"]))  # 0.3: upon it
+@pytest.mark.parametrize("start", long_but(["0.3", "0.7"], ["0", "0.3", "0.7"]))  # 0.3: upon it
 def test_it_ends_at_an_event_that_stops(start: str, direction: str, tmp_path: Path) -> None:
     model = tmp_path / "stops.lag"
     model.write_text(STOPS.replace("START", start).replace("DIRECTION", direction))

@@ -25,9 +25,10 @@ def roof(unit):
     return Unit(unit(ROOF), FMU3Model).start()
 
 
-def event(u: Unit) -> bool:
+def event(u: Unit, completed: bool = True) -> bool:
     """Whether the events here end the motion; back to continuous time."""
-    u.fmu.completedIntegratorStep()
+    if completed:
+        u.fmu.completedIntegratorStep()
     u.fmu.enterEventMode()
     _, ends, *_ = u.fmu.updateDiscreteStates()
     u.fmu.enterContinuousTimeMode()
@@ -40,10 +41,12 @@ def rates(u: Unit) -> list[float]:
     return list(found)
 
 
-def test_events_end_the_motion_where_they_stop_and_fall(roof) -> None:
+@pytest.mark.parametrize("completed", [True, False])
+def test_events_end_the_motion_where_they_stop_and_fall(completed: bool, unit) -> None:
     """It begins upon `low`, which is no crossing; `turns` does not stop."""
+    roof = Unit(unit(ROOF), FMU3Model).start()
     roof.go([0.5, -1])
-    assert not event(roof)
+    assert not event(roof, completed)
     for t, (x, rate), ends in (
         (1, (0.5, 1), False),
         (2, (1.5, 1), False),

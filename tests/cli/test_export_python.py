@@ -63,7 +63,10 @@ wrong = [said(*c) for c in [
     (m.run, 1, 1e-300), (m.run, 1, 1, None, 0), (m.run, 1, 1, None, float("nan")),
     (m.run, 1, 1, None, None, 0), (m.run, 1, 1, None, None, float("nan")),
 ]]
-print(json.dumps([before, after, still["x"].tolist(), rows.t[-1], rows["x"][-1], rows.events,
+m.params["k"] = 8.0  # what is refused leaves nothing behind
+del m.params["k"]
+odd = m.run(1, every=0.3).t.tolist()
+print(json.dumps([odd, before, after, still["x"].tolist(), rows.t[-1], rows["x"][-1], rows.events,
                   a.tolist(), y.tolist(), many.tolist(), wrong, dict(m.params), rows.units]))
 """
 
@@ -92,12 +95,13 @@ def unpacked(path: Path, folder: Path) -> Path:
 
 def test_a_wheel_does_what_its_model_does(tmp_path: Path) -> None:
     (tmp_path / "rig.lag").write_text(RIG)
-    path = wheel(tmp_path / "rig.lag", tmp_path)
+    path = wheel(tmp_path / "rig.lag", tmp_path, "--start", "s=0.25")
     text = SCRIPT.replace("MODEL", "rig")
     answers = said(sys.executable, text, [unpacked(path, tmp_path / "in")])
-    before, after, still, t, x, events, a, y, many, wrong, params, units = answers
-    assert before == [{"m": 2, "k": 8}, [1, 0, 0]]
-    assert after == [{"m": 3, "k": 12}, [1.5, 0, 0]]  # what follows m does
+    odd, before, after, still, t, x, events, a, y, many, wrong, params, units = answers
+    assert before == [{"m": 2, "k": 8}, [1, 0, 0.25]]
+    assert odd == pytest.approx([0, 0.3, 0.6, 0.9, 1])
+    assert after == [{"m": 3, "k": 12}, [1.5, 0, 0.25]]  # what follows m does
     assert still == pytest.approx([2] * 11, abs=1e-9)  # F = 7 x
     assert params == before[0]
     assert t == pytest.approx(numpy.arccos(-2 / 3) / 2) and x == pytest.approx(-2)
@@ -117,6 +121,34 @@ def test_a_wheel_does_what_its_model_does(tmp_path: Path) -> None:
     assert units["power"] == "N*m/s" or units["power"] == "W"
 
 
+FALL = """model fall
+coord r, phi
+kinetic (r'^2 + r^2*phi'^2)/2
+potential -1/r
+start r = 1
+"""
+CENTRE = """
+import json, numpy as np, fall as d
+m = d.Model()
+q = np.tile([0.5, 0.0], (19, 1))
+q[[3, 17], 0] = 0  # one in a block of lanes, one behind the last
+a = m.acceleration(q, np.zeros((19, 2)))
+gone = np.isnan(a).any(axis=1).nonzero()[0].tolist()
+try:
+    m.run(5, every=0.1)
+except d.RunError as error:
+    print(json.dumps([gone, a[4].tolist(), str(error), error.rows.t[-1]]))
+"""
+
+
+def test_states_and_motions_that_are_none(tmp_path: Path) -> None:
+    (tmp_path / "fall.lag").write_text(FALL)
+    path = wheel(tmp_path / "fall.lag", tmp_path)
+    gone, a, why, last = said(sys.executable, CENTRE, [unpacked(path, tmp_path / "in")])
+    assert gone == [3, 17] and a == pytest.approx([-4, 0])
+    assert why and 1.0 <= last <= 1.1108  # r = 0 at pi/2^1.5
+
+
 ROWS = """
 import json, MODEL as d
 rows = d.Model().run(UNTIL, every=EVERY)
@@ -126,13 +158,14 @@ print(json.dumps({name: rows[name].tolist() for name in rows.columns}))
 
 @pytest.mark.parametrize("model", long_but({TOP}, MODELS), ids=lambda m: m.stem)
 def test_rows_are_those_of_a_run(model: Path, tmp_path: Path) -> None:
-    folder = unpacked(wheel(model, tmp_path), tmp_path / "in")
+    given = ("--start", "omega(R).x=0.3") if model == TOP else ()  # a rate of a rotation
+    folder = unpacked(wheel(model, tmp_path, *given), tmp_path / "in")
     (name,) = (p.name for p in folder.iterdir() if (p / "model.json").exists())
     run = json.loads((folder / name / "model.json").read_text())["run"]
     until = (run["step"] or 0.01) * 20
     text = ROWS.replace("MODEL", name).replace("UNTIL", repr(until))
     found = said(sys.executable, text.replace("EVERY", repr(until / 4)), [folder])
-    rows = ran(model, "--until", until, "--every", until / 4)
+    rows = ran(model, *given, "--until", until, "--every", until / 4)
     common = found.keys() & rows.keys()
     assert len(common) >= 3  # t among them
     for column in common:
