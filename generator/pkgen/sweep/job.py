@@ -179,7 +179,7 @@ def make(
     parts = [(part.name, tuple(part.coordinates)) for part in compilation.parts]
     own: tuple[Own, ...] = compilation.model.methods
     model = compilation.model
-    made_of = (__version__, plan.source.text, model.source.sha256, repr(own))
+    made_of = (__version__, plan.source.text, model.source.sha256, repr(own), options.size)
     job = Job(
         name=model.name,
         digest=hashlib.sha256(json.dumps(made_of).encode()).hexdigest(),

@@ -16,11 +16,12 @@ import sys
 from collections.abc import Callable
 
 from ..system import children
-from ..system.exits import UsageError
+from ..system.exits import NumericsFailed, UsageError
 from .job import Job
 from .shards import Folder, failed_shard
 
 TRIES = 3  # of a shard, before it is left as failed
+LOST = 30  # tasks one after the other, without one that is done: it is not the shards
 Task = tuple[str, int]
 
 
@@ -78,6 +79,7 @@ class Local:
         self.folder = folder
         self.most = workers
         self.workers: list[_Worker] = []
+        self.lost = 0
 
     def run(
         self,
@@ -139,11 +141,15 @@ class Local:
         if "wrong" in said:
             self._lost(task, said["wrong"], again, failed)
         else:
+            self.lost = 0
             done(task, said["done"])
 
     def _lost(self, task: Task | None, why: str, again: list[Task], failed: list[int]) -> None:
         if task is None:
             return
+        self.lost += 1
+        if self.lost > LOST:
+            raise NumericsFailed(f"workers fail one after the other: {why}")
         kind, k = task
         if kind == "part":
             first = self.folder.shards_of(k)[0]

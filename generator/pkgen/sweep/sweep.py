@@ -64,6 +64,9 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
         return _new(path, plan, source, options, made)
     if known.get("digest") != job.digest:
         raise UsageError(f"-o {path}: {_other(path, known, plan, source)}; take another folder")
+    if options.shard not in (None, known.get("shard")):
+        have = known.get("shard")
+        raise UsageError(f"--shard {options.shard}: the sweep that is begun has shards of {have}")
     return Sweep(job, _folder(path, known, job))
 
 
@@ -277,7 +280,8 @@ class Work:
         self.done_before = self.done = self.job.members - left
         self.began, self.told = time.time(), 0.0
         self.about = {"engine": engine, "workers": workers, "host": platform.node()}
-        self.about |= {"pid": os.getpid(), "began": self.began, "before": self.done_before}
+        before = self.job.before + self.done_before
+        self.about |= {"pid": os.getpid(), "began": self.began, "before": before}
         self.tick(0.0)
 
     def next(self) -> tuple[str, int] | None:
