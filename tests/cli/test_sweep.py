@@ -206,7 +206,7 @@ WRONG = [
     ("-3 .. 3 [rad]", "-1e308 .. 1.5e308", "the range is wider than any double"),
     ("-3 .. 3 [rad]", "0 .. __import__('os')", "plan.toml:7:27: error: theta1: "),
     ("-3 .. 3 [rad]", "3 [rad]", "plan.toml:7:10: error: theta1 is a range"),
-    ("theta1 = ", "theta1 = = ", "plan.toml: not TOML: "),
+    ("theta1 = ", "theta1 = = ", "plan.toml:7:10: not TOML: "),
     ('"rk4"', '"verlet"', "verlet needs a system that is separable"),
 ]
 
@@ -361,3 +361,18 @@ def test_grids_are_refined_where_classes_change(pkgen, tmp_path: Path) -> None:
             _cut(table["whole"], 4, (i, j), wanted)
     assert table["by7"] == {place: table["whole"][place] for place in wanted}
     assert 25 < len(wanted) < 17 * 17
+
+
+def test_exponents_are_those_of_single_runs(pkgen, tmp_path: Path) -> None:
+    path = tmp_path / "plan.toml"
+    more = 'keep = ["lyapunov"]\n[list]\ntheta1 = [0.01, 2.5]\n'
+    path.write_text('until = 20\nmethod = "rk4"\nstep = 0.01\n' + more)
+    done = pkgen("sweep", DOUBLE, "--plan", path, "-o", tmp_path / "sweep")
+    assert done.returncode == 0, done.stderr
+    found = pq.read_table(tmp_path / "sweep/data").column("lyapunov").to_pylist()
+    for start, exponent in zip((0.01, 2.5), found, strict=True):
+        options = ("--start", f"theta1={start}", "--until", 20, "--method", "rk4", "--step", 0.01)
+        done = pkgen("run", DOUBLE, *options, "--diagnose", "lyapunov", "--json")
+        alone = json.loads(done.stdout)["report"]["diagnostics"]["lyapunov"]["exponent"]
+        assert exponent == pytest.approx(alone, rel=1e-12)
+    assert found[1] > 0.3

@@ -19,16 +19,18 @@ from ..compiler import Compilation
 from ..equations import Quantity
 from ..methods import Own
 from ..record import record
+from ..run import diagnostics
 from ..run import rows as run_rows
 from ..run.build import build_library
 from ..run.ensemble import Ensemble
 from ..run.library import INTERRUPTED, USAGE, Library, load
 from ..run.settings import Settings
+from ..scenes import use as scene_use
 from ..system.exits import NumericsFailed, UsageError
 from ..system.near import near
 from ..version import __version__
 from . import axes
-from .keep import Kept, by_row, kept
+from .keep import Kept, NotThere, by_row, kept
 from .plan import Plan
 from .starts import Starts
 
@@ -148,6 +150,21 @@ def make(
     """`chosen` is what a scene's promise of accuracy was kept by when the sweep was begun: it is
     measured once. Raises UsageError, ModelError, BuildError or NumericsFailed."""
     options = plan.of_a_run(options)
+    try:
+        return _make(plan, options, compiled, chosen)
+    except NotThere:
+        if options.scene is None or options.no_reduce is not None:
+            raise
+        options.no_reduce = "all"
+        return _make(plan, options, compiled, chosen)
+
+
+def _make(
+    plan: Plan,
+    options: argparse.Namespace,
+    compiled: Callable[..., Compilation],
+    chosen: dict[str, object] | None,
+) -> tuple[Job, Prepared, dict[str, object] | None]:
     options.ensemble = str(plan.source.path)
     if chosen:
         options.method = chosen["method"]
@@ -160,8 +177,16 @@ def make(
         values = made.values(0, count)
         return Ensemble(options.ensemble, made.columns, range(1, count + 1), values)
 
+    def of_keep(options: argparse.Namespace, **how: object) -> Compilation:
+        """With the kernels of exponents, as a single run that is asked for them."""
+        if "lyapunov" in plan.keep:
+            how["kernels"] = diagnostics.kernels(("lyapunov",))
+            single = argparse.Namespace(**{**vars(options), "diagnose": "lyapunov"})
+            how["use"] = scene_use.of_run(single)
+        return compiled(options, **how)
+
     try:
-        prepared = prepare(options, compiled, sample)
+        prepared = prepare(options, of_keep, sample)
     except UsageError as error:
         raise UsageError(_of_plan(plan, str(error))) from None
     compilation, settings = prepared.compilation, prepared.settings

@@ -20,8 +20,13 @@ from ..system.near import near
 from .plan import Plan
 
 OF_COLUMNS = {"max": "M", "min": "m", "mean": "a", "final": "f"}
+WORDS = ("final", "rows", "lyapunov", "expects")
 OF_EVENTS = {"count": "n", "time": "t"}
 _CALL = re.compile(r"\s*(\w+)\s*\(\s*(.+?)\s*\)\s*")
+
+
+class NotThere(UsageError):
+    """What is to be kept is of nothing that was compiled; a scene leaves out what it needs not."""
 
 
 @record
@@ -62,7 +67,7 @@ class _Keeper:
             self.one(text)
         shown = self.show or self.final
         settings = replace(self.settings, show=tuple(shown), watched=self.watched)
-        if any(what in "nt" for what, _, _ in self.found):
+        if any(what in "ntl" for what, _, _ in self.found):
             settings = replace(settings, watch=settings.watch or "events")
         names = [quantity.name for _, _, quantity in self.found]
         for name in names:
@@ -78,6 +83,9 @@ class _Keeper:
     def wrong(self, message: str, help: str = "") -> UsageError:
         return self.plan.wrong("", "keep", message, help)
 
+    def absent(self, message: str) -> NotThere:
+        return NotThere(str(self.wrong(message)))
+
     def one(self, text: str) -> None:
         if text == "rows":
             return
@@ -86,6 +94,9 @@ class _Keeper:
                 self.found.append(("f", k, self.quantity(shown.kind, shown.name)))
         elif text == "drift":
             self.drift("energy")
+        elif text == "lyapunov":
+            time = "" if self.compilation.model.dimensionless else "1/s"
+            self.found.append(("l", 0, Quantity("lyapunov", time, "largest exponent")))
         elif text == "expects":
             self.expects()
         else:
@@ -93,10 +104,10 @@ class _Keeper:
 
     def call(self, text: str) -> None:
         of = _CALL.fullmatch(text)
-        known = ("final", "rows", "expects", *(f"{f}(…)" for f in self.functions()))
+        known = (*WORDS, *(f"{f}(…)" for f in self.functions()))
         if not of or of[1] not in self.functions():
             name = of[1] if of else text
-            said = near(name, [*self.functions(), "final", "rows", "expects"], "option")
+            said = near(name, [*self.functions(), *WORDS], "option")
             raise self.wrong(
                 f"nothing is kept as '{text}'; {said}", f"there are {', '.join(known)}"
             )
@@ -121,7 +132,7 @@ class _Keeper:
         try:
             shown = self.values.shown(self.values.flat_name("keep", name), "keep")
         except UsageError as error:
-            raise self.wrong(str(error)) from None
+            raise self.absent(str(error)) from None
         places = [(other.kind, other.index) for other in self.show]
         if (shown.kind, shown.index) in places:
             k = places.index((shown.kind, shown.index))
@@ -133,7 +144,7 @@ class _Keeper:
     def event(self, function: str, name: str) -> None:
         events = named.events(self.compilation)
         if name not in events:
-            raise self.wrong(f"the model has no event {name}; {near(name, events, 'event')}")
+            raise self.absent(f"the model has no event {name}; {near(name, events, 'event')}")
         time = "" if self.compilation.model.dimensionless else "s"
         unit = time if function == "time" else ""
         quantity = Quantity(f"{function}({name})", unit, "")
@@ -146,7 +157,7 @@ class _Keeper:
         outputs = [quantity.name for quantity in named.observed(self.compilation)]
         if name != "energy" and name not in outputs:
             said = near(name, ["energy", *outputs], "output")
-            raise self.wrong(f"the model has no output {name} that could drift; {said}")
+            raise self.absent(f"the model has no output {name} that could drift; {said}")
         of = None if name == "energy" else outputs.index(name)
         drifts = self.watched.drifts
         if of not in drifts:

@@ -81,7 +81,9 @@ def of_text(source: Source) -> Plan:
     try:
         said = tomllib.loads(source.text)
     except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"{source.path}: not TOML: {error}") from None
+        said = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", str(error))
+        place, why = (f":{said[2]}:{said[3]}", said[1]) if said else ("", str(error))
+        raise UsageError(f"{source.path}{place}: not TOML: {why}") from None
     except RecursionError:
         raise UsageError(f"{source.path}: not a plan: brackets within brackets") from None
     made = Plan(source, {}, "", {}, None, 0, (), {}, _places(source.text))

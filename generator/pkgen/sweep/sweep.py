@@ -13,6 +13,8 @@ from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from ..compiler import Compilation
 from ..front.read import from_text, read
 from ..record import record
@@ -166,19 +168,27 @@ def _pace(job: Job) -> float:
     """Seconds of the processor for a member, of some here and there. Raises NumericsFailed
     where the method is none for this system."""
     count = 1
+    exponents = [2 + k for k, (what, _) in enumerate(job.kept.reduced) if what == b"l"]
     job.library  # noqa: B018 (it may have to be compiled)
     while True:
         began = time.process_time()
         firsts = sorted({min(job.members - count, k * job.members // 4) for k in range(4)})
-        refused = 0
+        refused, some, known = 0, 0, 0
         for first in firsts:
             for batch in job.run(first, count):
+                ended = batch.members[batch.members[:, 0] >= 0]
+                some += len(ended)
+                known += np.isfinite(ended[:, exponents]).all(axis=1).sum()
                 for one in batch.report["failures"]:
                     if one["status"] in ("PK_REFUSED", "PK_BAD_ARGUMENT"):
                         refused += one["count"]
                         why = one["reason"]
         if refused == count * len(firsts):
             raise NumericsFailed(why)
+        if some and not known:
+            raise NumericsFailed(
+                "lyapunov: this method and model have none: see pkgen run --diagnose lyapunov"
+            )
         took = time.process_time() - began
         if took > TIMED or count * len(firsts) >= job.members:
             return took / (count * len(firsts))

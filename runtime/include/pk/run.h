@@ -71,7 +71,8 @@ struct pk_run_part {
 
 /* One number that is kept of each member: `what` is f the final value of a column of the rows, M, m
  * and a the largest, the smallest and the mean of its rows, n how often an event happened, t when
- * it first did, d a drift of `drifts`, x whether a relation of `expected` was met (1 or 0). */
+ * it first did, d a drift of `drifts`, x whether a relation of `expected` was met (1 or 0), l the
+ * largest Lyapunov exponent. n, t and l need `watch`. */
 struct pk_run_reduced {
     char what;
     size_t index; /* of the column behind t, the event, the drift, the relation */
