@@ -74,6 +74,13 @@ def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
     add("--width", type=float, metavar="MM", help="of the picture: 90, a column, or 180, a page")
 
 
+def of_a_map(parser: argparse.ArgumentParser) -> None:
+    """Of a sweep."""
+    add = parser.add_argument
+    add("--map", metavar="a,b", help="the axes of a sweep's map (default: the first two)")
+    add("--columns", metavar="NAME", help="what is kept that it shows (default: the first)")
+
+
 def of_a_look(parser: argparse.ArgumentParser) -> None:
     """What is asked of a picture that pkgen measures for: pictures.look_of()."""
     add = parser.add_argument

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..plot import sweep
 from ..plot import view as views
 from ..plot.view import View
 from ..system.exits import DONE, UsageError
@@ -26,6 +27,7 @@ ROWS = (".csv", ".npy", ".csv" + PARTIAL)
 EXAMPLES = """
 pkgen plot models/double_pendulum.lag
 pkgen plot models/elastic_pendulum.lag --path x,y -o path.svg
+pkgen plot flips --map theta1,theta2 -o flips.png
 """
 
 
@@ -34,6 +36,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     help_ = "FILE.svg, .png, .pdf, or - (SVG); default: in the terminal"
     parser.add_argument("-o", dest="output", metavar="FILE", help=help_)
     shared.of_a_picture(parser, "coordinates, rates, outputs")
+    parser.add_argument("--map", metavar="a,b", help="a sweep's --columns over two axes")
     shared.of_a_model(parser)
     shared.of_an_integration(parser)
 
@@ -42,7 +45,9 @@ def run(options: argparse.Namespace) -> int:
     """Draw motions over time, in the phase plane or in space, their sections, spectra and drifts:
     of models, which are run, and of rows that a run has left."""
     view, width = views.asked(options), pictures.width(options)
-    options.files = _files(options.files)
+    sweeps = [name for name in options.files if sweep.is_sweep(Path(name))]
+    if not sweeps:
+        options.files = _files(options.files)
     file = None
     if options.output is not None:
         refuse_both(options, options.output)
@@ -50,6 +55,9 @@ def run(options: argparse.Namespace) -> int:
         if options.output != "-":
             file = pictures.picture_file("-o", options.output)
     _refuse(options)
+    if sweeps:
+        _show(options, _map(options, view), file, width)
+        return DONE
     tables, codes = [], []
     for name, label in zip(options.files, _labels(options.files), strict=True):
         if name.endswith(ROWS):
@@ -65,15 +73,29 @@ def run(options: argparse.Namespace) -> int:
     from ..plot import compose
 
     made = compose.picture(view, tables)
-    for note in made.notes:
-        print(f"pkgen: {note}", file=sys.stderr)
     _show(options, made, file, width)
     return max(codes)
 
 
+def _map(options: argparse.Namespace, view: View) -> Picture:
+    """Of a sweep. Raises UsageError."""
+    if len(options.files) > 1:
+        raise UsageError(f"{' and '.join(options.files)}: a sweep has a picture of its own")
+    if view.kind:
+        raise UsageError(f"--{view.kind} is of motions: a sweep has a map, of --columns NAME")
+    if len(view.columns) > 1:
+        raise UsageError(f"--columns {','.join(view.columns)}: a map is of one")
+    axes = [] if options.map is None else views.split("--map", options.map)
+    return sweep.read(Path(options.files[0]), axes, "".join(view.columns)).picture()
+
+
 def _refuse(options: argparse.Namespace) -> None:
     """Raises UsageError where an option would do nothing."""
-    options.model = next((f for f in options.files if not f.endswith(ROWS)), "")
+    swept = [name for name in options.files if sweep.is_sweep(Path(name))]
+    if options.map is not None and not swept:
+        raise UsageError("--map is of a sweep: give its folder")
+    models = (f for f in options.files if not f.endswith(ROWS) and f not in swept)
+    options.model = next(models, "")
     if options.model:
         return
     of_runs = argparse.ArgumentParser()
@@ -126,6 +148,8 @@ def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | N
 def _show(
     options: argparse.Namespace, made: Picture, file: Path | None, width: float | None
 ) -> None:
+    for note in made.notes:
+        print(f"pkgen: {note}", file=sys.stderr)
     if file is not None:
         from ..plot.draw import encoded
         from ..system.files import replace

@@ -10,15 +10,18 @@ from ..back.web.build import wasm
 from ..back.web.page import packed
 from ..describe.made import describe
 from ..explain.style import style
+from ..plot import sweep
 from ..system.exits import DONE, UsageError
 from ..system.files import STANDARD, replace
 from . import arguments as shared
+from . import swept
 from .compilation import compile_within_limits
 from .explain import explained
 from .said import refuse_both
 
 EXAMPLES = """
 pkgen show models/double_pendulum.lag -o pendulum.html
+pkgen show flips --map theta1,theta2 -o flips.html
 """
 
 
@@ -27,16 +30,23 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.of_a_motion(parser, "10")
     shared.own_methods(parser)
     parser.add_argument("-o", dest="page", metavar="FILE.html", help="default: NAME.html, here")
+    shared.of_a_map(parser)
+    parser.add_argument("--member", type=int, metavar="N", help="the motion of one of a sweep's")
 
 
 def run(options: argparse.Namespace) -> int:
     """Make one file that opens in a browser and needs nothing else: the model moves in it,
     computed there by its own C, with all its parameters and methods at hand."""
     refuse_both(options, options.page)
+    shown = swept.taken(options) if sweep.is_sweep(Path(options.model)) else None
+    if shown is None and (options.map or options.columns or options.member is not None):
+        raise UsageError("--map, --columns and --member are of a sweep: give its folder")
     found = describe(options, lambda options, **how: compile_within_limits(options, **how))
     path = Path(options.page or f"{found.compilation.model.name}.html")
     if path != STANDARD and path.suffix not in (".html", ".htm"):
         raise UsageError(f"-o {path}: the file's name must end in .html")
+    if shown is not None:
+        found.description["map"] = swept.described(shown, found.compilation)
     compilation = found.compilation
     code = wasm(compilation.files, compilation.model.name, compilation.model.methods)
     text = packed(found.description, code, explained(options), style())

@@ -233,18 +233,25 @@ def _at_least(a: float, b: float, length: float) -> tuple[float, float]:
     return middle - half, middle + half
 
 
-def _image(figure: Figure, axes: Axes, image: Image) -> None:
-    finite = image.values[numpy.isfinite(image.values)]
+def coloured(values: numpy.ndarray) -> tuple[str, float, float]:
+    """The name of the colours that show an image, and the values at their ends."""
+    finite = values[numpy.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)
     most = max(abs(low), abs(high)) or 1.0
-    both = low < 0 < high
+    if min(-low, high) > 0.1 * most:
+        return style.DIVERGING, -most, most
+    return style.SEQUENTIAL, low, high
+
+
+def _image(figure: Figure, axes: Axes, image: Image) -> None:
+    colours, low, high = coloured(image.values)
     shown = axes.pcolormesh(
         image.x,
         image.y,
         image.values,
-        cmap=style.DIVERGING if both else style.SEQUENTIAL,
-        vmin=-most if both else low,
-        vmax=most if both else high,
+        cmap=colours,
+        vmin=low,
+        vmax=high,
         shading="nearest",
         rasterized=True,
     )

@@ -37,6 +37,7 @@ const Lab = (() => {
         methods: SheetMethods.make(this),
         swarm: SheetSwarm.make(this),
         model: SheetModel.make(this),
+        map: SheetMap.make(this),
       };
       this.shown();
       requestAnimationFrame((now) => this.frame(now));

@@ -19,6 +19,7 @@ const Main = (() => {
     ["swarm", "Swarm"],
     ["model", "Model"],
   ];
+  const MAP = ["map", "Map"]; /* of a sweep */
 
   async function bytes() {
     const text = $("wasm").textContent.trim();
@@ -64,7 +65,7 @@ const Main = (() => {
       );
       $("sheet-" + key).setAttribute("aria-labelledby", "tab-" + key);
     });
-    choose("values");
+    choose(TABS[0][0]);
   }
 
   function controls(lab) {
@@ -171,8 +172,9 @@ const Main = (() => {
   }
 
   async function open() {
-    tabs();
     const description = JSON.parse($("description").textContent);
+    if (description.map) TABS.unshift(MAP);
+    tabs();
     const engine = await Engine.load(await bytes(), description);
     const lab = Lab.make(engine, Model.make(description));
     window.lab = lab;
