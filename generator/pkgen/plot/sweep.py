@@ -208,7 +208,7 @@ class _Pixels:
                 self.values = None
 
     def done(self, members: int) -> _Pixels:
-        if self.values is not None and len(self.values) * PER_PIXEL > members:
+        if self.values is not None and 2 * len(self.values) > members:
             self.values = None  # each member has one of its own
         if self.values is None:
             bins = int(min(self.most, max(8, numpy.sqrt(members / PER_PIXEL))))
