@@ -46,6 +46,13 @@ COMMANDS: dict[str, tuple[list[str], str]] = {
         ],
         "p.svg",
     ),
+    "sweep_map.png": (
+        [
+            "sweep models/double_pendulum.lag --plan models/flips_grid.toml -o flips",
+            "plot flips -o p.png",
+        ],
+        "p.png",
+    ),
     "film_double_pendulum.gif": (
         ["film models/double_pendulum.lag -o p.gif --seconds 6 --pixels 400x300"],
         "p.gif",
