@@ -1,7 +1,7 @@
 """The command line. Nothing else in pkgen prints or exits.
 
 Exit codes: 0 done; 1 the model is wrong; 2 usage; 3 the C compiler failed; 4 the numerics
-failed; 130 interrupted.
+failed; 75 left with a checkpoint; 130 interrupted.
 """
 
 from __future__ import annotations

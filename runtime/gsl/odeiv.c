@@ -18,6 +18,7 @@
 #include <gsl/gsl_odeiv2.h>
 
 #include <pk/gsl.h>
+#include <pk/keep.h>
 #include <pk/linear.h> /* size of work */
 #include <pk/methods.h>
 
@@ -244,9 +245,28 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
+/* What evolve has is public, and a step of Runge-Kutta's has nothing else; that of the others is
+ * GSL's own. */
+static enum pk_status keep(struct pk_integrator *it, struct pk_keep *k)
+{
+    struct foreign *f = (struct foreign *)it->own->extra;
+    const void *const table = it->method->table;
+    if (table != &gsl_odeiv2_step_rkf45 && table != &gsl_odeiv2_step_rk8pd)
+        return PK_REFUSED;
+    gsl_odeiv2_evolve *e = f->driver->e;
+    double *const numbers[] = {e->y0, e->yerr, e->dydt_in, e->dydt_out};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        pk_keep(k, numbers[i], e->dimension * sizeof *numbers[i]);
+    pk_keep(k, &e->last_step, sizeof e->last_step);
+    pk_keep(k, &e->count, sizeof e->count);
+    pk_keep(k, &e->failed_steps, sizeof e->failed_steps);
+    pk_keep(k, &f->h, sizeof f->h);
+    return PK_DONE;
+}
+
 #define GSL(type)                                                                        \
     .needs = PK_NEEDS_GSL, .table = &gsl_odeiv2_step_##type, .init = init, .step = step, \
-    .release = release
+    .release = release, .keep = keep
 PK_METHODS_GSL(PK_DEFINE_METHOD, GSL)
 
 #define ADDRESS(A, name, ...) &pk_method_##name,

@@ -87,10 +87,21 @@ static int write_beside(struct program *p, struct pk_run *run)
 static int go(struct program *p)
 {
     const int binary = p->output && strcmp(p->output + strlen(p->output) - 4, ".npy") == 0;
+    const char *const checkpoint = p->settings.checkpoint;
     char *partial = p->output ? named(p->output, ".partial") : NULL;
     int fd = p->json && !p->output ? -1 : STDOUT_FILENO;
-    if (partial && !binary && (fd = open(partial, O_WRONLY | O_CREAT | O_TRUNC, 0666)) < 0)
+    const int how = p->settings.resume ? O_RDWR : O_RDWR | O_CREAT | O_TRUNC;
+    if (checkpoint && !p->settings.resume && access(checkpoint, F_OK) == 0) {
+        fprintf(stderr, "run: %s is there: --resume goes on from it, remove it to begin anew\n",
+                checkpoint);
+        return PK_RUN_USAGE;
+    }
+    if (partial && !binary && (fd = open(partial, how, 0666)) < 0)
         return failed("write", partial);
+    if (partial && !binary && p->settings.resume && lseek(fd, 0, SEEK_END) == 0) {
+        fprintf(stderr, "run: the rows so far are not in %s any more\n", partial);
+        return PK_RUN_USAGE;
+    }
     p->settings.csv = binary ? -1 : fd;
     p->settings.poll = poll_signals;
     p->settings.context = p;
@@ -104,16 +115,20 @@ static int go(struct program *p)
         fprintf(stderr, "run: %.*s\n", length, line);
         line += length + (line[length] == '\n');
     }
-    if (run && binary && code != PK_RUN_USAGE && write_npy(run, partial))
+    if (run && binary && code != PK_RUN_USAGE && code != PK_RUN_LEFT && write_npy(run, partial))
         code = failed("write", partial);
-    if (run && p->output && code != PK_RUN_USAGE) {
+    const int over =
+        run && (code == PK_RUN_DONE || (code == PK_RUN_FAILED && strlen(pk_run_report(run)) > 2));
+    if (checkpoint && over) /* there is nothing to go on with */
+        remove(checkpoint);
+    if (run && p->output && code != PK_RUN_USAGE && code != PK_RUN_LEFT) {
         const int whole = strstr(pk_run_report(run), "\"whole\": true") != NULL;
         if (whole && rename(partial, p->output))
             code = failed("write", p->output);
         if (!whole)
             fprintf(stderr, "run: rows as far as they came: %s\n", partial);
         code = write_beside(p, run) ? PK_RUN_USAGE : code;
-    } else if (partial) {
+    } else if (partial && !checkpoint) {
         remove(partial);
     }
     if (run && p->json)
@@ -139,8 +154,10 @@ int main(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGTTOU, SIG_IGN);
-    signal(SIGINT, on_signal);
-    signal(SIGTERM, on_signal);
+    const int ends[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
+        if (signal(ends[i], on_signal) == SIG_IGN)
+            signal(ends[i], SIG_IGN);
     const int code = p->shard ? shard_write(p) : go(p);
     options_free(p);
     return fflush(stdout) ? PK_RUN_USAGE : code;

@@ -161,6 +161,15 @@ static int method(struct program *p, const struct option *o, const char *text)
     return 0;
 }
 
+static int checkpoint(struct program *p, const struct option *o, const char *path)
+{
+    (void)o;
+    p->settings.checkpoint = path;
+    if (!(p->settings.checkpoint_every > 0))
+        p->settings.checkpoint_every = 60;
+    return 0;
+}
+
 static int table(struct program *p, const struct option *o, const char *path)
 {
     (void)o;
@@ -210,15 +219,18 @@ static const struct option options[] = {
     {"--starts", "FILE", "its members, as doubles", shard, 0, ""},
     {"--first", "N", "the number of the first, from 0", first, 0, ""},
     {"--to", "FILE", "what comes of them", shard, 0, ""},
+    {"--checkpoint", "FILE", "where the run is kept, for --resume", checkpoint, 0, ""},
+    {"--checkpoint-every", "T", "seconds between two", number, PLACE(checkpoint_every), ""},
     {"-o", "FILE", "FILE.csv or FILE.npy; default: standard output", output, 0, ""},
 };
 
 void options_help(FILE *file)
 {
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-        fprintf(file, "  %-12s %-14s %s\n", options[i].name, options[i].value, options[i].help);
-    fputs("  --json                      the report as JSON\n"
-          "  --help                      this, and the names of the model\n",
+        fprintf(file, "  %-18s %-10s %s\n", options[i].name, options[i].value, options[i].help);
+    fputs("  --json                        the report as JSON\n"
+          "  --resume                      go on from the checkpoint, with the same options\n"
+          "  --help                        this, and the names of the model\n",
           file);
 }
 
@@ -235,6 +247,10 @@ int options_read(struct program *p, int argc, char **argv)
             p->json = 1;
             continue;
         }
+        if (strcmp(word, "--resume") == 0) {
+            p->settings.resume = 1;
+            continue;
+        }
         while (k < sizeof options / sizeof *options &&
                (strlen(options[k].name) != length || strncmp(options[k].name, word, length) != 0))
             k++;
@@ -246,5 +262,7 @@ int options_read(struct program *p, int argc, char **argv)
         if (code)
             return code;
     }
-    return 0;
+    return p->settings.resume && !p->settings.checkpoint
+               ? usage("--resume", NULL, "it goes on from --checkpoint FILE")
+               : 0;
 }

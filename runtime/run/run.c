@@ -67,17 +67,32 @@ static void ends(struct pk_run *run)
         observe_row(run, run_moment(run));
 }
 
+/* With a checkpoint; who goes on from it says what there is to say. */
+static enum pk_run_code leave(struct pk_run *run)
+{
+    const enum pk_run_code code = rows_end(run, PK_RUN_LEFT);
+    if (code == PK_RUN_LEFT)
+        run_say(run, "left at t = %.17g with the checkpoint %s", (double)run->it.t,
+                run->settings.asked.checkpoint);
+    return code;
+}
+
 static enum pk_run_code one(struct pk_run *run)
 {
     const double began = run_now(), processor = run->control.began = run_processor();
     enum pk_run_code code = run_begin(run);
-    if (code == PK_RUN_DONE || run->it.q)
+    run->checkpoint.began = began;
+    if ((code == PK_RUN_DONE || run->it.q) && !run->settings.asked.resume)
         rows_header(run);
     run->begun = code == PK_RUN_DONE;
     if (run->begun)
         run_steps(run);
-    run->processor = run_processor() - processor;
-    run->seconds = run_now() - began;
+    run->processor += run_processor() - processor;
+    run->seconds += run_now() - began;
+    if (run->checkpoint.refused)
+        return PK_RUN_USAGE;
+    if (run->checkpoint.left)
+        return leave(run);
     ends(run);
     code = diagnose_run(run, code);
     return finish(run, code);

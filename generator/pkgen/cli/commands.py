@@ -30,6 +30,7 @@ Make something of it
   export      MODEL.lag --as HOST          for FMI, C and other programs
 Integrate it
   run         MODEL.lag                    rows of the motion, as CSV
+  resume      FILE                         go on with a run from its checkpoint
   sweep       [MODEL.lag] [-o DIR]         many members of a plan, as Parquet
   plot        MODEL.lag|FILE.csv...        pictures, in the terminal or -o FILE.svg
 Judge methods
@@ -164,4 +165,5 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
             raise UsageError(f"one file at a time: what is {flag}?")
         known = [name for name in parser._option_string_actions if name not in ("-h", "--help")]
         raise UsageError(f"there is no option {flag}; {near(flag, known, 'option')}")
+    options.words = words[named:]
     return command, options

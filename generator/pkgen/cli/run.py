@@ -23,11 +23,11 @@ from ..run.simulate import Outcome, sidecar, simulate
 from ..scenes import asked as parsing
 from ..scenes import run as scene_run
 from ..scenes.judge import Verdict
-from ..system.exits import DONE, INTERRUPTED, NUMERICS_FAILED, UsageError
+from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED, UsageError
 from ..system.files import PARTIAL, Result, cut, scratch
 from ..system.progress import progress
 from . import arguments as shared
-from . import enclose, pictures
+from . import checkpoints, enclose, pictures
 from .compilation import compile_within_limits
 from .pictures import Wanted
 
@@ -47,21 +47,26 @@ pkgen run models/heavy_top.lag --scene nutation --method gauss4 --step 0.01
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.of_a_run(parser)
+    checkpoints.arguments(parser)
     enclose.arguments(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
     if options.enclose:
+        if options.checkpoint:
+            raise UsageError("--checkpoint is for a run by steps, without --enclose")
         return enclose.run(options)
     if options.digits is not None:
         raise UsageError("--digits is for --enclose; a run's accuracy is --rtol's")
     output = parsing.output(options.output)
     wanted = pictures.wanted(options)
+    checkpoints.refuse(options, output is not None, wanted is not None)
     what = prepared(options, wanted.view if wanted else None)
     if output is None and not options.json and wanted is None:
         sys.stdout.flush()
-        outcome, left = _simulate(what, sys.stdout.fileno()), None
+        more = checkpoints.settings(options, what)
+        outcome, left = _simulate(what, sys.stdout.fileno(), **more), None
     elif output is None:
         with scratch() as folder:
             outcome = to_scratch(what, folder / "rows.csv")
@@ -77,6 +82,7 @@ def run(options: argparse.Namespace) -> int:
         outcome, left = _to_file(options, what, output)
         if wanted:
             _pictures(options, wanted, what, outcome, left or output)
+    checkpoints.over(options, outcome)
     if outcome.code == DONE and not outcome.whole:  # who read the rows has gone
         return DONE
     tell(options, what, outcome)
@@ -84,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"pkgen: rows as far as they came: {left}", file=sys.stderr)
     if outcome.code == DONE and not options.diagnose:
         _hint(options, what.compilation.declared)
-    return judge(options, what, outcome)
+    return LEFT if outcome.code == LEFT else judge(options, what, outcome)
 
 
 def prepared(options: argparse.Namespace, view: View | None = None) -> Prepared:
@@ -147,8 +153,12 @@ def _to_file(
     """Run with the rows in the file asked for; where they are if they are not all."""
     left = None
     unfinished = Outcome(INTERRUPTED, {}, "")  # what the file says if pkgen is killed
-    with Result(output, _text(_describe(asked, unfinished, output.name))) as result:
-        outcome = _simulate(asked, result.file, output.suffix == ".npy")
+    more = checkpoints.settings(options, asked)
+    npy = output.suffix == ".npy"
+    kept = "begun" if options.resume else "all" if more else ""
+    description = _text(_describe(asked, unfinished, output.name))
+    with Result(output, description, kept if not npy else kept and "all") as result:
+        outcome = _simulate(asked, result.file, npy, **more)
         description = _describe(asked, outcome, output.name)
         if outcome.whole:
             result.finish(_text(description))
@@ -209,7 +219,9 @@ def _result(asked: Prepared, outcome: Outcome, table: Path) -> dict[str, object]
     return result
 
 
-def _simulate(asked: Prepared, output: IO[bytes] | int, npy: bool = False) -> Outcome:
+def _simulate(
+    asked: Prepared, output: IO[bytes] | int, npy: bool = False, **more: object
+) -> Outcome:
     with progress(asked.compilation.model.name) as on_progress:
         outcome = simulate(
             asked.compilation,
@@ -220,6 +232,7 @@ def _simulate(asked: Prepared, output: IO[bytes] | int, npy: bool = False) -> Ou
             asked.ensemble,
             asked.threads,
             npy,
+            **more,
         )
     diagnostics.name_places(outcome.report, asked.compilation)
     return outcome

@@ -77,22 +77,24 @@ def simulate(
     ensemble: Ensemble | None = None,
     threads: int | None = None,
     npy: bool = False,
+    **more: object,
 ) -> Outcome:
     """Run the model, its rows going to `output`, as CSV or as an array of float64 with named
-    columns: numpy.load(file)["theta1"]. SIGINT ends it with what there is."""
+    columns: numpy.load(file)["theta1"]. SIGINT ends it with what there is. `more` are settings of
+    the runtime that stand as they are."""
     if npy:
         import numpy
 
         made = compilation, library, settings, ensemble, on_progress
-        done, told = followed(*made, threads=threads or 0)
+        done, told = followed(*made, threads=threads or 0, **more)
         names = columns(compilation, ensemble, settings.show, sys.maxsize)
         if len(rows := done.rows()):
             numpy.save(output, rows.view([(c.name, float) for c in names])[:, 0])
         return told
     fd = output if isinstance(output, int) else output.fileno()
-    if settings.units:
+    if settings.units and not more.get("resume"):
         _write_header(columns(compilation, ensemble, settings.show, sys.maxsize), fd)
-    more = {"csv": fd, "header": not settings.units, "threads": threads or 0}
+    more |= {"csv": fd, "header": not settings.units, "threads": threads or 0}
     return followed(compilation, library, settings, ensemble, on_progress, **more)[1]
 
 

@@ -20,6 +20,8 @@ from .exits import INTERRUPTED, NumericsFailed
 # A terminal's signals go to the group in its foreground, which is pkgen's.
 KEEPER = "read nothing; kill -KILL 0"
 ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# By which queues warn of a limit of time: Slurm's --signal, -notify of Grid Engine, limits of LSF.
+ENDS += (signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)
 
 _keeper: subprocess.Popen[bytes] | None = None
 _ended = False  # threads may go on for a while; they start no more

@@ -5,6 +5,7 @@ MODEL_WRONG = 1
 USAGE = 2
 COMPILER_FAILED = 3
 NUMERICS_FAILED = 4  # the C driver ends with it
+LEFT = 75  # with a checkpoint, from which the run goes on
 INTERRUPTED = 130
 
 

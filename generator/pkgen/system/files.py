@@ -135,17 +135,23 @@ def _opened(path: Path, end: Path, how: int = 0) -> IO[bytes]:
 
 class Result:
     """A file that grows for long, and FILE.json, which describes it. Until both are finished they
-    are FILE.partial and FILE.partial.json, and what was there before is as it was."""
+    are FILE.partial and FILE.partial.json, and what was there before is as it was.
 
-    def __init__(self, path: Path, description: str):
-        self.path, self.end = path, place(path)
+    `kept`, of a run that another one may go on with: FILE.partial stays as it is if it is left,
+    "all" of it, and where it is "begun" that is what it goes on from."""
+
+    def __init__(self, path: Path, description: str, kept: str = ""):
+        self.path, self.end, self.kept = path, place(path), kept
         if self.end is None:
             self.file = open(path, "wb")  # noqa: SIM115
             return
         self.growing = partial(self.end)
+        if kept == "begun" and not (self.growing.exists() and self.growing.stat().st_size):
+            raise UsageError(f"{self.growing}: the rows so far are not there any more")
         self.file = _locked(self.growing, self.end)
         replace({beside(self.growing): description})
-        self.file.truncate(0)
+        if kept != "begun":
+            self.file.truncate(0)
 
     def __enter__(self) -> Result:
         return self
@@ -183,6 +189,8 @@ class Result:
     def _rows(self) -> bool:
         """Whether there are any: else nothing is kept."""
         self.file.flush()
+        if self.kept:
+            return True
         kept = cut(self.growing)
         if not kept:
             self.growing.unlink()

@@ -28,17 +28,18 @@ enum pk_trait {
     PK_SYMMETRIC = 1u << 1,
     PK_ADAPTIVE = 1u << 2,
     PK_IMPLICIT = 1u << 3,
-    PK_DENSE = 1u << 4,      /* pk_integrator_dense() works */
-    PK_JACOBIANS = 1u << 5,  /* calls the system's mass and jacobian */
-    PK_LINEAR = 1u << 6,     /* calls the system's mass and linear */
-    PK_NO_INPUTS = 1u << 7,  /* needs d/dt of all, which inputs do not give */
-    PK_EXACT = 1u << 8,      /* a step of any length errs by rounding alone; its order is 0 */
-    PK_HOLONOMIC = 1u << 9,  /* ends its steps on holonomic constraints itself, and takes no
+    PK_DENSE = 1u << 4,     /* pk_integrator_dense() works */
+    PK_JACOBIANS = 1u << 5, /* calls the system's mass and jacobian */
+    PK_LINEAR = 1u << 6,    /* calls the system's mass and linear */
+    PK_NO_INPUTS = 1u << 7, /* needs d/dt of all, which inputs do not give */
+    PK_EXACT = 1u << 8,     /* a step of any length errs by rounding alone; its order is 0 */
+    PK_HOLONOMIC = 1u << 9, /* ends its steps on holonomic constraints itself, and takes no
                                 rolling; calls unconstrained and inertia, or canonical and mass */
-    PK_GROUP = 1u << 10      /* turns rotations on SO(3): unit quaternions but for rounding */
+    PK_GROUP = 1u << 10     /* turns rotations on SO(3): unit quaternions but for rounding */
 };
 
 struct pk_integrator;
+struct pk_keep;
 
 struct pk_method {
     const char *name;
@@ -67,8 +68,10 @@ struct pk_method {
     /* The matrix of its last step's equations, of `stages` times n unknowns, as pk_lu_factor()
      * leaves it; NULL where that step had none. NULL: it has no such equations. */
     const pk_real *(*equations)(struct pk_integrator *it);
-    /* Only for methods of foreign libraries that allocate; else NULL. */
+    /* Only for methods of foreign libraries that allocate; else NULL. The second is pk/keep.h's of
+     * that memory, PK_REFUSED where nobody sees it. */
     void (*release)(struct pk_integrator *it);
+    enum pk_status (*keep)(struct pk_integrator *it, struct pk_keep *k);
 };
 
 /* NULL where there is none. The core's methods; see pk/gsl.h for GSL's. */

@@ -11,6 +11,7 @@
 #include <pk/ensemble.h>
 #include <pk/events.h>
 #include <pk/integrator.h>
+#include <pk/keep.h>
 #include <pk/least_action.h>
 #include <pk/linear.h>
 #include <pk/limits.h>

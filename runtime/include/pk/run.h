@@ -38,6 +38,7 @@ enum pk_run_code {
     PK_RUN_DONE = 0,
     PK_RUN_USAGE = 2,        /* wrong settings, or output that cannot be written */
     PK_RUN_FAILED = 4,       /* the numerics failed, or what rows show was not finite */
+    PK_RUN_LEFT = 75,        /* by `poll`, with a checkpoint from which it can go on */
     PK_RUN_INTERRUPTED = 130 /* by `poll` */
 };
 
@@ -118,6 +119,13 @@ struct pk_run_settings {
     const struct pk_run_reduced *reduced; /* what pk_run_members() has */
     int no_rows;                          /* no more than that */
     int lenient; /* a member whose parameters are refused fails alone, not the whole */
+
+    const char *checkpoint;         /* the file of checkpoints; NULL: there are none */
+    const char *checkpoint_note;    /* text that it holds for who resumes; or NULL */
+    double checkpoint_every;        /* seconds; 0: only where `poll` ends the run */
+    unsigned long checkpoint_after; /* steps (of parts rows, of an ensemble batches) after which
+                                       the run leaves with one; 0: it goes on */
+    int resume;                     /* it goes on from there, after the last row */
 
     int csv;    /* file descriptor for rows as CSV; < 0: they are kept in memory */
     int header; /* of names above the CSV */

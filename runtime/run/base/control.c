@@ -39,7 +39,7 @@ int run_stopped(struct pk_run *run, double part)
     const struct pk_run_settings *asked = &run->settings.asked;
     if (asked->cap > 0 && run_processor() - c->began > asked->cap)
         return c->slow = c->stop = 1;
-    if (!asked->poll)
+    if (!asked->poll && !asked->checkpoint)
         return 0;
     const double t = run_now();
     c->often = t - c->looked < SHORT ? SELDOM : 1;
@@ -47,7 +47,7 @@ int run_stopped(struct pk_run *run, double part)
     if (t - c->last < BETWEEN)
         return 0;
     c->last = t;
-    return c->stop = asked->poll(asked->context, part) != 0;
+    return c->stop = asked->poll && asked->poll(asked->context, part) != 0;
 }
 
 int run_open(struct pk_run *run, int fd)

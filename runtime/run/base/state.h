@@ -67,6 +67,13 @@ struct control {
     unsigned often;     /* and the steps from one look to the next */
 };
 
+/* Of each setting what a checkpoint knows it by. */
+enum { MARKS = 34 };
+struct mark {
+    const char *name;
+    uint64_t of;
+};
+
 /* Settings as the run uses them. */
 struct settings {
     struct pk_run_settings asked; /* of its lists those of parts and members are there for long */
@@ -90,6 +97,15 @@ struct settings {
     size_t n_show;
     struct expected *expected;
     struct drifting *drifting;
+    struct mark marks[MARKS]; /* of what was asked for, where there are checkpoints */
+};
+
+/* Of steps/checkpoint.c. */
+struct checkpoint {
+    double began, last; /* when the run did, and when one was written */
+    unsigned long looks, failures;
+    int written, resumed, refused; /* the last one is; the run goes on from one, or cannot */
+    int left;                      /* the run has ended with one */
 };
 
 /* The motion at a time. */
@@ -170,6 +186,7 @@ struct pk_run {
     struct diagnostics *diagnostics; /* NULL: none asked for */
     struct looking *looking;         /* of condition.c */
     struct loop *loop;               /* of members, for their area */
+    struct checkpoint checkpoint;
 };
 
 /* Numbers of a row: the member of an ensemble, t, the columns. */

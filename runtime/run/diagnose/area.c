@@ -92,4 +92,13 @@ static void row(struct pk_run *run, const struct moment *at)
         area_note(run, at->t, at->q, at->v);
 }
 
-const struct observer area_observer = {.row = row};
+static void keep(struct pk_run *run, struct pk_keep *k)
+{
+    const struct loop *l = run->loop;
+    if (!l)
+        return;
+    pk_keep(k, l->x, 2 * l->rows * l->n * l->members * sizeof *l->x);
+    pk_keep(k, l->came, l->members * sizeof *l->came);
+}
+
+const struct observer area_observer = {.row = row, .keep = keep};

@@ -140,7 +140,27 @@ void diagnose_report(const struct pk_run *run, struct json *j)
         json_raw(j, "diagnostics", run->diagnostics->text);
 }
 
-const struct observer diagnose_observer = {.row = keep_row, .report = diagnose_report};
+/* The rows on the way. */
+static void keep(struct pk_run *run, struct pk_keep *k)
+{
+    struct diagnostics *d = run->diagnostics;
+    const size_t size = (1 + 2 * run->settings.n) * sizeof *d->rows;
+    size_t count = d ? d->n_rows : 0;
+    pk_keep(k, &count, sizeof count);
+    if (!count || k->wrong)
+        return;
+    if (k->from && count > (k->size - k->used) / size) {
+        k->wrong = 1;
+        return;
+    }
+    d = diagnostics(run);
+    d->rows = memory_room(&run->memory, d->rows, count, &d->room, size);
+    d->n_rows = count;
+    pk_keep(k, d->rows, count * size);
+}
+
+const struct observer diagnose_observer = {
+    .row = keep_row, .report = diagnose_report, .keep = keep};
 
 void diagnose_free(struct pk_run *run)
 {

@@ -169,7 +169,11 @@ static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const 
     if (!run->control.stop)
         code = area_find(run, code, ended(&run->settings, tally));
     run->interrupted = run->control.stop;
-    if (run->interrupted) {
+    if (run->checkpoint.left) {
+        run_say(run, "left after %zu of %zu members with the checkpoint %s", tally->done,
+                run->settings.asked.members, run->settings.asked.checkpoint);
+        code = PK_RUN_LEFT;
+    } else if (run->interrupted) {
         run_say(run, "interrupted after %zu of %zu members", tally->done,
                 run->settings.asked.members);
         code = PK_RUN_INTERRUPTED;
@@ -180,10 +184,73 @@ static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const 
     return code;
 }
 
+struct ensemble {
+    struct batch b;
+    struct tally tally;
+    size_t first; /* of the members to come */
+};
+
+/* What is known of the members so far. */
+static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
+{
+    struct ensemble *of = context;
+    struct tally *tally = &of->tally;
+    const size_t ways = sizeof tally->failures / sizeof *tally->failures;
+    size_t first = tally->first_failed ? 1 + (size_t)(tally->first_failed - tally->failures) : 0;
+    pk_keep(k, &of->first, sizeof of->first);
+    pk_keep(k, &tally->done, sizeof tally->done);
+    pk_keep(k, &tally->failed, sizeof tally->failed);
+    pk_keep(k, &tally->astray, sizeof tally->astray);
+    pk_keep(k, &tally->first_astray, sizeof tally->first_astray);
+    pk_keep(k, tally->failures, sizeof tally->failures);
+    pk_keep(k, &first, sizeof first);
+    for (size_t i = 0; i < ways; i++)
+        tally->failures[i].reason[TALLY_REASON - 1] = '\0';
+    k->wrong |= first > ways || of->first > run->settings.asked.members;
+    tally->first_failed = first && !k->wrong ? &tally->failures[first - 1] : NULL;
+    watched_keep(tally, &run->settings, k);
+    return PK_DONE;
+}
+
+/* So many members; 0: the run is to end, and goes on another time before them. */
+static int make_batch(struct pk_run *run, struct ensemble *of, size_t count)
+{
+    struct batch *b = &of->b;
+    const struct settings *s = &run->settings;
+    b->e.members = count;
+    run->part = (double)of->first / (double)s->asked.members;
+    members_set(b, of->first, count, run);
+    if (member_by_one(s))
+        return watched_batch(b, run, of->first, count, &of->tally);
+    pk_ensemble_run_threads(&b->e, b->threads, b->block, b->block_size);
+    if (run->control.stop && s->asked.checkpoint)
+        return 0;
+    write_batch(b, run, of->first, count, &of->tally);
+    return 1;
+}
+
+/* Batches of one that has checkpoints begin small, and grow as long as they are short beside what is
+ * between two of these. */
+static void make_all(struct pk_run *run, struct ensemble *of)
+{
+    const struct pk_run_settings *asked = &run->settings.asked;
+    const size_t all = asked->members, least = of->b.threads * WHOLE_BLOCKS;
+    size_t take = asked->checkpoint && least < of->b.size ? least : of->b.size;
+    while (of->first < all && !run->control.stop && !run->write_failed) {
+        const double began = run_now();
+        const size_t left = all - of->first, count = left < take ? left : take;
+        of->first += make_batch(run, of, count) ? count : 0;
+        run_stopped(run, (double)of->first / (double)all);
+        checkpoint_look(run, keep, of);
+        if (take <= of->b.size / 2 && run_now() - began < asked->checkpoint_every / 4)
+            take *= 2;
+    }
+}
+
 enum pk_run_code ensemble_run(struct pk_run *run)
 {
-    struct batch b = {0};
-    struct tally tally = {0};
+    struct ensemble of = {0};
+    struct batch *b = &of.b;
     struct settings *s = &run->settings;
     const struct pk_system *system = s->system;
     const size_t rows = run->count > 1 ? (size_t)run->count : 1;
@@ -193,40 +260,31 @@ enum pk_run_code ensemble_run(struct pk_run *run)
     run->problem.system = system;
     s->options.stop = stop;
     s->options.context = run;
-    members_allocate(&b, run, rows);
-    if (watched && b.size > WATCHED_AT_ONCE)
-        b.size = WATCHED_AT_ONCE;
+    members_allocate(b, run, rows);
+    if (watched && b->size > WATCHED_AT_ONCE)
+        b->size = WATCHED_AT_ONCE;
     if ((member_fixed(s) && (system->facts & PK_CONSERVATIVE)) || expect_uses_h(run)) {
-        const struct pk_problem problem = {.system = system, .params = b.params};
+        const struct pk_problem problem = {.system = system, .params = b->params};
         run->monitor_block = memory_take(&run->memory, pk_monitor_size(&problem), 1);
     }
     for (size_t k = 0; k < rows; k++)
-        b.t[k] = k + 1 < rows ? (pk_real)(k + 1) * s->every : s->until;
-    enum pk_run_code code = s->asked.lenient ? PK_RUN_DONE : members_check(&b, run);
+        b->t[k] = k + 1 < rows ? (pk_real)(k + 1) * s->every : s->until;
+    enum pk_run_code code = s->asked.lenient ? PK_RUN_DONE : members_check(b, run);
     if (s->asked.n_reduced || s->asked.no_rows)
         run->members = memory_take(&run->memory, s->asked.members * (2 + s->asked.n_reduced),
                                    sizeof *run->members);
     if (watched)
-        watched_begin(&tally, run);
+        watched_begin(&of.tally, run);
     observe_begin(run);
-    code = code ? code : area_begin(run, b.t, rows);
+    code = code ? code : area_begin(run, b->t, rows);
     if (code)
         return code;
-    rows_header(run);
-    for (size_t first = 0; first < s->asked.members && !run->control.stop && !run->write_failed;
-         first += b.size) {
-        const size_t left = s->asked.members - first;
-        b.e.members = left < b.size ? left : b.size;
-        run->part = (double)first / (double)s->asked.members;
-        members_set(&b, first, b.e.members, run);
-        if (watched) {
-            watched_batch(&b, run, first, b.e.members, &tally);
-        } else {
-            pk_ensemble_run_threads(&b.e, b.threads, b.block, b.block_size);
-            write_batch(&b, run, first, b.e.members, &tally);
-        }
-        run_stopped(run, (double)(first + b.e.members) / (double)s->asked.members);
-    }
-    run->seconds = run_now() - began;
-    return finish(run, &b, &tally);
+    run->checkpoint.began = began;
+    if (!checkpoint_begin(run, keep, &of))
+        return PK_RUN_USAGE;
+    if (!s->asked.resume)
+        rows_header(run);
+    make_all(run, &of);
+    run->seconds += run_now() - began;
+    return finish(run, b, &of.tally);
 }

@@ -3,7 +3,7 @@
 #ifndef RUN_ENSEMBLE_H
 #define RUN_ENSEMBLE_H
 
-#include "../steps/steps.h"
+#include "../steps/checkpoint.h"
 
 /* A batch of members: parameters, starts and inputs, and room for their rows. */
 struct batch {
@@ -45,11 +45,13 @@ struct tally {
 };
 /* Members that run one by one since events are watched or there are switches: memory of the tally;
  * so many members; the members "events" and "switches" of the report. */
-enum { WATCHED_AT_ONCE = 1024 };
+enum { WATCHED_AT_ONCE = 1024, WHOLE_BLOCKS = 64 };
 void watched_begin(struct tally *tally, struct pk_run *run);
-void watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_t count,
-                   struct tally *tally);
+/* 0: the run is to end, and goes on another time before them. */
+int watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_t count,
+                  struct tally *tally);
 void watched_warn(struct pk_run *run, const struct tally *tally);
+void watched_keep(struct tally *tally, const struct settings *s, struct pk_keep *k);
 void watched_report(const struct tally *tally, const struct settings *s, struct json *j);
 
 /* Counts how a member ended; of the first that fails in a way, room for the reason: TALLY_REASON

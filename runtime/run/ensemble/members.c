@@ -7,8 +7,6 @@
 #define RUN_BATCH_BYTES (1 << 26)
 #endif
 
-enum { CHUNK = 64 };
-
 /* Parameters, start and inputs of member i of the batch from a row of the file. */
 static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, struct pk_run *run)
 {
@@ -96,8 +94,8 @@ void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
     struct memory *memory = &run->memory;
     struct pk_ensemble *e = &b->e;
     size_t size = fit < all ? fit : all;
-    if (size > CHUNK && size < all)
-        size -= size % CHUNK; /* whole blocks */
+    if (size > WHOLE_BLOCKS && size < all)
+        size -= size % WHOLE_BLOCKS;
     b->size = size;
     b->params = memory_take(memory, size, system->params_size);
     b->families_size = s->families_size;

@@ -2,7 +2,7 @@
  * of its own, with the rows and the verdicts of one, several at a time; what they wrote comes out
  * in their order.
  */
-#include "../diagnose/diagnose.h"
+#include "../diagnose/area.h"
 #include "../settings/settings.h"
 #include "ensemble.h"
 
@@ -122,19 +122,24 @@ void watched_begin(struct tally *tally, struct pk_run *run)
         tally->first = memory_take(memory, all, sizeof *tally->first);
 }
 
-void watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_t count,
-                   struct tally *tally)
+int watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_t count,
+                  struct tally *tally)
 {
     struct work w = {b, run, first, memory_take(&run->memory, count, sizeof *w.runs)};
     pk_parallel(b->threads, count, make, &w);
+    const int kept = !(run->control.stop && run->settings.asked.checkpoint);
+    if (!kept && run->loop)
+        memset(run->loop->came + first, 0, count * sizeof *run->loop->came);
     for (size_t i = 0; i < count; i++) {
         struct pk_run *of = &w.runs[i];
-        merge(run, of, tally);
+        if (kept)
+            merge(run, of, tally);
         run_end(of);
         memory_end(&of->memory);
         free(of->csv);
     }
     memory_drop(&run->memory, w.runs);
+    return kept;
 }
 
 void watched_warn(struct pk_run *run, const struct tally *tally)
@@ -144,6 +149,15 @@ void watched_warn(struct pk_run *run, const struct tally *tally)
         if (tally->doubts[k])
             run_say(run, "warning: %s: in %lu members %s", watch_name(s->system, k),
                     tally->doubts[k], WATCH_TOO_OFTEN);
+}
+
+void watched_keep(struct tally *tally, const struct settings *s, struct pk_keep *k)
+{
+    const size_t m = kinds(s), all = s->system->events.n * s->asked.members;
+    if (tally->crossings)
+        pk_keep(k, tally->crossings, 3 * m * sizeof *tally->crossings);
+    if (tally->first)
+        pk_keep(k, tally->first, all * sizeof *tally->first);
 }
 
 /* `from` events or switches on. */

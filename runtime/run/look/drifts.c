@@ -50,4 +50,11 @@ static void report(const struct pk_run *run, struct json *j)
     json_close(j, ']');
 }
 
-const struct observer drift_observer = {.step = step, .report = report};
+/* Of members each begins anew. */
+static void keep(struct pk_run *run, struct pk_keep *k)
+{
+    if (run->monitor_block && !run->settings.asked.members)
+        pk_monitor_keep(&run->monitor, k);
+}
+
+const struct observer drift_observer = {.step = step, .report = report, .keep = keep};

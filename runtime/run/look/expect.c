@@ -188,5 +188,28 @@ void expect_report(const struct pk_run *run, struct json *j)
     json_close(j, ']');
 }
 
-const struct observer expect_observer = {
-    .begin = begin, .step = step, .event = event, .row = row, .end = end, .report = expect_report};
+/* What is expected is in the settings. */
+static void keep(struct pk_run *run, struct pk_keep *k)
+{
+    for (size_t i = 0; i < run->settings.asked.n_expected; i++) {
+        struct expected *x = &run->settings.expected[i];
+        const struct pk_run_expected of = x->of;
+        pk_keep(k, x, sizeof *x);
+        x->of = of;
+    }
+    for (size_t i = 0; i < run->settings.asked.n_drifts; i++) {
+        struct drifting *d = &run->settings.drifting[i];
+        const struct drifting was = *d;
+        pk_keep(k, d, sizeof *d);
+        d->energy = was.energy;
+        d->output = was.output;
+    }
+}
+
+const struct observer expect_observer = {.begin = begin,
+                                         .step = step,
+                                         .event = event,
+                                         .row = row,
+                                         .end = end,
+                                         .report = expect_report,
+                                         .keep = keep};

@@ -4,6 +4,8 @@
 #ifndef RUN_LOOK_H
 #define RUN_LOOK_H
 
+#include <pk/keep.h>
+
 #include "../base/json.h"
 #include "../base/state.h"
 
@@ -17,6 +19,7 @@ struct observer {
     void (*row)(struct pk_run *run, const struct moment *at);
     void (*end)(struct pk_run *run);                          /* of one trajectory */
     void (*report)(const struct pk_run *run, struct json *j); /* members of the report, in JSON */
+    void (*keep)(struct pk_run *run, struct pk_keep *k);      /* what it knows, for a checkpoint */
 };
 
 extern const struct observer watch_observer, rows_observer, expect_observer, drift_observer,

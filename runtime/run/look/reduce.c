@@ -125,4 +125,12 @@ void reduce_end(struct pk_run *run, struct pk_run *of, size_t member, enum pk_st
     of->reduces = 0;
 }
 
-const struct observer reduce_observer = {.begin = begin, .row = row};
+/* What is kept of members so far; between two of them there is nothing else. */
+static void keep(struct pk_run *run, struct pk_keep *k)
+{
+    const struct pk_run_settings *s = &run->settings.asked;
+    if (run->members)
+        pk_keep(k, run->members, s->members * (2 + s->n_reduced) * sizeof *run->members);
+}
+
+const struct observer reduce_observer = {.begin = begin, .row = row, .keep = keep};

@@ -218,7 +218,42 @@ static void write_row(struct pk_run *run, const struct moment *at)
     }
 }
 
-const struct observer rows_observer = {.begin = begin, .row = write_row};
+/* A column as its number, 0 for none: those of the rows. */
+static void keep_column(struct pk_run *run, struct pk_keep *k, const struct pk_run_column **column)
+{
+    const struct settings *s = &run->settings;
+    size_t number = *column ? 1 + (size_t)(*column - s->show) : 0;
+    pk_keep(k, &number, sizeof number);
+    k->wrong |= number > s->n_show;
+    *column = number && !k->wrong ? &s->show[number - 1] : NULL;
+}
+
+/* Rows that are kept are in it; those of a file are where they are. */
+static void keep_all(struct pk_run *run, struct pk_keep *k)
+{
+    const size_t size = run_width(run) * sizeof(double), had = run->n_kept;
+    size_t count = had;
+    pk_keep(k, &count, sizeof count);
+    if (k->from && !k->wrong && count > had) {
+        k->wrong |= count > (k->size - k->used) / size;
+        if (!k->wrong)
+            grow(run, count - had);
+    }
+    run->n_kept = k->wrong ? had : count;
+    pk_keep(k, run->kept, run->n_kept * size);
+    if (run->kept_low)
+        pk_keep(k, run->kept_low, run->n_kept * size);
+    pk_keep(k, &run->rows, sizeof run->rows);
+    pk_keep(k, &run->last_row, sizeof run->last_row);
+    pk_keep(k, &run->bad_t, sizeof run->bad_t);
+    pk_keep(k, &run->bad_rows, sizeof run->bad_rows);
+    pk_keep(k, &run->lost_t, sizeof run->lost_t);
+    pk_keep(k, &run->lost_rows, sizeof run->lost_rows);
+    keep_column(run, k, &run->not_finite);
+    keep_column(run, k, &run->lost);
+}
+
+const struct observer rows_observer = {.begin = begin, .row = write_row, .keep = keep_all};
 
 enum pk_run_code rows_end(struct pk_run *run, enum pk_run_code code)
 {

@@ -19,7 +19,13 @@ static void step(struct pk_run *run, const struct moment *at)
         run->trusted = at->t;
 }
 
-const struct observer trust_observer = {.step = step};
+static void keep(struct pk_run *run, struct pk_keep *k)
+{
+    pk_keep(k, &run->trusted, sizeof run->trusted);
+    pk_keep(k, &run->distrusted, sizeof run->distrusted);
+}
+
+const struct observer trust_observer = {.step = step, .keep = keep};
 
 /* Whether the status is one that the path may have come to by its steps alone. */
 static int doubtful(const struct pk_run *run)

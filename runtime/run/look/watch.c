@@ -97,4 +97,17 @@ static void report(const struct pk_run *run, struct json *j)
     json_close(j, ']');
 }
 
-const struct observer watch_observer = {.event = note, .report = report};
+static void keep(struct pk_run *run, struct pk_keep *k)
+{
+    const struct pk_system *system = run->problem.system;
+    for (size_t i = 0; run->crossed && i < system->events.n + system->switches.n; i++) {
+        struct crossed *crossed = &run->crossed[i];
+        pk_real *const times = crossed->t;
+        crossed->t = NULL;
+        pk_keep(k, crossed, sizeof *crossed);
+        crossed->t = times;
+        pk_keep(k, times, WATCH_TIMES * sizeof *times);
+    }
+}
+
+const struct observer watch_observer = {.event = note, .report = report, .keep = keep};

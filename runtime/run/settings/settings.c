@@ -314,6 +314,8 @@ enum pk_run_code settings_take(struct pk_run *run)
     s->u = memory_take(s->memory, system->n_inputs, sizeof *s->u);
     for (size_t i = 0; i < sizeof each / sizeof *each && !wrong; i++)
         wrong = each[i](s);
+    if (!wrong && s->asked.checkpoint)
+        settings_mark(s);
     if (wrong && *wrong)
         run_say(run, "%s", wrong);
     return wrong ? PK_RUN_USAGE : PK_RUN_DONE;

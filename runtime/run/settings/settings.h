@@ -10,7 +10,9 @@ enum pk_run_code settings_take(struct pk_run *run);
 /* Into `params`: those that the settings give, then `more`, then defaults that follow from them.
  * `params` is a copy of the settings' own, or that. 0: there is no such parameter. */
 int settings_assign(struct settings *s, void *params, const struct pk_run_value *more,
-                        size_t n_more);
+                    size_t n_more);
+/* settings->marks, while its lists are there. */
+void settings_mark(struct settings *s);
 /* Parameters as they are in memory; with the start, one JSON object. */
 void json_parameters_known(struct json *j, const struct pk_system *system, const void *params);
 void settings_tell(struct pk_run *run, FILE *file);

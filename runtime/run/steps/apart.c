@@ -1,7 +1,7 @@
 /* Blocks of coordinates integrated apart. Adaptive parts land on rows; fixed-step parts reach rows by a second integrator.
  * run->it makes no steps: it has time, state and summed counts.
  */
-#include "steps.h"
+#include "checkpoint.h"
 
 #include "../settings/settings.h"
 
@@ -90,8 +90,8 @@ enum pk_run_code apart_begin(struct pk_run *run)
     run->block = memory_take(&run->memory, size, 1);
     drift_begin(run, &run->problem);
     const enum pk_status status = pk_apart_init(&run->apart, &run->problem, run->settings.parts,
-                                          run->choices, run->settings.n_parts, 0, s->q, s->v,
-                                          run->block, size);
+                                                run->choices, run->settings.n_parts, 0, s->q, s->v,
+                                                run->block, size);
     look(run);
     return status < 0 ? PK_RUN_FAILED : PK_RUN_DONE;
 }
@@ -133,15 +133,31 @@ static void watch_parts(struct pk_run *run)
     a->context = run;
 }
 
+static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
+{
+    (void)context;
+    pk_keep(k, &run->next, sizeof run->next);
+    const enum pk_status status = pk_apart_keep(&run->apart, k);
+    for (size_t i = 0; i < run->apart.count; i++)
+        pk_monitor_keep(&run->part_monitors[i], k);
+    return status;
+}
+
 void apart_integrate(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     struct pk_apart *a = &run->apart;
     watch_parts(run);
-    observe_row(run, run_moment(run));
-    observe_step(run, run_moment(run));
-    for (pk_real k = 1; k <= run->count && !run->interrupted && !run->write_failed; k += 1) {
-        const pk_real t = run_row_time(run, k, run->count);
+    run->next = 1;
+    if (!checkpoint_begin(run, keep, NULL))
+        return;
+    look(run);
+    if (!run->checkpoint.resumed) {
+        observe_row(run, run_moment(run));
+        observe_step(run, run_moment(run));
+    }
+    while (run->next <= run->count && !run->interrupted && !run->write_failed) {
+        const pk_real t = run_row_time(run, run->next, run->count);
         while (a->t < t) {
             pk_apart_to(a, expect_limit(run, a->t, t), s->until);
             look(run);
@@ -153,7 +169,9 @@ void apart_integrate(struct pk_run *run)
         struct moment now = *run_moment(run);
         now.t = t;
         observe_row(run, &now);
+        run->next += 1;
         run->interrupted = run_stopped(run, (double)(t / s->until));
+        checkpoint_look(run, keep, NULL);
     }
     observe_end(run);
 }

@@ -30,12 +30,23 @@ const struct moment *run_moment(struct pk_run *run)
     return &run->now;
 }
 
+enum pk_status run_aside(struct pk_run *run)
+{
+    const struct pk_integrator *it = &run->it;
+    const size_t size = pk_integrator_size(&it->problem, it->method);
+    struct pk_problem problem = run->problem;
+    if (run->events.params) /* with the sides of switches */
+        problem.params = run->events.params;
+    run->aside_block = memory_take(&run->memory, size, 1);
+    return pk_integrator_init(&run->aside, &problem, it->method, &it->options, it->t, it->q, it->v,
+                              run->aside_block, size);
+}
+
 /* The motion at t within the last step; q is NULL where that fails. */
 static struct moment at(struct pk_run *run, pk_real t)
 {
     struct pk_integrator *it = &run->it;
     const struct moment none = {t, NULL, NULL}, now = {t, it->q, it->v};
-    const size_t size = pk_integrator_size(&it->problem, it->method);
     pk_real *q = run->row, *v = q + it->n;
     if (pk_integrator_is_at(it, t))
         return now;
@@ -43,18 +54,10 @@ static struct moment at(struct pk_run *run, pk_real t)
         const struct moment dense = {t, q, v};
         return pk_integrator_dense(it, t, q, v) < 0 ? none : dense;
     }
-    if (!run->aside_block) {
-        struct pk_problem problem = run->problem;
-        if (run->events.params) /* with the sides of switches */
-            problem.params = run->events.params;
-        run->aside_block = memory_take(&run->memory, size, 1);
-        const enum pk_status begun = pk_integrator_init(&run->aside, &problem, it->method,
-                                                        &it->options, it->t, it->q, it->v,
-                                                        run->aside_block, size);
-        if (begun < 0) {
-            it->status = begun;
-            return none;
-        }
+    const enum pk_status begun = run->aside_block ? PK_DONE : run_aside(run);
+    if (begun < 0) {
+        it->status = begun;
+        return none;
     }
     run->aside.options.h = it->options.h;
     const enum pk_status status = it->status;

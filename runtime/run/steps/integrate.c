@@ -1,5 +1,5 @@
 /* One trajectory from the start to the end, row by row. */
-#include "steps.h"
+#include "checkpoint.h"
 
 enum { CLOSE = 8 }; /* steps between two looks at drifts where steps may be too long for a pole */
 
@@ -21,13 +21,17 @@ static enum pk_status many(struct pk_run *run, pk_real end)
                                end > next && whole < (pk_real)most ? (unsigned long)whole : most);
 }
 
+static int fused(const struct pk_run *run)
+{
+    const struct pk_system *system = run->problem.system;
+    return system->families.advance && run_fixed(run) && !system->events.n;
+}
+
 static int step(struct pk_run *run)
 {
     struct pk_integrator *it = &run->it;
-    const struct pk_system *system = run->problem.system;
-    const int fused = system->families.advance && run_fixed(run) && !system->events.n;
     const pk_real end = run_limit(run);
-    const enum pk_status status = fused ? many(run, end) : crossings_step(run, end);
+    const enum pk_status status = fused(run) ? many(run, end) : crossings_step(run, end);
     if (status < 0)
         return 0;
     const pk_real h = it->t - it->last_t; /* 0 at an event that stopped */
@@ -35,12 +39,39 @@ static int step(struct pk_run *run)
         run->h_min = h;
     if (h > run->h_max)
         run->h_max = h;
-    if (!fused || singular(run) || !(it->t < end))
+    if (!fused(run) || singular(run) || !(it->t < end))
         observe_step(run, run_moment(run));
+    return status == PK_DONE && !run->write_failed;
+}
+
+/* All that a step leaves to the next one. */
+static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
+{
+    int aside = run->aside_block != NULL;
+    (void)context;
+    pk_keep(k, &run->next, sizeof run->next);
+    pk_keep(k, &run->expecting, sizeof run->expecting);
+    pk_keep(k, &run->h_min, sizeof run->h_min);
+    pk_keep(k, &run->h_max, sizeof run->h_max);
+    pk_keep(k, &aside, sizeof aside);
+    enum pk_status status = pk_integrator_keep(&run->it, k);
+    if (status >= 0 && run->crossed)
+        status = pk_events_keep(&run->events, k);
+    if (status >= 0 && aside && !run->aside_block)
+        status = run_aside(run);
+    return status >= 0 && aside ? pk_integrator_keep(&run->aside, k) : status;
+}
+
+/* Between steps, a step of a large system is many: whether it goes on. */
+static int goes_on(struct pk_run *run)
+{
+    const struct pk_integrator *it = &run->it;
     const struct control *control = run->settings.control;
-    if (fused || control->often < 2 || it->count.steps % control->often == 0 || control->stop)
+    if (fused(run) || control->often < 2 || it->count.steps % control->often == 0 || control->stop)
         run->interrupted = run_stopped(run, (double)(it->t / run->settings.until));
-    return status == PK_DONE && !run->interrupted && !run->write_failed;
+    if (!run->settings.asked.members)
+        checkpoint_look(run, keep, NULL);
+    return !run->interrupted;
 }
 
 void run_integrate(struct pk_run *run)
@@ -49,12 +80,19 @@ void run_integrate(struct pk_run *run)
     const struct pk_integrator *it = &run->it;
     const int by_time = s->has_every || (!s->asked.bare && !s->asked.at),
               each = by_time && !(s->every > 0);
-    if (by_time && (s->has_every || !s->asked.members)) /* of a member the final state alone */
-        observe_row(run, run_moment(run));
-    observe_step(run, run_moment(run));
-    while (it->t < s->until && step(run) && run_due(run, it->t))
+    if (!s->asked.members && !checkpoint_begin(run, keep, NULL))
+        return;
+    if (!run->checkpoint.resumed) {
+        if (by_time && (s->has_every || !s->asked.members)) /* of a member the final state alone */
+            observe_row(run, run_moment(run));
+        observe_step(run, run_moment(run));
+    }
+    int goes = 1;
+    while (goes && it->t < s->until && step(run) && run_due(run, it->t)) {
         if (each)
             observe_row(run, run_moment(run));
+        goes = goes_on(run);
+    }
     if (by_time && it->status == PK_STOPPED_EVENT && (!run->rows || run->last_row < it->t))
         observe_row(run, run_moment(run));
     observe_end(run);

@@ -26,4 +26,6 @@ void observe_row(struct pk_run *run, const struct moment *at) { EACH(row)(run, a
 
 void observe_end(struct pk_run *run) { EACH(end)(run); }
 
+void observe_keep(struct pk_run *run, struct pk_keep *k) { EACH(keep)(run, k); }
+
 void observe_report(const struct pk_run *run, struct json *j) { EACH(report)(run, j); }

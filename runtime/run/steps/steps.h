@@ -21,6 +21,8 @@ enum pk_status crossings_step(struct pk_run *run, pk_real limit);
 /* Of due.c. Rows by time, and what is expected at times, up to t in the last step: 0 where the
  * motion there cannot be had. */
 int run_due(struct pk_run *run, pk_real t);
+/* The integrator for states within fixed steps, begun where the run is. */
+enum pk_status run_aside(struct pk_run *run);
 /* The next time up to `limit` for which a row or what is expected asks. */
 pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit);
 /* Where a step is to end at the latest. */
@@ -41,6 +43,7 @@ void observe_step(struct pk_run *run, const struct moment *at);
 void observe_crossing(struct pk_run *run, size_t event, const struct moment *at);
 void observe_row(struct pk_run *run, const struct moment *at);
 void observe_end(struct pk_run *run);
+void observe_keep(struct pk_run *run, struct pk_keep *k);
 void observe_report(const struct pk_run *run, struct json *j);
 
 /* Of apart.c: blocks of coordinates integrated apart; see pk/apart.h. */

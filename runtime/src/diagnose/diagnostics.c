@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <pk/diagnostics.h>
+#include <pk/keep.h>
 
 #include "../core/internal.h"
 
@@ -198,4 +199,16 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
         for (size_t i = 0; i < system->n_conserved; i++)
             pk_drift_update(&monitor->conserved[i], t, c[i]);
     }
+}
+
+void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k) { pk_keep(k, drift, sizeof *drift); }
+
+void pk_monitor_keep(struct pk_monitor *monitor, struct pk_keep *k)
+{
+    const struct pk_problem *problem = &monitor->problem;
+    const size_t count = momenta_of(problem) + problem->system->n_conserved;
+    pk_keep_same(k, count);
+    pk_drift_keep(&monitor->energy, k);
+    for (size_t i = 0; i < count; i++)
+        pk_drift_keep(&monitor->momenta[i], k);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <pk/apart.h>
+#include <pk/keep.h>
 
 #include "../core/internal.h"
 
@@ -13,10 +14,7 @@ enum { ALIGNED = 64 };
 
 static size_t padded(size_t bytes) { return (bytes + ALIGNED - 1) / ALIGNED * ALIGNED; }
 
-static size_t state_reals(const struct pk_system *whole)
-{
-    return 2 * whole->n + whole->n_inputs;
-}
+static size_t state_reals(const struct pk_system *whole) { return 2 * whole->n + whole->n_inputs; }
 
 /* Params and the map of inputs. */
 static size_t own_size(const struct pk_system *system)
@@ -276,4 +274,20 @@ void pk_apart_free(struct pk_apart *a)
 {
     for (size_t k = 0; a->parts && k < a->count; k++)
         pk_integrator_free(&a->parts[k].it), pk_integrator_free(&a->parts[k].aside);
+}
+
+enum pk_status pk_apart_keep(struct pk_apart *a, struct pk_keep *k)
+{
+    pk_keep_same(k, a->count);
+    pk_keep(k, &a->t, sizeof a->t);
+    pk_keep(k, a->state, state_reals(a->whole.system) * sizeof *a->state);
+    for (size_t i = 0; i < a->count; i++) {
+        struct pk_apart_part *part = &a->parts[i];
+        int aside = part->there == &part->aside;
+        pk_keep(k, &aside, sizeof aside);
+        part->there = aside ? &part->aside : &part->it;
+        PK_TRY(pk_integrator_keep(&part->it, k));
+        PK_TRY(pk_integrator_keep(&part->aside, k));
+    }
+    return PK_DONE;
 }

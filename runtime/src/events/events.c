@@ -10,6 +10,8 @@
  */
 #include <string.h>
 
+#include <pk/keep.h>
+
 #include "events.h"
 
 enum { HALVINGS = 20 };  /* of what is left to a singularity: to a millionth of a step */
@@ -28,8 +30,8 @@ static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_
         {&e->g, m * (PK_MOST_SAMPLES + 2)}, {&e->ends, 2 * m},
         {&e->list, m * PK_EVENT_ENTRY * PK_MOST_NODES},
         {&e->held, system->events.n}, {&e->off, system->events.n}, {&e->fresh, system->switches.n},
-        {&params, system->switches.n ? pk_params_reals(system) : 0},
-        {&e->room, pk_impulse_size(system, n)}};
+        {&e->room, pk_impulse_size(system, n)},
+        {&params, system->switches.n ? pk_params_reals(system) : 0}};
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     e->shapes = (struct pk_shape *)(void *)shapes;
@@ -75,6 +77,29 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     }
     return pk_integrator_init(&events->scout, problem, it->method, &options, it->t, it->q, it->v,
                               block, scout);
+}
+
+/* The parameters, which stand last, are those of the caller but for the sides. */
+enum pk_status pk_events_keep(struct pk_events *e, struct pk_keep *k)
+{
+    struct pk_events shape;
+    if (pk_events_count(e) == 0)
+        return PK_DONE;
+    const struct pk_problem *problem = &e->scout.problem;
+    const size_t params = e->n_switches ? pk_params_reals(problem->system) * sizeof(pk_real) : 0;
+    pk_keep_same(k, e->n_events);
+    pk_keep_same(k, e->n_switches);
+    pk_keep(k, e->shapes, lay_out(&shape, problem, NULL) - params);
+    pk_keep(k, e->sides, e->n_switches * sizeof *e->sides);
+    pk_keep(k, &e->doubts, sizeof e->doubts);
+    pk_keep(k, &e->count, sizeof e->count);
+    pk_keep(k, &e->switchings, sizeof e->switchings);
+    pk_keep(k, &e->tries, sizeof e->tries);
+    int *const flags[] = {&e->by_steps, &e->at_switch, &e->begun, &e->kept, &e->brief, &e->again};
+    for (size_t i = 0; i < sizeof flags / sizeof *flags; i++)
+        pk_keep(k, flags[i], sizeof *flags[i]);
+    pk_keep(k, &e->left, sizeof e->left);
+    return pk_integrator_keep(&e->scout, k);
 }
 
 void pk_events_free(struct pk_events *events) { pk_integrator_free(&events->scout); }

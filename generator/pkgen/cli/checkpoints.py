@@ -1,0 +1,124 @@
+"""Checkpoints of `pkgen run`: what is refused, what their note says, which of a run's files stay.
+
+The file is the runtime's (`runtime/run/base/checkpoint.c`); docs/checkpoints.md has its format.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import struct
+import zlib
+from pathlib import Path
+
+from ..api.prepare import Prepared
+from ..front.read import STANDARD
+from ..run.simulate import Outcome
+from ..system.exits import DONE, NUMERICS_FAILED, UsageError
+from ..version import __version__
+
+USUAL = 60.0  # seconds from one to the next
+MAGIC, VERSION = b"pkgen checkpoint", 1
+HEAD = struct.Struct("=16sIIQQII")  # magic, version, sum; order, size of the file, real, note
+SUMMED = 24
+ORDER = 0x0102030405060708
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--checkpoint", metavar="FILE", help="where the run is kept, for pkgen resume FILE")
+    add("--checkpoint-every", metavar="S", help=f"seconds between two (default: {USUAL:g})")
+    parser.set_defaults(resume=False)
+
+
+def refuse(options: argparse.Namespace, to_file: bool, drawn: bool) -> None:
+    """What has no checkpoints; and a file that is there is not written over."""
+    if options.checkpoint is None:
+        if options.checkpoint_every is not None:
+            raise UsageError("--checkpoint-every is for --checkpoint FILE")
+        return
+    path = Path(options.checkpoint)
+    if options.model == STANDARD:
+        raise UsageError("--checkpoint: give the model as a file, which pkgen resume can read")
+    if not to_file and (options.json or drawn or options.output == "-"):
+        raise UsageError("--checkpoint: give the rows a file too, -o FILE.csv")
+    if not os.access(path.parent, os.W_OK):
+        raise UsageError(f"--checkpoint {path}: there is no folder {path.parent} to write in")
+    if path.exists() and not options.resume:
+        raise UsageError(
+            f"--checkpoint {path}: it is there already; `pkgen resume {path}` goes on from it, "
+            "remove it to begin anew"
+        )
+
+
+def _seconds(options: argparse.Namespace) -> float:
+    text = options.checkpoint_every
+    try:
+        seconds = USUAL if text is None else float(text)
+    except ValueError:
+        seconds = -1
+    if not 0 <= seconds < math.inf:
+        raise UsageError(f"--checkpoint-every {text}: give a number of seconds, 0: only at the end")
+    return seconds
+
+
+def settings(options: argparse.Namespace, what: Prepared) -> dict[str, object]:
+    """What the runtime is told."""
+    if options.checkpoint is None:
+        return {}
+    assert what.library is not None
+    note = {
+        "pkgen": __version__,
+        "words": options.words,
+        "folder": os.getcwd(),
+        "built": what.library.parent.name,
+    }
+    if options.resume and options.resume["built"] != note["built"]:
+        raise UsageError(
+            f"{options.checkpoint}: its run was compiled otherwise: the model, the C compiler, "
+            "its flags or pkgen are others now, and so would the last bits be"
+        )
+    return {
+        "checkpoint": os.fsencode(options.checkpoint),
+        "checkpoint_every": _seconds(options),
+        "checkpoint_note": json.dumps(note).encode(),
+        "resume": int(bool(options.resume)),
+    }
+
+
+def over(options: argparse.Namespace, outcome: Outcome) -> None:
+    """A run that has ended, well or not, has nothing to go on with."""
+    if (
+        options.checkpoint is not None
+        and outcome.report
+        and outcome.code in (DONE, NUMERICS_FAILED)
+    ):
+        Path(options.checkpoint).unlink(missing_ok=True)
+
+
+def note(path: Path) -> dict[str, object]:
+    """What a checkpoint says of its run. Raises UsageError where it is none of ours."""
+    bytes_ = path.read_bytes()
+    if len(bytes_) < HEAD.size or not bytes_.startswith(MAGIC):
+        raise UsageError(f"{path}: it is no checkpoint of pkgen")
+    _, version, sum_, order, size, _real, length = HEAD.unpack_from(bytes_)
+    if version != VERSION or order != ORDER:
+        raise UsageError(f"{path}: it is of another version of pkgen, or another kind of machine")
+    if size != len(bytes_) or zlib.crc32(memoryview(bytes_)[SUMMED:]) != sum_:
+        raise UsageError(f"{path}: it is damaged: its sum is not that of its bytes")
+    is_ = path.stat()
+    if is_.st_uid not in (os.geteuid(), 0) or is_.st_mode & 0o022:
+        raise UsageError(
+            f"{path}: others can write it, and what is in it is believed: take a copy of your own"
+        )
+    try:
+        found = json.loads(bytes_[HEAD.size : HEAD.size + length])
+        words, built = found["words"], found["built"]
+        folder = Path(found["folder"])
+    except (ValueError, KeyError, TypeError):
+        raise UsageError(f"{path}: it is of a program that pkgen has built: run that") from None
+    if not (isinstance(words, list) and all(isinstance(word, str) for word in words)):
+        raise UsageError(f"{path}: it says nothing that pkgen run understands")
+    return {"words": words, "built": built, "folder": folder}

@@ -1,0 +1,76 @@
+/* What an integrator has between two steps; see pk/keep.h. The memory of a method is numbers alone,
+ * and all of it lies in the block: so one call keeps that of every method.
+ */
+#include <string.h>
+
+#include <pk/keep.h>
+
+#include "../core/internal.h"
+
+/* Where things lie, which is of this process alone. */
+static void addresses(struct pk_integrator_private *to, const struct pk_integrator_private *from)
+{
+    to->step = from->step;
+    to->state = from->state;
+    to->next = from->next;
+    to->u = from->u;
+    to->work = from->work;
+    to->atol = from->atol;
+    to->singularities = from->singularities;
+    to->n_singularities = from->n_singularities;
+    to->lane = from->lane;
+    to->project = from->project;
+    to->passage = from->passage;
+    to->params = from->params;
+    to->marks = from->marks;
+    to->extra = from->extra;
+}
+
+static unsigned long long name(const char *text)
+{
+    unsigned long long sum = 0;
+    for (; *text; text++)
+        sum = 31 * sum + (unsigned char)*text;
+    return sum;
+}
+
+enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
+{
+    static const struct pk_integrator_private nowhere;
+    struct pk_integrator_private *own = it->own;
+    if (!own || !own->state || (it->method->release && !it->method->keep))
+        return PK_REFUSED;
+    struct pk_integrator_private kept = *own;
+    int turned = own->next < own->state;
+    pk_real *const first = turned ? own->next : own->state, *const end = own->params;
+    pk_real *const second = first + PK_PARTS * it->n;
+
+    pk_keep_same(k, name(it->method->name));
+    pk_keep_same(k, sizeof kept + sizeof(pk_real));
+    pk_keep_same(k, (unsigned long long)(end - first));
+    addresses(&kept, &nowhere);
+    pk_keep(k, &kept, sizeof kept);
+    addresses(&kept, own);
+    pk_keep(k, &turned, sizeof turned);
+    pk_keep(k, first, (size_t)(end - first) * sizeof *first);
+    pk_keep(k, &it->t, sizeof it->t);
+    pk_keep(k, &it->last_t, sizeof it->last_t);
+    pk_keep(k, &it->count, sizeof it->count);
+    pk_keep(k, &it->passed_over, sizeof it->passed_over);
+    pk_keep(k, &it->status, sizeof it->status);
+    pk_keep(k, &it->where, sizeof it->where);
+    pk_keep(k, &it->detail, sizeof it->detail);
+    pk_keep(k, &it->event, sizeof it->event);
+    pk_keep(k, &it->options.h, sizeof it->options.h);
+    const enum pk_status status = it->method->keep ? it->method->keep(it, k) : PK_DONE;
+    if (status < 0 || k->wrong)
+        return status < 0 ? status : PK_BLOCK_TOO_SMALL;
+    *own = kept;
+    own->state = turned ? second : first;
+    own->next = turned ? first : second;
+    it->q = pk_part(own->state, it->n, PK_Q);
+    it->v = pk_part(own->state, it->n, PK_V);
+    if (it->p)
+        it->p = pk_part(own->state, it->n, PK_P);
+    return PK_DONE;
+}
