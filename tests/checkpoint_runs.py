@@ -52,9 +52,9 @@ kinetic (a'^2 + b'^2/100)/2
 potential -cos(a) - cos(b)
 start a = 1.5, b = 1.5
 scene s
-  until 3
+  until 2
   record a, b every 0.1
-  method gauss rtol 1e-9
+  accuracy 1e-6
 end
 """  # integrated in two
 UNTIL, ROWS, STEPS = 3.0, 37, 230
