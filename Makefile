@@ -10,7 +10,7 @@ ifeq ($(origin CC),default)
 CC := gcc
 endif
 
-.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install install-runtime install-shell clean
+.PHONY: help setup demo fuzz asan test test-long test-licence test-python test-debian systems bodies published chart stability pictures bench site lint format golden install install-runtime install-shell wheel deb clean
 .DEFAULT_GOAL := help
 
 help:
@@ -27,6 +27,8 @@ help:
 	@echo 'make pictures   every picture of docs/, ten minutes (ONLY="kepler.png ...": some)'
 	@echo 'make bench      speed beside the peers, 20 minutes (QUICK=1: a few; DOCS=1: into docs)'
 	@echo 'make site       docs and models as pages, each model live: build/site/index.html'
+	@echo 'make wheel      build/dist: the wheel, the same bytes each time, and what it holds and needs'
+	@echo 'make deb        build/dist: the Debian package'
 	@echo 'make setup lint format golden asan clean, make install PREFIX=DIR'
 
 STAMP := $(VENV)/.setup-done
@@ -147,6 +149,12 @@ install-runtime:
 	sed 's|@VERSION@|$(VERSION)|' tools/install/pk.pc.in > $(PREFIX)/lib/pkgconfig/pk.pc
 	install -m 644 tools/install/pkConfig.cmake $(PREFIX)/lib/cmake/pk/
 	sed 's|@VERSION@|$(VERSION)|' tools/install/pkConfigVersion.cmake.in > $(PREFIX)/lib/cmake/pk/pkConfigVersion.cmake
+
+wheel: $(STAMP)
+	@$(PYTHON) tools/release
+
+deb:
+	@sh tools/release/deb.sh
 
 clean:
 	rm -rf build/* $(VENV) generator/*.egg-info *.egg-info
