@@ -13,7 +13,7 @@ async function activate() {
     await client.start();
   } catch (error) {
     window.showWarningMessage(
-      `pkgen: no language server (${error.message}). Install it by: pip install 'pkgen[lsp]', ` +
+      `pkgen: no language server (${error.message}). Install it by: pip install 'pygls>=2', ` +
         "or name its place in the setting pkgen.path. Colours are there without it."
     );
   }

@@ -85,7 +85,7 @@ def test_help_names_what_can_be_set(program: Path) -> None:
         (["-o", "rows.txt"], ".csv or .npy"),
         (["-o", "nowhere/rows.csv"], "nowhere/rows.csv"),
         (["--ensemble", "nowhere.csv"], "cannot read nowhere.csv"),
-        (["--method", "gsl_rkf45"], "no such method"),
+        (["--method", "gsl_rkf45"], "no such method: gsl_rkf45; this was built without GSL"),
         (["--diagnose", "fortune"], "no such diagnostic"),
     ],
 )

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import ROOT, run_pkgen
 
-fmpy = pytest.importorskip("fmpy", reason="FMPy is missing: pip install 'pkgen[fmu]'")
+fmpy = pytest.importorskip("fmpy", reason="FMPy is missing: pip install fmpy")
 for _version in ("fmi2", "fmi3"):
     pytest.importorskip(f"fmpy.{_version}")
 

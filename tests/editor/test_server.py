@@ -17,7 +17,7 @@ from pkgen.editor.look import Text
 from pkgen.editor.propose import Refused, renamed, repairs
 
 pytestmark = pytest.mark.skipif(
-    importlib.util.find_spec("pygls") is None, reason="pygls is missing: pip install 'pkgen[lsp]'"
+    importlib.util.find_spec("pygls") is None, reason="pygls is missing: pip install 'pygls>=2'"
 )
 
 TEXT = """\
@@ -307,4 +307,4 @@ def test_without_pygls_it_is_told(tmp_path: Path) -> None:
     command = [sys.executable, "-c", script]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "pkgen: lsp needs pygls 2, which is not here: pip install 'pkgen[lsp]'\n"
+    assert done.stderr == "pkgen: lsp needs pygls 2, which is not here: pip install 'pygls>=2'\n"

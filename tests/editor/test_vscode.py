@@ -71,7 +71,7 @@ def test_the_client_starts_the_server(path: str) -> None:
     assert server == {"command": path, "args": ["lsp"]}
     assert options == {"documentSelector": [{"language": "lag"}]}
     if path == "none":
-        assert "no language server (ENOENT)" in more[0] and "pip install 'pkgen[lsp]'" in more[0]
+        assert "no language server (ENOENT)" in more[0] and "pip install 'pygls>=2'" in more[0]
     else:
         assert more == ["started", "stopped"]
 

@@ -18,9 +18,10 @@ from pkgen.editor.words import words
 
 TEXTS = Path(__file__).parent / "texts"
 PAGE = (ROOT / "docs/compatibility.md").read_text(encoding="utf-8")
+QUICK = ("mixed", "thrown_stone")
 # Of each number of an ABI what it numbers: the first digits of a digest of pk/system.h without
 # comments. A new layout needs new numbers in pk/system.h.
-LAYOUTS = {72: "?"}
+LAYOUTS = {72: "618b409d03cf"}
 
 
 def frozen() -> list[Path]:
@@ -44,7 +45,9 @@ def kept(version: Path) -> dict:
 
 
 @pytest.mark.parametrize(
-    "path", long_but(frozen()[:4], frozen()), ids=lambda p: f"{p.parent.name}-{p.stem}"
+    "path",
+    long_but([p for p in frozen() if p.stem in QUICK], frozen()),
+    ids=lambda p: f"{p.parent.name}-{p.stem}",
 )
 def test_a_text_of_an_earlier_version_means_the_same(path: Path) -> None:
     known, now = kept(path.parent), meant(path)
@@ -74,7 +77,7 @@ def test_no_word_of_an_earlier_version_is_gone() -> None:
 
 def layout() -> str:
     """pk/system.h and what it includes of ours, as the compiler sees it."""
-    text = '#include <pk/system.h>\n'
+    text = "#include <pk/system.h>\n"
     command = ["gcc", "-E", "-I", ROOT / "runtime/include", "-x", "c", "-"]
     said = subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
     ours, lines = False, []
@@ -93,7 +96,7 @@ def test_a_layout_has_its_number() -> None:
     text = layout()
     assert "struct pk_system {" in text and "/*" not in text
     digest = hashlib.sha256(text.encode()).hexdigest()[:12]
-    assert LAYOUTS == {numbers[-1]: digest}, "four new numbers, and this digest beside the last"
+    assert {numbers[-1]: digest} == LAYOUTS, "four new numbers, and this digest beside the last"
 
 
 def test_the_page_has_the_numbers() -> None:

@@ -31,7 +31,8 @@ tree=$folder/pkgen-$version
 mkdir "$tree"
 git ls-files -z | grep -zvE '^(docs/pictures|tests|bench|tools|editors)/' |
     tar --null --no-recursion -T - -c | tar -x -C "$tree"
-(cd "$tree" && dpkg-buildpackage -us -uc -b) >"$log" 2>&1 || {
+# Debian's own python3: another one in PATH does not see its packages.
+(cd "$tree" && PATH=/usr/sbin:/usr/bin:/sbin:/bin dpkg-buildpackage -us -uc -b) >"$log" 2>&1 || {
     tail -n 20 "$log" >&2
     fail "dpkg-buildpackage failed (see $log)"
 }

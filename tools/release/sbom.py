@@ -87,7 +87,8 @@ def _needed(metadata: bytes) -> Iterator[Component]:
     found: dict[str, list[Requirement]] = {}
     for text in message_from_bytes(metadata).get_all("Requires-Dist", ()):
         requirement = Requirement(text)
-        found.setdefault(requirement.name.lower(), []).append(requirement)
+        if requirement.name != "pkgen":  # an extra that has another
+            found.setdefault(requirement.name.lower(), []).append(requirement)
     for name, requirements in sorted(found.items()):
         always = any(r.marker is None for r in requirements)
         yield Component(
@@ -104,7 +105,9 @@ def _of_the_machine() -> Iterator[Component]:
     for name, licence, scope in MACHINE:
         yield Component(
             name=name,
-            type=ComponentType.APPLICATION if scope is ComponentScope.REQUIRED else ComponentType.LIBRARY,
+            type=ComponentType.APPLICATION
+            if scope is ComponentScope.REQUIRED
+            else ComponentType.LIBRARY,
             bom_ref=f"machine:{name}",
             licenses=_licence(licence),
             scope=scope,

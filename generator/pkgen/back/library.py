@@ -1,7 +1,7 @@
 """A model, the runtime that it needs, and C of a host's as one shared library, for this machine or
 for others; without GSL, for any processor of its kind.
 
-Other machines' are made by zig, of the registry's `ziglang` (pip install 'pkgen[targets]').
+Other machines' are made by zig, of the registry's `ziglang` (pip install ziglang).
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ def _own() -> list[str]:
 def _zig(target: Target) -> list[str]:
     if find_spec("ziglang") is None:
         raise BuildError(
-            f"--target {target.name}: zig compiles for other machines: pip install 'pkgen[targets]'"
+            f"--target {target.name}: zig compiles for other machines: pip install ziglang"
         )
     return [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, *ZIG]
 

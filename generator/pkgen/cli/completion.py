@@ -24,7 +24,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         import shtab
     except ImportError:
-        raise UsageError("completion needs shtab: pip install 'pkgen[completion]'") from None
+        raise UsageError("completion needs shtab: pip install shtab") from None
     if options.shell not in shtab.SUPPORTED_SHELLS:
         raise UsageError(
             f"completion: this shtab is too old for {options.shell}: pip install -U shtab"

@@ -24,7 +24,7 @@ def run(options: argparse.Namespace) -> int:
     """Answer an editor over standard input and output by the Language Server Protocol: findings,
     hover, completion, definitions, renaming, units, repairs, layout. Editors start it."""
     if find_spec("pygls") is None or find_spec("pygls.lsp.server") is None:
-        raise UsageError("lsp needs pygls 2, which is not here: pip install 'pkgen[lsp]'")
+        raise UsageError("lsp needs pygls 2, which is not here: pip install 'pygls>=2'")
     if sys.stdin.isatty():
         say("an editor starts this and speaks to it (docs/editor.md); Ctrl-C ends it")
     from ..editor.server import serve

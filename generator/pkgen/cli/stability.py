@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     """Map where each method fails over the step and a start or a parameter; predictions over it."""
     if not find_toolchain().has_gsl:
         raise BuildError(
-            "pkgen stability finds equilibria and modes by GSL, which is not installed"
+            "stability finds equilibria and modes by GSL, which is not here: install libgsl-dev"
         )
     began = time.monotonic()
     look, directory = look_of(options), parsing.directory(options.directory)

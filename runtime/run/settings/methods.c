@@ -37,6 +37,16 @@ const struct pk_method *run_method_find(const struct pk_run_model *model, const 
     return NULL;
 }
 
+const char *run_method_lack(const char *name)
+{
+#ifndef PK_WITH_GSL
+    if (strncmp(name, "gsl_", 4) == 0)
+        return "; this was built without GSL: install it (libgsl-dev), or pkgen build --gsl";
+#endif
+    (void)name;
+    return "";
+}
+
 static void flags(struct json *j, const char *key, unsigned set, const char *const *names,
                   size_t count)
 {
@@ -75,9 +85,9 @@ static void limits(struct json *j, const struct pk_method *method)
 
 static void described(struct json *j, const struct pk_method *m)
 {
-    static const char *const traits[] = {"symplectic", "symmetric", "adaptive",  "implicit",
-                                         "dense",      "jacobians", "linear",    "no_inputs",
-                                         "exact", "holonomic", "group"};
+    static const char *const traits[] = {"symplectic", "symmetric", "adaptive", "implicit",
+                                         "dense",      "jacobians", "linear",   "no_inputs",
+                                         "exact",      "holonomic", "group"};
     static const char *const facts[] = {
         "mass_constant", "mass_diagonal", "quadratic", "separable", "autonomous",
         "conservative",  "variational",   "smooth",    "affine",    "switched",

@@ -306,7 +306,7 @@ enum pk_run_code settings_take(struct pk_run *run)
     if (system->abi != PK_ABI)
         run_say(run, "the model was compiled for another runtime: compile it anew");
     else if (!s->method)
-        run_say(run, "there is no such method: %s", method);
+        run_say(run, "there is no such method: %s%s", method, run_method_lack(method));
     if (system->abi != PK_ABI || !s->method)
         return PK_RUN_USAGE;
     s->params = memory_take(s->memory, 1, system->params_size);

@@ -30,6 +30,8 @@ extern const struct pk_words run_options;
 
 /* Of the model's own methods and run_method_at()'s. */
 const struct pk_method *run_method_find(const struct pk_run_model *model, const char *name);
+/* What there would be with more: behind a name that is not found. */
+const char *run_method_lack(const char *name);
 /* The core's methods, then GSL's. */
 const struct pk_method *run_method_at(size_t index);
 

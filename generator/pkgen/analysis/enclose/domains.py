@@ -18,7 +18,7 @@ from ...system.exits import UsageError
 
 MISSING = (
     "--enclose needs balls of arbitrary precision, which python-flint has and which is not "
-    "installed: pip install 'pkgen[enclose]', or pip install python-flint"
+    "installed: pip install python-flint"
 )
 
 
