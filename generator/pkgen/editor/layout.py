@@ -1,14 +1,15 @@
 """The text of a model, laid out: the same tokens and comments, in spaces of one kind.
 
 Lines stay lines. Products are tight, sums and relations spaced; what goes on in a bracket begins
-behind it; the clauses of a scene are indented. In a block of lines the values of statements, their
-`=`, their bounds and their comments stand below each other.
+behind it; the clauses of a scene are indented. In a block of lines what stands behind the words of
+a scene, and comments, stand below each other; other columns stay where the author made some.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from lark.lexer import Token
@@ -25,10 +26,9 @@ VALUE_ENDS = frozenset(("NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "UNIT"
 # What nothing stands before, or behind.
 NONE_BEFORE = CLOSERS | TIGHT | {"_COMMA", "PRIME", "COMPONENT", "MEMBER", "POINT", "LINDEX"}
 NONE_BEHIND = OPENERS | TIGHT | {"FUNCTION", "SUM", "POINT"}
-RELATIONS = ("EQUAL", "LESS", "GREATER")
 INDENT = 2  # of what is in a scene
 HANGING = 4  # behind a bracket that ends its line
-NEAR = 4  # columns: what is not so near is not put below each other
+NEAR = 4
 NEAR_COMMENT = 8
 BEFORE_COMMENT = 2
 
@@ -67,9 +67,8 @@ def laid_out(source: Source) -> str:
         line.pieces = _spaced(source, line, before, tight)
         before = line.tokens[-1] if line.tokens else before
     for block in _blocks(lines):
-        _align(block, _behind_word)
-        _align(block, _relation)
-        _align(block, _bounds)
+        _align_words(block)
+        _keep_columns(source, block)
     _indented(lines)
     for block in _commented(lines):
         _align_comments(block)
@@ -185,62 +184,74 @@ def _blocks(lines: list[Line]) -> Iterator[list[Line]]:
     yield block
 
 
-def _align(block: list[Line], place: Callable[[Line], tuple[int, str] | None]) -> None:
-    """Spaces before the piece that `place` finds in each line, so that these stand below each other
-    where they are near; what differs in its word does not."""
-    run: list[tuple[Line, int, str, int]] = []
-    least = most = 0  # widths in it
+def _align_words(block: list[Line]) -> None:
+    """What stands behind the words of a scene, and of what takes an expression alone, stands below
+    each other where these words are near in length."""
+    run: list[Line] = []
     for line in block:
-        found = place(line)
-        if found is None:
+        widths = [len(one.pieces[0]) for one in (*run, line)]
+        row = STATEMENTS.get(line.tokens[0].type.lower())  # None: it begins with no word
+        alone = row is not None and (line.inside or row.syntax == "single")
+        behind = len(line.pieces) > 1 and alone
+        if not behind or max(widths) - min(widths) > NEAR:
             _pad(run)
             run = []
-            continue
-        index, kind = found
-        width = len("".join(line.pieces[:index]))
-        least, most = (min(least, width), max(most, width)) if run else (width, width)
-        if run and (run[-1][2] != kind or most - least > NEAR):
-            _pad(run)
-            run, least, most = [], width, width
-        run.append((line, index, kind, width))
+        run += [line] if behind else []
     _pad(run)
 
 
-def _pad(run: list[tuple[Line, int, str, int]]) -> None:
-    most = max((width for *_, width in run), default=0)
-    for line, index, _, width in run:
-        line.pieces[index] = " " * (most - width) + line.pieces[index]
+def _pad(run: list[Line]) -> None:
+    most = max((len(line.pieces[0]) for line in run), default=0)
+    for line in run:
+        line.pieces[1] = " " * (most - len(line.pieces[0])) + line.pieces[1]
 
 
-def _behind_word(line: Line) -> tuple[int, str] | None:
-    """In a scene, and of what takes an expression alone."""
-    row = STATEMENTS.get(line.tokens[0].type.lower())  # None: it begins with no word
-    alone = row is not None and (line.inside or row.syntax == "single")
-    return (1, "") if len(line.pieces) > 1 and alone else None
+@dataclass
+class _Place:
+    """What stands in a column of the author's: a piece, and the one that spaces go before."""
+
+    line: Line
+    index: int
+    before: int  # its sign, or it
+
+    @property
+    def column(self) -> int:
+        text = "".join(self.line.pieces[: self.index + 1])
+        return len(text) - len(self.line.pieces[self.index].lstrip(" "))
 
 
-def _outside(line: Line, kinds: Iterable[str]) -> int | None:
-    """The first token of these kinds that stands in no bracket."""
-    depth = 0
-    for i, token in enumerate(line.tokens):
-        if depth == 0 and token.type in kinds:
-            return i
-        depth += (token.type in OPENERS) - (token.type in CLOSERS)
-    return None
+def _keep_columns(source: Source, block: list[Line]) -> None:
+    """What stands in one column in lines beside each other, with more than a space before it in one
+    of them, does so still, whatever else is moved: as far left as that goes."""
+    for places in _columns(source, block):
+        most = max(place.column for place in places)
+        for place in places:
+            pieces = place.line.pieces
+            pieces[place.before] = " " * (most - place.column) + pieces[place.before]
 
 
-def _relation(line: Line) -> tuple[int, str] | None:
-    index = _outside(line, RELATIONS)
-    several = _outside(line, ("_COMMA",)) is not None
-    return (
-        None if index is None or several else (index, line.tokens[0].type + line.tokens[index].type)
-    )
+def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
+    """The author's, by the text as it was, from the left: of statements of one word, and of all
+    behind their words. Other lines may stand between."""
+    found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}  # whether a gap is wide
+    for line in block:
+        for index, before, gap in _gaps(line):
+            kind = line.tokens[0].type if index > 1 else ""
+            column = source.position(line.tokens[index].start_pos)[1], kind
+            wide, places = found.get(column, (False, []))
+            found[column] = wide or gap > 1, [*places, _Place(line, index, before)]
+    yield from (places for _, (wide, places) in sorted(found.items()) if wide and len(places) > 1)
 
 
-def _bounds(line: Line) -> tuple[int, str] | None:
-    index = _outside(line, ("IN",)) if line.tokens[0].type == "PARAM" else None
-    equal = _outside(line, ("EQUAL",))
-    return None if index is None else (index, str(len("".join(line.pieces[:equal]))))
+def _gaps(line: Line) -> Iterator[tuple[int, int, int]]:
+    """Tokens that may stand in a column, what spaces would go before, and how many there were: of a
+    number with a sign the number stands there, and the spaces go before its sign."""
+    for index in range(1, len(line.tokens)):
+        if line.pieces[index].startswith(" "):
+            gap = line.tokens[index].start_pos - line.tokens[index - 1].end_pos
+            signed = line.tokens[index].type in SIGNS and index + 1 < len(line.tokens)
+            signed = signed and not line.pieces[index + 1].startswith(" ")
+            yield index + signed, index, gap
 
 
 def _indented(lines: list[Line]) -> None:
@@ -278,25 +289,39 @@ def _commented(lines: list[Line]) -> Iterator[list[Line]]:
 
 
 def _align_comments(block: list[Line]) -> None:
-    """In the column of the first, or further right where code that is not much longer ends."""
-    if not block:
-        return
-    column = max(block[0].column, len(block[0].code) + BEFORE_COMMENT)
+    """In the column where most stand, else that of the first; where no other stands there yet,
+    further right where code that is not much longer ends."""
+    before: list[int] = []
+    while before != (before := [line.column for line in block]):  # what was moved may be most
+        waiting = block
+        while waiting:
+            column = _column(waiting)
+            for line in waiting:
+                line.column = column if _fits(line, column) else line.column
+            waiting = [line for line in waiting if not _fits(line, column)]
+
+
+def _column(block: list[Line]) -> int:
+    """Where comments of lines beside each other are to stand."""
+    columns = [line.column for line in block]
+    column, count = Counter(columns).most_common(1)[0]
+    column = column if 2 * count > len(block) else columns[0]
+    there = [line for line in block if line.column == column]
+    if len(there) > 1 and all(_fits(line, column) for line in there):
+        return column
+    least = len(there[0].code) + BEFORE_COMMENT
+    column = column if _fits(there[0], column) else least
     while True:
-        more = [
-            len(line.code) + BEFORE_COMMENT
-            for line in block
-            if len(line.code) + BEFORE_COMMENT <= column + NEAR_COMMENT
-        ]
-        if max(more) <= column:
-            break
-        column = max(more)
-    longer = []
-    for line in block:
-        fits = len(line.code) + BEFORE_COMMENT <= column
-        line.column = column if fits else line.column
-        longer += [] if fits else [line]
-    _align_comments(longer)
+        ends = [len(line.code) + BEFORE_COMMENT for line in block if not _fits(line, column)]
+        near = [end for end in ends if end <= column + NEAR_COMMENT]
+        if not near:
+            return column
+        column = max(near)
+
+
+def _fits(line: Line, column: int) -> bool:
+    """Whether a comment may stand there: a space is enough where the column is given."""
+    return len(line.code) < column
 
 
 def _joined(lines: list[Line]) -> str:
