@@ -147,7 +147,7 @@ def test_the_layout() -> None:
     assert (
         laid_out(of(SHAPE.replace("step .5", "step 0.5")))
         == """\
-model shape  # which
+model shape                       # which
 param m = 1 [kg] in (0, inf)      # a
 param length = 2 [m] in (0, inf)  # b
 
@@ -164,6 +164,59 @@ scene a
 end
 """
     )
+
+
+COLUMNS = """\
+model columns
+size  N =  3
+param mass  =  2 [kg]      in (0, inf)
+# between, a column ends
+param l =  1 [m]         in (0, inf)  # near
+param J = 20 [kg*m^2]    in (0, inf)  # here
+param name = sqrt(l/(9.81 [m/s^2]))  # not so
+let x1 =   l*sin(q)
+let y1 =  -l*cos(q)
+let far = x1
+joint hip:    ground  to upper revolute [0, -1, 0]
+joint knee:   upper   to lower revolute [0, -1, 0] at [0, 0, -l]
+"""
+
+
+def test_columns_of_the_author_stay_as_far_left_as_they_go() -> None:
+    assert (
+        check(COLUMNS)
+        == """\
+model columns
+size  N = 3
+param mass = 2 [kg] in (0, inf)
+# between, a column ends
+param l =  1 [m]      in (0, inf)     # near
+param J = 20 [kg*m^2] in (0, inf)     # here
+param name = sqrt(l/(9.81 [m/s^2]))   # not so
+let x1 =  l*sin(q)
+let y1 = -l*cos(q)
+let far = x1
+joint hip:  ground to upper revolute [0, -1, 0]
+joint knee: upper  to lower revolute [0, -1, 0] at [0, 0, -l]
+"""
+    )
+
+
+def test_comments_stand_where_most_do() -> None:
+    text = """\
+param first = 1 + 2 + 3 + 4   # sticks out
+param a = 1          # these
+param b = 2          # are most
+param longer_name = 1000  # and this
+param c = 3 # in a column
+"""
+    made = text.replace("# and this", "    # and this").replace("3 #", "3          #")
+    assert check(text) == made
+
+
+def test_the_models_are_in_their_layout() -> None:
+    done = run_pkgen("fmt", "--check", *(ROOT / "models").rglob("*.lag"))
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_in_place_and_not_at_all(write, tmp_path: Path) -> None:

@@ -247,8 +247,8 @@ def _gaps(line: Line) -> Iterator[tuple[int, int, int]]:
     """Tokens that may stand in a column, what spaces would go before, and how many there were: of a
     number with a sign the number stands there, and the spaces go before its sign."""
     for index in range(1, len(line.tokens)):
-        if line.pieces[index].startswith(" "):
-            gap = line.tokens[index].start_pos - line.tokens[index - 1].end_pos
+        gap = line.tokens[index].start_pos - line.tokens[index - 1].end_pos
+        if gap and line.pieces[index].startswith(" "):
             signed = line.tokens[index].type in SIGNS and index + 1 < len(line.tokens)
             signed = signed and not line.pieces[index + 1].startswith(" ")
             yield index + signed, index, gap
