@@ -208,9 +208,11 @@ param first = 1 + 2 + 3 + 4   # sticks out
 param a = 1          # these
 param b = 2          # are most
 param longer_name = 1000  # and this
-param c = 3 # in a column
+param c = 3          # in a column
+param d = 4     # but this
+param e = 5          # now
 """
-    made = text.replace("# and this", "    # and this").replace("3 #", "3          #")
+    made = text.replace("# and this", "    # and this").replace("4     #", "4          #")
     assert check(text) == made
 
 
