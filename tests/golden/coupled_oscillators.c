@@ -468,7 +468,7 @@ pk_real coupled_oscillators_potential(const struct coupled_oscillators_params *p
 }
 
 const char coupled_oscillators_source_hash[65] =
-    "9c07c12dd6b4883f3f32c63466182ed413471ef15513f56595c12a9dc05577cc";
+    "11c6f6253e0f61ee372cf58ee4d3b0559d3c6c00e76a26bc11c5c7dd804e2e73";
 
 const struct coupled_oscillators_parameter coupled_oscillators_parameters[3] = {
     {{"m", "kg", "each mass"}, offsetof(struct coupled_oscillators_params, m), 0, 1, 1},

@@ -800,7 +800,7 @@ pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_rea
 }
 
 const char double_pendulum_source_hash[65] =
-    "f277cb1d77f267bfd1689e68e3b17cf360be36b5f74edaeabbeaded13b584ab6";
+    "4cfd5e7c980a555e9f8eec8d91da54e2d0399eb995ce9fe1d123e94974313711";
 
 const struct double_pendulum_parameter double_pendulum_parameters[5] = {
     {{"m1", "kg", "upper bob"}, offsetof(struct double_pendulum_params, m1), 0, 1, 1},

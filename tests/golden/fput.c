@@ -1263,7 +1263,7 @@ void fput_advance(const struct fput_params *p, int stages, const pk_real *kick,
     }
 }
 const char fput_source_hash[65] =
-    "2a4e09d6d1d076981c404ed0dec573d27f84c37a9c4825aa78dee0f3492c57cd";
+    "e5622cd8c86f10467e1ae3f6893e6e7ffa61d620aa027de1d47c041ad1ee035a";
 
 const struct fput_size fput_size_names[1] = {
     {{"N", "", "moving masses"}, offsetof(struct fput_params, N)},
