@@ -32,7 +32,7 @@ def arrow():
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise UsageError("a sweep's data set needs pyarrow: pip install 'pkgen[sweep]'") from None
+        raise UsageError("a sweep's data set needs pyarrow: pip install pyarrow scipy") from None
     return pyarrow
 
 

@@ -77,7 +77,7 @@ def of_text(source: Source) -> Plan:
         try:
             import tomli as tomllib
         except ImportError:
-            raise UsageError("plans are read by tomli: pip install 'pkgen[sweep]'") from None
+            raise UsageError("plans are read by tomli: pip install tomli") from None
     try:
         said = tomllib.loads(source.text)
     except tomllib.TOMLDecodeError as error:
