@@ -12,7 +12,7 @@ from c_harness import failed as failure
 from conftest import long_but
 from loop_harness import Looped, Unrolled, looped
 from loop_models import MODELS, UNROLLED
-from pkgen.middle.loops.loops import Unrolled as CannotLoop
+from pkgen.middle.loops.parts import Unrolled as CannotLoop
 
 TOLERANCE = 2e-14
 VECTORS = {"acceleration": 1, "force": 1, "momenta": 1, "gradient": 1, "canonical": 2}
