@@ -73,12 +73,13 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _go(begun, options: argparse.Namespace, on_progress) -> None:
-    from ..sweep import sweep
+    from ..sweep import left, sweep
 
     try:
         for level in sweep.levels(begun):
-            left = sweep.Work(level, options.engine, options.workers, on_progress)
-            _engine(level, options).run(left.next, left.finished, left.tick)
+            of = level.job, level.folder, options.engine, options.workers
+            tasks = left.Left(*of, on_progress)
+            _engine(level, options).run(tasks.next, tasks.finished, tasks.tick)
     except sweep.Unfinished:
         pass  # which is told with the rest
     except KeyboardInterrupt:

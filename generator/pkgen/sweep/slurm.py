@@ -96,6 +96,8 @@ class Slurm:
             if come:
                 continue
             if not waiting:
+                if number is None or not self._is_queued(number):
+                    self.folder.cleaned()
                 return failed
             if number is None:
                 for k in waiting:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import fcntl
 import os
-import platform
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -22,7 +21,6 @@ from ..source import Source
 from ..system.exits import NumericsFailed, UsageError
 from ..version import __version__
 from . import job as jobs
-from . import work
 from .job import Job
 from .parts import arrow, classes, names
 from .plan import Plan, of_text, read_plan
@@ -266,67 +264,3 @@ def at_work(path: Path) -> bool:
     finally:
         os.close(fd)
     return False
-
-
-class Work:
-    """The tasks of a sweep that are left; engines take them."""
-
-    def __init__(self, sweep: Sweep, engine: str, workers: int, on_progress=None):
-        self.job, self.folder = sweep.job, sweep.folder
-        self.on_progress = on_progress
-        folder = self.folder
-        folder.made()
-        for path in (folder.path / "failed").iterdir():
-            path.unlink()  # each is tried anew
-        missing, parts = work.survey(folder, True)
-        self.shards = missing[::-1]
-        self.waiting = {part: 0 for part in parts}
-        for k in missing:
-            for part in folder.parts_of(k):
-                if part in self.waiting:
-                    self.waiting[part] += 1
-        self.ready = [part for part in parts if not self.waiting[part]][::-1]
-        left = sum(folder.of_shard(k)[1] for k in missing)
-        self.done_before = self.done = self.job.members - left
-        self.began, self.told = time.time(), 0.0
-        self.about = {"engine": engine, "workers": workers, "host": platform.node()}
-        before = self.job.before + self.done_before
-        self.about |= {"pid": os.getpid(), "began": self.began, "before": before}
-        self.tick(0.0)
-
-    def next(self) -> tuple[str, int] | None:
-        if self.ready:
-            return "part", self.ready.pop()
-        return ("shard", self.shards.pop()) if self.shards else None
-
-    def finished(self, task: tuple[str, int], said: dict) -> None:
-        kind, k = task
-        if kind == "part":
-            if said.get("torn"):
-                self._torn(k)
-            return
-        self.done += self.folder.of_shard(k)[1]
-        self.folder.failed_file(k).unlink(missing_ok=True)
-        for part in self.folder.parts_of(k):
-            self.waiting[part] -= 1
-            if not self.waiting[part]:
-                self.ready.append(part)
-
-    def _torn(self, part: int) -> None:
-        gone = [k for k in self.folder.shards_of(part) if not self.folder.shard_file(k).exists()]
-        for k in gone:
-            self.shards.append(k)
-            self.done -= self.folder.of_shard(k)[1]
-            for other in self.folder.parts_of(k):
-                if other in self.waiting:
-                    self.waiting[other] += 1
-
-    def tick(self, flying: float) -> None:
-        """How far it is, for other terminals and this one."""
-        now = time.time()
-        if now - self.told < 1:
-            return
-        self.told = now
-        if self.on_progress:
-            self.on_progress((self.done + flying) / self.job.members)
-        write_json(self.folder.path / "now.json", {**self.about, "at": now, "flying": int(flying)})
