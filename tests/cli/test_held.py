@@ -29,3 +29,4 @@ def test_a_body_that_points_hold_at_rest(pkgen, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     report = json.loads(done.stdout)["report"]
     assert (report["steps"], report["rejections"]) == (1, 0)
+    assert "nearly singular" not in done.stderr  # J M^-1 J^T is not: its condition number is 26

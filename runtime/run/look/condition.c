@@ -5,6 +5,7 @@
 #include "condition.h"
 
 #define LOST PK_C(1e5) /* rounding, as accelerations magnify it, that is worth a warning */
+#define NEAR PK_C(1e3) /* condition number: below it forces cancel, as at rest, in a good matrix */
 #define FASTER 2       /* times as fast as before a rate turns where a state is looked at */
 enum {
     LOOKS = 64, /* spread over the duration */
@@ -130,6 +131,8 @@ int condition_warning(const struct looking *l, char *text, size_t size)
         return 0;
     const struct pk_condition *c = &l->found;
     const int rows = c->constraints.x > c->mass.x;
+    if (!((rows ? c->constraints.x : c->mass.x) > NEAR))
+        return 0;
     const pk_real lost = digits(c->lost.x), all = digits(PK_INFINITY);
     char name[128];
     where(l, name, sizeof name);
