@@ -125,7 +125,7 @@ def _write(found: Found) -> None:
     before, _, rest = PAGE.read_text(encoding="utf-8").partition(MARK)
     _, _, after = rest.partition("<!-- end -->\n")
     first = machine.describe().lines()[0]
-    rows = [[model, *(_cell(of.get(name)) for name in HOSTS)] for model, of in found.items()]
+    rows = [[m, *(_cell(of.get(name)) for name in HOSTS)] for m, of in sorted(found.items())]
     text = f"\n{first}\n\n{_by_host(found)}\n\n{table(['kB, s, within', *HOSTS], rows)}\n"
     PAGE.write_text(f"{before}{MARK}{text}<!-- end -->\n{after}", encoding="utf-8")
 

@@ -46,8 +46,8 @@ FIXED = [n for n, m in METHODS.items() if m.family in ("ERK", "SPLITTING")]
 
 @pytest.mark.parametrize("method", long_but(["rk4", "verlet", "blanes_moan4"], FIXED))
 def test_rows_are_those_of_a_run_to_the_bit(method: str, tmp_path: Path) -> None:
-    # A row is 7 steps of 0.07/7, which is not 0.01.
-    words = ("--method", method, "--step", "0.01", "--until", "4.9", "--every", "0.07")
+    # A row is 3 steps of 0.3/3, which is not 0.1.
+    words = ("--method", method, "--step", "0.1", "--until", "6", "--every", "0.3")
     model = ROOT / "models/coupled_oscillators.lag"
     said = rows_of(tmp_path, model, *words, flags=["-march=native"])
     assert compare(said, model, *words) == 0
@@ -82,10 +82,10 @@ end
 def test_a_scene_with_inputs_and_states_is_in_it(tmp_path: Path) -> None:
     """To a time that is no multiple of a row."""
     (tmp_path / "rig.lag").write_text(RIG)
-    words = ("--scene", "pushed", "--method", "rk4", "--step", "1e-3")
-    words += ("--until", "1.03", "--every", "0.05")
-    said = rows_of(tmp_path, tmp_path / "rig.lag", *words, flags=["-march=native"])
-    assert compare(said, tmp_path / "rig.lag", *words) == 0
+    common = ("--method", "rk4", "--step", "1e-3", "--until", "1.03", "--every", "0.05")
+    for words in (("--scene", "pushed"), ("--set", "F=-1.5", "--start", "s=-3")):
+        said = rows_of(tmp_path, tmp_path / "rig.lag", *words, *common, flags=["-march=native"])
+        assert compare(said, tmp_path / "rig.lag", *words, *common) == 0
 
 
 PUSHED = """#include "rig_step.h"
@@ -98,7 +98,7 @@ int main(void)
         m.u[0] = n.u[0] = PK_C(0.5) * (pk_real)(k % 7);
         status = rig_again(&n) | rig_step(&m) | rig_step(&n);
     }
-    printf("%.17g %.17g", (double)m.q[0], (double)n.q[0]);
+    printf("%.17g %.17g %.17g", (double)m.q[0], (double)n.q[0], (double)m.t);
     return status;
 }
 """
@@ -117,7 +117,8 @@ def test_an_input_is_set_at_any_time(tmp_path: Path) -> None:
     command = ["gcc", *FREE, f"-I{tmp_path}/f", *sources, "-o", tmp_path / "main", "-lm"]
     subprocess.run(command, check=True)
     said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
-    kept, anew = map(float, said.split())
+    kept, anew, t = map(float, said.split())
+    assert t == 1  # no sum of roundings
     assert kept == pytest.approx(anew, abs=1e-14) and abs(kept - 1) > 0.1
 
 
@@ -173,6 +174,15 @@ def test_it_ends_at_an_event_that_stops(start: str, direction: str, tmp_path: Pa
     when = ended.removeprefix("stops: stopped at event top at t = ").strip()
     assert float(when) == rows[-1][0]
     assert "main() ends at: top." in (tmp_path / "one.c").read_text()
+
+
+def test_a_step_that_ends_upon_an_event_ends_there(tmp_path: Path) -> None:
+    """x + 1 = t, to the bit, so that the event's function is zero and has not changed its sign."""
+    text = "model m\ncoord x\nkinetic x'^2/2\nstart x = -1, x' = 1\nevent top: x rising stop\n"
+    (tmp_path / "m.lag").write_text(text)
+    words = ("--method", "euler", "--step", "0.0625", "--until", "2", "--every", "0.0625")
+    rows = table(rows_of(tmp_path, tmp_path / "m.lag", *words, flags=[]))[1]
+    assert rows[-1][:2] == [1, 0]
 
 
 ARM = """model arm

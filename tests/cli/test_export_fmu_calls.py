@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import struct
 import subprocess
 import zipfile
 from pathlib import Path
@@ -38,7 +39,13 @@ def test_states_are_kept_and_serialised(name: str, unit) -> None:
     assert other.get("theta1", "theta2'", "l2") == [*at, 0.5]
     other.fmu.doStep(0.5, 0.5)
     assert other.get("theta1", "theta2'") == pytest.approx(first, rel=1e-9)
-    for wrong in (kept[:-1], bytes(len(kept)), b"", kept[:20] + b"\xff" * (len(kept) - 20)):
+    # Of a method that is none, behind two marks, the mode and two times.
+    count = len(next(v for v in u.model.modelVariables if v.declaredType).declaredType.items)
+    there = kept[40:48]
+    assert struct.unpack("d", there)[0] == method(u.path, name) - 1
+    unknown = kept[:40] + struct.pack("d", count) + kept[48:]
+    spoilt = kept[:20] + b"\xff" * (len(kept) - 20)
+    for wrong in (kept[:-1], bytes(len(kept)), b"", spoilt, unknown):
         other.refused(other.fmu.deserializeFMUState, wrong)
     u.fmu.freeFMUState(state)
     other.fmu.freeFMUState(again)

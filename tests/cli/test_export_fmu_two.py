@@ -55,6 +55,15 @@ def test_slopes_are_of_one_step(rig) -> None:
     assert ends[0] == pytest.approx(ends[1], abs=1e-12)
 
 
+def test_inputs_are_at_the_end_of_a_step_what_their_slopes_say(rig) -> None:
+    u = begun(rig, **{"integrator.step": 0.5})
+    f = [u.by_name["F"]]
+    u.fmu.setReal(f, [1.0])
+    u.fmu.setRealInputDerivatives(f * 3, [1, 2, 3], [2.0, 3.0, 4.0])
+    u.fmu.doStep(0, 0.5)
+    assert u.fmu.getReal(f)[0] == pytest.approx(1 + 2 / 2 + 3 / 8 + 4 / 48)
+
+
 def test_a_run_begins_when_it_is_said_to_and_ends_at_an_event(rig) -> None:
     ends = math.acos(-2 / 3) / 2  # x = 3 cos 2t falls through -2
     u = begun(rig, t=2.0, x=3.0)
