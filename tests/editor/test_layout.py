@@ -7,6 +7,8 @@ import json
 import os
 import random
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -214,6 +216,24 @@ param e = 5          # now
 """
     made = text.replace("# and this", "    # and this").replace("4     #", "4          #")
     assert check(text) == made
+
+
+def test_comments_of_half_do_not_move_the_others() -> None:
+    text = "param a = 1   # the first\nparam b = 2      # this\nparam c = 3      # and this\n"
+    text += "param longer_than_these = 4    # two of four are no majority\n"
+    lines = check(text).splitlines()
+    assert [line.index("#") for line in lines] == [14, 14, 14, 31]
+
+
+def test_stars_stay_apart() -> None:
+    assert laid_out(of("let a = x* *y\nlet b = x**y\n")) == "let a = x* *y\nlet b = x**y\n"
+
+
+def test_a_filter_passes_on_what_is_laid_out_already() -> None:
+    text = "model a\ncoord x\n"
+    command = [sys.executable, "-m", "pkgen", "fmt", "-"]
+    done = subprocess.run(command, input=text, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, text, "")
 
 
 def test_the_models_are_in_their_layout() -> None:

@@ -18,6 +18,7 @@ from pkgen.editor.words import words
 
 TEXTS = Path(__file__).parent / "texts"
 PAGE = (ROOT / "docs/compatibility.md").read_text(encoding="utf-8")
+KINDS = ("text", "lag")
 QUICK = ("mixed", "thrown_stone")
 # Of each number of an ABI what it numbers: the first digits of a digest of pk/system.h without
 # comments. A new layout needs new numbers in pk/system.h.
@@ -103,6 +104,21 @@ def test_the_page_has_the_numbers() -> None:
     number = next(iter(LAYOUTS))
     assert f"`PK_ABI` {number}" in PAGE and f"`schema` {SCHEMA}" in PAGE
     assert f"pkgen {__version__}\n" in PAGE
+
+
+def test_the_page_of_installing_shows_what_is_printed(write) -> None:
+    page = (ROOT / "docs/install.md").read_text(encoding="utf-8")
+    (shown,), (model,) = (re.findall(rf"^```{k}\n(.*?)^```", page, re.M | re.S) for k in KINDS)
+    commands = [line.split()[1:] for line in shown.splitlines() if line.startswith("$ ")]
+    assert [c[:2] for c in commands] == [["pip", "install"], ["pkgen", "-V"], ["pkgen", "run"]]
+    assert f"\npkgen {__version__}\n" in shown and f"/pkgen-{__version__}-py3" in shown
+    rows = shown.splitlines()[-4:]
+    done = run_pkgen("run", write(model), *commands[2][3:])
+    printed = done.stdout.splitlines()
+    assert printed[0] == rows[0] and len(printed) == 4, done.stderr
+    for line, other in zip(printed[1:], rows[1:], strict=True):
+        one, two = ([float(x) for x in row.split(",")] for row in (line, other))
+        assert one == pytest.approx(two, rel=1e-9)
 
 
 def test_the_package_of_debian_has_the_version() -> None:
