@@ -244,6 +244,8 @@ def test_what_the_command_line_refuses(pkgen, tmp_path: Path) -> None:
 
     run = ("run", "m.lag", "--until", "1")
     assert "-o FILE.csv" in refused(*run, "--checkpoint", "c", "--plot", "c.svg")
+    for name in ("a.csv", "a.csv.partial", "a.csv.partial.json"):
+        assert "rows and what" in refused(*run, "-o", "a.csv", "--checkpoint", name)
     assert "no folder" in refused(*run, "--checkpoint", "none/c")
     assert "it is there already" in refused(*run, "--checkpoint", "m.lag")
     assert "is for --checkpoint" in refused(*run, "--checkpoint-every", "9")

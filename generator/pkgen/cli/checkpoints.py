@@ -17,6 +17,7 @@ from ..api.prepare import Prepared
 from ..front.read import STANDARD
 from ..run.simulate import Outcome
 from ..system.exits import DONE, NUMERICS_FAILED, UsageError
+from ..system.files import beside, partial
 from ..version import __version__
 
 USUAL = 60.0  # seconds from one to the next
@@ -33,7 +34,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(resume=False)
 
 
-def refuse(options: argparse.Namespace, to_file: bool, drawn: bool) -> None:
+def refuse(options: argparse.Namespace, output: Path | None, drawn: bool) -> None:
     """What has no checkpoints; and a file that is there is not written over."""
     if options.checkpoint is None:
         if options.checkpoint_every is not None:
@@ -42,8 +43,10 @@ def refuse(options: argparse.Namespace, to_file: bool, drawn: bool) -> None:
     path = Path(options.checkpoint)
     if options.model == STANDARD:
         raise UsageError("--checkpoint: give the model as a file, which pkgen resume can read")
-    if not to_file and (options.json or drawn or options.output == "-"):
+    if output is None and (options.json or drawn or options.output == "-"):
         raise UsageError("--checkpoint: give the rows a file too, -o FILE.csv")
+    if output is not None and path.resolve() in {p.resolve() for p in written(output)}:
+        raise UsageError(f"--checkpoint {path}: rows and what describes them are written there")
     if not os.access(path.parent, os.W_OK):
         raise UsageError(f"--checkpoint {path}: there is no folder {path.parent} to write in")
     if path.exists() and not options.resume:
@@ -51,6 +54,12 @@ def refuse(options: argparse.Namespace, to_file: bool, drawn: bool) -> None:
             f"--checkpoint {path}: it is there already; `pkgen resume {path}` goes on from it, "
             "remove it to begin anew"
         )
+
+
+def written(output: Path) -> set[Path]:
+    """What a run writes for rows in a file."""
+    growing = partial(output)
+    return {output, beside(output), growing, beside(growing)}
 
 
 def _seconds(options: argparse.Namespace) -> float:

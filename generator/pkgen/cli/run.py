@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError("--digits is for --enclose; a run's accuracy is --rtol's")
     output = parsing.output(options.output)
     wanted = pictures.wanted(options)
-    checkpoints.refuse(options, output is not None, wanted is not None)
+    checkpoints.refuse(options, output, wanted is not None)
     what = prepared(options, wanted.view if wanted else None)
     if output is None and not options.json and wanted is None:
         sys.stdout.flush()

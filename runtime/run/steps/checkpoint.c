@@ -90,12 +90,14 @@ void checkpoint_write(struct pk_run *run, checkpoint_keep *keep, void *context)
     of.rows = checkpoint_place(run->out);
     everything(run, keep, context, &k);
     k.size = k.used + sizeof of;
-    k.to = memory_take(&run->memory, k.size, 1);
+    k.to = memory_ask(&run->memory, k.size, 1); /* without it the run goes on */
     k.used = 0;
     pk_keep(&k, &of, sizeof of);
-    everything(run, keep, context, &k);
+    if (k.to)
+        everything(run, keep, context, &k);
     const int wrong =
-        checkpoint_store(&run->memory, asked->checkpoint, note ? note : "", k.to, k.size);
+        k.to ? checkpoint_store(&run->memory, asked->checkpoint, note ? note : "", k.to, k.size)
+             : ENOMEM;
     memory_drop(&run->memory, k.to);
     run->seconds = seconds;
     run->processor = processor;
