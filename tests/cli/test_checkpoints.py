@@ -63,11 +63,18 @@ def test_every_method_goes_on_to_the_bit(case: tuple, tmp_path: Path, ck: Path) 
 
 @pytest.mark.parametrize(
     "rows",
-    [{"every": 0.0}, {"at": 0}, {"at": 1, "every": None}, {"diagnose": ("spectrum",)}],
+    [
+        {"every": 0.0},
+        {"at": 0},
+        {"at": 1, "every": None},
+        {"diagnose": ("spectrum",)},
+        {"step": 2e-3},
+    ],
     ids=str,
 )
 def test_rows_of_each_kind(rows: dict, tmp_path: Path, ck: Path) -> None:
-    """At each step, or at events; and those of diagnostics."""
+    """At each step, or at events; those of diagnostics; and so many steps that looks at condition
+    numbers are spread over them."""
     what = runs.of("events", tmp_path)
     for method in ("verlet", "rkmk4", "gauss4"):
         one = runs.by(what, method, **{"every": runs.UNTIL / 150, **rows})
