@@ -19,7 +19,7 @@ from .look import NAMES, Text
 from .words import built_in, calls
 
 _SOME_NAME = "pk_q"  # stands where the word is that is being written
-_WORD = re.compile(r"[^\W\d]\w*$")
+_WORD = re.compile(r"[^\W\d]\w*\Z")  # not before a last newline
 _IN_UNIT = re.compile(r"[\w'\)\]][ \t]+\[[^\[\]\n#]*$|[\)'\d]\[[^\[\]\n#]*$")
 _NUMBERED = re.compile(r"[^\W\d]\w*\[[^\[\]\n#]*$")
 
