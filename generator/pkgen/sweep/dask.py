@@ -6,8 +6,13 @@ them to another.
 
 from __future__ import annotations
 
+import logging
+import pickle
+import time
 from collections.abc import Callable
-from contextlib import suppress
+from dataclasses import replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from ..system.exits import BuildError, NumericsFailed, UsageError
 from . import work
@@ -15,11 +20,22 @@ from .job import Job
 from .local import TRIES, Task
 from .shards import Folder, failed_shard
 
+if TYPE_CHECKING:
+    from distributed import Future
+
+LOOK = 0.1  # seconds between looks at tasks
 AHEAD = 3  # tasks of a worker that the cluster knows at a time
 
 
-def _task(job: Job, folder: Folder, kind: str, k: int) -> dict:
+@lru_cache(1)
+def _taken(job: bytes) -> Job:
+    """Once in a worker: its library is loaded once."""
+    return pickle.loads(job)
+
+
+def _task(packed: bytes, folder: Folder, kind: str, k: int) -> dict:
     """On a worker. What cannot be done is told, not raised: its text is for a person."""
+    job = _taken(packed)
     try:
         done = work.shard(job, folder, k) if kind == "shard" else work.part(job, folder, k)
         done = done or {"torn": True}
@@ -30,6 +46,16 @@ def _task(job: Job, folder: Folder, kind: str, k: int) -> dict:
         return {"wrong": str(error)}
 
 
+def _said(one: Future) -> dict:
+    """What came of a task; a worker may have died with it, or with its result."""
+    if one.status not in ("finished", "error"):
+        return {"wrong": f"its task is {one.status}"}
+    try:
+        return one.result(timeout="60s")
+    except Exception as error:
+        return {"wrong": f"{type(error).__name__}: {error}"}
+
+
 class Dask:
     """As Local of local.py."""
 
@@ -38,11 +64,14 @@ class Dask:
             from distributed import Client, LocalCluster
         except ImportError:
             raise UsageError("--engine dask: pip install dask distributed") from None
-        self.job, self.folder = job, folder
+        self.job, self.folder = job, replace(folder, path=folder.path.absolute())
         self.cluster = None
         if address is None:
             self.cluster = LocalCluster(
-                n_workers=workers, threads_per_worker=1, dashboard_address=None
+                n_workers=workers,
+                threads_per_worker=1,
+                dashboard_address=None,
+                silence_logs=logging.CRITICAL,  # deaths of workers are mended
             )
         try:
             self.client = Client(self.cluster or address, timeout="10s")
@@ -59,25 +88,21 @@ class Dask:
         done: Callable[[Task, dict], None],
         tick: Callable[[float], None],
     ) -> list[int]:
-        from distributed import wait
-
         failed: list[int] = []
         flying: dict[object, Task] = {}
         again: list[Task] = []
         try:
-            job = self.client.scatter(self.job, broadcast=True, hash=False)
+            job = pickle.dumps(self.job)  # what is scattered goes with the workers that have it
             while True:
                 while len(flying) < self.most and (task := again.pop() if again else next_task()):
                     one = self.client.submit(_task, job, self.folder, *task, pure=False)
                     flying[one] = task
                 if not flying:
                     return failed
-                with suppress(TimeoutError):
-                    wait(list(flying), timeout=0.5, return_when="FIRST_COMPLETED")
-                for one in [one for one in flying if one.done()]:
+                time.sleep(LOOK)
+                for one in [one for one in flying if one.status != "pending"]:
                     task = flying.pop(one)
-                    error = one.exception()
-                    said = {"wrong": f"{type(error).__name__}: {error}"} if error else one.result()
+                    said = _said(one)
                     if "disk" in said:
                         raise UsageError(f"{said['disk']}; what is done stays: --resume")
                     if "done" in said:
@@ -89,6 +114,7 @@ class Dask:
             self.client.close()
             if self.cluster is not None:
                 self.cluster.close()
+                self.folder.cleaned()
 
     def _lost(self, task: Task, why: str, again: list[Task], failed: list[int]) -> None:
         k = task[1] if task[0] == "shard" else self.folder.shards_of(task[1])[0]
