@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from distributed import Future
 
 LOOK = 0.1  # seconds between looks at tasks
+PATIENCE = 60.0  # seconds without any worker
 AHEAD = 3  # tasks of a worker that the cluster knows at a time
 
 
@@ -77,10 +78,21 @@ class Dask:
             self.client = Client(self.cluster or address, timeout="10s")
         except (OSError, ValueError) as error:
             raise UsageError(f"--scheduler {address}: no cluster answers: {error}") from None
+        self.asked = self.seen = time.monotonic()
         self.most = AHEAD * (workers if address is None else max(1, self._workers()))
 
     def _workers(self) -> int:
         return len(self.client.scheduler_info(n_workers=-1)["workers"])
+
+    def _refuse_none(self) -> None:
+        """Raises NumericsFailed where nobody is left: tasks would wait for ever."""
+        now = time.monotonic()
+        if now - self.asked < PATIENCE / 10:
+            return
+        self.asked = now
+        self.seen = now if self._workers() else self.seen
+        if now - self.seen > PATIENCE:
+            raise NumericsFailed("the cluster has no workers any more; go on with --resume")
 
     def run(
         self,
@@ -109,6 +121,7 @@ class Dask:
                         done(task, said["done"])
                     else:
                         self._lost(task, said["wrong"], again, failed)
+                self._refuse_none()
                 tick(0.0)
         finally:
             self.client.close()
