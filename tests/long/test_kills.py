@@ -77,11 +77,12 @@ def programs(tmp_path_factory: pytest.TempPathFactory):
 
     folder = tmp_path_factory.mktemp("programs")
 
-    def built(name: str) -> Path:
-        model, program = folder / f"{name}.lag", folder / name
-        if not program.exists():
-            model.write_text(runs.text(name))
-            assert main(["build", str(model), "-o", str(program), "--gsl"]) == 0
+    def built(name: str, *how: str) -> Path:
+        model, program = folder / f"{name}.lag", folder / f"{name}-{how[1]}"
+        scene = f"scene s\n  until 20\n  method {how[1]} {how[2][2:]} {how[3]}\nend\n"
+        model.write_text(runs.text(name) + scene)
+        made = ["build", str(model), "--scene", "s", "-o", str(program), "--gsl"]
+        assert main(made) == 0
         return program
 
     return built
@@ -109,7 +110,8 @@ def test_two_hundred_kills(family: str, programs, page: list[str], tmp_path: Pat
     dice = random.Random(family)
     with open(tmp_path / "table.csv", "w") as file:
         file.write("y,x'\n" + "".join(f"{k / 9000},0.3\n" for k in range(2000)))
-    command = [str(programs(name)), "--method", method, *words]
+    how = ["--method", method, *words[:2]]
+    command = [str(programs(name, *how)), *how, *words[2:]]
     if "--ensemble" in words:
         command += ["--every", "1000"]
     until, steps, rows = undisturbed(command, tmp_path)
