@@ -130,8 +130,11 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             "pk_events_step(), which ends them there",
                             it->method->name, system->name, system->switches.names[0].name);
         if (system->families.count && (it->method->traits & PK_HOLONOMIC))
-            return snprintf(text, size, "%s needs M; %s keeps its families as loops and has none",
-                            it->method->name, system->name);
+            return snprintf(
+                text, size,
+                "%s needs M whole; %s keeps its families as loops: take gauss4 or dop853, "
+                "or fewer members, which are written out",
+                it->method->name, system->name);
         if (system->families.count && !system->families.jacobian &&
             (it->method->traits & PK_JACOBIANS))
             return snprintf(text, size,
