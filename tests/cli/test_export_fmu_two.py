@@ -37,22 +37,14 @@ def test_input_derivatives_of_fmi_2(rig) -> None:
 
 
 def test_slopes_are_of_one_step(rig) -> None:
-    ends = []
-    for slope in (0.0, 5.0):
-        u = begun(rig)
-        f = [u.by_name["F"]]
-        u.fmu.setReal(f, [1.0])
-        u.fmu.doStep(0, 0.5)
-        state = u.fmu.getFMUState()
-        u.fmu.setRealInputDerivatives(f, [1], [slope])
-        u.fmu.doStep(0.5, 0.5)
-        u.fmu.setFMUState(state)
-        u.fmu.setReal(f, [1.0])
-        u.fmu.doStep(0.5, 0.5)
-        u.fmu.setReal(f, [1.0])
-        u.fmu.doStep(1.0, 0.5)
-        ends.append(u.fmu.getReal([u.by_name["x"]])[0])
-    assert ends[0] == pytest.approx(ends[1], abs=1e-12)
+    u = begun(rig)
+    f = [u.by_name["F"]]
+    u.fmu.setReal(f, [1.0])
+    u.fmu.setRealInputDerivatives(f, [1], [5.0])
+    u.fmu.doStep(0, 0.5)
+    assert u.fmu.getReal(f) == [3.5]
+    u.fmu.doStep(0.5, 0.5)
+    assert u.fmu.getReal(f) == [3.5]  # held
 
 
 def test_inputs_are_at_the_end_of_a_step_what_their_slopes_say(rig) -> None:
