@@ -88,7 +88,7 @@ def _opened(path: Path) -> Iterator[_Reader]:
     try:
         import pyarrow.parquet
     except ImportError:
-        raise UsageError("a sweep's data set needs pyarrow: pip install 'pkgen[sweep]'") from None
+        raise UsageError("a sweep's data set needs pyarrow: pip install pyarrow") from None
     files = sorted((path / DATA).glob("*.parquet"))
     if not files:
         raise UsageError(f"{path}: none of its data set is done: pkgen sweep --status {path}")
