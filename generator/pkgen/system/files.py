@@ -21,6 +21,7 @@ from functools import cache
 from pathlib import Path
 from typing import IO
 
+from .children import ENDS
 from .exits import UsageError
 from .progress import trace
 
@@ -62,8 +63,7 @@ def place(path: Path) -> Path | None:
 @contextmanager
 def uninterrupted() -> Iterator[None]:
     """Delays signals that end pkgen until the block is done."""
-    ends = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ends)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)
     try:
         yield
     finally:
