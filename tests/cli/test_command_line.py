@@ -15,6 +15,8 @@ from pathlib import Path
 import pytest
 from conftest import ROOT, long_but, run_pkgen
 from pkgen.cli.commands import COMMANDS, OVERVIEW_WIDTH, overview, parser_of
+from pkgen.cli.compile import _depends
+from pkgen.cli.manual import _plain
 
 HOOP = ROOT / "models/bead_on_hoop.lag"
 WRONG = "model wrong\ncoord x\nkinetic x'^2/2 + yy\n"
@@ -48,13 +50,13 @@ def test_the_overview_fits_a_terminal() -> None:
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_help_shows_examples_that_its_parser_takes(name: str) -> None:
-    parser, text = parser_of(name), parser_of(name).format_help()
+    text = parser_of(name).format_help()
     assert text.startswith(f"usage: pkgen {name}") and "-q, --quiet" in text
     for example in examples(name):
         assert f"\n  {example}\n" in text
         words = shlex.split(re.split(" [<>|] ", example)[0])[1:]
-        words = words[1:] if words[0] == name else words
-        assert parser.parse_intermixed_args(words).quiet is False
+        of, words = (words[0], words[1:]) if words[0] in COMMANDS else (name, words)
+        assert parser_of(of).parse_intermixed_args(words).quiet is False
 
 
 def test_help_of_a_command_and_of_all() -> None:
@@ -192,3 +194,11 @@ def test_who_reads_and_goes_away_is_no_error(words: list) -> None:
     script = f"{command} | true; echo ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", script], capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("0\n", "")
+
+
+def test_a_line_that_begins_with_a_dot_is_no_request_of_roff() -> None:
+    assert _plain("a\n.TH x\n'so -b") == "a\n\\&.TH x\n\\&'so \\-b"
+
+
+def test_names_in_a_rule_of_make_are_what_make_reads() -> None:
+    assert _depends([Path("a$b #c d.c")]).startswith("a$$b\\ \\#c\\ d.c:")

@@ -247,6 +247,7 @@ def test_in_place_and_not_at_all(write, tmp_path: Path) -> None:
     done = run_pkgen("fmt", "--check", path)
     assert done.returncode == 1 and f"{path}: not in its layout" in done.stderr
     assert path.read_text().startswith("model   a")
+    assert run_pkgen("fmt", "--check", path, path).stderr.count("not in its layout") == 1
     assert (run_pkgen("fmt", path).returncode, path.stat().st_mode & 0o777) == (0, 0o640)
     assert path.read_text() == "model a\ncoord x\nkinetic x'^2/2\n"
     before = os.stat(path)
