@@ -41,6 +41,7 @@ MODELS = {
     "fast": PLANE + "let stiff = 300*(x^2 + y^4/4)\nfast stiff\npotential stiff - cos(x + y)\n"
     "start x = 0.1, y = 0.2\n",
     "short": PLANE + "potential x^2 + y^2 + exp(-400*(x - 0.5)^2)*(1 + y)\nstart x = 1, y = 0.2\n",
+    "affine": PLANE + "potential x^2 + y^2*7/3 + x*y/2 + y\nforce x = -0.1*x'\nstart x = 1\n",
     "linear": PLANE + "potential x^2 + y^2*7/3 + x*y/2\nforce x = -0.1*x' + cos(t)\nstart x = 1\n",
     "chain": "size N = 40\ncoord q[1..N]\nfixed q[0] = 0, q[N+1] = 0\n"
     "kinetic sum(q[i]'^2/2, i = 1..N)\n"
