@@ -131,7 +131,7 @@ def _write(found: Found) -> None:
 
 
 def _by_host(found: Found) -> str:
-    rows = []
+    rows, models = [], len(list((ROOT / "models").rglob("*.lag")))
     for name, host in HOSTS.items():
         all_ = [of[name] for of in found.values() if name in of]
         good = [row for row in all_ if "off" in row]
@@ -141,7 +141,7 @@ def _by_host(found: Found) -> str:
         refused = sum("refused" in row for row in all_)
         seconds = statistics.median(row["s"] for row in good)
         worst = max(row["off"] for row in good)
-        count = f"{len(good)} of {len(found)}"
+        count = f"{len(good)} of {models}"
         rows.append((name, count, refused, host.by, _off(worst), f"{low}–{high}", f"{seconds:.1f}"))
     head = ("", "models", "refused", "validated by", "equal within", "kB", "s, median")
     return table(head, rows)
