@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import os
 import signal
 import threading
@@ -94,6 +95,26 @@ def test_kernels_take_any_leading_shape(double, shape) -> None:
 def test_kernels_refuse_other_shapes(double) -> None:
     with pytest.raises(ValueError, match=r"q must be of shape \(..., 2\)"):
         double.M([1.0], [1.0, 2.0])
+
+
+def test_a_family_of_many_has_all_its_members(pkgen, tmp_path) -> None:
+    path = tmp_path / "chain.lag"
+    path.write_text(
+        "model chain\nsize N = 40\nparam k[i = 1..N+1] = 1 + i\nparam m = 7\ncoord q[1..N]\n"
+        "fixed q[0] = 0, q[N+1] = 0\nkinetic m*sum(q[i]'^2, i = 1..N)/2\n"
+        "potential sum(k[i+1]/2*(q[i+1] - q[i])^2, i = 0..N)\n"
+    )
+    model = api.load(path)
+    assert model.coordinates == tuple(f"q[{i}]" for i in range(1, 41))
+    assert model.rates == tuple(f"q[{i}]'" for i in range(1, 41))
+    assert dict(model.params) == {f"k[{i}]": 1 + i for i in range(1, 42)} | {"m": 7}
+    model.params["k[3]"] = 99
+    q, k = np.linspace(-1, 1, 40) ** 3, np.arange(2.0, 43)
+    k[2] = 99
+    pulls = k * np.diff(q, prepend=0, append=0)
+    assert model.acceleration(q, 0 * q) == pytest.approx(np.diff(pulls) / 7)
+    described = json.loads(pkgen("describe", path, "--json").stdout)["parameters"]
+    assert [row["value"] for row in described] == [*range(2, 43), 7]
 
 
 def test_a_step_of_rhs_is_one_of_the_run(double) -> None:

@@ -92,7 +92,7 @@ class Parameters(MutableMapping[str, float]):
         self._model._forget()
 
     def __iter__(self) -> Iterator[str]:
-        return iter(named.parameters(self._model.compilation))
+        return named.parameters(self._model.compilation).names()
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
@@ -143,12 +143,12 @@ class Model:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        return tuple(named.coordinates(self.compilation))
+        return tuple(named.coordinates(self.compilation).names())
 
     @property
     def rates(self) -> tuple[str, ...]:
         """Rates of the coordinates, then first-order variables."""
-        return tuple(named.coordinates(self.compilation, rates=True))
+        return tuple(named.coordinates(self.compilation, rates=True).names())
 
     @property
     def scenes(self) -> tuple[str, ...]:

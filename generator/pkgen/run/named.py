@@ -78,6 +78,10 @@ class Named:
         for item in self.declared:
             yield from (quantity.name for quantity in item.members(SUGGESTED + 1))
 
+    def names(self) -> Iterator[str]:
+        """All of them."""
+        return (quantity.name for item in self.declared for quantity in item.members())
+
     @property
     def count(self) -> int:
         return sum(item.count for item in self.declared)

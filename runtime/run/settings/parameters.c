@@ -11,6 +11,19 @@ static void tell(FILE *file, const char *before, pk_real x)
     numbers_write(file, (double)x);
 }
 
+/* Where parameter number i is; of a family kept as a loop, its first member. */
+static const void *place(const struct pk_system *system, const void *params, size_t i,
+                         struct pk_range *range)
+{
+    const void *at = (const char *)params + system->parameters[i].offset;
+    *range = (struct pk_range){0, 1, 0};
+    if (system->families.range)
+        system->families.range(params, PK_OF_PARAMETER, i, range);
+    if (range->is_family)
+        memcpy(&at, at, sizeof at);
+    return at;
+}
+
 /* One that is no number, or outside its bounds, of which a family has one pair. */
 static void refused_one(FILE *file, const struct pk_system *system, const void *params, size_t i,
                         const struct pk_range *range, pk_real x)
@@ -49,12 +62,11 @@ static void refused(FILE *file, const struct pk_system *system, const void *para
     for (size_t i = one ? (size_t)PK_FAILURE_AT(outside) : 0, told = 0;
          i < system->n_parameters && told < (one ? 1 : MOST_TOLD); i++) {
         const struct pk_quantity *what = &system->parameters[i].what;
-        struct pk_range range = {0, 1, 0};
+        struct pk_range range;
         pk_real x = 0;
-        if (system->families.range)
-            system->families.range(params, PK_OF_PARAMETER, i, &range);
+        const void *at = place(system, params, i, &range);
         if (!range.is_family)
-            memcpy(&x, (const char *)params + system->parameters[i].offset, sizeof x);
+            memcpy(&x, at, sizeof x);
         else if (!one)
             continue;
         if (one) {
@@ -82,9 +94,13 @@ void json_parameters_known(struct json *j, const struct pk_system *system, const
 {
     json_open(j, "parameters", '[');
     for (size_t i = 0; i < system->n_parameters; i++) {
-        pk_real x;
-        memcpy(&x, (const char *)params + system->parameters[i].offset, sizeof x);
-        json_real(j, NULL, x);
+        struct pk_range range;
+        const char *at = place(system, params, i, &range);
+        for (size_t k = 0; k < range.count; k++) {
+            pk_real x;
+            memcpy(&x, at + k * sizeof x, sizeof x);
+            json_real(j, NULL, x);
+        }
     }
     json_close(j, ']');
 }
