@@ -97,7 +97,7 @@ golden: $(STAMP)
 
 # These are not among Debian's packages: where pkgen was installed from those, lint needs a registry.
 PYTHON_CODE := generator tests tools bench
-C_CODE = $(shell find runtime generator/pkgen/back/web/live tests/runtime tests/fuzz -name '*.[ch]')
+C_CODE = $(shell find runtime generator/pkgen/back/live generator/pkgen/back/fmu/c tests/runtime tests/fuzz -name '*.[ch]')
 CLANG_FORMAT = $(VENV)/bin/clang-format
 lint: $(STAMP) runtime
 	@$(PYTHON) -m ruff --version || { echo 'lint: no ruff here; pip install ruff'; exit 1; }

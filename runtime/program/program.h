@@ -17,7 +17,7 @@ struct program {
     int json, shows;
     const char *shard, *starts, *to; /* of a sweep: what is said of a shard, in JSON; its files */
     unsigned long first;             /* its first member, from 0 */
-    void *lists[16]; /* memory of keep() */
+    void *lists[16];                 /* memory of keep() */
     size_t n_lists;
 };
 

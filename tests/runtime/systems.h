@@ -58,7 +58,8 @@ extern const struct pk_system pushed_system;
 
 /* Of systems_rotation.c: one body that is free, I = (1, 2, 3); a heavy symmetric top; two bodies in
  * free space; a coordinate beside a body, with M(R), drag, and forces of time. */
-extern const struct pk_system free_body_system, metered_system, top_system, bodies_system, carriage_system;
+extern const struct pk_system free_body_system, metered_system, top_system, bodies_system,
+    carriage_system;
 /* Of systems_swift.c: a relativistic charge on a rod. */
 extern const struct pk_system swift_system;
 /* Of systems_constraint.c: a mass on a rod, on a circle through 0, with the rod twice over; two on

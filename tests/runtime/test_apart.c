@@ -17,8 +17,7 @@ struct fast_params {
     double end, fast;
 };
 
-static const struct pk_quantity coordinates[] = {
-    {"x", "", ""}, {"y", "", ""}, {"phi", "", ""}};
+static const struct pk_quantity coordinates[] = {{"x", "", ""}, {"y", "", ""}, {"phi", "", ""}};
 static const struct pk_quantity slow_coordinates[] = {{"x", "", ""}, {"phi", "", ""}};
 static const struct pk_quantity inputs[] = {{"push", "", ""}, {"pull", "", ""}};
 #define PARAMETER(name, of) {{#name, "", ""}, offsetof(struct of, name), 0, 0, 0}

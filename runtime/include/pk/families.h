@@ -24,7 +24,7 @@ enum pk_status pk_embedded_dense(struct pk_integrator *it, pk_real t, pk_real *q
 
 PK_END
 
-#define PK_FAMILY_ERK(of)                                                                       \
+#define PK_FAMILY_ERK(of) \
     .needs = PK_NEEDS_ERK, .table = &pk_##of##_table, .size = pk_erk_size, .step = pk_erk_step
 #define PK_FAMILY_SPLITTING(of)                                                        \
     .needs = PK_NEEDS_SPLITTING, .table = &pk_##of##_table, .init = pk_splitting_init, \

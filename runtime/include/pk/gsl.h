@@ -15,16 +15,15 @@
 
 /* Its methods, as rows of pk/methods.h. */
 #define PK_NEEDS_GSL 0
-#define PK_METHODS_GSL(X, A)                                                                       \
-    X(A, gsl_rkf45, 5, 6, 0, PK_ADAPTIVE, rkf45,                                                   \
-      "GSL: Fehlberg 4(5); NASA TR R-315 (1969)")                                                  \
-    X(A, gsl_rk8pd, 8, 13, 0, PK_ADAPTIVE, rk8pd,                                                  \
-      "GSL: Prince-Dormand 8(9); J. Comp. Appl. Math. 7 (1981) 67")                                \
-    X(A, gsl_msadams, 0, 0, 0, PK_ADAPTIVE, msadams,                                               \
-      "GSL: Adams in Nordsieck form, orders 1 to 12")                                              \
-    X(A, gsl_msbdf, 0, 0, 0, PK_ADAPTIVE | PK_IMPLICIT | PK_LINEAR, msbdf,                         \
-      "GSL: backward differentiation, orders 1 to 5; Byrne, Hindmarsh (1975)")                     \
-    X(A, gsl_bsimp, 0, 0, 0, PK_ADAPTIVE | PK_IMPLICIT | PK_LINEAR | PK_NO_INPUTS, bsimp,          \
+#define PK_METHODS_GSL(X, A)                                                                 \
+    X(A, gsl_rkf45, 5, 6, 0, PK_ADAPTIVE, rkf45, "GSL: Fehlberg 4(5); NASA TR R-315 (1969)") \
+    X(A, gsl_rk8pd, 8, 13, 0, PK_ADAPTIVE, rk8pd,                                            \
+      "GSL: Prince-Dormand 8(9); J. Comp. Appl. Math. 7 (1981) 67")                          \
+    X(A, gsl_msadams, 0, 0, 0, PK_ADAPTIVE, msadams,                                         \
+      "GSL: Adams in Nordsieck form, orders 1 to 12")                                        \
+    X(A, gsl_msbdf, 0, 0, 0, PK_ADAPTIVE | PK_IMPLICIT | PK_LINEAR, msbdf,                   \
+      "GSL: backward differentiation, orders 1 to 5; Byrne, Hindmarsh (1975)")               \
+    X(A, gsl_bsimp, 0, 0, 0, PK_ADAPTIVE | PK_IMPLICIT | PK_LINEAR | PK_NO_INPUTS, bsimp,    \
       "GSL: extrapolated implicit midpoint; Bader, Deuflhard, Numer. Math. 41 (1983)")
 
 PK_BEGIN

@@ -9,7 +9,8 @@ static void report_motion(struct json *j, const struct pk_run *run)
     /* Of a large system the last row has them. */
     const int listed = it->n <= MOST_LISTED;
     json_reals(j, {"t", it->t}, {"last_valid", trust_last_valid(run)});
-    json_numbers(j, "q", it->q, listed ? pk_system_coordinates(run->problem.system, run->problem.params) : 0);
+    json_numbers(j, "q", it->q,
+                 listed ? pk_system_coordinates(run->problem.system, run->problem.params) : 0);
     json_numbers(j, "v", it->v, listed ? it->n : 0);
 }
 

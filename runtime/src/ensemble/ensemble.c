@@ -20,7 +20,8 @@ static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
     const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
     if (e->method->needs & PK_LINEAR_DRAG && !(e->system->facts & PK_SEPARABLE))
         return NULL;
-    if (!(e->options.h > 0) || e->system->constraints.n || e->system->families.count) /* its loops are over members of the family */
+    if (!(e->options.h > 0) || e->system->constraints.n ||
+        e->system->families.count) /* its loops are over members of the family */
         return NULL;
     return own ? own : find(pk_block_steppers, e->method->name);
 }
@@ -65,7 +66,8 @@ static enum pk_status to_row(const struct pk_ensemble *e, size_t member, struct 
             const pk_real most = PK_C(1e9);
             if (pk_integrator_steps(it, last, (unsigned long)(whole < most ? whole : most)))
                 return it->status;
-        } else if (pk_integrator_step(it, fixed ? pk_integrator_limit(it, t, last) : t) != PK_DONE) {
+        } else if (pk_integrator_step(it, fixed ? pk_integrator_limit(it, t, last) : t) !=
+                   PK_DONE) {
             return it->status;
         }
     }

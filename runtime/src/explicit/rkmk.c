@@ -106,6 +106,6 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-#define RKMK(of)                                                                               \
+#define RKMK(of) \
     .needs = PK_NEEDS_RKMK, .table = &pk_##of##_table, .size = pk_erk_size, .step = rkmk_step
 PK_METHODS_RKMK(PK_DEFINE_METHOD, RKMK)

@@ -5,11 +5,11 @@ static size_t lay_out(struct pk_variational_work *w, pk_real *base)
 {
     const size_t n = w->n;
     const struct pk_slot slots[] = {
-        {&w->V, n},      {&w->dV, n},       {&w->scale, n},      {&w->p, n},       {&w->f, n},
-        {&w->p_end, n},  {&w->f_end, n},    {&w->f_start, n},    {&w->q_at, n},    {&w->v_at, n},
-        {&w->q_end, n},  {&w->v_end, n},    {&w->low_q, n},      {&w->low_v, n},   {&w->kick, n},
-        {&w->root, n},   {&w->spare, n},    {&w->last_V, n},     {&w->last_h, 1},  {&w->kept, n},
-        {&w->slope, n},  {&w->pivot, n},    {&w->kept_kick, n},  {&w->A_pivot, n}, {&w->J, n * n},
+        {&w->V, n},      {&w->dV, n},      {&w->scale, n},     {&w->p, n},       {&w->f, n},
+        {&w->p_end, n},  {&w->f_end, n},   {&w->f_start, n},   {&w->q_at, n},    {&w->v_at, n},
+        {&w->q_end, n},  {&w->v_end, n},   {&w->low_q, n},     {&w->low_v, n},   {&w->kick, n},
+        {&w->root, n},   {&w->spare, n},   {&w->last_V, n},    {&w->last_h, 1},  {&w->kept, n},
+        {&w->slope, n},  {&w->pivot, n},   {&w->kept_kick, n}, {&w->A_pivot, n}, {&w->J, n * n},
         {&w->lu, n * n}, {&w->at.M, n * n}};
     return PK_LAY_OUT(base, slots);
 }
