@@ -245,6 +245,14 @@ def test_firmware_has_no_double_and_no_libm(host: str, tmp_path: Path) -> None:
     assert {n for n in needed if not n.startswith("double_pendulum_")} <= {"memcpy", "memset"}
 
 
+def test_a_sketch_of_states_alone_shows_the_first(tmp_path: Path) -> None:
+    (tmp_path / "m.lag").write_text("model m\nstate x [m]\nrate x = -x/(1 [s])\nstart x = 1\n")
+    words = ("--method", "rk4", "--step", "0.01")
+    assert export(tmp_path / "m.lag", "arduino", tmp_path / "a", *words).returncode == 0
+    sketch = (tmp_path / "a/examples/m/m.ino").read_text()
+    assert "Serial.println(motion.v[0], 4);" in sketch and "t and x over" in sketch
+
+
 WRONG = [
     (PENDULUM, ("--step", "1e-3"), "the method gauss is not one of fixed explicit steps"),
     (PENDULUM, ("--method", "verlet", "--step", "1e-3"), "give --method: euler, rk2, rk3, rk4"),

@@ -61,11 +61,15 @@ def single(model: Exported) -> dict[str, bytes]:
 def arduino(model: Exported) -> dict[str, bytes]:
     step = Step(model, "float")
     name = step.name
+    of = model.description
+    seen = [(c["name"], f"q[{c['index']}]") for c in of["coordinates"]]
+    seen += [(s["name"], f"v[{s['index']}]") for s in of["states"]]
     context = {
         "name": name,
         "says": model.description["description"] or model.description["title"],
         "step": step.number(model.description["run"]["step"]),
-        "first": model.description["coordinates"][0]["name"],
+        "first": seen[0][0],
+        "place": seen[0][1],
     }
     files = {f"src/{path}": text for path, text in _sources(step).items()}
     for path in ("library.properties", "library.json"):
