@@ -78,8 +78,7 @@ def _go(begun, options: argparse.Namespace, on_progress) -> None:
     try:
         for level in sweep.levels(begun):
             of = level.job, level.folder, options.engine, options.workers
-            tasks = left.Left(*of, on_progress)
-            _engine(level, options).run(tasks.next, tasks.finished, tasks.tick)
+            _engine(level, options).run(left.Left(*of, on_progress))
     except sweep.Unfinished:
         pass  # which is told with the rest
     except KeyboardInterrupt:

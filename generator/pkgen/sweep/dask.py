@@ -9,7 +9,6 @@ from __future__ import annotations
 import logging
 import pickle
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -17,8 +16,8 @@ from typing import TYPE_CHECKING
 from ..system.exits import BuildError, NumericsFailed, UsageError
 from . import work
 from .job import Job
-from .local import TRIES, Task
-from .shards import Folder, failed_shard
+from .left import Left, Task
+from .shards import Folder
 
 if TYPE_CHECKING:
     from distributed import Future
@@ -58,7 +57,7 @@ def _said(one: Future) -> dict:
 
 
 class Dask:
-    """As Local of local.py."""
+    """A cluster of Dask, given or made here."""
 
     def __init__(self, job: Job, folder: Folder, workers: int, address: str | None = None):
         try:
@@ -94,44 +93,23 @@ class Dask:
         if now - self.seen > PATIENCE:
             raise NumericsFailed("the cluster has no workers any more; go on with --resume")
 
-    def run(
-        self,
-        next_task: Callable[[], Task | None],
-        done: Callable[[Task, dict], None],
-        tick: Callable[[float], None],
-    ) -> list[int]:
-        failed: list[int] = []
+    def run(self, left: Left) -> None:
         flying: dict[object, Task] = {}
-        again: list[Task] = []
         try:
             job = pickle.dumps(self.job)  # what is scattered goes with the workers that have it
             while True:
-                while len(flying) < self.most and (task := again.pop() if again else next_task()):
+                while len(flying) < self.most and (task := left.next()):
                     one = self.client.submit(_task, job, self.folder, *task, pure=False)
                     flying[one] = task
                 if not flying:
-                    return failed
+                    return
                 time.sleep(LOOK)
                 for one in [one for one in flying if one.status != "pending"]:
-                    task = flying.pop(one)
-                    said = _said(one)
-                    if "disk" in said:
-                        raise UsageError(f"{said['disk']}; what is done stays: --resume")
-                    if "done" in said:
-                        done(task, said["done"])
-                    else:
-                        self._lost(task, said["wrong"], again, failed)
+                    left.said(flying.pop(one), _said(one))
                 self._refuse_none()
-                tick(0.0)
+                left.tick(0.0)
         finally:
             self.client.close()
             if self.cluster is not None:
                 self.cluster.close()
                 self.folder.cleaned()
-
-    def _lost(self, task: Task, why: str, again: list[Task], failed: list[int]) -> None:
-        k = task[1] if task[0] == "shard" else self.folder.shards_of(task[1])[0]
-        if failed_shard(self.folder, k, why) < TRIES:
-            again.append(task)
-        elif k not in failed:
-            failed.append(k)

@@ -1,4 +1,8 @@
-"""What of a sweep is left to be done, as engines take it, and how far it is."""
+"""What of a sweep is left to be done, as engines take it, and how far it is.
+
+An engine is given a Left by run(left): it takes tasks by next() until there are none, tells what
+came of each by said() or lost(), and calls tick() some times a second.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +10,14 @@ import os
 import platform
 import time
 
+from ..system.exits import NumericsFailed, UsageError
 from . import work
 from .job import Job
-from .shards import Folder, write_json
+from .shards import Folder, failed_shard, write_json
+
+TRIES = 3  # of a shard, before it is left as failed
+LOST = 30  # tasks one after the other, without one that is done: it is not the shards
+Task = tuple[str, int]  # "shard" or "part", and which
 
 
 class Left:
@@ -29,18 +38,44 @@ class Left:
         self.ready = [part for part in parts if not self.waiting[part]][::-1]
         left = sum(folder.of_shard(k)[1] for k in missing)
         self.done_before = self.done = self.job.members - left
+        self.lost_in_a_row = 0
         self.began, self.told = time.time(), 0.0
         self.about = {"engine": engine, "workers": workers, "host": platform.node()}
         before = self.job.before + self.done_before
         self.about |= {"pid": os.getpid(), "began": self.began, "before": before}
         self.tick(0.0)
 
-    def next(self) -> tuple[str, int] | None:
+    def next(self) -> Task | None:
+        """None: there is nothing to do, or nothing yet."""
         if self.ready:
             return "part", self.ready.pop()
         return ("shard", self.shards.pop()) if self.shards else None
 
-    def finished(self, task: tuple[str, int], said: dict) -> None:
+    def said(self, task: Task, said: dict) -> None:
+        """What came of a task. Raises UsageError where the disk is full."""
+        if "disk" in said:
+            raise UsageError(f"{said['disk']}; what is done stays: pkgen sweep --resume")
+        if "wrong" in said:
+            self.lost(task, said["wrong"])
+        else:
+            self.finished(task, said["done"])
+
+    def lost(self, task: Task, why: str) -> None:
+        """It could not be done, or its worker died: it is given again, some times."""
+        self.lost_in_a_row += 1
+        if self.lost_in_a_row > LOST:
+            raise NumericsFailed(f"workers fail one after the other: {why}")
+        kind, k = task
+        if kind == "shard":
+            waiting, tried = self.shards, failed_shard(self.folder, k, why)
+        else:
+            first = self.folder.shards_of(k)[0]
+            waiting, tried = self.ready, failed_shard(self.folder, first, f"part {k}: {why}")
+        if tried < TRIES:
+            waiting.append(k)
+
+    def finished(self, task: Task, said: dict) -> None:
+        self.lost_in_a_row = 0
         kind, k = task
         if kind == "part":
             if said.get("torn"):

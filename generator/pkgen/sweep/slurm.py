@@ -13,7 +13,6 @@ import shlex
 import shutil
 import subprocess
 import time
-from collections.abc import Callable
 
 from ..back.c.render import is_portable
 from ..run.build import build_program
@@ -22,7 +21,7 @@ from ..system.exits import NumericsFailed, UsageError
 from ..system.progress import say
 from . import work
 from .job import Job
-from .local import TRIES, Task
+from .left import TRIES, Left
 from .shards import Folder, failed_shard, head, read_json, write_json, written
 
 TASKS = 1000  # of an array: Slurm's own limit is 1001
@@ -59,7 +58,7 @@ done
 
 
 class Slurm:
-    """As Local of local.py. An array that is still queued from before is waited for."""
+    """Slurm. An array that is still queued from before is waited for."""
 
     def __init__(self, job: Job, folder: Folder, at_once: int | None):
         if shutil.which("sbatch") is None:
@@ -71,34 +70,28 @@ class Slurm:
         self.job, self.folder, self.at_once = job, folder, at_once
         self.place = folder.path.absolute() / "slurm"
 
-    def run(
-        self,
-        next_task: Callable[[], Task | None],
-        done: Callable[[Task, dict], None],
-        tick: Callable[[float], None],
-    ) -> list[int]:
+    def run(self, left: Left) -> None:
         waiting: set[int] = set()
         tried: dict[int, int] = {}
-        failed: list[int] = []
         number = self._queued()
         asked = time.monotonic()
         while True:
-            while task := next_task():
+            while task := left.next():
                 if task[0] == "part":
-                    done(task, {"torn": work.part(self.job, self.folder, task[1]) is None})
+                    left.finished(task, {"torn": work.part(self.job, self.folder, task[1]) is None})
                 elif tried.get(task[1], 0) < TRIES:
                     waiting.add(task[1])
             come = [k for k in sorted(waiting) if head(self.folder, k) is not None]
             for k in come:
                 waiting.remove(k)
-                done(("shard", k), {})
-            tick(0.0)
+                left.finished(("shard", k), {})
+            left.tick(0.0)
             if come:
                 continue
             if not waiting:
                 if number is None or not self._is_queued(number):
                     self.folder.cleaned()
-                return failed
+                return
             if number is None:
                 for k in waiting:
                     tried[k] = tried.get(k, 0) + 1
@@ -107,19 +100,16 @@ class Slurm:
                 asked = time.monotonic()
                 if not self._is_queued(number):
                     number = None
-                    failed += self._ended(waiting, tried)
+                    self._ended(waiting, tried)
             time.sleep(POLL)
 
-    def _ended(self, waiting: set[int], tried: dict[int, int]) -> list[int]:
-        """The array is over: the shards that are given up."""
-        given_up = []
+    def _ended(self, waiting: set[int], tried: dict[int, int]) -> None:
+        """The array is over: shards that were tried often enough are given up."""
         for k in [k for k in waiting if head(self.folder, k) is None]:
             known = read_json(self.folder.failed_file(k)) or {}
             failed_shard(self.folder, k, known.get("why") or "its task ended; see slurm/task-*.txt")
             if tried.get(k, 1) >= TRIES:
-                given_up.append(k)
-        waiting -= set(given_up)
-        return given_up
+                waiting.remove(k)
 
     def _program(self) -> None:
         job = self.job
