@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 BATCH = 1 << 16  # members at once, whose rows
 BATCH_BYTES = 1 << 25  # take no more than this
 PART = 1 << 20  # rows of a part of the data set, about
-ENDED = {0: "PK_DONE", 1: "PK_STOPPED_EVENT"}  # and is no failure
 SAMPLE = 64  # members that a choice of method is made for
 CHOSEN = ("method", "rows", "step", "rtol", "atol", "max_step", "compiled_for")
 
@@ -48,7 +47,6 @@ CHOSEN = ("method", "rows", "step", "rtol", "atol", "max_step", "compiled_for")
 class Batch(NamedTuple):
     """What came of members: of each its status, last valid time, what is kept; and their rows."""
 
-    first: int
     members: numpy.ndarray
     rows: numpy.ndarray | None  # the member in front, t
     report: dict
@@ -138,7 +136,7 @@ class Job:
             raise NumericsFailed(done.messages.strip() or "the members could not be run")
         rows = done.rows() if self.kept.rows else None
         done.close()
-        return Batch(first, found, rows, done.report)
+        return Batch(found, rows, done.report)
 
 
 def make(

@@ -7,6 +7,7 @@ number that there is none of (of a member that failed, the time of an event that
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
@@ -15,9 +16,10 @@ import numpy as np
 
 from ..equations import Quantity
 from ..system.exits import UsageError
+from ..system.toolchain import RUNTIME
 from ..version import __version__
 from .job import Job
-from .shards import Folder, Torn, added, blocks, digest_of, failures_of, head, write_json, written
+from .shards import Folder, added, blocks, digest_of, failures_of, head, write_json, written
 
 if TYPE_CHECKING:
     import pyarrow
@@ -66,7 +68,6 @@ class _Writer:
     def __init__(self, file, job: Job, columns: list[Quantity]):
         pa = arrow()
         self.pa, self.schema = pa, schema(job, columns)
-        self.dictionaries = [f.name for f in self.schema if pa.types.is_dictionary(f.type)]
         self.writer = pa.parquet.ParquetWriter(
             file, self.schema, compression="zstd", compression_level=1, use_dictionary=[STATUS]
         )
@@ -92,27 +93,28 @@ class _Writer:
         self.writer.write_table(table, row_group_size=GROUP)
         self.waiting, self.count = [], 0
 
+    def __enter__(self) -> _Writer:
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        try:
+            if kind is None:
+                self.flush()
+            self.writer.close()
+        finally:
+            self.writer.is_open = False  # else it closes itself once more, without a file
+
     def _array(self, field: pyarrow.Field, x: np.ndarray) -> pyarrow.Array:
         if self.pa.types.is_dictionary(field.type):
-            return self.pa.DictionaryArray.from_arrays(-x.astype(np.int8) + 1, self._statuses())
+            statuses = self.pa.array(STATUSES)
+            return self.pa.DictionaryArray.from_arrays(1 - x.astype(np.int8), statuses)
         if self.pa.types.is_integer(field.type):
             return self.pa.array(x.astype(np.int64))
         return self.pa.array(x, mask=np.isnan(x))
 
-    def _statuses(self) -> pyarrow.Array:
-        return self.pa.array(STATUSES)
-
-    def close(self) -> None:
-        self.flush()
-        self.writer.close()
-
 
 def statuses() -> list[str]:
     """The names of enum pk_status, from 1 down."""
-    import re
-
-    from ..system.toolchain import RUNTIME
-
     text = (RUNTIME / "include/pk/status.h").read_text(encoding="utf-8")
     found = {int(n): name for name, n in re.findall(r"X\((PK_\w+), (-?\d+), ", text)}
     return [found[n] for n in range(1, min(found) - 1, -1)]
@@ -123,13 +125,15 @@ STATUSES = statuses()
 
 def merge(job: Job, folder: Folder, part: int) -> dict:
     """Writes a part from its shards, and what there is to say of it. Raises Torn: then nothing is
-    written, and `torn` of it says which shard is to be made again."""
+    written."""
     first, count = folder.of_part(part)
     failures: dict[str, dict] = {}
     with ExitStack() as stack:
         files = [stack.enter_context(written(path)) for path in folder.data_files(part)]
-        data = _Writer(files[0], job, names(job))
-        rows = _Writer(files[1], job, [job.counts, *job.kept.rows]) if folder.rows else None
+        data = stack.enter_context(_Writer(files[0], job, names(job)))
+        rows = None
+        if folder.rows:
+            rows = stack.enter_context(_Writer(files[1], job, [job.counts, *job.kept.rows]))
         for begin, members, moved in _members(job, folder, part):
             starts = job.starts.values(begin, len(members)).T
             numbers = np.arange(begin + 1, begin + 1 + len(members)) + job.before
@@ -137,9 +141,6 @@ def merge(job: Job, folder: Folder, part: int) -> dict:
             if rows is not None and len(moved):
                 rows.add(list(moved.T))
             _failed(members, job.before + begin, failures)
-        data.close()
-        if rows is not None:
-            rows.close()
     heads = [h for k in folder.shards_of(part) if (h := head(folder, k))]
     for one in (one for h in heads for one in failures_of(h)):
         if one["status"] in failures and failures[one["status"]]["member"] == one["member"]:
@@ -180,9 +181,6 @@ def _members(job: Job, folder: Folder, part: int) -> Iterator[tuple[int, np.ndar
                     rows = moved[a:b]
                 yield lo, members[lo - at : hi - at], rows
             at += len(members)
-
-
-__all__ = ["Torn", "arrow", "merge", "names", "schema"]
 
 
 def classes(job: Job, folder: Folder) -> np.ndarray:

@@ -208,7 +208,7 @@ def head(folder: Folder, k: int) -> dict | None:
 
 
 class Torn(Exception):
-    """A shard, or a part, that is not as it was written."""
+    """A shard that is not as it was written: its number."""
 
 
 def blocks(folder: Folder, k: int) -> Iterator[tuple[numpy.ndarray, numpy.ndarray | None]]:
@@ -218,7 +218,7 @@ def blocks(folder: Folder, k: int) -> Iterator[tuple[numpy.ndarray, numpy.ndarra
 
     said = head(folder, k)
     if said is None:
-        raise Torn(f"shard {k}")
+        raise Torn(k)
     digest = hashlib.sha256()
     with open(folder.shard_file(k), "rb") as file:
         for a, b, c, d in said["blocks"]:
@@ -227,13 +227,13 @@ def blocks(folder: Folder, k: int) -> Iterator[tuple[numpy.ndarray, numpy.ndarra
                 data = file.read(8 * shape[0] * shape[1])
                 digest.update(data)
                 if len(data) != 8 * shape[0] * shape[1]:
-                    raise Torn(f"shard {k}")
+                    raise Torn(k)
                 found.append(numpy.frombuffer(data, "<f8").reshape(shape))
             yield found[0], found[1] if d else None
         rest = file.read()
     digest.update(rest[:-DIGEST])
     if digest.hexdigest().encode() + b"\n" != rest[-DIGEST:]:
-        raise Torn(f"shard {k}")
+        raise Torn(k)
 
 
 def digest_of(path: Path) -> str | None:

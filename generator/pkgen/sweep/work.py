@@ -4,7 +4,6 @@ Each may be done twice, and by two at once: both write the same.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from contextlib import suppress
 
@@ -16,13 +15,10 @@ Poll = Callable[[float], bool]
 
 
 def shard(job: Job, folder: Folder, k: int, poll: Poll | None = None) -> dict:
-    """What the shard says of itself, and the seconds that it took. Raises OSError where it cannot
-    be written."""
-    began = time.monotonic()
+    """What the shard says of itself. Raises OSError where it cannot be written."""
     first, count = folder.of_shard(k)
     batches = ((b.members, b.rows, b.report) for b in job.run(first, count, poll))
-    said = write_shard(folder, k, batches)
-    return {**said, "seconds": time.monotonic() - began}
+    return write_shard(folder, k, batches)
 
 
 def part(job: Job, folder: Folder, k: int) -> dict | None:
@@ -31,18 +27,14 @@ def part(job: Job, folder: Folder, k: int) -> dict | None:
     try:
         said = merge(job, folder, k)
     except Torn as torn:
-        _drop_torn(folder, k, str(torn))
+        for one in folder.shards_of(k):
+            if one in torn.args or head(folder, one) is None:
+                folder.shard_file(one).unlink(missing_ok=True)
         return None
     for one in folder.shards_of(k):
         if all(part_is_whole(folder, other, False) for other in folder.parts_of(one)):
             folder.shard_file(one).unlink(missing_ok=True)
     return said
-
-
-def _drop_torn(folder: Folder, part: int, torn: str) -> None:
-    for k in folder.shards_of(part):
-        if torn == f"shard {k}" or head(folder, k) is None:
-            folder.shard_file(k).unlink(missing_ok=True)
 
 
 def survey(folder: Folder, thorough: bool) -> tuple[list[int], list[int]]:
