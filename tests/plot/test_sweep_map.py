@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy
 import pytest
 from conftest import ROOT
-from pkgen.plot import sweep
+from pkgen.sweep import map as sweep
 from pkgen.system.exits import UsageError
 
 arrow = pytest.importorskip("pyarrow")

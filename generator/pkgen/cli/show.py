@@ -10,11 +10,10 @@ from ..back.web.build import wasm
 from ..back.web.page import packed
 from ..describe.made import describe
 from ..explain.style import style
-from ..plot import sweep
+from ..sweep.shards import is_sweep
 from ..system.exits import DONE, UsageError
 from ..system.files import STANDARD, replace
 from . import arguments as shared
-from . import swept
 from .compilation import compile_within_limits
 from .explain import explained
 from .said import refuse_both
@@ -38,8 +37,12 @@ def run(options: argparse.Namespace) -> int:
     """Make one file that opens in a browser and needs nothing else: the model moves in it,
     computed there by its own C, with all its parameters and methods at hand."""
     refuse_both(options, options.page)
-    shown = swept.taken(options) if sweep.is_sweep(Path(options.model)) else None
-    if shown is None and (options.map or options.columns or options.member is not None):
+    shown = None
+    if is_sweep(Path(options.model)):
+        from . import swept
+
+        shown = swept.taken(options)
+    elif options.map or options.columns or options.member is not None:
         raise UsageError("--map, --columns and --member are of a sweep: give its folder")
     found = describe(options, lambda options, **how: compile_within_limits(options, **how))
     path = Path(options.page or f"{found.compilation.model.name}.html")

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
 from ..compiler import Compilation
-from ..front.read import from_text
-from ..plot import sweep
 from ..plot import view as views
-from ..plot.sweep import Map
 from ..run.ensemble import Settable
-from ..sweep.plan import of_text
-from ..system.exits import UsageError
+from ..sweep import map, page
+from ..sweep.job import AT_START
+from ..sweep.map import Map
+from ..sweep.sweep import lying
 
 OF_A_MODEL = ("scene", "set", "start", "size", "until")
-AT_START = "(0)"
 
 
 def taken(options: argparse.Namespace) -> Map:
@@ -24,15 +21,8 @@ def taken(options: argparse.Namespace) -> Map:
     say. Raises UsageError."""
     path = Path(options.model)
     axes = [] if options.map is None else views.split("--map", options.map)
-    from ..plot.sweep_page import PIXELS
-
-    found = sweep.read(path, axes, options.columns or "", PIXELS)
-    try:
-        known = json.loads((path / sweep.PLAN).read_text("utf-8"))
-        options.model = str(path / Path(known["file"]).name)
-        plan = of_text(from_text(str(path / "plan.toml"), (path / "plan.toml").read_text("utf-8")))
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"{path}: it is not as it was begun: {error}") from None
+    found = map.read(path, axes, options.columns or "", page.PIXELS)
+    _, plan, _ = lying(path, options)
     for name in OF_A_MODEL:
         value = plan.options.get(name)
         if isinstance(value, list):
@@ -40,7 +30,7 @@ def taken(options: argparse.Namespace) -> Map:
         elif value is not None and getattr(options, name, None) is None:
             setattr(options, name, value)
     if options.member is not None:
-        for name, value in sweep.member(path, options.member).items():
+        for name, value in map.member(path, options.member).items():
             of = options.start if name.endswith(AT_START) else options.set
             of.append(f"{name.removesuffix(AT_START)}={value!r}")
     return found
@@ -48,12 +38,10 @@ def taken(options: argparse.Namespace) -> Map:
 
 def described(found: Map, compilation: Compilation) -> dict[str, object]:
     """For the page, whose address says starts and parameters by kind."""
-    from ..plot.sweep_page import described
-
     settable = Settable(compilation)
     keys = {}
     for name in found.drawn:
         column = settable[name.removesuffix(AT_START)]
         kind = {"param": "p", "input": "u"}.get(column.kind, column.kind)
         keys[name] = f"{kind}.{column.name.rstrip(chr(39))}"
-    return described(found, keys)
+    return page.described(found, keys)

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 BATCH = 1 << 16  # members at once, whose rows
 BATCH_BYTES = 1 << 25  # take no more than this
 PART = 1 << 20  # rows of a part of the data set, about
+AT_START = "(0)"  # behind the names of coordinates and rates that are drawn
 SAMPLE = 64  # members that a choice of method is made for
 CHOSEN = ("method", "rows", "step", "rtol", "atol", "max_step", "compiled_for")
 

@@ -18,7 +18,7 @@ from ..equations import Quantity
 from ..system.exits import UsageError
 from ..system.toolchain import RUNTIME
 from ..version import __version__
-from .job import Job
+from .job import AT_START, Job
 from .shards import Folder, added, blocks, digest_of, failures_of, head, write_json, written
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 GROUP = 1 << 16  # rows of a row group
 STATUS = "status"
+DRAWN = "drawn by the plan"
 
 
 def arrow():
@@ -42,8 +43,8 @@ def names(job: Job) -> list[Quantity]:
     """The columns of the data set, a row a member."""
     starts = []
     for column in job.starts.columns:
-        at_start = f"{column.name}(0)" if column.kind in "qv" else column.name
-        starts.append(Quantity(at_start, column.unit, "drawn by the plan"))
+        at_start = column.name + AT_START if column.kind in "qv" else column.name
+        starts.append(Quantity(at_start, column.unit, DRAWN))
     ended = Quantity(STATUS, "", "how the member ended")
     time = Quantity("t", job.time_unit, "its last valid time")
     return [job.counts, *starts, ended, time, *job.kept.numbers]

@@ -36,7 +36,12 @@ if TYPE_CHECKING:
 
 TAIL = 1 << 16  # bytes in which the last lines of a shard are, mostly
 DIGEST = 65  # bytes of the last one
-_FOLDERS = ("shards", "parts", "failed", "data")
+PLAN, DATA = "plan.json", "data"
+_FOLDERS = ("shards", "parts", "failed", DATA)
+
+
+def is_sweep(path: Path) -> bool:
+    return (path / PLAN).is_file() and (path / DATA).is_dir()
 
 
 @record
@@ -88,7 +93,7 @@ class Folder:
 
     def data_files(self, k: int) -> list[Path]:
         """Those of a part; where rows are kept, there are two."""
-        folders = ("data", "rows") if self.rows else ("data",)
+        folders = (DATA, "rows") if self.rows else (DATA,)
         name = f"level-{self.level}-part" if self.level else "part"
         return [self.path / folder / f"{name}-{k:06d}.parquet" for folder in folders]
 

@@ -26,6 +26,7 @@ from .parts import arrow, classes, names
 from .plan import Plan, of_text, read_plan
 from .refine import begun as begun_grid
 from .shards import (
+    PLAN,
     Folder,
     foreign,
     free_bytes,
@@ -38,7 +39,7 @@ from .starts import Starts
 
 SECONDS = 10.0  # of work in a shard, at least
 TIMED = 0.3  # seconds that the first timing takes
-PLAN, LEVELS = "plan.json", "levels.json"
+LEVELS, TOML = "levels.json", "plan.toml"
 Compiled = Callable[..., Compilation]
 
 
@@ -70,19 +71,25 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
     return Sweep(job, _folder(path, known, job))
 
 
+def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
+    """What is known of that which lies there, its plan and model, which is that of `options` then.
+    Raises UsageError."""
+    known = read_json(path / PLAN)
+    if known is None:
+        raise UsageError(f"{path}: no sweep lies there: it has no {PLAN}")
+    try:
+        file = path / Path(known["file"]).name
+        options.model, options.size = str(file), known["size"]
+        plan = of_text(from_text(str(path / TOML), (path / TOML).read_text("utf-8")))
+        return known, plan, from_text(known["model"], file.read_text("utf-8"))
+    except (OSError, KeyError, TypeError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path}: it is not as it was begun: {error}") from None
+
+
 def resumed(path: Path, options: argparse.Namespace, compiled: Compiled) -> Sweep:
     """That which lies there."""
     arrow()
-    known = read_json(path / PLAN)
-    if known is None:
-        raise UsageError(f"--resume {path}: no sweep lies there: it has no {PLAN}")
-    try:
-        where, file, size = known["model"], path / known["file"], known["size"]
-        plan = of_text(from_text(str(path / "plan.toml"), (path / "plan.toml").read_text("utf-8")))
-        source = from_text(where, file.read_text("utf-8"))
-    except (OSError, KeyError, TypeError, UnicodeDecodeError) as error:
-        raise UsageError(f"--resume {path}: it is not as it was begun: {error}") from None
-    options.model, options.size = str(file), size
+    known, plan, source = lying(path, options)
     job, _, _ = _made(plan, source, options, compiled, known)
     if known.get("digest") != job.digest:
         why = _other(path, known, plan, source)
@@ -102,7 +109,7 @@ def _other(path: Path, known: dict, plan: Plan, source: Source) -> str:
     if known.get("pkgen") != __version__:
         return f"the sweep there is of pkgen {known.get('pkgen')}, and this is {__version__}"
     with suppress(OSError):
-        if (path / "plan.toml").read_text("utf-8") != plan.source.text:
+        if (path / TOML).read_text("utf-8") != plan.source.text:
             return "the sweep there is of another plan"
     with suppress(OSError):
         if (path / str(known.get("file"))).read_text("utf-8") != source.text:
@@ -131,7 +138,7 @@ def _new(path: Path, plan: Plan, source: Source, options: argparse.Namespace, ma
     folder = Folder(path, job.digest, job.members, shard, job.part, bool(job.kept.rows))
     folder.made()
     file = f"{job.name}.lag"
-    for name, text in ((file, source.text), ("plan.toml", plan.source.text)):
+    for name, text in ((file, source.text), (TOML, plan.source.text)):
         with written(path / name) as out:
             out.write(text.encode())
     write_json(

@@ -9,8 +9,8 @@ import numpy
 from matplotlib import colormaps
 from matplotlib.image import imsave
 
-from .draw import coloured
-from .sweep import Map
+from ..plot.draw import coloured
+from .map import Map
 
 PIXELS = 300  # along an axis: a page of some 3 MB
 

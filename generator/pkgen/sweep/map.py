@@ -14,20 +14,21 @@ from typing import TYPE_CHECKING
 
 import numpy
 
+from ..plot.picture import Axis, Image, Panel, Picture
 from ..record import record
 from ..system.exits import UsageError
 from ..system.near import near
-from .picture import Axis, Image, Panel, Picture
+from .job import AT_START
+from .parts import DRAWN, STATUS, STATUSES, arrow
+from .shards import DATA
 
 if TYPE_CHECKING:
     import pyarrow
 
-PLAN, DATA = "plan.json", "data"
 MOST = 800  # pixels along an axis
 PER_PIXEL = 8  # members of a pixel, about, where they are drawn at random
-DRAWN = b"drawn by the plan"
-STATUS, GOOD = "status", ("PK_DONE", "PK_STOPPED_EVENT")
 FAILED = "failed"
+GOOD = STATUSES[:2]  # 1 and 0; failures are negative
 
 
 @record(eq=False)
@@ -61,10 +62,6 @@ class Map:
         return Picture(self.title, (panel,), wide=False, notes=tuple(notes))
 
 
-def is_sweep(path: Path) -> bool:
-    return (path / PLAN).is_file() and (path / DATA).is_dir()
-
-
 def read(path: Path, axes: Sequence[str] = (), value: str = "", most: int = MOST) -> Map:
     """By default over the first two axes, of what was kept first, of `most` pixels along an axis.
     Raises UsageError."""
@@ -85,16 +82,13 @@ def member(path: Path, number: int) -> dict[str, float]:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[_Reader]:
-    try:
-        import pyarrow.parquet
-    except ImportError:
-        raise UsageError("a sweep's data set needs pyarrow: pip install pyarrow") from None
+    pa = arrow()
     files = sorted((path / DATA).glob("*.parquet"))
     if not files:
         raise UsageError(f"{path}: none of its data set is done: pkgen sweep --status {path}")
     try:
-        yield _Reader(path, [pyarrow.parquet.ParquetFile(file) for file in files])
-    except (pyarrow.ArrowException, OSError) as error:
+        yield _Reader(path, [pa.parquet.ParquetFile(file) for file in files])
+    except (pa.ArrowException, OSError) as error:
         raise UsageError(f"{path}/{DATA}: {error}") from None
 
 
@@ -104,7 +98,9 @@ class _Reader:
         self.schema = files[0].schema_arrow
         about = {f.name: (f.metadata or {}) for f in self.schema}
         self.units = {name: of.get(b"unit", b"").decode() for name, of in about.items()}
-        self.drawn = [name for name, of in about.items() if of.get(b"description") == DRAWN]
+        self.drawn = [
+            name for name, of in about.items() if of.get(b"description") == DRAWN.encode()
+        ]
         self.kept = [n for n in about if n not in ("member", STATUS, *self.drawn)]
 
     def map(self, axes: Sequence[str], value: str, most: int) -> Map:
@@ -157,9 +153,9 @@ class _Reader:
         )
 
     def _axis(self, name: str) -> str:
-        found = next((n for n in (name, f"{name}(0)") if n in self.drawn), None)
+        found = next((n for n in (name, name + AT_START) if n in self.drawn), None)
         if found is None:
-            said = near(name, [n.removesuffix("(0)") for n in self.drawn], "axis")
+            said = near(name, [n.removesuffix(AT_START) for n in self.drawn], "axis")
             raise UsageError(f"{self.path}: the plan draws no {name}; {said}")
         return found
 
