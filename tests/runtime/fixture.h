@@ -64,6 +64,7 @@ void add_gauss(void);
 void add_dense(void);
 void add_memory(void);
 void add_memory_blocks(void);
+void add_keep(void);
 void add_faults(void);
 void add_geometry(void);
 void add_status(void);

@@ -182,6 +182,7 @@ int main(int argc, char **argv)
     add_dense();
     add_memory();
     add_memory_blocks();
+    add_keep();
     if (strcmp(instance, "inlined") != 0) /* its kernels are not called through pointers */
         add_faults();
     add_geometry();
