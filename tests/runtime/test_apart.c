@@ -210,6 +210,35 @@ static void failure(void)
     end(&t);
 }
 
+/* What is kept of them goes on to the bit, also where the whole is within steps. */
+static void kept(void)
+{
+    static unsigned char bytes[65536];
+    struct test a, b;
+    struct pk_keep out = {.to = bytes, .size = sizeof bytes}, in = {.from = bytes};
+    CU_ASSERT_FATAL(begin(&a, parts) == PK_DONE && begin(&b, parts) == PK_DONE);
+    CU_ASSERT(pk_apart_to(&a.apart, 0.501, 4) == PK_DONE);
+    CU_ASSERT(pk_apart_keep(&a.apart, &out) == PK_DONE);
+    in.size = out.used - 1;
+    CU_ASSERT(pk_apart_keep(&b.apart, &in) == PK_BLOCK_TOO_SMALL);
+    end(&b);
+    CU_ASSERT_FATAL(begin(&b, parts) == PK_DONE);
+    in = (struct pk_keep){.from = bytes, .size = out.used};
+    CU_ASSERT(pk_apart_keep(&b.apart, &in) == PK_DONE);
+    for (int k = 0; k < 2; k++) {
+        CU_ASSERT(a.apart.t == b.apart.t);
+        CU_ASSERT(memcmp(a.apart.q, b.apart.q, sizeof q0) == 0);
+        CU_ASSERT(memcmp(a.apart.v, b.apart.v, sizeof v0) == 0);
+        for (int i = 0; i < 2; i++) {
+            const struct pk_apart_part *x = &a.apart.parts[i], *y = &b.apart.parts[i];
+            CU_ASSERT((x->there == &x->aside) == (y->there == &y->aside));
+            CU_ASSERT(x->aside.count.evaluations == y->aside.count.evaluations);
+        }
+        pk_apart_to(&a.apart, 0.5011, 4), pk_apart_to(&b.apart, 0.5011, 4);
+    }
+    end(&a), end(&b);
+}
+
 static void refused(void)
 {
     const struct pk_part twice[] = {{&fast_system, second}, {&slow_system, second}};
@@ -255,5 +284,6 @@ void add_apart(void)
     CU_pSuite suite = CU_add_suite("blocks apart", NULL, NULL);
     CU_add_test(suite, "against the whole", against_together);
     CU_add_test(suite, "failure of one", failure);
+    CU_add_test(suite, "kept", kept);
     CU_add_test(suite, "refused", refused);
 }

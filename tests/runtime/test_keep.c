@@ -34,7 +34,8 @@ static enum pk_status begin(struct motion *m, const struct pk_system *system,
 static void steps(struct trace *to, struct motion *m, int count)
 {
     to->count = 0;
-    look(to, &m->it);
+    if (m->it.count.steps) /* a motion inside the last one */
+        look(to, &m->it);
     for (; count > 0 && m->it.status >= 0; count--) {
         pk_integrator_step(&m->it, 1);
         look(to, &m->it);
@@ -69,9 +70,12 @@ static void every_method(void)
         for (size_t i = 0; fixture_method(i); i++) {
             const struct pk_method *method = fixture_method(i);
             if (begin(&a, systems[k], method, room) >= 0) {
-                steps(&plain, &a, 3 + (int)(i % 2));
+                steps(&plain, &a, 1 + (int)(i % 2));
                 pk_integrator_set_step(&a.it, 0.02);
+                steps(&plain, &a, 2);
+                const double *const state = a.it.own->state;
                 const enum pk_status status = written(&a.it, &size);
+                CU_ASSERT(a.it.own->state == state);
                 if (status >= 0 && a.it.status >= 0) {
                     steps(&plain, &a, 3);
                     begin(&b, systems[k], method, room + REALS);
@@ -87,6 +91,24 @@ static void every_method(void)
         }
     printf("\n    %zu pairs of a system and a method", made);
     CU_ASSERT(made > 500);
+}
+
+/* What is told of a step that failed. */
+static void failure(void)
+{
+    static struct motion a, b;
+    const struct pk_method *method = pk_method_find("dop853");
+    size_t size;
+    begin(&a, &kepler_system, method, room);
+    steps(&plain, &a, 3);
+    a.it.status = PK_NOT_FINITE, a.it.where = 3, a.it.detail = 0.5, a.it.event = 2;
+    a.it.passed_over.count = 7;
+    CU_ASSERT(written(&a.it, &size) == PK_DONE);
+    begin(&b, &kepler_system, method, room + REALS);
+    CU_ASSERT(read_from(&b.it, size) == PK_DONE);
+    CU_ASSERT(b.it.status == PK_NOT_FINITE && b.it.where == 3 && b.it.detail == 0.5);
+    CU_ASSERT(b.it.event == 2 && b.it.passed_over.count == 7);
+    CU_ASSERT(b.it.t == a.it.t && b.it.last_t == a.it.last_t && b.it.last_t > 0);
 }
 
 static void other_shapes(void)
@@ -114,6 +136,11 @@ static void other_shapes(void)
     CU_ASSERT(read_from(&b.it, size) == PK_BLOCK_TOO_SMALL);
     begin(&b, &oscillator_system, method, room + REALS);
     CU_ASSERT(read_from(&b.it, sizeof bytes) == PK_BLOCK_TOO_SMALL);
+    struct pk_method alone = *pk_gsl_method_find("gsl_rk8pd");
+    alone.keep = NULL;
+    begin(&b, &oscillator_system, &alone, room + REALS);
+    CU_ASSERT(read_from(&b.it, sizeof bytes) == PK_REFUSED);
+    pk_integrator_free(&b.it);
     begin(&b, &oscillator_system, pk_gsl_method_find("gsl_msadams"), room + REALS);
     CU_ASSERT(read_from(&b.it, sizeof bytes) == PK_REFUSED);
     pk_integrator_free(&b.it);
@@ -123,5 +150,6 @@ void add_keep(void)
 {
     CU_pSuite suite = CU_add_suite("what is kept", NULL, NULL);
     CU_add_test(suite, "every method goes on to the bit", every_method);
+    CU_add_test(suite, "failure", failure);
     CU_add_test(suite, "other shapes", other_shapes);
 }

@@ -278,7 +278,6 @@ void pk_apart_free(struct pk_apart *a)
 
 enum pk_status pk_apart_keep(struct pk_apart *a, struct pk_keep *k)
 {
-    pk_keep_same(k, a->count);
     pk_keep(k, &a->t, sizeof a->t);
     pk_keep(k, a->state, state_reals(a->whole.system) * sizeof *a->state);
     for (size_t i = 0; i < a->count; i++) {
