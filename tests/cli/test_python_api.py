@@ -143,6 +143,21 @@ def test_members_are_runs(double) -> None:
         double.ensemble({"theta": [1.0]})
 
 
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"theta1": [0, np.nan]}, "table:2: column theta1: a value is missing or not finite"),
+        ({"theta1": [0, 1], "m1": [1]}, "table: members are columns of one length"),
+        ({"theta1": []}, "table: it has no rows"),
+        ({}, "table: members are columns of one length"),
+        ({"thet1": [0]}, "column thet1: did you mean 'theta1'"),
+    ],
+)
+def test_tables_that_cannot_be(double, table: dict, said: str) -> None:
+    with pytest.raises(api.UsageError, match=said):
+        double.ensemble(table, until=1)
+
+
 def test_errors_carry_what_is_known(tmp_path) -> None:
     path = tmp_path / "fall.lag"
     path.write_text(WALL)

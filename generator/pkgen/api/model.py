@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import array
 import math
 import os
 import warnings
@@ -17,7 +16,7 @@ from ..compiler import Compilation, compile_model
 from ..front.read import read
 from ..own.given import given as own_methods
 from ..run import named
-from ..run.ensemble import Column, Ensemble, Settable
+from ..run.ensemble import Ensemble, Settable
 from ..run.library import INTERRUPTED, USAGE, Run
 from ..run.library import load as load_library
 from ..run.settings import Settings
@@ -339,17 +338,13 @@ def _members(compilation: Compilation, table: Any) -> Ensemble:
     """Of a table in memory, its columns by name. Raises UsageError."""
     import numpy
 
+    from ..run import members_file
+
     names = table.dtype.names if isinstance(table, numpy.ndarray) else list(table)
     known = Settable(compilation)
-    found: list[Column] = []
     for name in names or ():
         if name not in known:
             raise UsageError(f"column {name}: {near(name, list(known), 'parameter or start')}")
-        found.append(known[name])
-    data = [numpy.asarray(table[name], float) for name in names or ()]
-    if not data or any(x.shape != data[0].shape or x.ndim != 1 for x in data):
-        raise UsageError("a table has columns of one length, named as what they set")
-    values = array.array("d", numpy.stack(data, axis=1).tobytes())
-    if not numpy.isfinite(values).all():
-        raise UsageError("a table has numbers that are not finite")
-    return Ensemble("table", tuple(found), range(1, len(data[0]) + 1), values)
+    columns = [known[name] for name in names or ()]
+    values = [numpy.asarray(table[name], float) for name in names or ()]
+    return members_file.of_columns("table", columns, values)

@@ -51,6 +51,22 @@ def read(path: str, compilation: Compilation) -> Ensemble:
         raise UsageError(f"{path}: not CSV: {error}") from None
 
 
+def of_columns(path: str, columns: Sequence[Column], values: Sequence[numpy.ndarray]) -> Ensemble:
+    """Of numbers in memory, a column each, in SI; the line of a member is its row, from 1. Raises
+    UsageError."""
+    if not values or any(x.shape != values[0].shape or x.ndim != 1 for x in values):
+        raise UsageError(f"{path}: members are columns of one length, named as what they set")
+    if not len(values[0]):
+        raise UsageError(f"{path}: it has no rows; give one a trajectory")
+    for column, x in zip(columns, values, strict=True):
+        wrong = numpy.flatnonzero(~numpy.isfinite(x))
+        if len(wrong):
+            row = f"{path}:{wrong[0] + 1}: column {column.name}"
+            raise UsageError(f"{row}: a value is missing or not finite")
+    members = range(1, len(values[0]) + 1)
+    return Ensemble(path, tuple(columns), members, numpy.stack(values, axis=1))
+
+
 class _Reader:
     def __init__(self, path: str, compilation: Compilation):
         self.path = path
@@ -116,14 +132,10 @@ class _Reader:
             members, schema = file.metadata.num_rows, file.schema_arrow
             columns = self._columns(self.path, schema.names)
             self._bounded(members, members, len(columns))
-            values = numpy.empty((members, len(columns)))
-            for k, (column, one) in enumerate(zip(columns, schema, strict=True)):
-                values[:, k] = self._of_parquet(file, column, one)
+            found = [self._of_parquet(file, *one) for one in zip(columns, schema, strict=True)]
         except pyarrow.ArrowException as error:
             raise UsageError(f"{self.path}: not Parquet that can be read: {error}") from None
-        if not members:
-            raise UsageError(f"{self.path}: it has no rows; give one a trajectory")
-        return Ensemble(self.path, columns, range(1, members + 1), values)
+        return of_columns(self.path, columns, found)
 
     def _of_parquet(self, file: pyarrow.parquet.ParquetFile, column: Column, one: pyarrow.Field):
         """A column in SI."""
@@ -134,12 +146,7 @@ class _Reader:
         read = file.read([one.name]).column(0)
         unit = ((one.metadata or {}).get(b"unit") or b"").decode(errors="replace")
         factor = self._quantity(0, column, f"1 [{unit}]") if unit else 1.0
-        found = read.to_numpy().astype(float, copy=False) * factor
-        wrong = numpy.flatnonzero(~numpy.isfinite(found))
-        if len(wrong):
-            row = f"{self.path}:{wrong[0] + 1}: column {column.name}"
-            raise UsageError(f"{row}: a value is missing or not finite")
-        return found
+        return read.to_numpy().astype(float, copy=False) * factor
 
     def _bounded(self, line: int, members: int, columns: int) -> None:
         if members > limits.SWARM or members * columns > limits.SWARM_VALUES:
