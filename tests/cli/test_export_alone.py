@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from columns import RIG
 from conftest import ROOT, STRICT, long_but, run_pkgen, table
 from pkgen.methods import METHODS
 
@@ -61,18 +62,7 @@ def test_values_and_starts_that_are_given_are_in_it(tmp_path: Path) -> None:
     assert compare(said, PENDULUM, *words) == 0
 
 
-RIG = """model rig
-param m = 2 [kg] in (0, 10]
-param k = 4*m*(1 [1/s^2]) in [0, inf)
-input F [N]
-coord x [m]
-state s
-kinetic m/2*x'^2
-potential k/2*x^2
-force x = F
-rate s = x/(1 [m*s])
-start x = m*(0.5 [m/kg])
-scene pushed
+PUSHED_RIG = f"""{RIG}scene pushed
   set m = 3, F = -2
   start x' = -0.5, s = -2
 end
@@ -81,7 +71,7 @@ end
 
 def test_a_scene_with_inputs_and_states_is_in_it(tmp_path: Path) -> None:
     """To a time that is no multiple of a row."""
-    (tmp_path / "rig.lag").write_text(RIG)
+    (tmp_path / "rig.lag").write_text(PUSHED_RIG)
     common = ("--method", "rk4", "--step", "1e-3", "--until", "1.03", "--every", "0.05")
     for words in (("--scene", "pushed"), ("--set", "F=-1.5", "--start", "s=-3")):
         said = rows_of(tmp_path, tmp_path / "rig.lag", *words, *common, flags=["-march=native"])
@@ -107,7 +97,7 @@ int main(void)
 def test_an_input_is_set_at_any_time(tmp_path: Path) -> None:
     """Verlet keeps its last acceleration; of another input it is none."""
     model = tmp_path / "rig.lag"
-    model.write_text(RIG.replace("state s\n", "").replace("rate s = x/(1 [m*s])\n", "")
+    model.write_text(PUSHED_RIG.replace("state s\n", "").replace("rate s = x/(1 [m*s])\n", "")
                      .replace(", s = -2", ""))  # fmt: skip
     words = ("--method", "verlet", "--step", "0.01", "--scalar", "double")
     done = export(model, "freestanding", tmp_path / "f", *words)

@@ -13,27 +13,16 @@ from pathlib import Path
 
 import numpy
 import pytest
-from columns import MODELS, ran
+from columns import MODELS, RIG, ran
 from conftest import ROOT, long_but, run_pkgen
 from pkgen.back.library import TARGETS
 from pkgen.back.python.make import platform_tag
 
 PENDULUM = ROOT / "models" / "double_pendulum.lag"
 TOP = ROOT / "models" / "bodies" / "heavy_top_rotation.lag"
-RIG = """model rig
-param m = 2 [kg] in (0, 10]
-param k = 4*m*(1 [1/s^2]) in [0, inf)
-input F [N]
-coord x [m]
-state s
-kinetic m/2*x'^2
-potential k/2*x^2
-force x = F
-rate s = x/(1 [m*s])
-observe power = F*x'
+WATCHED = f"""{RIG}observe power = F*x'
 event low: x + (2 [m]) falling stop
 event middle: x falling
-start x = m*(0.5 [m/kg])
 """
 SCRIPT = """
 import json, numpy as np, MODEL as d
@@ -94,7 +83,7 @@ def unpacked(path: Path, folder: Path) -> Path:
 
 
 def test_a_wheel_does_what_its_model_does(tmp_path: Path) -> None:
-    (tmp_path / "rig.lag").write_text(RIG)
+    (tmp_path / "rig.lag").write_text(WATCHED)
     path = wheel(tmp_path / "rig.lag", tmp_path, "--start", "s=0.25")
     text = SCRIPT.replace("MODEL", "rig")
     answers = said(sys.executable, text, [unpacked(path, tmp_path / "in")])
