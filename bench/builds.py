@@ -90,7 +90,8 @@ def runtime_library(build: Build) -> Path:
     if not library.exists():
         library.parent.mkdir(parents=True, exist_ok=True)
         command = [build.cc, *build.flags, "-std=c11", f"-I{RUNTIME / 'include'}"]
-        objects = [str(library.parent / f"{s.stem}.o") for s in sources]
+        names = (f"{s.parent.name}_{s.stem}.o" for s in sources)  # two folders have a keep.c
+        objects = [str(library.parent / name) for name in names]
         for source, made in zip(sources, objects, strict=True):
             run([*command, "-c", str(source), "-o", made])
         run(["ar", "rcs", str(library), *objects])

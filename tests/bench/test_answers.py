@@ -23,6 +23,7 @@ def test_worse_answers_are_found(tmp_path: Path, monkeypatch) -> None:
     assert len(found) == 8 and all(one.scanned > 100 and one.ratio >= 1 for one in found)
     assert all(one.well for one in found if one.answer.axis == "work")
 
+    # The answer at 1e-3 is 32 evaluations, the scan's best 40: half as many again are 1.2 of that.
     measured = answers.measured
 
     def spoiled(*given: object):
@@ -37,7 +38,7 @@ def test_worse_answers_are_found(tmp_path: Path, monkeypatch) -> None:
     for one in answers.judged(case, 3.0):
         if one.answer.axis == "work":
             assert not one.well and one.rival is not None
-            assert one.ratio == math.inf if one.answer.point is None else one.ratio > 1.2
+            assert one.ratio == math.inf if one.answer.point is None else one.ratio > 1.1
     assert "by evaluations 0 of 4 within 10%" in answers.summary(
         [one for one in answers.judged(case, 1.0) if one.answer.axis == "work"]
     )

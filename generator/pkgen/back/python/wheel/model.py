@@ -276,7 +276,9 @@ class Model:
         about = next(m for m in description["methods"] if m["name"] == method)
         if step is None and method == default["method"]:
             step = default["step"]
-        if step is None and not (about["adaptive"] or about["exact"]):
+        if step is None and about["exact"]:
+            step = every  # it makes steps of any length
+        if step is None and not about["adaptive"]:
             raise ValueError(f"method {method} has fixed steps: give step")
         q, v = self._begin(start)
         u = self._u(1)
