@@ -16,12 +16,14 @@ from .runtime import alone, sources
 
 @record
 class Exported:
-    """A model for a host. `description` is that of docs/describe.md, `files` the generated C, `own`
-    the methods that its author brings, `options` those of the command line."""
+    """A model for a host. `description` is that of docs/describe.md, `files` the generated C,
+    `separable` whether M is constant and forces have no rates, `own` the methods that its author
+    brings, `options` those of the command line."""
 
     name: str
     description: Mapping[str, Any]
     files: Mapping[str, str]
+    separable: bool
     own: tuple[Own, ...]
     options: argparse.Namespace
 

@@ -85,7 +85,14 @@ def run(options: argparse.Namespace) -> int:
         draw=host.drawing,
     )
     made = found.compilation
-    model = Exported(made.model.name, found.description, made.files, made.model.methods, options)
+    model = Exported(
+        made.model.name,
+        found.description,
+        made.files,
+        made.structure.separable,
+        made.model.methods,
+        options,
+    )
     files = _placed(host, model.name, host.make(model), options.path)
     for line in host.warnings(model):
         findings(f"{options.model}: warning: {line[0].lower()}{line[1:].rstrip('.')}")

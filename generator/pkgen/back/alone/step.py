@@ -43,17 +43,17 @@ class Step:
         own = known(self.model.own)
         offered = {m["name"]: m for m in self.of["methods"]}
         name = run["method"]
-        fitting = [
-            m["name"]
-            for m in self.of["methods"]
-            if m["applies"] and not m["gsl"] and own[m["name"]].family in FAMILIES
-        ]
+        # The runtime's splitting makes steps of linear drag by an exponential.
+        families = {f for f in FAMILIES if f != "SPLITTING" or self.model.separable}
+        fitting = [m["name"] for m in self.model.methods() if own[m["name"]].family in families]
         if name not in fitting:
             given = f"--method {name}" if self.model.options.method else f"the method {name}"
-            raise UsageError(
-                f"{given} is not one of fixed explicit steps, which this export has alone; "
-                f"give --method: {', '.join(fitting)}"
-            )
+            why = "is not one of fixed explicit steps, which this export has alone"
+            if not offered[name]["gsl"] and own[name].family in FAMILIES:
+                why = (
+                    "needs the exponential of the forces' rates here, which this export is without"
+                )
+            raise UsageError(f"{given} {why}; give --method: {', '.join(fitting)}")
         if not run["step"]:
             raise UsageError(f"method {name} has a fixed step: give it by --step H")
         return offered[name]
