@@ -62,6 +62,20 @@ def test_values_and_starts_that_are_given_are_in_it(tmp_path: Path) -> None:
     assert compare(said, PENDULUM, *words) == 0
 
 
+def test_parameters_may_have_any_name(tmp_path: Path) -> None:
+    """Those of the arguments of kernels, and of families whose first member stands beside them."""
+    names = ("q", "v", "a", "u", "t_", "p", "sc")
+    params = "".join(f"param {name} = {k + 2} in (0, inf)\n" for k, name in enumerate(names))
+    text = f"model named\n{params}param w[i = 1..2] = 0.5 in (0, inf)\ncoord x\n"
+    force = "*".join(names)
+    text += f"kinetic x'^2/2\npotential w[1]*w[2]*sin({force}*x/1e3)\nstart x = 1\n"
+    (tmp_path / "named.lag").write_text(text)
+    words = ("--method", "rk4", "--step", "0.01", "--until", "1", "--every", "0.05")
+    words += ("--set", "v=7", "--set", "a=1.5", "--set", "w[1]=0.7", "--set", "w[2]=2")
+    said = rows_of(tmp_path, tmp_path / "named.lag", *words, flags=["-march=native"])
+    assert compare(said, tmp_path / "named.lag", *words) == 0
+
+
 PUSHED_RIG = f"""{RIG}scene pushed
   set m = 3, F = -2
   start x' = -0.5, s = -2

@@ -115,7 +115,6 @@ end
 def test_a_chain_of_states(pkgen, tmp_path: Path, how: tuple[str, ...]) -> None:
     """A mode of the chain decays by 4 D/dx^2 sin^2(pi/(2 (N + 1)))."""
     model = written(tmp_path, DIFFUSION)
-    assert "unrolled: a model with states" in pkgen("explain", model).stdout
     run = ("run", model, "--until", "0.05", "--every", "0.05", "--method", *how)
     head, (first, last) = table(pkgen(*run, "--start", "c[9]=0.30901699437494745").stdout)
     assert head == ["t", *(f"c[{i}]" for i in range(1, 10))]

@@ -12,11 +12,13 @@ from pkgen.front.check.options_text import LeftSide, OptionError, left_side, qua
     ("text", "unit", "value"),
     [("30 [cm]", "m", Fraction(3, 10)), ("0.3", "m", Fraction(3, 10)), ("0", "kg", 0),
      ("pi/2 + 0.1", "rad", 1.6707963267948966), ("45 [deg]", "rad", 0.7853981633974483),
-     ("N + 1", "m", 4), ("sum(i, i = 1..N)", "", 6), ("-1e3", "1/s", -1000),
+     ("N + 1", "m", 4), ("gravity", "", 7), ("fast + body", "", 5), ("sum(i, i = 1..N)", "", 6), ("-1e3", "1/s", -1000),
      ("60 [rpm]", "rad/s", 6.283185307179586)],
 )  # fmt: skip
 def test_values_of_options(text, unit, value):
-    assert quantity(text, unit, values={"N": 3}) == pytest.approx(value, rel=1e-15)
+    assert quantity(
+        text, unit, values={"N": 3, "gravity": 7, "fast": 2, "body": 3}
+    ) == pytest.approx(value, rel=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -41,3 +43,8 @@ def test_left_sides_of_options():
     for text in ("a = 3", "a, b", "q[i = 1..2]", "2", "q[x]", "q[1.5]", "tan(R)", ""):
         with pytest.raises(OptionError):
             left_side(text)
+
+
+@pytest.mark.parametrize("name", ["draw", "view", "fast", "body", "joint", "gravity"])
+def test_words_that_start_statements_alone_are_names(name):
+    assert left_side(f"{name}[2]'") == LeftSide(name, 2, 1)

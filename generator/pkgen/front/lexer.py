@@ -9,6 +9,7 @@ is wrong with a character, a number or a bracket is found here, all of it in one
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from fractions import Fraction
 
 from lark.lexer import Token
@@ -53,9 +54,10 @@ _AXES = {f".{name}": axis for axis, name in enumerate(COMPONENTS)}
 _TOKENS = 4 * limits.NODES  # enough for so many nodes; more would only cost memory
 
 
-def statements(source: Source) -> list[Lexed]:
-    """The statements of a text, empty ones dropped."""
+def statements(source: Source, before: Iterable[Token] = ()) -> list[Lexed]:
+    """The statements of a text, empty ones dropped; tokens `before` it begin the first."""
     lexer = _Lexer(source.text)
+    lexer.now.tokens += before
     lexer.run()
     return lexer.done
 

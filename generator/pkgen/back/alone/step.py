@@ -194,10 +194,12 @@ class Step:
 
     def _parameters(self) -> Iterator[str]:
         fields = _FIELD.findall(self.model.files[f"{self.name}.c"])
+        _, _, after = self.model.files[f"{self.name}.h"].partition(f"struct {self.name}_params {{")
+        declared, _, _ = after.partition("};")
         for item in self.of["parameters"]:
             if self._chosen and not item["follows"] and item["value"] is not None:
                 field, position = fields[item["index"]]
-                at = f"[{position}]" if f" {field}[" in self.model.files[f"{self.name}.h"] else ""
+                at = f"[{position}]" if f" {field}[" in declared else ""
                 yield f"m->p.{field}{at.replace('[]', '[0]')} = {self.number(item['value'])};"
 
     def _given(self) -> list[int]:

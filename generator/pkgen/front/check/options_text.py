@@ -132,10 +132,9 @@ def _source(text: str) -> Source:
 
 
 def _parsed(source: Source, before: list[Token], after: list[Token]) -> object:
-    lexed = statements(source)[0]
+    lexed = statements(source, before)[0]
     if lexed.errors:
         raise OptionError(source, lexed.errors[0])
-    lexed.tokens[:0] = before
     lexed.tokens += after
     lark, _ = parser()
     try:
