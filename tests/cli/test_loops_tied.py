@@ -48,6 +48,26 @@ def test_random_models_are_those_of_members_written_out(name: str, seed: int, bo
     assert loops[0][1:] != loops[-1][1:]
 
 
+@pytest.mark.parametrize("order", ["x[1..N], y[1..N]", "y[1..N], x[1..N]"])
+@pytest.mark.parametrize(
+    ("size", "inertia"),
+    [(3, "p*y[i]'^2"), (20, "p*y[i]'^2"), (20, "y[i]'^2 - 3*p*y[i]'*x[i]'")],
+)
+def test_inertia_that_is_not_positive_is_named_and_no_constraint(
+    order: str, size: int, inertia: str, pkgen, tmp_path: Path
+) -> None:
+    """By its coordinate, written out (by the number of which a row was named) and as loops."""
+    model = tmp_path / "light.lag"
+    model.write_text(
+        f"model light\nsize N = {size}\nparam p = -1\ncoord {order}\n"
+        f"kinetic sum(x[i]'^2 + {inertia}, i = 1..N)\npotential sum(x[i]^2, i = 1..N)\n"
+        "input w\nconstraint tie[i = 1..N]: x[i]*(2 + w) = y[i]\n"
+    )
+    done = pkgen("run", model, "--until", 1, "--method", "rk4", "--step", 0.1)
+    assert done.returncode == 4
+    assert "the mass matrix is singular or indefinite: pivot of coordinate" in done.stderr
+
+
 @pytest.mark.parametrize("method", [("rk4", "--step", "0.02"), ("gauss2", "--step", "0.05")])
 def test_members_of_an_ensemble_of_ropes_are_single_runs(
     method: tuple[str, ...],

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ctypes
+import math
 
 import pytest
 from loop_harness import Looped, looped
+from pkgen.__main__ import main
 from pkgen.source import ModelError
 
 CHAIN = """\
@@ -60,3 +62,21 @@ def test_a_double_sum_that_says_nothing_of_its_pair_adds_no_force(tmp_path):
     """Its derivatives vanish: C got an array of no entries."""
     text = f"model idle\n{CHAIN.format(q='q')}potential sum((q[i]-q[i])^2, i = 1..N, j = 1..N)\n"
     Looped(text, tmp_path)
+
+
+def test_a_given_end_has_its_rate_in_sums_that_end_on_it(tmp_path):
+    """h = T2 - T0 + V, and T0 is the end's: it was at rest unless a neighbour looked there."""
+    end = "coord q[1..N]\nfixed q[0] = 0, q[N+1] = 0.2*sin(t)\n"
+    text = f"model driven\nsize N = 4\n{end}kinetic sum(q[i]'^2/2, i = 0..N+1)\n"
+    at = Looped(text, tmp_path).at(4)
+    energy, _ = at.call("energy", 0.3, [0.0] * 4, [0.5] * 4, [], (), ctypes.c_double)
+    assert energy == pytest.approx(0.5 - (0.2 * math.cos(0.3)) ** 2 / 2, rel=1e-14)
+
+
+def test_pivots_of_a_diagonal_mass_are_watched_whatever_kernels_there_are(tmp_path):
+    """C called a kernel that it had not."""
+    text = "model thin\nsize N = 20\ncoord q[1..N]\npotential sum(q[i]^2, i = 1..N)\n"
+    text += "kinetic sum((3 + i/N - 2*cos(i))*q[i]'^2/2, i = 1..N)\n"
+    model = tmp_path / "thin.lag"
+    model.write_text(text)
+    assert main(["run", str(model), "--until", "0.1", "--method", "rk4", "--step", "0.1"]) == 0

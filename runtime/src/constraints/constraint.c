@@ -122,9 +122,9 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (!w.c)
         return pk_project(it, it->t, q, v, NULL, NULL, &moved);
     w.depends[0] = 0;
-    const size_t singular = pk_project_inertia(&w, q, v);
+    const int singular = pk_project_inertia(&w, q, v);
     if (singular)
-        return pk_eval_failed(it, it->t, q, v, (int)singular);
+        return pk_eval_failed(it, it->t, q, v, singular);
     pk_project_rows(&w, q, v);
     pk_project_terms(&w, q, v);
     pk_project_slopes(&w, q, v, w.J, w.c, w.mu);
@@ -137,6 +137,8 @@ enum pk_status pk_project_start(struct pk_integrator *it)
         w.depends[0] = (pk_real)depends, memset(w.depends + 1, 0, w.c * sizeof *w.depends);
     else
         depends = pk_project_factor(&w, w.c, q, v);
+    if (w.inertia)
+        return pk_eval_failed(it, it->t, q, v, w.inertia);
     if (row < w.h)
         return pk_because(it, PK_OFF_CONSTRAINTS, row, w.phi[row]);
     row = off;

@@ -170,6 +170,8 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
         if (done > 0)
             return PK_DONE;
         const size_t singular = done ? 0 : pk_project_factor(w, rows, q, v);
+        if (singular && w->inertia)
+            return pk_eval_failed(it, w->t, q, v, w->inertia);
         if (singular)
             which = singular - 1;
         else if (!done)
@@ -206,9 +208,9 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
         return PK_DONE;
     w.t = t;
     w.u = pk_eval_input(it, t);
-    const size_t singular = pk_project_inertia(&w, q, v);
+    const int singular = pk_project_inertia(&w, q, v);
     if (singular)
-        return pk_eval_failed(it, t, q, v, (int)singular);
+        return pk_eval_failed(it, t, q, v, singular);
     pk_project_terms(&w, q, v);
     PK_TRY(correct(it, &w, q, v, low_q, low_v, 0, moved));
     PK_TRY(correct(it, &w, q, v, low_q, low_v, 1, moved));

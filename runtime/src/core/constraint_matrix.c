@@ -23,6 +23,7 @@ static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *p
     size_t used = 0;
     w->system = system, w->params = params, w->u = NULL, w->t = 0;
     w->n = n, w->c = c, w->r = r, w->whole = !system->constraints.factor;
+    w->inertia = 0;
     w->h = pk_system_rows(system, params, 1);
     w->rotation = n - pk_system_first_order(system, params);
     w->m = w->rotation + 3 * pk_system_rotations(system, params);
@@ -68,17 +69,21 @@ size_t pk_project_size(const struct pk_problem *problem, size_t n)
     return system->n_rotations || system->families.rotations ? 2 * n : 0; /* of quaternions alone */
 }
 
-size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
+int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
 {
     const struct pk_system *system = w->system; /* without either, `mass` is the inertia */
     if (!w->whole) {
         system->constraints.diagonal(w->params, w->t, q, v, w->u, w->M);
-        return 0; /* factored with the rows */
+        for (size_t k = 0; k < w->m; k++) /* factored with the rows, but they are weighed by it */
+            if (!(w->M[k] > 0))
+                return PK_FAILED(PK_FAILURE_MASS, k);
+        return 0;
     }
     (system->inertia ? system->inertia : system->mass)(w->params, w->t, q, v, w->u, w->M);
     for (size_t i = 1; i < w->m; i++) /* without the columns of quaternions and states */
         memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
-    return pk_ldl_factor(w->M, w->m);
+    const size_t pivot = pk_ldl_factor(w->M, w->m);
+    return pivot ? PK_FAILED(PK_FAILURE_MASS, pivot - 1) : 0;
 }
 
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v)
@@ -148,10 +153,10 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
     if (!w->whole) {
         const int failed = w->system->constraints.factor(w->params, w->t, q, v, w->u, rows < w->c,
                                                          w->pivots, w->norms);
-        if (!failed)
-            return 0;
-        const size_t at = (size_t)PK_FAILURE_AT(failed);
-        return PK_FAILURE(failed) == PK_FAILURE_CONSTRAINT ? lost(w, at) : 1;
+        w->inertia = PK_FAILURE(failed) == PK_FAILURE_MASS ? failed : 0;
+        if (!failed || w->inertia)
+            return failed ? 1 : 0;
+        return lost(w, (size_t)PK_FAILURE_AT(failed));
     }
     for (size_t i = 0; i < c; i++) {
         memcpy(w->W + i * m, w->J + i * w->n, m * sizeof *w->W);

@@ -23,6 +23,7 @@ struct pk_projection {
     pk_real *mu, *d; /* multipliers; 2 n numbers: a correction, and what is behind it */
     pk_real *pivots; /* of A; the diagonal that it had, and the most that was at a step's end */
     pk_real *norms, *most;
+    int inertia;      /* the failure of M that pk_project_factor met, where M is not whole */
     pk_real *depends; /* 1 + the row that depends on others, or 0; by how much of each */
     size_t r;         /* redundant rows */
     /* What these are off, 2 r, and of what sizes; their J, and slopes as those of the others. */
@@ -40,9 +41,9 @@ size_t pk_project_size(const struct pk_problem *problem, size_t n);
 /* The same room for any system, also without constraints. */
 size_t pk_project_room(const struct pk_problem *problem, size_t n);
 struct pk_projection pk_project_parts(const struct pk_problem *problem, size_t n, pk_real *room);
-/* The inertia there, factored: 0, or 1 + the pivot that fails. Then J and all residuals; and
+/* The inertia there, factored: 0, or a failure. Then J and all residuals; and
  * the sizes of their terms, which rounding is to be measured by. */
-size_t pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v);
+int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v);
 void pk_project_rows(struct pk_projection *w, const pk_real *q, const pk_real *v);
 void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *v);
 /* The largest residual beside its terms, or what is no number, and of which row it is. What the

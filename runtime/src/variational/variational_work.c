@@ -53,9 +53,9 @@ enum pk_status pk_variational_mass(struct pk_integrator *it, struct pk_variation
     w->at.t = t;
     w->at.u = pk_eval_input(it, t);
     it->count.factorisations++;
-    const size_t failed = pk_project_inertia(&w->at, q, v);
+    const int failed = pk_project_inertia(&w->at, q, v);
     if (failed)
-        return pk_eval_failed(it, t, q, v, (int)failed);
+        return pk_eval_failed(it, t, q, v, failed);
     for (size_t k = 0; k < w->m; k++)
         w->root[k] = PK_F(sqrt)(pk_ldl_diagonal(w->at.M, w->m, k));
     return PK_DONE;

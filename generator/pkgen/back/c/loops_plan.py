@@ -90,7 +90,8 @@ def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
         return frozenset(named)
     alone = divides(e) and not e.force.pairs  # a row of the acceleration is made by itself
     solved = set() if alone else {"force"} if divides(e) else {"force", "mass"}
-    return frozenset(named & wanted | solved)
+    watched = {"mass"} if e.pivots else set()  # by what watches singularities
+    return frozenset(named & wanted | solved | watched)
 
 
 def within(e: LoopEquations) -> dict[str, dict[str, str]]:

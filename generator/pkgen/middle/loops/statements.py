@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ...graph.affine import LOOPS, ROW, Affine, variable
+from ...graph.affine import LOOPS, ROW, Affine
 from ...graph.graph import BIT, ZERO, Kind, Node
 from ...model import Definition, Event
 from ...tree import Name, children
@@ -124,18 +124,14 @@ def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
 
 def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node]]:
     """Values of fixed ends, with the derivatives that rows at the ends may ask for."""
-    far = {
-        slot.name
-        for slot in x.slots.all
-        if slot.kind in ("v", "d", "w") and slot.at is not None and slot.at != variable(ROW)
-    }
+    rated = {s.name for s in x.slots.all if s.kind in ("v", "d", "w") and s.at is not None}
     found = {}
     for group in x.coordinates.values():
         for at, end in group.ends:
             if end.kind != "fixed":
                 continue
             value = x.given(group.name, at)
-            rate = x.given_rate(group.name, at) if group.name in far else ZERO
+            rate = x.given_rate(group.name, at) if group.name in rated else ZERO
             needed = any(s.kind == "w" and s.name == group.name for s in x.slots.all)
             found[group.name, at] = (value, rate, x.derivative(rate) if needed else ZERO)
     return found

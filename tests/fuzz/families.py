@@ -1,0 +1,226 @@
+"""Random chain models run with their families kept as loops and with all members written out.
+
+python tests/fuzz/families.py FIRST LAST [rough]
+
+Seeds go from FIRST to before LAST. Each model runs by several methods, with rows at events, as an
+ensemble, kept and resumed, by the accuracy asked for. Exit code 1 where the two differ, where one
+crashes or hangs.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import io
+import json
+import math
+import os
+import random
+import signal
+import sys
+import tempfile
+import traceback
+from collections import Counter
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "generator"), str(ROOT / "tests" / "generator")]
+from chain_models import drawn  # noqa: E402
+from pkgen.__main__ import main as command  # noqa: E402
+from pkgen.compiler import compile_model  # noqa: E402
+from pkgen.scenes import lengths  # noqa: E402
+from pkgen.source import ModelError, Source  # noqa: E402
+
+SECONDS = 150
+STEPS = ("--step", "0.02")
+METHODS = {
+    "rk4": STEPS,
+    "gauss1": STEPS,
+    "gauss2": STEPS,
+    "gauss4": ("--step", "0.05"),
+    "gauss8": ("--step", "0.1"),
+    "lobatto2": STEPS,
+    "lobatto3": STEPS,
+    "lobatto4": STEPS,
+    "radau5": STEPS,
+    "radau9": ("--step", "0.05"),
+    "radau": ("--rtol", "1e-10"),
+    "gauss": ("--rtol", "1e-11"),
+    "dopri5": ("--rtol", "1e-10"),
+    "verlet": STEPS,
+    "yoshida4": STEPS,
+    "blanes_moan6": STEPS,
+    "symplectic_euler": STEPS,
+    "adaptive_verlet": STEPS,
+    "boris": STEPS,
+    "boris4": STEPS,
+    "rattle": STEPS,
+    "lie_midpoint": STEPS,
+    "rkmk4": STEPS,
+    "exponential": STEPS,
+    "gsl_rk8pd": ("--rtol", "1e-11"),
+    "gsl_msbdf": ("--rtol", "1e-8"),
+    "gsl_msadams": ("--rtol", "1e-10"),
+}
+ROUGH = {"radau": 1e-6, "dopri5": 1e-6, "gsl_msbdf": 1e-3, "gsl_msadams": 1e-5, "gsl_rk8pd": 1e-6}
+ADAPTIVE = {"dop853", "gauss", *ROUGH}
+Answer = tuple[int, list[list[float]], dict, str]
+
+
+def rows(path: Path) -> list[list[float]]:
+    if not path.exists():
+        return []
+    return [[float(x) for x in row] for row in list(csv.reader(path.open()))[1:]]
+
+
+def asked(folder: Path, *words: str) -> Answer:
+    """Exit code, rows, report and what was said, of a command in this process."""
+    out = folder / "rows.csv"
+    out.unlink(missing_ok=True)
+    told, said = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(told), contextlib.redirect_stderr(said):
+        code = command([*words, "--json", "-o", str(out)])
+    text = told.getvalue()
+    found = json.loads(text[text.index("{") :]) if "{" in text else {}
+    if "internal error" in text + said.getvalue():
+        raise AssertionError(text + said.getvalue())
+    return code, rows(out), found.get("report", {}), found.get("error", "") + said.getvalue()
+
+
+def both(folder: Path, *words: str) -> list[Answer]:
+    answers = []
+    for unrolled in (0, 10**6):
+        lengths.UNROLL = lengths.UNROLL_MEMBERS = unrolled
+        answers.append(asked(folder, *words))
+    return answers
+
+
+def apart(one: list[list[float]], other: list[list[float]]) -> float:
+    """The largest difference, beside the largest number of its row and 1."""
+    if len(one) != len(other) or any(len(a) != len(b) for a, b in zip(one, other, strict=True)):
+        return math.inf
+    worst = 0.0
+    for a, b in zip(one, other, strict=True):
+        a, b = sorted(a), sorted(b)  # rotations stand in another order
+        if [*map(math.isfinite, a)] != [*map(math.isfinite, b)]:
+            return math.inf
+        scale = max([1.0, *(abs(x) for x in b if math.isfinite(x))])
+        off = [abs(x - y) / scale for x, y in zip(a, b, strict=True) if math.isfinite(x)]
+        worst = max([worst, *off])
+    return worst
+
+
+# What one side alone may refuse; the other's rows say nothing then.
+LOOPS_LACK = ("are no band", "M whole", "the derivatives of the acceleration", "that is separable")
+WRITTEN_LACKS = ("too large", "limit")
+
+
+def compared(folder: Path, words: tuple[str, ...], error: float) -> str:
+    """Empty, or how the two differ."""
+    (code, mine, told, said), (their_code, theirs, report, heard) = both(folder, *words)
+    if code != their_code:
+        if any(x in said for x in LOOPS_LACK) or any(x in heard for x in WRITTEN_LACKS):
+            return ""
+        return f"exit {code}, written out {their_code}: {said[:300]} | {heard[:300]}"
+    if code not in (0, 4):
+        return "" if said and heard else f"exit {code} and nothing is said"
+    if code == 4 and told.get("status") != report.get("status"):
+        return (
+            f"ends with {told.get('status')}: {said[:300]} | {report.get('status')}: {heard[:300]}"
+        )
+    if code == 4 and not math.isclose(
+        told.get("last_valid", 0), report.get("last_valid", 0), rel_tol=1e-2, abs_tol=1e-2
+    ):
+        return f"ends at {told.get('last_valid')}, written out {report.get('last_valid')}: {said}"
+    if code == 0 and (off := apart(mine, theirs)) > error:
+        return f"rows differ by {off:.1e}"
+    if code == 4:
+        return ""
+    for one, other in zip(told.get("events", []), report.get("events", []), strict=True):
+        times, others = one.get("times", []), other.get("times", [])
+        late = [abs(a - b) for a, b in zip(times, others, strict=False)]
+        if len(times) != len(others) or max([0.0, *late]) > max(1e-6, 10 * error):
+            return f"event {one['name']} at {times}, written out {others}"
+    return ""
+
+
+def ways(dice: random.Random, text: str, folder: Path) -> list[tuple[tuple[str, ...], float]]:
+    """Commands and the error that each may have."""
+    model = str(folder / "chain.lag")
+    given = ("--set", "push=0.3") if "input push" in text else ()
+    until = ("--until", "0.4", "--every", "0.1", "--max-steps", "50000", *given)
+    found = [(("run", model, *until, "--method", "dop853", "--rtol", "1e-11"), 1e-7)]
+    for method in dice.sample(list(METHODS), 4):
+        more = ("--at", "near") if "event near" in text and dice.random() < 0.3 else ()
+        if method.startswith("gauss") and dice.random() < 0.2:
+            more += ("--iteration", "fixed")
+        words = ("run", model, *until, "--method", method, *METHODS[method], *more)
+        found.append((words, ROUGH.get(method, 1e-7 if method == "gauss" else 1e-9)))
+    if dice.random() < 0.3:
+        table = folder / "members.csv"
+        table.write_text("k\n0.5\n1.2\n0.8\n")
+        method = dice.choice(("rk4", "gauss2", "verlet", "dop853"))
+        words = ("run", model, *until, "--ensemble", str(table), "--method", method)
+        found.append(((*words, *METHODS.get(method, ())), 1e-8))
+    if dice.random() < 0.15:
+        found.append((("run", model, "--until", "0.2", "--every", "0.1", *given), 1e-6))
+    return found
+
+
+def judged(seed: int, folder: Path) -> tuple[str, str]:
+    dice = random.Random(seed)
+    text = drawn(dice)
+    model = folder / "chain.lag"
+    model.write_text(text)
+    try:
+        made = compile_model(Source(str(model), text))
+    except ModelError as error:
+        return "refused", error.diagnostics[0].message
+    if not made.looped:
+        return "written out", str(made.equations.unrolled)
+    bends = any(word in text for word in ("max(", "min(", "abs(", "clamp("))  # no steps end there
+    for words, error in ways(dice, text, folder):
+        error = max(error, 3e-3) if bends else error
+        wrong = compared(folder, words, error)
+        if wrong:
+            return "DIFFER", f"{' '.join(words[2:])}: {wrong}"
+    return "agree", ""
+
+
+def alone(seed: int) -> tuple[str, str]:
+    """In a process of its own, which may crash or hang."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        child = os.fork()
+        if child == 0:
+            signal.alarm(SECONDS)
+            try:
+                answer = judged(seed, folder)
+            except BaseException:
+                answer = "BROKEN", traceback.format_exc()
+            (folder / "answer").write_text(json.dumps(answer))
+            os._exit(0)
+        _, status = os.waitpid(child, 0)
+        if (folder / "answer").exists():
+            verdict, seen = json.loads((folder / "answer").read_text())
+            return verdict, seen
+        sign = os.WTERMSIG(status)
+        return ("HANGS" if sign == signal.SIGALRM else "CRASHES"), f"signal {sign}"
+
+
+BAD = ("DIFFER", "BROKEN", "HANGS", "CRASHES")
+
+
+def hunt(seeds: range) -> Counter[str]:
+    count: Counter[str] = Counter()
+    for seed in seeds:
+        verdict, seen = alone(seed)
+        count[verdict] += 1
+        print(f"{seed:6} {verdict:11} {seen}", flush=True)
+    return count
+
+
+if __name__ == "__main__":
+    total = hunt(range(int(sys.argv[1]), int(sys.argv[2])))
+    print(", ".join(f"{n} {verdict}" for verdict, n in total.items()))
+    sys.exit(any(total[verdict] for verdict in BAD))

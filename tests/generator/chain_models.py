@@ -1,0 +1,479 @@
+"""Random chain models: several families whose bodies reach members up to two away, ends of every kind,
+`let`s of each member and of all, chains of `let`s, states, rotations, constraints, forces, events.
+
+`drawn(dice)` is a text; what it starts with lies on its constraints. Ranges follow from what bodies reach.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+
+FAR = 2  # how far a periodic family is reached beyond its ends
+TIMES = ("sin(t)", "cos(2*t)", "t^2/3", "exp(-t)", "(0.2 + t/4)")
+SMOOTH = (
+    "sin({})",
+    "cos({})",
+    "tanh({})",
+    "atan({})",
+    "exp(-({})^2)",
+    "sqrt(1 + ({})^2)",
+    "log(2 + ({})^2)",
+    "1/(2 + ({})^2)",
+    "({})^2",
+    "({})^3/3",
+    "({})^4/4",
+    "sinh({})/3",
+    "atan2({}, 2)",
+    "1/(4 + sin({}))^1.5",
+    "norm([{}, 0.3, 1])",
+)
+BENDS = (
+    "max({}, 0)^2",
+    "min({}, 0.1)^2",
+    "abs({})^3",
+    "max({} - 0.2, 0)^1.5",
+    "clamp({}, -0.3, 0.4)^2",
+)
+JUMPS = ("abs({})", "max({}, 0)", "step({})", "sign({})", "step({} - 0.1)*({})^2")
+
+
+@dataclass(frozen=True)
+class Family:
+    """Members from lo to N + hi, and what stands beyond their ends."""
+
+    name: str
+    lo: int
+    hi: int
+    down: int = 0
+    up: int = 0
+    moves: bool = True  # has rates that bodies may have
+    lets: bool = False
+
+
+def upto(hi: int) -> str:
+    return "N" if hi == 0 else f"N{hi:+d}"
+
+
+def shifted(shift: int) -> str:
+    return "i" if shift == 0 else f"i{shift:+d}"
+
+
+class Draw:
+    """One model as it grows."""
+
+    def __init__(self, dice: random.Random, size: int | None = None) -> None:
+        self.dice, self.lines = dice, []
+        self.size = size or dice.choice((2, 2, 3, 3, 4, 5, 6, 9))
+        self.families: list[Family] = []  # coordinates
+        self.others: list[Family] = []  # parameters, states, lets
+        self.scalars: list[str] = []
+        self.states = False
+        self.reach = (-9, 9)
+        self.total = ""  # a `let` of all
+        self.tied: tuple[Family, int, str] | None = None  # what g is tied to, how far, how
+        self.made()
+
+    # Dice.
+
+    def chance(self, p: float) -> bool:
+        return self.dice.random() < p
+
+    def of(self, *choices):
+        """One of these; what is a function is called if it is the one."""
+        chosen = self.dice.choice(choices)
+        return chosen() if callable(chosen) else chosen
+
+    def number(self) -> str:
+        if self.chance(0.03):
+            return self.of("1e-9", "1e-5", "40", "300")
+        return f"{self.dice.uniform(0.2, 1.5):.3f}"
+
+    # Bodies over i.
+
+    def begin(self) -> None:
+        self.reach = (-9, 9)
+
+    def over(self, least: int = -9, most: int = 9) -> str | None:
+        lo, hi = self.reach
+        lo, hi = max(lo, least), min(hi, most)
+        if lo == -9 or hi == 9:
+            lo, hi = max(lo, 1), min(hi, 0)
+        if lo - hi > self.size:
+            return None
+        return f"{lo}..{upto(hi)}"
+
+    def member(self, family: Family, shift: int | None = None) -> str:
+        shift = self.of(0, 0, 0, 0, 1, -1, 1, -1, 2, -2) if shift is None else shift
+        lo, hi = self.reach
+        lo = max(lo, family.lo - family.down - shift)
+        hi = min(hi, family.hi + family.up - shift)
+        self.reach = lo, hi
+        return f"{family.name}[{shifted(shift)}]"
+
+    def ref(self, moving: bool = False) -> str:
+        """Of whatever has members; `moving` what has a rate that bodies may have."""
+        pool = [*self.families, *(f for f in self.others if f.moves or not moving)]
+        return self.member(self.dice.choice(pool))
+
+    def place(self) -> str:
+        """Of a coordinate, a `let`, a state, a scalar."""
+        pool = [*self.families, *self.families, *(f for f in self.others if f.lets or not f.moves)]
+        if self.scalars and self.chance(0.15):
+            return self.dice.choice(self.scalars)
+        return self.member(self.dice.choice(pool))
+
+    def factor(self) -> str:
+        return self.of(
+            self.number,
+            "k",
+            "i/N",
+            "1/(i + 4)",
+            "(1 + cos(i))",
+            lambda: self.of(*TIMES),
+            "c0",
+            self.given,
+        )
+
+    def given(self) -> str:
+        given = [f for f in self.others if f.name in ("m", "w")]
+        return self.member(self.dice.choice(given)) if given else "k"
+
+    def linear(self) -> str:
+        parts = [self.place()]
+        for _ in range(self.of(0, 1, 1, 2)):
+            parts.append(self.of("", self.number() + "*") + self.place())
+        text = parts[0] + "".join(self.of(" + ", " - ") + x for x in parts[1:])
+        return text + self.of("", "", "", " + 0.1", " - " + self.of(*TIMES))
+
+    def smooth(self, depth: int = 2) -> str:
+        roll = self.dice.random()
+        if depth == 0 or roll < 0.2:
+            return self.linear()
+        if roll < 0.3:
+            return f"({self.smooth(depth - 1)})*({self.smooth(depth - 1)})"
+        if roll < 0.4:
+            return f"{self.factor()}*({self.smooth(depth - 1)})"
+        kinds = SMOOTH
+        if self.bends and self.chance(0.2):
+            kinds = BENDS
+        elif self.jumps and self.chance(0.2):
+            kinds = JUMPS
+        return self.dice.choice(kinds).replace("{}", self.smooth(depth - 1))
+
+    def summed(self, body: str, **bounds: int) -> str | None:
+        over = self.over(**bounds)
+        return f"sum({body}, i = {over})" if over else None
+
+    def add(self, statement: str, body: str | None) -> None:
+        if body:
+            self.lines.append(f"{statement} {body}")
+
+    # Statements.
+
+    def made(self) -> None:
+        self.bends, self.jumps = self.chance(0.12), self.chance(0.05)
+        self.lines += [f"model chain\nsize N = {self.size}", f"param k = {self.number()}"]
+        self.lines.append("const c0 = 0.7")
+        if self.chance(0.2):
+            self.lines.append("input push")
+            self.scalars.append("push")
+        self.parameters()
+        self.coordinates()
+        if self.chance(0.35):
+            self.lets()
+        if self.chance(0.25):
+            self.carried()
+        if self.chance(0.25):
+            self.state_names()
+        self.inertia()
+        self.potentials()
+        self.forces()
+        if self.states:
+            self.rates()
+        if self.chance(0.25):
+            self.constraints()
+        self.starts()
+        self.outputs()
+
+    def parameters(self) -> None:
+        if self.chance(0.6):
+            lo, hi = self.of(1, 1, 0, -1), self.of(0, 0, 1)
+            self.lines.append(f"param w[i = {lo}..{upto(hi)}] = 1 + k*cos({self.number()}*i)/3")
+            self.others.append(Family("w", lo, hi, moves=False))
+        if self.chance(0.5):
+            low = max(1, self.others[0].lo if self.others else 1)
+            body = self.of("1 + 0.3*sin(i)", "1 + k/(i + 1)^2", *["1 + w[i]^2"] * bool(self.others))
+            self.lines.append(f"param m[i = {low}..N] = {body} in (0, inf)")
+            self.others.append(Family("m", low, 0, moves=False))
+
+    def coordinates(self) -> None:
+        names, ends = [], []
+        for name in "qxyz"[: self.of(1, 1, 2, 2, 3)]:
+            lo, hi = self.of((1, 0), (1, 0), (1, 0), (0, 0), (0, -1), (1, 1), (2, 0))
+            names.append(f"{name}[{lo}..{upto(hi)}]")
+            down = up = 0
+            if self.chance(0.25) and hi - lo == -1:
+                ends.append(f"periodic {name}")
+                down = up = FAR
+            else:
+                for below in (True, False):
+                    kind = self.of("none", "free", "free", "fixed", "fixed", "fixed2")
+                    at = [f"{name}[{lo - 1}]" if below else f"{name}[{upto(hi + 1)}]"]
+                    if kind == "fixed2":
+                        at.append(f"{name}[{lo - 2}]" if below else f"{name}[{upto(hi + 2)}]")
+                    depth = {"none": 0, "fixed2": 2}.get(kind, 1)
+                    if kind == "free":
+                        ends.append(f"free {at[0]}")
+                    elif kind != "none":
+                        ends += [f"fixed {x} = {self.end()}" for x in at]
+                    down, up = (depth, up) if below else (down, depth)
+            self.families.append(Family(name, lo, hi, down, up))
+        for name in "XY"[: self.of(0, 0, 1, 1, 2)]:
+            names.append(name)
+            self.scalars.append(name)
+        self.dice.shuffle(names)
+        self.lines += [f"coord {', '.join(names)}", *ends]
+
+    def end(self) -> str:
+        return self.of("0", "0", "0.3", "k/2", "0.2*sin(t)", "k*t^2/3", "c0*cos(2*t)/4")
+
+    def lets(self) -> None:
+        for name in ("e", "d")[: self.of(1, 2)]:
+            self.begin()
+            body = self.of(
+                self.linear, lambda: self.smooth(1), lambda: f"{self.factor()}*({self.linear()})"
+            )
+            over = self.over()
+            if over is None or self.reach[0] == -9:
+                continue
+            lo, hi = (int(x.replace("N", "") or 0) for x in over.split(".."))
+            if self.chance(0.3) and lo - hi < self.size - 1:
+                first = self.of("0", "k", "0.2*t", *self.scalars)
+                self.lines.append(f"let {name}[{lo}] = {first}")
+                self.lines.append(f"let {name}[i = {lo + 1}..{upto(hi)}] = {body}")
+            else:
+                self.lines.append(f"let {name}[i = {over}] = {body}")
+            moves = "push" not in body
+            self.others.append(Family(name, lo, hi, moves=moves, lets=True))
+        if self.chance(0.4):
+            self.begin()
+            total = self.summed(self.smooth(1))
+            if total:
+                self.lines.append(f"let S = {total}")
+                self.total = "S"
+
+    def carried(self) -> None:
+        f = self.dice.choice(self.families)
+        lo = f.lo
+        for name in ("a", "b")[: self.of(1, 1, 2)]:
+            first = self.of("0", "0.2*t", "k", *[x for x in self.scalars if x != "push"])
+            self.lines.append(f"let {name}[{lo - 1}] = {first}")
+            last, own = f"{name}[i-1]", f"{f.name}[i]"
+            if name == "b" and self.chance(0.6):
+                own = self.of("a[i]", "a[i-1]", f"(a[i] + {f.name}[i])")
+            body = self.of(
+                f"{last} + {own}",
+                f"{last} + {self.number()}*sin({own})",
+                f"0.9*{last} + cos({own})",
+                f"{last}*(1 + 0.1*sin({own})) + {own}",
+                f"sin({last}) + {own}/(2 + {last}^2)",
+            )
+            if (
+                self.others
+                and self.others[0].name == "w"
+                and self.others[0].lo <= lo
+                and self.chance(0.3)
+            ):
+                body = body.replace("sin(", "w[i]*sin(") if f.hi <= self.others[0].hi else body
+            self.lines.append(f"let {name}[i = {lo}..{upto(f.hi)}] = {body}")
+            self.others.append(Family(name, lo - 1, f.hi, lets=True))
+
+    def state_names(self) -> None:
+        self.states = True
+        self.lines.append("state u[1..N], s")
+        down, up = self.of((0, 0), (1, 1), (1, 0))
+        if up:
+            self.lines.append(f"free u[{upto(1)}]")
+        if down:
+            self.lines.append(f"fixed u[0] = {self.end()}")
+        self.others.append(Family("u", 1, 0, down, up, moves=False))
+        self.scalars.append("s")
+
+    def inertia(self) -> None:
+        for f in self.families:
+            self.begin()
+            own = self.member(f, 0)
+            weight = self.of("1", "2", "(1 + i/N)", self.factor_positive, self.factor_positive)
+            if self.chance(0.3):
+                self.lines.append(f"kinetic sum({own}'^2/2, i = {f.lo}..{upto(f.hi)})")
+                self.add("kinetic", self.summed(f"{weight}*{own}'^2/2"))
+            else:
+                over = f"{f.lo}..{upto(f.hi)}"
+                fits = self.over() == over
+                self.lines.append(
+                    f"kinetic sum({weight if fits else '1.5'}*{own}'^2/2, i = {over})"
+                )
+        for name in self.scalars:
+            if name in ("X", "Y"):
+                self.lines.append(f"kinetic {self.of('1', '(2 + cos(' + name + '))')}*{name}'^2")
+        for _ in range(self.of(0, 0, 1, 1, 2)):
+            self.begin()
+            rates = [self.ref(True) + "'" for _ in range(self.of(2, 2, 3))]
+            if self.chance(0.3) and set(self.scalars) & {"X", "Y"}:
+                rates.append(self.of(*(set(self.scalars) & {"X", "Y"})) + "'")
+            joined = rates[0] + "".join(self.of(" - ", " + ") + x for x in rates[1:])
+            self.add("kinetic", self.summed(f"{self.factor_positive()}*({joined})^2/9"))
+        if self.chance(0.2):
+            self.begin()
+            self.add("kinetic", self.summed(f"{self.ref(True)}'*{self.smooth(1)}/7"))
+        if self.chance(0.1):
+            f = self.dice.choice(self.families)
+            at = self.of(f"{f.name}[{f.lo}]", f"{f.name}[{upto(f.hi)}]")
+            self.lines.append(f"kinetic {self.of('2', '(2 + sin(' + at + '))')}*{at}'^2")
+
+    def factor_positive(self) -> str:
+        form = self.of("1", "k", "(2 + cos({}))", "(1 + {}^2/4)", self.given)
+        return form.replace("{}", self.place()) if "{" in form else form
+
+    def potentials(self) -> None:
+        for _ in range(self.of(1, 1, 2, 3)):
+            self.begin()
+            word = self.of("potential", "potential", "lagrangian -")
+            body = f"{self.of('', self.factor() + '*')}{self.dice.choice(SMOOTH).format(self.smooth(1))}"
+            self.add(word, self.summed(body))
+        for f in self.families:
+            self.begin()
+            self.add("potential", self.summed(f"({self.member(f, 0)} - {self.member(f, -1)})^2/2"))
+        for name in self.scalars:
+            if name in ("X", "Y"):
+                self.lines.append(f"potential {name}^2/2")
+        if self.chance(0.15):
+            f = self.dice.choice(self.families)
+            at = self.of(f"{f.name}[{f.lo}]", f"{f.name}[{upto(f.hi)}]", f"{f.name}[{f.lo + 1}]")
+            self.lines.append(f"potential {self.dice.choice(SMOOTH).format(at)}")
+        if self.chance(0.15):
+            f = self.dice.choice(self.families)
+            d = f"{f.name}[i] - {f.name}[j]"
+            pair = self.dice.choice(SMOOTH).format(d) + self.of("", "/N", f"*{f.name}[j]")
+            lo, hi = f.lo, f.hi
+            self.lines.append(
+                f"potential sum({pair}, i = {lo}..{upto(hi - 1)}, j = i+1..{upto(hi)})"
+            )
+        if self.total and self.chance(0.5):
+            self.lines.append(f"potential {self.of('k*S/9', 'S^2/20', 'sin(t)*S/5')}")
+
+    def forces(self) -> None:
+        if self.chance(0.35):
+            self.begin()
+            rates = f"{self.ref(True)}' - {self.ref(True)}'"
+            self.add("dissipation", self.summed(f"{self.factor_positive()}*({rates})^2/20"))
+        for _ in range(self.of(0, 0, 1, 2)):
+            f = self.dice.choice(self.families)
+            self.begin()
+            self.member(f, 0)
+            body = self.of(
+                f"-0.1*{f.name}[i]'",
+                lambda: f"{self.smooth(1)}/4",
+                lambda: f"0.1*{self.ref(True)}'*{self.place()}",
+                f"-0.2*{f.name}[i]'*abs({f.name}[i]')" if self.bends else self.of(*TIMES),
+                f"sum(sin({f.name}[j] - {f.name}[i]), j = {f.lo}..{upto(f.hi)})/(4*N)",
+            )
+            over = self.over(f.lo, f.hi)
+            if over:
+                self.lines.append(f"force {f.name}[i = {over}] = {body}")
+        if set(self.scalars) & {"X"} and self.chance(0.3):
+            self.lines.append(f"force X = -0.1*X' + {self.of(*TIMES)}")
+
+    def rates(self) -> None:
+        near = self.of("(u[i]^2)", "sin(u[i])", "cos(t)", "s")
+        self.lines.append("rate u[i = 1..N] = -u[i]^3 + " + near)
+        if self.chance(0.5) and self.others:
+            self.begin()
+            body = self.smooth(1)
+            over = self.over(1, 0)
+            if over == "1..N":
+                self.lines[-1] += f" + ({body})/3"
+        felt = [
+            "sin(t)",
+            "u[1]",
+            "sum(u[i]^2, i = 1..N)/N",
+            *(["X'"] if "X" in self.scalars else []),
+        ]
+        if self.total:
+            felt.append("S/N")
+        self.lines.append(f"rate s = -s + {self.of(*felt)}")
+
+    def constraints(self) -> None:
+        """A family more, each member tied to one that is near."""
+        f = self.dice.choice(self.families)
+        shift = self.of(0, -1, 1)
+        shape = self.of("0.3*{}", "sin({})/2", "{}^2/4 + 0.1*{}", "0.2*{} + sin(t)^2/9")
+        shape += " + 0.1*X" * ("X" in self.scalars and self.chance(0.4))
+        over = f"{f.lo - shift}..{upto(f.hi - shift)}"
+        self.tied = f, shift, shape
+        value = shape.replace("{}", f"{f.name}[{shifted(shift)}]")
+        self.lines.append(f"coord g[{over}]\nkinetic sum(g[i]'^2/2, i = {over})")
+        self.lines.append(f"potential sum(g[i]^2*{f.name}[{shifted(shift)}]/5 + g[i], i = {over})")
+        self.lines.append(f"constraint tie[i = {over}]: g[i] = {value}")
+
+    def starts(self) -> None:
+        for f in self.families:
+            over = f"{f.lo}..{upto(f.hi)}"
+            value = f"{self.number()}*sin({self.number()}*i)"
+            self.lines.append(f"start {f.name}[i = {over}] = {value}")
+            if self.tied and self.tied[0] == f:
+                _, shift, shape = self.tied
+                over = f"{f.lo - shift}..{upto(f.hi - shift)}"
+                there = "(" + value.replace("*i)", f"*({shifted(shift)}))") + ")"
+                tied = shape.replace("{}", there).replace("sin(t)", "0").replace("X", "0.1")
+                self.lines.append(f"start g[i = {over}] = {tied}")
+            elif self.chance(0.5):
+                self.lines.append(f"start {f.name}[i = {over}]' = {self.number()}*cos(i)/2")
+        if "X" in self.scalars:
+            self.lines.append("start X = 0.1" + ", X' = 0.3" * (self.tied is None))
+        if self.states:
+            self.lines.append("start u[i = 1..N] = cos(i), s = 0.4")
+
+    def outputs(self) -> None:
+        for k in range(self.of(0, 1, 2)):
+            self.begin()
+            body = self.of(
+                lambda: self.smooth(1), lambda: f"{self.ref(True)}'*{self.place()}", self.linear
+            )
+            kind = self.of("sum", "each", "sum")
+            if kind == "sum":
+                total = self.summed(body)
+                if total:
+                    form = self.of("{}", "sqrt(1 + ({})^2)", "{}*energy", "{}/(1 + energy^2)")
+                    self.add(f"observe out{k} =", form.format(total))
+            elif over := self.over():
+                self.lines.append(f"observe out{k}[i = {over}] = {body}")
+        f = self.dice.choice(self.families)
+        second = f.lo + (self.size + f.hi > f.lo)
+        if "X" in self.scalars and self.chance(0.5):
+            self.lines.append(f"observe p = p_X + {f.name}[{second}]")
+        elif self.chance(0.1):
+            self.lines.append(f"observe p = p_{f.name}[{second}] + {self.of('0', *self.scalars)}")
+        if self.tied:
+            f, shift, _ = self.tied
+            self.lines.append(f"observe pull = lambda_tie[{f.lo - shift}]")
+        if self.chance(0.5):
+            self.begin()
+            which = self.of(
+                f"{f.name}[{f.lo}] - 0.1",
+                f"{f.name}[{upto(f.hi)}] - {f.name}[{f.lo}]*t",
+                f"{f.name}[{second}]'",
+                lambda: f"({self.summed(self.linear()) or 't'}) + t - {self.number()}",
+                "t - 0.21",
+            )
+            way = self.of("either", "rising", "falling", "rising stop")
+            self.lines.append(f"event near: {which} {way}")
+
+    @property
+    def text(self) -> str:
+        return "\n".join(self.lines) + "\n"
+
+
+def drawn(dice: random.Random, size: int | None = None) -> str:
+    return Draw(dice, size).text
