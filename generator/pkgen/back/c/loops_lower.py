@@ -36,12 +36,16 @@ def lower_loops(
 ) -> LoopProgram:
     """Blocks of C for a model's loops, with the kernels wanted (None: all); raises Unrolled where a
     row cannot be one."""
-    return LoopProgram(e.model.name, _Context(e, emitted(e, wanted), libm).text())
+    return LoopProgram(e.model.name, _Context(e, wanted, libm).text())
 
 
 class _Context:
-    def __init__(self, e: LoopEquations, kernels: frozenset[str], libm: bool):
-        self.kernels = kernels
+    def __init__(self, e: LoopEquations, wanted: frozenset[str] | None, libm: bool):
+        kernels = emitted(e, wanted)
+        # Of carried values the acceleration takes the force of L as it stands.
+        unasked = {"force"} - wanted if e.carried and wanted is not None else frozenset()
+        self.kernels = kernels - unasked
+        self.with_multipliers = wanted is None or "multipliers" in wanted
         self.places = Places(e)
         builder = Builder(e, self.places)
         self.plan = planned(e, builder, kernels)
@@ -95,8 +99,13 @@ class _Context:
         fused = alone and "advance" in self.kernels
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
         acceleration = "carried" if e.carried else acceleration
+        inside = {
+            kernel: {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
+            for kernel, outputs in within(e).items()
+            if kernel in plan.rows
+        }
         kernels = [
-            {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
+            {"name": kernel, "outputs": list(outputs), "inside": inside[kernel]["outputs"]}
             for kernel, outputs in VECTORS.items()
             if kernel in self.kernels
         ]
@@ -161,11 +170,7 @@ class _Context:
             "band": None if diagonal or e.carried else self._band(),
             "carried": chain,
             "inner": "whole_" if chain else "",
-            "inner_vectors": [
-                kernel | {"outputs": list(outputs), "whats": list(outputs.values())}
-                for kernel in kernels
-                for outputs in [within(e)[kernel["name"]]]
-            ],
+            "inner_vectors": list(inside.values()),
             **bound_context(e, plan, self.places),
             **slopes_context(plan, self.places),
             "solved": e.solved,
@@ -174,6 +179,7 @@ class _Context:
             "vectors": kernels,
             "with_mass": "mass" in self.kernels,
             "with_canonical": "canonical" in self.kernels,
+            "with_multipliers": self.with_multipliers,
             "scalar_kernels": [k for k in TOTALS if k in plan.totals],
             "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS, *self.outputs)},
             "outputs": {k: x.statements for k, x in self.outputs.items() if self._there(k)},
