@@ -111,7 +111,13 @@ def apart(one: list[list[float]], other: list[list[float]]) -> float:
 
 
 # What one side alone may refuse; the other's rows say nothing then.
-LOOPS_LACK = ("are no band", "M whole", "the derivatives of the acceleration", "that is separable")
+LOOPS_LACK = (
+    "are no band",
+    "M whole",
+    "the derivatives of the acceleration",
+    "that is separable",
+    "that is smooth",
+)
 WRITTEN_LACKS = ("too large", "limit")
 
 

@@ -256,7 +256,7 @@ class Draw(Bodies):
         second = f.lo + (self.size + f.hi > f.lo)
         if "X" in self.scalars and self.chance(0.5):
             self.lines.append(f"observe p = p_X + {f.name}[{second}]")
-        elif self.chance(0.1):
+        elif self.chance(0.3):
             self.lines.append(f"observe p = p_{f.name}[{second}] + {self.of('0', *self.scalars)}")
         if self.tied:
             f, shift, _ = self.tied

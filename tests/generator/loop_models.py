@@ -244,11 +244,6 @@ UNROLLED = {
         _CARRIED.format("a[i-1]").replace("fixed a[N+1] = 0", "free a[0]"),
         "reaches a[i - 1] beyond an end of 'a' that is free or periodic",
     ),
-    "momentum": (
-        _CARRIED.format("a[i]").replace("let x[0] = 0", "coord X\nlet x[0] = X")
-        + "observe P = p_X\n",
-        "through carried values",
-    ),
     "watched": (
         f"model watched\n{_CHAIN}let x[0] = 0\nlet x[i = 1..N] = x[i-1] + a[i]\n"
         "potential a[1]^2\nobserve tip = x[N]\n",

@@ -32,6 +32,7 @@ _OURS = (
     *("pivot", "diagonal", "absent", "corner", "kept"),
 )
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
+SUFFIXES = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc", "p": "_momentum"}
 CHUNK = 64  # members that are gone through at once
 BLOCK = 1024  # whose forces of bonds are kept: rows read them once they have left the store queue
 WIDEST_BOND = 8  # members between the ends of a bond whose force is computed once, a whole line
@@ -223,9 +224,9 @@ class Lowering(Hoisting):
         if slot.name in self.carried:
             array, place = places.carried(slot.kind, slot.name, slot.at)
             return Code(f"{array}[{places.index(place)}]", (array, *places.names_in(place)))
-        if slot.kind == "lambda":
+        if slot.kind in ("lambda", "p"):
             place = places.flat(slot.name, slot.at)
-            array = f"{self.prefix}lambda"
+            array = self.prefix + ("momentum" if slot.kind == "p" else "lambda")
             return Code(f"{array}(p)[{places.index(place)}]", (array, "p", *places.names_in(place)))
         array, needs = ("q" if slot.kind == "q" else "v",) * 2
         if slot.kind == "a":
@@ -250,7 +251,7 @@ class Lowering(Hoisting):
             elif slot.kind == "place":
                 wish = re.sub(r"\W+", "_", slot.name.replace("-", "m")).strip("_")
             else:
-                suffix = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc"}.get(slot.kind, "")
+                suffix = SUFFIXES.get(slot.kind, "")
                 wish = self.places.ids.get(slot.name, slot.name) + _place(slot.at) + suffix
             self._names[slot] = self._locals.take(wish)
         return self._names[slot]

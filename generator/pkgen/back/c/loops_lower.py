@@ -20,7 +20,16 @@ from .helpers import helpers
 from .loops import BLOCK, CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
 from .loops_bound import bound_context, shape_of
 from .loops_chain import chain_context
-from .loops_plan import TOTALS, VECTORS, divides, emitted, entries, planned, within
+from .loops_plan import (
+    TOTALS,
+    VECTORS,
+    divides,
+    emitted,
+    entries,
+    planned,
+    watches_momenta,
+    within,
+)
 from .loops_sets import Builder, Guarded
 from .loops_singular import described
 from .loops_slopes import slopes_context
@@ -147,7 +156,7 @@ class _Context:
                 w.prepare,
                 factored=e.facts.mass_constant and not (diagonal or e.carried),
                 bound=bool(e.bound),
-                block=in_block or not diagonal or closed,
+                block=in_block or not diagonal or closed or watches_momenta(e),
             ),
             "sizes": [
                 {"c_name": self.places.sizes[s.name], "name": s.name, "value": s.value}
@@ -191,6 +200,7 @@ class _Context:
             },
             "n_sums": len(e.sums),
             "with_lambda": any(slot.kind == "lambda" for slot in e.slots),
+            "with_momenta": watches_momenta(e),
             "chunk": CHUNK,
             "block": BLOCK,
             "widest": WIDEST_BOND,

@@ -83,15 +83,21 @@ class Plan:
 def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
     """The kernels that there are of those wanted (None: all), with those that these call."""
     named = {*VECTORS, *(k for k in TOTALS if getattr(e, k) is not None)}
+    watched = {"momenta"} if watches_momenta(e) else set()
     if e.carried:
-        return frozenset(named if wanted is None else named & wanted | {"force"})
+        return frozenset(named if wanted is None else named & wanted | {"force"} | watched)
     named |= {"mass", "jacobian", "advance"}
     if wanted is None:
         return frozenset(named)
     alone = divides(e) and not e.force.pairs  # a row of the acceleration is made by itself
     solved = set() if alone else {"force"} if divides(e) else {"force", "mass"}
-    watched = {"mass"} if e.pivots else set()  # by what watches singularities
+    watched |= {"mass"} if e.pivots else set()  # by what watches singularities
     return frozenset(named & wanted | solved | watched)
+
+
+def watches_momenta(e: LoopEquations) -> bool:
+    """Whether momenta stand in outputs."""
+    return any(slot.kind == "p" for slot in e.slots)
 
 
 def within(e: LoopEquations) -> dict[str, dict[str, str]]:

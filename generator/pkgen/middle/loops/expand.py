@@ -48,6 +48,7 @@ class LoopExpander:
         self.outputs: dict[str, Node] = {}  # built-in names of outputs, and those defined
         self.of_members: dict[str, Definition] = {}  # outputs for each index, which a scene may use
         self.multipliers: dict[str, list[Group]] = {}  # by name: of which rows
+        self.momenta: dict[str, Group] = {}  # by name, where outputs may have them
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self.sums: list[Total] | None = None  # where sums may stand in any expression
         self.make_total = None  # set by loops_outputs: Sum expression -> Total
@@ -164,6 +165,8 @@ class LoopExpander:
             return self.outputs[name]
         if name in self.multipliers:
             return self._multiplier(name, index)
+        if name in self.momenta and self.sums is not None:
+            return self._momentum(self.momenta[name], index)
         if name in BUILT_IN:
             return self.graph.symbol(BUILT_IN[name])
         raise Unrolled(f"'{name}' is not known in a loop")
@@ -176,6 +179,11 @@ class LoopExpander:
         if index is not None:
             self.members.append((group.lo, group.hi, index))
         return self.slots.node("lambda", group.name, index if group.is_family else None)
+
+    def _momentum(self, group: Group, index: Affine | None) -> Node:
+        if index is not None:
+            self.members.append((group.lo, group.hi, index))
+        return self.slots.node("p", group.name, index)
 
     def _definition(self, name: str, index: Affine | None) -> Value:
         """A `let`, its expression entered where it is used."""
@@ -328,7 +336,7 @@ class LoopExpander:
             return self.rotations.moving(rotation, slot.at)[k]
         if slot.kind == "s":
             raise Unrolled("a momentum, an output or a rate has the rate of a state in it")
-        if slot.kind in ("v", "w", "d"):
+        if slot.kind in ("v", "w", "d", "p"):
             raise Unrolled("an output has an acceleration")
         return ZERO
 

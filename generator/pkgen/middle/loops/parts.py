@@ -36,7 +36,7 @@ class Slot:
     no coordinate has one), "d" (the rate of a coordinate, 0 of a given cell; of a carried value
     what the rates of coordinates make of it), "a" (its acceleration, 0 of a given cell, where that
     is an unknown), "param", "size", "index", "input", "sum", "lambda" (of the rows of that key),
-    and "place", whose name is its text in C. `at` is the index of a
+    "p" (a momentum, in outputs), and "place", whose name is its text in C. `at` is the index of a
     family's member.
     """
 

@@ -16,7 +16,9 @@ _KINDS = {
     "s": Kind.STATE,
     **dict.fromkeys(("v", "d"), Kind.RATE),
     **dict.fromkeys(("param", "size"), Kind.PARAMETER),
-    **dict.fromkeys(("input", "index", "sum", "flux", "w", "a", "place", "lambda"), Kind.INPUT),
+    **dict.fromkeys(
+        ("input", "index", "sum", "flux", "w", "a", "p", "place", "lambda"), Kind.INPUT
+    ),
 }
 
 

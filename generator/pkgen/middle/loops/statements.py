@@ -25,13 +25,13 @@ class Outputs:
         x.sums = self.totals
         x.make_total = lambda expr: gather.total([(term, 1) for term in terms(x, expr)])
         named = {"T": kinetic, "V": potential, "L": lagrangian, "energy": energy}
-        for name, total in momenta.totals.items():
-            if not x.coordinates[name].is_state:
-                named[x.coordinates[name].declared.momentum or f"p_{name}"] = total
+        own = [g for g in x.coordinates.values() if not (g.is_state or g.is_carried)]
+        x.momenta = {g.declared.momentum or f"p_{g.name}": g for g in own}
+        for name, group in x.momenta.items():
+            if not (group.is_family or x.carried):
+                named[name] = momenta.totals[group.name]
         used = {name for item in _outputs(x) for name in _names(item)}
         for name, total in named.items():
-            if name.startswith("p_") and name in used and x.carried:
-                raise Unrolled(f"'{name}' has parts that go through carried values")
             if total is not None and name in used:
                 self.totals.append(total)
                 x.outputs[name] = x.slots.node("sum", str(len(self.totals) - 1))
