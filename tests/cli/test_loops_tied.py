@@ -89,3 +89,40 @@ def test_members_of_an_ensemble_of_ropes_are_single_runs(
         for one, other in zip(rows(done.stdout), mine, strict=True):
             assert one == pytest.approx(other, rel=1e-10, abs=1e-10)
     assert found[2][2:] != found[5][2:]
+
+
+LINEAR = """\
+model linear
+size N = 6
+coord x[1..N], y[1..N], X
+fixed x[0] = sin(t)
+kinetic sum((1 + i/N)*x[i]'^2/2 + y[i]'^2{inertia}, i = 1..N) + X'^2
+potential sum((x[i] - x[i-1])^4 + cos(y[i]), i = 1..N)
+constraint tie[i = 1..N]: y[i] = x[i]/2 + 0.1*X{row}
+constraint mean: sum(y[i]*i, i = 1..N) = sum(x[i]*i, i = 1..N)/2
+start x[i = 1..N] = 0.3*i, y[i = 1..N] = 0.15*i
+observe pull = lambda_tie[2]
+"""
+
+
+@pytest.mark.parametrize("inertia", ["", " + x[i]'*X'/20"])
+@pytest.mark.parametrize("method", ["verlet", "yoshida4"])
+def test_splitting_methods_run_on_linear_constraints(method: str, inertia: str, both) -> None:  # noqa: F811
+    text = LINEAR.format(inertia=inertia, row=" + t^2/5 - t^2/5")
+    words = ("--until", 0.5, "--every", 0.25, "--method", method, "--step", 0.05)
+    (loops, _), (written, _) = both(text, *words)
+    for one, other in zip(loops, written, strict=True):
+        assert one == pytest.approx(other, rel=1e-12, abs=1e-12)
+    assert len(loops) == 3 and loops[0][1:] != loops[2][1:]
+
+
+@pytest.mark.parametrize(
+    ("inertia", "row"),
+    [("", " + x[i]^2/9"), ("", " + t*x[i]/9"), (" + cos(X)*X'^2/9", "")],
+)
+def test_and_are_refused_on_others(inertia: str, row: str, pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "linear.lag"
+    text = LINEAR.format(inertia=inertia, row=row).replace("constraint mean", "# constraint mean")
+    model.write_text(text.replace("start", "input none\n# start"))
+    done = pkgen("run", model, "--size", "N=20", "--until", 1, "--method", "verlet", "--step", 0.1)
+    assert done.returncode == 4 and "a system that is separable" in done.stderr

@@ -13,7 +13,7 @@ from ..analyze.affine import CONSTANT, VARYING, in_rates, is_affine
 from .carried import nodes_of
 from .expand import LoopExpander
 from .loops import LoopEquations
-from .parts import CELLS, Slot, Total, Vector
+from .parts import CELLS, Bound, Row, Slot, Total, Vector
 from .rows import Gather
 
 
@@ -41,12 +41,14 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     free = constant and not e.bound
     of_v = _in_rates(x, forces) if free and not (e.states or e.carried) else 0
     coasting = [piece.coasting for item in e.carried for piece in item.pieces]
+    coasting += [node for bound in e.bound for node in _nodes(bound.coasting)]
+    straight = not _kinds(x, [n for rows in e.bound for n in _slopes(rows)]) & {*CELLS, "w", "t"}
     jumping = any(jumps(x.graph, node) for node in reachable(x.graph, energies))
     return Facts(
         mass_constant=constant,
         mass_diagonal=e.mass.is_diagonal and not e.carried,
         quadratic="v" not in _kinds(x, entries),
-        separable=free and not _kinds(x, [*forces, *coasting]) & {"v", "s"},
+        separable=constant and straight and not _kinds(x, [*forces, *coasting]) & {"v", "s"},
         autonomous=autonomous,
         conservative=bool(x.model.coordinates)
         and not (gather.applied or jumping or states)
@@ -60,17 +62,23 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     )
 
 
+def _slopes(rows: Bound) -> Iterable[Node]:
+    """J."""
+    for found in (*rows.entries.values(), *rows.border.values(), *rows.corner.values()):
+        yield from _nodes(found)
+
+
+def _nodes(found: Row | Total) -> list[Node]:
+    return [getattr(found, "constant", ZERO), *(part.node for part in found.parts)]
+
+
 def _workless(x: LoopExpander, e: LoopEquations) -> bool:
     """Whether rows are J v = 0: nothing is left of them at rest."""
 
     def rest(slot: Slot) -> Node | None:
         return ZERO if slot.kind == "v" else None
 
-    left = [
-        x.slots.swapped(node, rest)
-        for bound in e.bound
-        for node in (getattr(bound.rate, "constant", ZERO), *(p.node for p in bound.rate.parts))
-    ]
+    left = [x.slots.swapped(node, rest) for bound in e.bound for node in _nodes(bound.rate)]
     return all(node == ZERO for node in settled(x.graph, left))
 
 
