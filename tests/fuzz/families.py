@@ -16,6 +16,7 @@ import json
 import math
 import os
 import random
+import re
 import signal
 import sys
 import tempfile
@@ -170,12 +171,42 @@ def ways(dice: random.Random, text: str, folder: Path) -> list[tuple[tuple[str, 
         found.append(((*words, *METHODS.get(method, ())), 1e-8))
     if dice.random() < 0.15:
         found.append((("run", model, "--until", "0.2", "--every", "0.1", *given), 1e-6))
+    if "\nscene" in text:
+        found.append((("run", model, "--scene", "use", *given), 1e-6))
     return found
+
+
+def scene(dice: random.Random, text: str) -> str:
+    """One more statement: a swarm, a member that is held, a column, the accuracy asked for."""
+    if dice.random() < 0.5:
+        return ""
+    family, lo, hi = dice.choice(re.findall(r"([qxyz])\[([-\d]+)\.\.(N[-+\d]*)\](?=[,\n])", text))
+    first, last = f"{family}[{lo}]", f"{family}[{hi}]"
+    tied = "constraint" in text
+    lines = [f"scene use\n  set k = {dice.uniform(0.3, 1.5):.3f}"]
+    kind = "column" if tied else dice.choice(("column", "swarm", "hold", "accuracy"))
+    if kind == "swarm":
+        lines[:0] = ["scene use\n  swarm n = 1..3"]
+        del lines[1]
+        lines.append(f"  start {first} = 0.1*n, {last}' = 0.2/n")
+    elif not tied:
+        lines.append(f"  start {last}' = 0.3")
+    if kind == "hold":
+        lines.append(f"  hold {first} = {dice.choice(('0.2', 'sin(t)', 'k/3'))}")
+    lines.append("  until 0.3")
+    if kind == "accuracy":
+        lines.append("  accuracy 1e-8")
+    else:
+        method = dice.choice(("dop853 rtol 1e-11", "gauss2 step 0.02", "rk4 step 0.02"))
+        lines.append(f"  method {method}")
+    lines.append(f"  record {last}, {last}' every 0.1\nend\n")
+    return "\n".join(lines)
 
 
 def judged(seed: int, folder: Path) -> tuple[str, str]:
     dice = random.Random(seed)
     text = drawn(dice)
+    text += scene(dice, text)
     model = folder / "chain.lag"
     model.write_text(text)
     try:

@@ -16,7 +16,7 @@ from ..graph.differentiate import reachable
 from ..graph.graph import ZERO, Kind, Node, Op, Symbol
 from ..indices import indexed
 from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
-from ..middle.loops.expand import unlike_loops
+from ..middle.loops.indices import unlike_loops
 from ..middle.loops.loops import LoopEquations
 from ..middle.loops.parts import Group, PairForce, PairPart, Part, Slot, Total
 from ..record import record

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from ..compiler import Compilation
 from ..equations import Quantity
 from ..indices import indexed, parted
-from ..middle.loops.expand import size_values
+from ..middle.loops.indices import size_values
 from ..middle.quantities import families, single_rotations
 from ..model import Model, Parameter, State
 from ..record import record

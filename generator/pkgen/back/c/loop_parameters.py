@@ -4,10 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from ...middle.loops.parts import Group
+from ..targets import STORE
 from .kernel_code import statements
+from .loops import Block, M, Places
 from .loops_sets import Guarded
-from .parameter_code import BOUNDS, DERIVE, PREPARE, ParameterCode, checks, derived, hoisted
-from .program import Statement
+from .parameter_code import (
+    BOUNDS,
+    DERIVE,
+    PREPARE,
+    ParameterCode,
+    checked,
+    checks,
+    derived,
+    ends,
+    hoisted,
+)
+from .program import Interval, Statement
 from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Scope
 
 
@@ -20,6 +33,23 @@ def each(lo: str, hi: str, nodes: list[Node]) -> list[Node]:
 
 def assigned(x: Guarded) -> list[Node]:
     return each(x.lo, x.hi, list(statements(x.block.statements)))
+
+
+def code(group: Group, places: Places, block: Block, default: Guarded, k: int) -> ParameterCode:
+    """Of parameter k, with its bounds."""
+    given = group.declared.bounds
+    kept = {s.target: s.text for s in block.statements if s.kind == STORE}
+    needs = tuple(s for s in block.statements if s.kind != STORE)
+    bounds = Interval(needs, kept.get("lo"), kept.get("hi"))
+    lo, hi = (places.index(x) if group.is_family else "" for x in (group.lo, group.hi))
+    field = places.member(group.name, M if group.is_family else None)
+    first = [Declare("const ptrdiff_t", "m", lo)] if "m" in block.words else []
+    return ParameterCode(
+        assigned(default),
+        group.declared.follows,
+        each(lo, hi, checked(field, k, bounds, given.lo_open, given.hi_open)),
+        [*first, *ends(k, bounds)],
+    )
 
 
 def _index(nodes: Iterable[Node]) -> list[Node]:

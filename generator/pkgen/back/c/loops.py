@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from ...graph.affine import LOOPS, OTHER, ROW, Affine
 from ...graph.graph import Kind, Node, Symbol
-from ...middle.loops.expand import unlike_loops
+from ...middle.loops.indices import unlike_loops
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.parts import Group, Slot
 from ..targets import LOAD, TRIG, Target

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ...graph.affine import Affine
-from ...middle.loops.expand import size_values
+from ...middle.loops.indices import size_values
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.parts import Bound, Group
 from .loops import Places

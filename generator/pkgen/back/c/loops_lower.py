@@ -6,15 +6,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from ...equations import Facts, Quantity
+from ...equations import Facts
 from ...graph.graph import Node
-from ...middle.loops.expand import size_values
+from ...middle.loops.indices import size_values
 from ...middle.loops.loops import Assigned, Limit, LoopEquations
-from ...middle.loops.parts import Bound, Group
 from ..facts import facts, invariants
 from ..kernels import KERNELS
 from ..targets import RETURN, STORE, Target
-from . import loop_parameters, parameter_code, tables
+from . import loop_parameters, loops_tables, tables
 from .describe import labelled
 from .helpers import helpers
 from .loops import BLOCK, CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
@@ -34,10 +33,8 @@ from .loops_sets import Builder, Guarded
 from .loops_singular import described
 from .loops_slopes import slopes_context
 from .loops_steps import stepper
-from .parameter_code import ParameterCode
-from .program import Interval, LoopProgram, operations_text
+from .program import LoopProgram, operations_text
 from .render import frame, pasted
-from .tree import Declare
 
 
 def lower_loops(
@@ -120,25 +117,14 @@ class _Context:
         ]
         main = plan.band or plan.rows["force" if "force" in plan.rows else "acceleration"]
         chain = chain_context(plan.chain)
-        parameters = [self._parameter(k) for k in range(len(e.parameters))]
+        parameters = [loops_tables.parameter(e, self.places, k) for k in range(len(e.parameters))]
         system = self._system_kernels()
         # Of the system they have J^T lambda, or p = v and p' = a.
         own = {"force", "canonical"} if e.bound else {"canonical"} if e.solved else set()
         closed = plan.slopes_of is not None and plan.slopes_of.closed is not None
         in_block = any(g.is_family for g in e.parameters)
-        names = {
-            "coordinates": [_quantity(g, "{}", "unit", "integral of {}") for g in e.coordinates],
-            "rates": [_quantity(g, "{}'", "rate_unit", own="rate") for g in e.coordinates],
-            "momentum_names": [
-                _quantity(g, "p_{}", "momentum_unit", own="momentum") for g in e.coordinates
-            ],
-            "inputs": e.inputs,
-            "observed": e.observed_names,
-            "conserved": e.conserved_names,
-            "constraints": [_multiplier(rows) for rows in e.bound],
-        }
         return {
-            **frame(model, _told(e), set(system) - own, parameters, names),
+            **frame(model, _told(e), set(system) - own, parameters, loops_tables.names(e)),
             "n": e.count.value(size_values(model)),
             "kernels": list(system.values()),
             "sincos_header": pasted("sincos.h") if any(b.trig for b in w.blocks) else "",
@@ -150,7 +136,10 @@ class _Context:
             "n_hoisted": w.hoisted_count,
             "parameter_functions": loop_parameters.functions(
                 model.name,
-                [self._parameter_code(k) for k in range(len(parameters))],
+                [
+                    loop_parameters.code(g, self.places, self.bounds[k], self.defaults[k], k)
+                    for k, g in enumerate(e.parameters)
+                ],
                 self.starts,
                 w.hoisted_count,
                 w.prepare,
@@ -167,7 +156,7 @@ class _Context:
             "first_order": index(e.first_order),
             "n_first_order": e.first_order.value(size_values(model)),
             "unseen": [group(g) for g in e.unseen],
-            "rotations": list(self._rotations()),
+            "rotations": list(loops_tables.rotations(e, self.places)),
             "groups": [group(g) for g in e.coordinates],
             "families": [group(g) for g in e.families],
             "scalars": [group(g) for g in e.scalars],
@@ -192,7 +181,7 @@ class _Context:
             "scalar_kernels": [k for k in TOTALS if k in plan.totals],
             "says": {name: KERNELS[name].says for name in (*VECTORS, *TOTALS, *self.outputs)},
             "outputs": {k: x.statements for k, x in self.outputs.items() if self._there(k)},
-            **self._outputs_of_members(),
+            **loops_tables.outputs_of_members(e, self.places, plan),
             "singularities": list(described(e, self.places)),
             "singular": {
                 "sets": plan.singularities,
@@ -234,56 +223,6 @@ class _Context:
     def _there(self, kernel: str) -> bool:
         return bool(self.outputs[kernel].targets or (kernel == "observe" and self.plan.observed))
 
-    def _outputs_of_members(self) -> dict[str, Any]:
-        """Outputs for each index, and how many numbers all are."""
-        index, e, count = self.places.index, self.e, self.places.observed[-1]
-        rows = [
-            {
-                "set": s,
-                "cell": index(self.places.observed[k] + M - e.outputs[k].lo),
-                "lo": index(e.outputs[k].lo),
-                "count": index(e.outputs[k].count),
-                "k": k,
-            }
-            for k, s in self.plan.observed.items()
-        ]
-        sizes = size_values(e.model)
-        return {"observed_rows": rows, "observed_count": index(count)} | (
-            {"n_observed": count.value(sizes)} if rows else {}
-        )
-
-    def _parameter(self, k: int) -> dict[str, Any]:
-        group, bounds = self.e.parameters[k], self.e.bounds[k]
-        item = group.declared
-        return self.places.group(group) | {
-            "unit": item.unit,
-            "description": item.description,
-            "field": self.places.fields[item.name],
-            "c_name": self.places.fields[item.name],
-            "position": 0,
-            "follows": int(item.follows),
-            "lo_open": int(item.bounds.lo_open or bounds.lo is None),
-            "hi_open": int(item.bounds.hi_open or bounds.hi is None),
-        }
-
-    def _parameter_code(self, k: int) -> ParameterCode:
-        group, block = self.e.parameters[k], self.bounds[k]
-        given = group.declared.bounds
-        ends = {s.target: s.text for s in block.statements if s.kind == STORE}
-        needs = tuple(s for s in block.statements if s.kind != STORE)
-        bounds = Interval(needs, ends.get("lo"), ends.get("hi"))
-        lo, hi = (self.places.index(x) if group.is_family else "" for x in (group.lo, group.hi))
-        field = self.places.member(group.name, M if group.is_family else None)
-        first = [Declare("const ptrdiff_t", "m", lo)] if "m" in block.words else []
-        return ParameterCode(
-            loop_parameters.assigned(self.defaults[k]),
-            group.declared.follows,
-            loop_parameters.each(
-                lo, hi, parameter_code.checked(field, k, bounds, given.lo_open, given.hi_open)
-            ),
-            [*first, *parameter_code.ends(k, bounds)],
-        )
-
     def _limit(self, limit: Limit) -> dict[str, str]:
         unless = "" if limit.unless is None else self.places.index(limit.unless)
         return {"needs": self.places.index(limit.needs), "unless": unless}
@@ -306,15 +245,6 @@ class _Context:
                         item["lines"] = self.given[g.name, at][order].statements
                     ends.append(item)
                 yield places.group(g) | {"reader": name, "kind": kind, "given": ends}
-
-    def _rotations(self) -> Iterator[dict[str, str]]:
-        """How many there are, where the first one's rate and quaternion begin, and how far apart
-        the numbers of one are."""
-        for rotation in self.e.model.rotations:
-            turn, number = (self.e.group(x[0]) for x in (rotation.turns, rotation.quaternion))
-            first = (self.places.index(self.places.first[g.name]) for g in (turn, number))
-            keys = ("count", "rate", "number")
-            yield dict(zip(keys, (self.places.index(turn.count), *first), strict=True))
 
     def _band(self) -> dict[str, Any]:
         """The shape of M: cells interleaved by index, then scalar coordinates as a border."""
@@ -344,15 +274,3 @@ def _told(e: LoopEquations) -> Facts:
 
 def _value(node: Node, where: str) -> Block:
     return Block.of(RETURN, "", [node], where)
-
-
-def _multiplier(rows: Bound) -> Quantity:
-    declared = rows.group.declared
-    return Quantity(f"lambda_{rows.name}", declared.unit, declared.description)
-
-
-def _quantity(g: Group, form: str, unit: str, of_state: str = "{}", own: str = "") -> Quantity:
-    """Of a body rate by its `own` name."""
-    form, unit = (of_state, "unit") if g.is_state else (form, unit)
-    name = getattr(g.declared, own) if own and g.is_turn else form.format(g.name)
-    return Quantity(name, getattr(g.declared, unit), g.declared.description)

@@ -8,8 +8,9 @@ from typing import Any
 
 from ...graph.affine import Affine
 from ...middle.loops.loops import LoopEquations
+from ...middle.loops.matrices import Matrix, Unknown
 from ...middle.loops.parts import Bound, Group, Part, Row, Total, Unrolled
-from ...middle.loops.slopes import Matrix, Slopes, Unknown, slopes_of
+from ...middle.loops.slopes import Slopes, slopes_of
 from .loops import Block
 from .loops_chain import Chain
 from .loops_sets import Builder, PairSet, RowSet, TotalSet

@@ -13,8 +13,9 @@ from ..quantities import indexed, refuse_constant
 from .bodies import Gathered
 from .bound import bound_of
 from .carried import carried_of, check_chain, inert
-from .expand import LoopExpander, size_values
+from .expand import LoopExpander
 from .facts import facts_of, total_nodes, vector_nodes
+from .indices import size_values
 from .loops import Limit, LoopEquations
 from .parts import Band, Carried, Row, Unrolled, Vector
 from .rows import Gather

@@ -6,36 +6,30 @@ from contextlib import AbstractContextManager, nullcontext
 from itertools import pairwise
 
 from ... import limits
-from ...graph.affine import LOOPS, ROW, Affine, affine, extremes, variable
+from ...graph.affine import LOOPS, Affine
 from ...graph.differentiate import Forward
 from ...graph.graph import ONE, VARIABLE, ZERO, Graph, Node
 from ...graph.magnitudes import Magnitudes
-from ...indices import NotAnInteger
-from ...model import Coordinate, Definition, End, Model, Parameter, State
+from ...model import Definition, End, Model
 from ...source import Span
-from ...tree import Expr, Name, Range, Sum, children
+from ...tree import Expr, Name, Sum, children
 from ..attitudes import body_rates
 from ..expand.names import BUILT_IN, Value, next_input
 from ..expand.terms import EXPAND
 from ..quantities import error, input_index
-from .loops import Limit
+from .indices import Indices, Loop, size_values
 from .parts import Group, Total, Unrolled
 from .rotations import Rotations
 from .slots import Slots
 
-Loop = dict[str, Affine]
 
-
-class LoopExpander:
+class LoopExpander(Indices):
     """Holds the graph and its slots; in the place of `Expander` for what `terms.py` has."""
 
     def __init__(self, model: Model, orders: tuple[int, ...]):
-        self.model = model
+        super().__init__(model, Slots(Graph(limits.UNROLLED)))
         self.orders = orders
-        self.graph = Graph(limits.UNROLLED)
-        self.slots = Slots(self.graph)
         self.primes: list[tuple[Node, Span]] = []
-        self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
         moving = (*model.coordinates, *model.states)
         self.coordinates = {c.name: self._group(c) for c in moving}
         self.parameters = {p.name: self._group(p) for p in model.parameters}
@@ -52,49 +46,13 @@ class LoopExpander:
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self.sums: list[Total] | None = None  # where sums may stand in any expression
         self.make_total = None  # set by loops_outputs: Sum expression -> Total
-        self.members: list[tuple[Affine, Affine, Affine]] = []  # of lets: lo, hi, index
         self._defining: list[str] = []
         self._visits = 0
         self._magnitudes = Magnitudes(self.graph)
 
-    def _group(self, item: Coordinate | State | Parameter) -> Group:
-        if item.range is None:
-            return Group(item, None, None)
-        lo, hi = self.index(item.range.lo, self.sizes), self.index(item.range.hi, self.sizes)
-        ends, periodic = [], False
-        for end in self.model.ends:
-            if end.name != item.name or isinstance(item, Parameter):
-                continue
-            if end.kind == "periodic":
-                periodic = True
-            elif end.at is not None:
-                ends.append((self.index(end.at, self.sizes), end))
-            else:
-                first = lo.value(size_values(self.model))
-                below = end.index is not None and end.index < first
-                ends.append((lo - 1 if below else hi + 1, end))
-        return Group(item, lo, hi, tuple(ends), periodic)
-
-    def index(self, expr: Expr, loop: Loop) -> Affine:
-        try:
-            return affine(expr, loop)
-        except NotAnInteger as wrong:
-            raise Unrolled(
-                f"an index is not a sum of sizes and a loop variable: {wrong.message}"
-            ) from None
-
     def statement(self, span: Span) -> AbstractContextManager:
         """Adds no place: what goes wrong here raises Unrolled with its own reason."""
         return nullcontext()
-
-    def number(self, at: Affine) -> Node:
-        """An index expression as a number."""
-        g = self.graph
-        total = g.number(at.constant)
-        for name, factor in at.terms:
-            kind = "index" if name in LOOPS else "size"
-            total = g.add(total, g.multiply(g.number(factor), self.slots.node(kind, name)))
-        return total
 
     # -- expressions --------------------------------------------------------------------------
 
@@ -295,30 +253,6 @@ class LoopExpander:
         self.members.append((group.lo, group.hi, index))
         return self.slots.node(kind, name, index)
 
-    def limits_of(self, length: Affine | None, at: dict[str, tuple[Affine, Affine]]) -> list[Limit]:
-        """What the sizes must fulfil for members met since to be there; forgets them."""
-        found = []
-        for lo, hi, index in self.members:
-            first, last = extremes(index, at)
-            found += [Limit(first - lo, length), Limit(hi - last, length)]
-        self.members.clear()
-        return found
-
-    def limits_over(self, lo: Affine | None, hi: Affine | None) -> list[Limit]:
-        """The same over the members lo..hi, or of what is no family."""
-        return self.limits_of(None, {}) if lo is None else self.limits_of(hi - lo, {ROW: (lo, hi)})
-
-    def over(
-        self, range_: Range | None, index: Expr | None = None
-    ) -> tuple[Affine | None, Affine | None, Loop]:
-        """The members that a statement is about, and what its names of indices stand for."""
-        loop = dict(self.sizes)
-        if range_ is not None:
-            lo, hi = self.index(range_.lo, loop), self.index(range_.hi, loop)
-            return lo, hi, loop | {range_.variable: variable(ROW)}
-        at = None if index is None else self.index(index, loop)
-        return at, at, loop
-
     # -- derivatives in time ------------------------------------------------------------------
 
     def _rate_of(self, node: Node) -> Node:
@@ -339,15 +273,6 @@ class LoopExpander:
         if slot.kind in ("v", "w", "d", "p"):
             raise Unrolled("an output has an acceleration")
         return ZERO
-
-
-def unlike_loops(size: str) -> str:
-    """A size's name as a variable of index expressions."""
-    return f"{size}'" if size in LOOPS else size
-
-
-def size_values(model: Model) -> dict[str, int]:
-    return {unlike_loops(size.name): size.value for size in model.sizes}
 
 
 def has_sum(x: LoopExpander, expr: Expr, seen: frozenset[str] = frozenset()) -> bool:

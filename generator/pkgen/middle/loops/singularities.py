@@ -20,7 +20,8 @@ from ...graph.ranges import INF, Range, Ranges
 from ...graph.wording import wording
 from ...indices import indexed
 from ..points.singularities import COORDINATES, DIVISOR, about, dangerous, squared, zeros
-from .expand import LoopExpander, unlike_loops
+from .expand import LoopExpander
+from .indices import unlike_loops
 from .loops import LoopEquations, LoopSingularity
 from .pairs import M
 from .parts import Group, PairPart, Part, Total

@@ -9,47 +9,15 @@ with equations of their own, whose derivatives are a band again:
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import TypeVar
 
-from ...graph.affine import ROW, Affine, variable
-from ...graph.differentiate import gradient
-from ...graph.graph import BIT, ONE, ZERO, Kind, Node
+from ...graph.graph import ONE, ZERO, Node
 from ...record import record
 from .loops import LoopEquations
+from .matrices import BY_MORE, BY_PLACE, BY_RATE, Derive, K, M, Matrix, Stated, Unknown, seen_from
 from .parts import Band, Bound, Group, Part, Row, Total, Unrolled, Vector
 from .slots import Slots
-
-M = variable(ROW)
-Unknown = tuple[str, str]  # "v", "a" or "lambda", and of which family or scalar
-BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")  # slots; "d" is the rate of a cell that is not given
-BY_MORE = ("a", "lambda")
-_OF = {**dict.fromkeys((*BY_PLACE, *BY_RATE), "v"), **{kind: kind for kind in BY_MORE}}
-_MASKS = {
-    BY_PLACE: BIT[Kind.COORDINATE],
-    BY_RATE: BIT[Kind.RATE] | BIT[Kind.STATE],
-    BY_MORE: BIT[Kind.INPUT],
-}
-_By = dict[tuple[Unknown, Affine | None], Node]
-K = TypeVar("K")
-
-
-@record
-class Matrix:
-    """Entry (family, other, d) of `entries` is of cell m of one by m + d of the other; `right` is
-    of a family's cell m by a scalar, `bottom` of a scalar by a family's cell m."""
-
-    entries: dict[tuple[Unknown, Unknown, int], Row]
-    right: dict[tuple[Unknown, Unknown], Row]
-    bottom: dict[tuple[Unknown, Unknown], Row]
-    corner: dict[tuple[Unknown, Unknown], Total]
-
-    def __or__(self, other: Matrix) -> Matrix:
-        """With the entries of another one, which are elsewhere."""
-        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
-        return Matrix(*(one | more for one, more in pairs))
 
 
 @record
@@ -69,17 +37,9 @@ class Slopes:
         return self.mass, *closed, self.p_q, self.pdot_q, self.pdot_v
 
 
-@record
-class _Equations:
-    """Quantities with a row for each index, and single ones."""
-
-    rows: dict[Unknown, Row]
-    totals: dict[Unknown, Total]
-
-
 def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
     """Raises Unrolled where a row reaches members at no fixed distance."""
-    derive = _Derive(slots)
+    derive = Derive(slots)
     families = [(("v", g.name), g) for g in e.families]
     scalars = [("v", g.name) for g in e.scalars]
     if not (e.bound or e.solved):
@@ -92,7 +52,7 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
     scalars += [("lambda", x.group.name) for x in e.bound if x.is_single]
     motion = _Motion(e, slots)
     pull = motion.pull()
-    own = _Equations(
+    own = Stated(
         motion.balance(pull) | motion.constraint_rows(),
         motion.balances(pull) | motion.single_rows(),
     )
@@ -115,10 +75,10 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
     )
 
 
-def _of_vector(vector: Vector, kind: str) -> _Equations:
+def _of_vector(vector: Vector, kind: str) -> Stated:
     if vector.pairs or any(total.pairs for total in vector.totals.values()):
         raise Unrolled("a sum over all members makes the derivatives dense")
-    return _Equations(
+    return Stated(
         {(kind, name): row for name, row in vector.rows.items()},
         {(kind, name): total for name, total in vector.totals.items()},
     )
@@ -180,7 +140,7 @@ class _Motion:
         _no_pairs(x)
         return Total(self.g.negate(x.constant), scaled)
 
-    def pull(self) -> _Equations:
+    def pull(self) -> Stated:
         """J^T lambda."""
         rows: dict[Unknown, list[Part]] = {("v", g.name): [] for g in self.e.families}
         totals: dict[Unknown, list[Total]] = {("v", g.name): [] for g in self.e.scalars}
@@ -190,23 +150,23 @@ class _Motion:
                 if shift is None:
                     totals["v", name].append(Total(ZERO, parts))
                 else:
-                    rows["v", name] += [_seen_from(self.slots, part, shift) for part in parts]
+                    rows["v", name] += [seen_from(self.slots, part, shift) for part in parts]
             for name, row in bound.border.items():
                 rows["v", name] += self.times(row, self.force(bound))
             for name, total in bound.corner.items():
                 totals["v", name].append(self.total_times(total, self.force(bound)))
-        return _Equations(
+        return Stated(
             {key: Row(tuple(parts)) for key, parts in rows.items()},
             {key: self.sum(found) for key, found in totals.items()},
         )
 
-    def with_pull(self, pdot: _Equations, pull: _Equations) -> _Equations:
-        return _Equations(
+    def with_pull(self, pdot: Stated, pull: Stated) -> Stated:
+        return Stated(
             {key: Row((*row.parts, *pull.rows[key].parts)) for key, row in pdot.rows.items()},
             {key: self.sum([x, pull.totals[key]]) for key, x in pdot.totals.items()},
         )
 
-    def balance(self, pull: _Equations) -> dict[Unknown, Row]:
+    def balance(self, pull: Stated) -> dict[Unknown, Row]:
         """M a - f - J^T lambda, of families."""
         force, found = _of_vector(self.e.force, "v"), {}
         for g in (g for g in self.e.families if not g.is_state):
@@ -221,7 +181,7 @@ class _Motion:
             found["a", g.name] = Row(tuple(parts))
         return found
 
-    def balances(self, pull: _Equations) -> dict[Unknown, Total]:
+    def balances(self, pull: Stated) -> dict[Unknown, Total]:
         """The same of scalar coordinates."""
         force, found = _of_vector(self.e.force, "v"), {}
         for g in (g for g in self.e.scalars if not g.is_state):
@@ -255,7 +215,7 @@ class _Motion:
                 found["lambda", bound.group.name] = self.sum([bound.coasting, *of])
         return found
 
-    def accelerations(self) -> _Equations:
+    def accelerations(self) -> Stated:
         """p' where p is v."""
         own = _of_vector(self.e.force, "v")
         for g in (g for g in self.e.coordinates if not g.is_state):
@@ -280,79 +240,3 @@ class _Motion:
 def _no_pairs(total: Total) -> None:
     if total.pairs:
         raise Unrolled("a sum over all members makes the derivatives dense")
-
-
-class _Derive:
-    def __init__(self, slots: Slots):
-        self.slots, self.g = slots, slots.graph
-
-    def by(self, of: _Equations) -> Callable[[tuple[str, ...]], Matrix]:
-        return lambda kinds: self.matrix(of, kinds)
-
-    def matrix(self, of: _Equations, kinds: tuple[str, ...]) -> Matrix:
-        entries: dict[tuple[Unknown, Unknown, int], list[Part]] = defaultdict(list)
-        right: dict[tuple[Unknown, Unknown], list[Part]] = defaultdict(list)
-        bottom: dict[tuple[Unknown, Unknown], list[Part]] = defaultdict(list)
-        corner: dict[tuple[Unknown, Unknown], Total] = defaultdict(Total)
-        for family, row in of.rows.items():
-            for part in row.parts:
-                for (name, at), found in self._by_part(part, kinds).items():
-                    if at is None:
-                        right[family, name].append(found)
-                    else:
-                        entries[family, name, _distance(at, part)].append(found)
-        for scalar, total in of.totals.items():
-            for (name, at), node in self._by(total.constant, kinds).items():
-                if at is None:
-                    corner[scalar, name] = self._with(corner[scalar, name], node)
-                else:
-                    bottom[scalar, name].append(Part(at, at, node, node))
-            for part in total.parts:
-                for (name, at), found in self._by_part(part, kinds).items():
-                    if at is None:
-                        known = corner[scalar, name]
-                        corner[scalar, name] = Total(known.constant, (*known.parts, found))
-                    else:
-                        found = _seen_from(self.slots, found, _distance(at, part))
-                        bottom[scalar, name].append(found)
-        return Matrix(_rows(entries), _rows(right), _rows(bottom), dict(corner))
-
-    def _by_part(
-        self, part: Part, kinds: tuple[str, ...]
-    ) -> dict[tuple[Unknown, Affine | None], Part]:
-        inner = self._by(part.node if part.inner is None else part.inner, kinds)
-        return {
-            key: Part(part.lo, part.hi, node, inner.get(key, ZERO))
-            for key, node in self._by(part.node, kinds).items()
-        }
-
-    def _by(self, node: Node, kinds: tuple[str, ...]) -> _By:
-        """The derivatives that are not zero, by the member or the scalar of each."""
-        found: _By = {}
-        for symbol, slope in gradient(self.g, node, _MASKS[kinds]).items():
-            slot = self.slots.of(symbol)
-            if slope != ZERO and slot is not None and slot.kind in kinds:
-                key = (_OF[slot.kind], slot.name), slot.at
-                found[key] = self.g.add(found.get(key, ZERO), slope)
-        return found
-
-    def _with(self, total: Total, node: Node) -> Total:
-        return Total(self.g.add(total.constant, node), total.parts)
-
-
-def _seen_from(slots: Slots, part: Part, distance: int) -> Part:
-    """From the row of the cell that is so far away."""
-    node, inner = (slots.shifted(x, -distance) for x in (part.node, part.inner))
-    return Part(part.lo + distance, part.hi + distance, node, inner)
-
-
-def _distance(at: Affine, part: Part) -> int:
-    """Of a member from the cell whose row it is in."""
-    apart = at - (M if at.factor(ROW) or part.lo != part.hi else part.lo)
-    if not apart.is_constant:
-        raise Unrolled("two members far apart feel each other")
-    return apart.constant
-
-
-def _rows(found: dict[K, Iterable[Part]]) -> dict[K, Row]:
-    return {key: Row(tuple(parts)) for key, parts in found.items()}

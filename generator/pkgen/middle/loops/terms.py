@@ -11,7 +11,8 @@ from ...graph.graph import ONE, ZERO, Node
 from ...record import record
 from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, Sum
 from ..quantities import error
-from .expand import Loop, LoopExpander, has_sum
+from .expand import LoopExpander, has_sum
+from .indices import Loop
 from .parts import Unrolled
 
 SHORT = 8  # a range of constant length up to this is written out

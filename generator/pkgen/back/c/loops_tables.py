@@ -1,0 +1,85 @@
+"""What the tables in C say of a model with loops: names, parameters, outputs, rotations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from ...equations import Quantity
+from ...middle.loops.indices import size_values
+from ...middle.loops.loops import LoopEquations
+from ...middle.loops.parts import Bound, Group
+from .loops import M, Places
+from .loops_plan import Plan
+
+
+def names(e: LoopEquations) -> dict[str, Any]:
+    """Of all that a run has names for."""
+    return {
+        "coordinates": [_quantity(g, "{}", "unit", "integral of {}") for g in e.coordinates],
+        "rates": [_quantity(g, "{}'", "rate_unit", own="rate") for g in e.coordinates],
+        "momentum_names": [
+            _quantity(g, "p_{}", "momentum_unit", own="momentum") for g in e.coordinates
+        ],
+        "inputs": e.inputs,
+        "observed": e.observed_names,
+        "conserved": e.conserved_names,
+        "constraints": [_multiplier(rows) for rows in e.bound],
+    }
+
+
+def outputs_of_members(e: LoopEquations, places: Places, plan: Plan) -> dict[str, Any]:
+    """Outputs for each index, and how many numbers all are."""
+    index, count = places.index, places.observed[-1]
+    rows = [
+        {
+            "set": s,
+            "cell": index(places.observed[k] + M - e.outputs[k].lo),
+            "lo": index(e.outputs[k].lo),
+            "count": index(e.outputs[k].count),
+            "k": k,
+        }
+        for k, s in plan.observed.items()
+    ]
+    sizes = size_values(e.model)
+    return {"observed_rows": rows, "observed_count": index(count)} | (
+        {"n_observed": count.value(sizes)} if rows else {}
+    )
+
+
+def parameter(e: LoopEquations, places: Places, k: int) -> dict[str, Any]:
+    """Of number k."""
+    group, bounds = e.parameters[k], e.bounds[k]
+    item = group.declared
+    return places.group(group) | {
+        "unit": item.unit,
+        "description": item.description,
+        "field": places.fields[item.name],
+        "c_name": places.fields[item.name],
+        "position": 0,
+        "follows": int(item.follows),
+        "lo_open": int(item.bounds.lo_open or bounds.lo is None),
+        "hi_open": int(item.bounds.hi_open or bounds.hi is None),
+    }
+
+
+def rotations(e: LoopEquations, places: Places) -> Iterator[dict[str, str]]:
+    """How many there are, where the first one's rate and quaternion begin, and how far apart
+    the numbers of one are."""
+    for rotation in e.model.rotations:
+        turn, number = (e.group(x[0]) for x in (rotation.turns, rotation.quaternion))
+        first = (places.index(places.first[g.name]) for g in (turn, number))
+        keys = ("count", "rate", "number")
+        yield dict(zip(keys, (places.index(turn.count), *first), strict=True))
+
+
+def _multiplier(rows: Bound) -> Quantity:
+    declared = rows.group.declared
+    return Quantity(f"lambda_{rows.name}", declared.unit, declared.description)
+
+
+def _quantity(g: Group, form: str, unit: str, of_state: str = "{}", own: str = "") -> Quantity:
+    """Of a body rate by its `own` name."""
+    form, unit = (of_state, "unit") if g.is_state else (form, unit)
+    name = getattr(g.declared, own) if own and g.is_turn else form.format(g.name)
+    return Quantity(name, getattr(g.declared, unit), g.declared.description)

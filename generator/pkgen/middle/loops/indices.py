@@ -1,0 +1,93 @@
+"""Indices as sums of sizes and loop variables, and what sizes must fulfil for members to be."""
+
+from __future__ import annotations
+
+from ...graph.affine import LOOPS, ROW, Affine, affine, extremes, variable
+from ...graph.graph import Node
+from ...indices import NotAnInteger
+from ...model import Coordinate, Model, Parameter, Range, State
+from ...tree import Expr
+from .loops import Limit
+from .parts import Group, Unrolled
+from .slots import Slots
+
+Loop = dict[str, Affine]
+
+
+class Indices:
+    """Of one model, whose members are noted as they are met."""
+
+    def __init__(self, model: Model, slots: Slots) -> None:
+        self.model = model
+        self.slots = slots
+        self.graph = slots.graph
+        self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
+        self.members: list[tuple[Affine, Affine, Affine]] = []  # of lets: lo, hi, index
+
+    def _group(self, item: Coordinate | State | Parameter) -> Group:
+        if item.range is None:
+            return Group(item, None, None)
+        lo, hi = self.index(item.range.lo, self.sizes), self.index(item.range.hi, self.sizes)
+        ends, periodic = [], False
+        for end in self.model.ends:
+            if end.name != item.name or isinstance(item, Parameter):
+                continue
+            if end.kind == "periodic":
+                periodic = True
+            elif end.at is not None:
+                ends.append((self.index(end.at, self.sizes), end))
+            else:
+                first = lo.value(size_values(self.model))
+                below = end.index is not None and end.index < first
+                ends.append((lo - 1 if below else hi + 1, end))
+        return Group(item, lo, hi, tuple(ends), periodic)
+
+    def index(self, expr: Expr, loop: Loop) -> Affine:
+        try:
+            return affine(expr, loop)
+        except NotAnInteger as wrong:
+            raise Unrolled(
+                f"an index is not a sum of sizes and a loop variable: {wrong.message}"
+            ) from None
+
+    def number(self, at: Affine) -> Node:
+        """An index expression as a number."""
+        g = self.graph
+        total = g.number(at.constant)
+        for name, factor in at.terms:
+            kind = "index" if name in LOOPS else "size"
+            total = g.add(total, g.multiply(g.number(factor), self.slots.node(kind, name)))
+        return total
+
+    def limits_of(self, length: Affine | None, at: dict[str, tuple[Affine, Affine]]) -> list[Limit]:
+        """What the sizes must fulfil for members met since to be there; forgets them."""
+        found = []
+        for lo, hi, index in self.members:
+            first, last = extremes(index, at)
+            found += [Limit(first - lo, length), Limit(hi - last, length)]
+        self.members.clear()
+        return found
+
+    def limits_over(self, lo: Affine | None, hi: Affine | None) -> list[Limit]:
+        """The same over the members lo..hi, or of what is no family."""
+        return self.limits_of(None, {}) if lo is None else self.limits_of(hi - lo, {ROW: (lo, hi)})
+
+    def over(
+        self, range_: Range | None, index: Expr | None = None
+    ) -> tuple[Affine | None, Affine | None, Loop]:
+        """The members that a statement is about, and what its names of indices stand for."""
+        loop = dict(self.sizes)
+        if range_ is not None:
+            lo, hi = self.index(range_.lo, loop), self.index(range_.hi, loop)
+            return lo, hi, loop | {range_.variable: variable(ROW)}
+        at = None if index is None else self.index(index, loop)
+        return at, at, loop
+
+
+def unlike_loops(size: str) -> str:
+    """A size's name as a variable of index expressions."""
+    return f"{size}'" if size in LOOPS else size
+
+
+def size_values(model: Model) -> dict[str, int]:
+    return {unlike_loops(size.name): size.value for size in model.sizes}

@@ -1,0 +1,127 @@
+"""Matrices of derivatives of rows, by the members and the scalars that stand in these."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable
+from typing import TypeVar
+
+from ...graph.affine import ROW, Affine, variable
+from ...graph.differentiate import gradient
+from ...graph.graph import BIT, ZERO, Kind, Node
+from ...record import record
+from .parts import Part, Row, Total, Unrolled
+from .slots import Slots
+
+M = variable(ROW)
+Unknown = tuple[str, str]  # "v", "a" or "lambda", and of which family or scalar
+BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")  # slots; "d" is the rate of a cell that is not given
+BY_MORE = ("a", "lambda")
+_OF = {**dict.fromkeys((*BY_PLACE, *BY_RATE), "v"), **{kind: kind for kind in BY_MORE}}
+_MASKS = {
+    BY_PLACE: BIT[Kind.COORDINATE],
+    BY_RATE: BIT[Kind.RATE] | BIT[Kind.STATE],
+    BY_MORE: BIT[Kind.INPUT],
+}
+_By = dict[tuple[Unknown, Affine | None], Node]
+K = TypeVar("K")
+
+
+@record
+class Matrix:
+    """Entry (family, other, d) of `entries` is of cell m of one by m + d of the other; `right` is
+    of a family's cell m by a scalar, `bottom` of a scalar by a family's cell m."""
+
+    entries: dict[tuple[Unknown, Unknown, int], Row]
+    right: dict[tuple[Unknown, Unknown], Row]
+    bottom: dict[tuple[Unknown, Unknown], Row]
+    corner: dict[tuple[Unknown, Unknown], Total]
+
+    def __or__(self, other: Matrix) -> Matrix:
+        """With the entries of another one, which are elsewhere."""
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return Matrix(*(one | more for one, more in pairs))
+
+
+@record
+class Stated:
+    """Quantities with a row for each index, and single ones."""
+
+    rows: dict[Unknown, Row]
+    totals: dict[Unknown, Total]
+
+
+class Derive:
+    def __init__(self, slots: Slots):
+        self.slots, self.g = slots, slots.graph
+
+    def by(self, of: Stated) -> Callable[[tuple[str, ...]], Matrix]:
+        return lambda kinds: self.matrix(of, kinds)
+
+    def matrix(self, of: Stated, kinds: tuple[str, ...]) -> Matrix:
+        entries: dict[tuple[Unknown, Unknown, int], list[Part]] = defaultdict(list)
+        right: dict[tuple[Unknown, Unknown], list[Part]] = defaultdict(list)
+        bottom: dict[tuple[Unknown, Unknown], list[Part]] = defaultdict(list)
+        corner: dict[tuple[Unknown, Unknown], Total] = defaultdict(Total)
+        for family, row in of.rows.items():
+            for part in row.parts:
+                for (name, at), found in self._by_part(part, kinds).items():
+                    if at is None:
+                        right[family, name].append(found)
+                    else:
+                        entries[family, name, _distance(at, part)].append(found)
+        for scalar, total in of.totals.items():
+            for (name, at), node in self._by(total.constant, kinds).items():
+                if at is None:
+                    corner[scalar, name] = self._with(corner[scalar, name], node)
+                else:
+                    bottom[scalar, name].append(Part(at, at, node, node))
+            for part in total.parts:
+                for (name, at), found in self._by_part(part, kinds).items():
+                    if at is None:
+                        known = corner[scalar, name]
+                        corner[scalar, name] = Total(known.constant, (*known.parts, found))
+                    else:
+                        found = seen_from(self.slots, found, _distance(at, part))
+                        bottom[scalar, name].append(found)
+        return Matrix(_rows(entries), _rows(right), _rows(bottom), dict(corner))
+
+    def _by_part(
+        self, part: Part, kinds: tuple[str, ...]
+    ) -> dict[tuple[Unknown, Affine | None], Part]:
+        inner = self._by(part.node if part.inner is None else part.inner, kinds)
+        return {
+            key: Part(part.lo, part.hi, node, inner.get(key, ZERO))
+            for key, node in self._by(part.node, kinds).items()
+        }
+
+    def _by(self, node: Node, kinds: tuple[str, ...]) -> _By:
+        """The derivatives that are not zero, by the member or the scalar of each."""
+        found: _By = {}
+        for symbol, slope in gradient(self.g, node, _MASKS[kinds]).items():
+            slot = self.slots.of(symbol)
+            if slope != ZERO and slot is not None and slot.kind in kinds:
+                key = (_OF[slot.kind], slot.name), slot.at
+                found[key] = self.g.add(found.get(key, ZERO), slope)
+        return found
+
+    def _with(self, total: Total, node: Node) -> Total:
+        return Total(self.g.add(total.constant, node), total.parts)
+
+
+def seen_from(slots: Slots, part: Part, distance: int) -> Part:
+    """From the row of the cell that is so far away."""
+    node, inner = (slots.shifted(x, -distance) for x in (part.node, part.inner))
+    return Part(part.lo + distance, part.hi + distance, node, inner)
+
+
+def _distance(at: Affine, part: Part) -> int:
+    """Of a member from the cell whose row it is in."""
+    apart = at - (M if at.factor(ROW) or part.lo != part.hi else part.lo)
+    if not apart.is_constant:
+        raise Unrolled("two members far apart feel each other")
+    return apart.constant
+
+
+def _rows(found: dict[K, Iterable[Part]]) -> dict[K, Row]:
+    return {key: Row(tuple(parts)) for key, parts in found.items()}
