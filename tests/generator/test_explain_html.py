@@ -17,7 +17,7 @@ from pkgen.explain.shortest import shortest
 from pkgen.explain.style import style
 from pkgen.explain.typeset import Typesetter
 from pkgen.explain.written import Written
-from pkgen.middle.analyze.sympy_bridge import plain
+from pkgen.middle.analyze.sympy_bridge import plain, text
 from pkgen.source import Source
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
@@ -244,3 +244,14 @@ def test_units_and_bounds() -> None:
     text = [letters(x) for x in formulas(page)]
     assert "2N/m" in text and ">0" in text and "0.25s⁻¹" in text and "[0,1)" in text
     assert "0.5kg\u2009m²/s" in text
+
+
+@pytest.mark.parametrize(("potential", "combined"), [("x^2*y^2", 0), ("sin(x)*cos(y)", 1)])
+def test_only_sines_are_combined(potential: str, combined: int, monkeypatch) -> None:
+    """The multipliers of two rods, all polynomials, took 17 s."""
+    calls = []
+    monkeypatch.setattr(sympy.simplify.fu, "TR10i", lambda expr: calls.append(expr) or expr)
+    model = f"model m\ncoord x, y\nkinetic (x'^2 + y'^2)/2\npotential {potential}\n"
+    equations = compile_model(Source("m.lag", model)).equations
+    assert "y" in text(equations, equations.force[0], 80)
+    assert bool(calls) == bool(combined)

@@ -45,10 +45,10 @@ def table(name: str) -> tuple[list[mpf], list[mpf]]:
 
 def worst(name: str, order: int, wrong: float = 0) -> mpf:
     kick, drift = table(name)
-    kick[0] += wrong
-    composed, steps = compositions.composed(drift)
     method = compositions.METHODS.get(name)
     with workdps(50):
+        kick[0] += wrong
+        composed, steps = compositions.composed(drift)
         if isinstance(method, compositions.Scheme):
             apart = max(abs(a - b) for a, b in zip(kick, composed, strict=True))
             return max(apart, *(abs(d) for d in compositions.schemes(steps, order)))

@@ -72,7 +72,8 @@ def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int
         return size
     name = naming(equations)
     (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(name(s)))
-    if size <= COMBINED and len(equations.coordinates) <= COMBINED_COORDINATES:
+    few = size <= COMBINED and len(equations.coordinates) <= COMBINED_COORDINATES
+    if few and expr.has(sp.sin, sp.cos):  # TR10i tries all pairs of terms, whatever they are
         expr = min(expr, TR10i(expr), TR10i(sp.expand(expr)), key=sp.count_ops)
     return expr
 
