@@ -174,7 +174,8 @@ static const char *once(struct pk_run *run, char **text,
 
 const char *pk_run_report(struct pk_run *run) /* an ensemble has its own, and no integrator */
 {
-    return run->report || run->it.method ? once(run, &run->report, report_run) : "{}";
+    const int known = (run->report || run->it.method) && !run->checkpoint.refused;
+    return known ? once(run, &run->report, report_run) : "{}"; /* what was refused is no state */
 }
 
 const char *pk_run_given(struct pk_run *run) { return once(run, &run->told, settings_tell); }

@@ -165,16 +165,19 @@ def test_a_torn_file_is_made_again(pkgen, tmp_path: Path) -> None:
     assert contents(folder) == before
 
 
+CLUSTERS = {"dask": "distributed", "ray": "ray"}
+
+
 def _engine(name: str) -> str:
     """Why it is not here, or ""."""
-    if name == "dask":
-        return "" if find_spec("distributed") else "pip install distributed"
+    if name != "slurm":
+        return "" if find_spec(CLUSTERS[name]) else f"pip install {CLUSTERS[name]}"
     found = shutil.which("sinfo") and subprocess.run(["sinfo"], capture_output=True)
     return "" if found and found.returncode == 0 else "no Slurm answers"
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("engine", ["dask", "slurm"])
+@pytest.mark.parametrize("engine", [*CLUSTERS, "slurm"])
 def test_engines_make_the_same_bytes(pkgen, tmp_path: Path, engine: str) -> None:
     if why := _engine(engine):
         pytest.skip(why)

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..compiler import Compilation
 from ..model import Scene
@@ -21,9 +21,7 @@ from ..scenes import check as scene_check
 from ..scenes import lengths, scene
 from ..scenes import run as scene_run
 from ..scenes import use as scene_use
-
-if TYPE_CHECKING:
-    from ..analysis.choose import Choice
+from . import chosen as already
 
 
 @record
@@ -36,7 +34,7 @@ class Prepared:
     threads: int | None
     scene: Scene | None
     notes: tuple[str, ...] = ()  # what there is to say before it runs
-    choices: tuple[Choice, ...] = ()  # where the scene promises an accuracy, one of each part
+    chosen: dict[str, Any] | None = None  # where the scene promises an accuracy: what keeps it
     library: Path | None = None
 
     def built(self) -> Prepared:
@@ -48,9 +46,11 @@ def prepare(
     options: argparse.Namespace,
     compiled: Callable[..., Compilation],
     table: Callable[[Compilation], Ensemble] | None = None,
+    kept: dict[str, Any] | None = None,
 ) -> Prepared:
     """`compiled(options, **how)` compiles the model; `table` makes the members of an ensemble that
-    is no file. Raises UsageError, ModelError, BuildError or NumericsFailed."""
+    is no file; `kept` is what was chosen when this was begun, if it was. Raises UsageError,
+    ModelError, BuildError or NumericsFailed."""
     options = taken(options)
     swarm = scene_run.is_swarm(options)
     several = swarm or options.ensemble is not None
@@ -93,8 +93,9 @@ def prepare(
     notes = []
     if chosen is not None and chosen.accuracy is not None and settings.accuracy is None:
         notes.append(f"pkgen: {scene_check.NOT_PROMISED}")
-    choices: tuple[Choice, ...] = ()
-    if settings.accuracy is not None:
+    if settings.accuracy is not None and kept is not None:
+        settings = already.settled(settings, kept.get("settings"))
+    elif settings.accuracy is not None:
         from ..analysis import choose
 
         choices = choose.chosen(compilation, settings, ensemble)
@@ -102,6 +103,8 @@ def prepare(
         time = "" if compilation.model.dimensionless else "s"
         for choice in choices:
             notes += choose.lines(choice, time, options.json)
+        said = [choose.record(choice) for choice in choices]
+        kept = {"settings": already.data(settings), "said": said}
     more = (rows.note(options, settings, compilation), parsing.unread(options, compilation))
     notes += [f"pkgen: {note}" for note in more if note]
-    return Prepared(compilation, settings, ensemble, threads, chosen, tuple(notes), choices)
+    return Prepared(compilation, settings, ensemble, threads, chosen, tuple(notes), kept)

@@ -12,6 +12,7 @@ import os
 import struct
 import zlib
 from pathlib import Path
+from typing import Any
 
 from ..api.prepare import Prepared
 from ..front.read import STANDARD
@@ -73,6 +74,11 @@ def _seconds(options: argparse.Namespace) -> float:
     return seconds
 
 
+def chosen(options: argparse.Namespace) -> dict[str, Any] | None:
+    """What a promise of accuracy was kept by when the run was begun: it is measured once."""
+    return options.resume["chosen"] if options.resume else None
+
+
 def settings(options: argparse.Namespace, what: Prepared) -> dict[str, object]:
     """What the runtime is told."""
     if options.checkpoint is None:
@@ -83,6 +89,7 @@ def settings(options: argparse.Namespace, what: Prepared) -> dict[str, object]:
         "words": options.words,
         "folder": os.getcwd(),
         "built": what.library.parent.name,
+        "chosen": what.chosen,
     }
     if options.resume and options.resume["built"] != note["built"]:
         raise UsageError(
@@ -124,10 +131,13 @@ def note(path: Path) -> dict[str, object]:
         )
     try:
         found = json.loads(bytes_[HEAD.size : HEAD.size + length])
-        words, built = found["words"], found["built"]
+        words, built, chosen = found["words"], found["built"], found.get("chosen")
         folder = Path(found["folder"])
     except (ValueError, KeyError, TypeError):
         raise UsageError(f"{path}: it is of a program that pkgen has built: run that") from None
     if not (isinstance(words, list) and all(isinstance(word, str) for word in words)):
         raise UsageError(f"{path}: it says nothing that pkgen run understands")
-    return {"words": words, "built": built, "folder": folder}
+    of_choice = chosen.get("said") if isinstance(chosen, dict) else None
+    if chosen is not None and not (isinstance(of_choice, list) and of_choice):
+        raise UsageError(f"{path}: it says nothing that pkgen run understands")
+    return {"words": words, "built": built, "folder": folder, "chosen": chosen}

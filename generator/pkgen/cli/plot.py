@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from ..plot import view as views
 from ..plot.view import View
 from ..sweep.shards import is_sweep
+from ..sweep.store import place
 from ..system.exits import DONE, UsageError
 from ..system.files import PARTIAL, STANDARD, scratch
 from . import arguments as shared
@@ -45,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
     """Draw motions over time, in the phase plane or in space, their sections, spectra and drifts:
     of models, which are run, and of rows that a run has left."""
     view, width = views.asked(options), pictures.width(options)
-    sweeps = [name for name in options.files if is_sweep(Path(name))]
+    sweeps = [name for name in options.files if is_sweep(place(name))]
     if not sweeps:
         options.files = _files(options.files)
     file = None
@@ -88,12 +89,12 @@ def _map(options: argparse.Namespace, view: View) -> Picture:
     axes = [] if options.map is None else views.split("--map", options.map)
     from ..sweep import map
 
-    return map.read(Path(options.files[0]), axes, "".join(view.columns)).picture()
+    return map.read(place(options.files[0]), axes, "".join(view.columns)).picture()
 
 
 def _refuse(options: argparse.Namespace) -> None:
     """Raises UsageError where an option would do nothing."""
-    swept = [name for name in options.files if is_sweep(Path(name))]
+    swept = [name for name in options.files if is_sweep(place(name))]
     if options.map is not None and not swept:
         raise UsageError("--map is of a sweep: give its folder")
     models = (f for f in options.files if not f.endswith(ROWS) and f not in swept)

@@ -97,7 +97,7 @@ def prepared(options: argparse.Namespace, view: View | None = None) -> Prepared:
     """Compiled and built; `view` has columns that are recorded too."""
 
     def made(options: argparse.Namespace) -> Prepared:
-        return prepare(options, compile_within_limits)
+        return prepare(options, compile_within_limits, None, checkpoints.chosen(options))
 
     what = made(options) if view is None else pictures.recorded(options, view, made)
     for note in what.notes:
@@ -180,10 +180,8 @@ def _describe(asked: Prepared, outcome: Outcome, data: str) -> dict[str, object]
         found["scene"] = asked.scene.name
     if asked.scene is not None and outcome.report:
         found["expects"] = [verdict.record() for verdict in _verdicts(asked, outcome)]
-    if asked.choices:
-        from ..analysis import choose
-
-        made = [choose.record(choice) for choice in asked.choices]
+    if asked.chosen is not None:
+        made = asked.chosen["said"]
         found["accuracy"] = made[0] if len(made) == 1 else {"parts": made}
     return found
 

@@ -11,6 +11,7 @@ from ..back.web.page import packed
 from ..describe.made import describe
 from ..explain.style import style
 from ..sweep.shards import is_sweep
+from ..sweep.store import place
 from ..system.exits import DONE, UsageError
 from ..system.files import STANDARD, replace
 from . import arguments as shared
@@ -38,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
     computed there by its own C, with all its parameters and methods at hand."""
     refuse_both(options, options.page)
     shown = None
-    if is_sweep(Path(options.model)):
+    if is_sweep(place(options.model)):
         from . import swept
 
         shown = swept.taken(options)

@@ -6,7 +6,7 @@ import argparse
 import json
 import os
 import sys
-from pathlib import Path
+from importlib import import_module
 
 from ..system.exits import DONE, NUMERICS_FAILED, UsageError
 from ..system.progress import progress
@@ -18,7 +18,8 @@ pkgen sweep models/double_pendulum.lag --plan plan.toml -o flips
 pkgen sweep --resume flips
 pkgen sweep --status flips
 """
-ENGINES = ("local", "dask", "slurm")
+ENGINES = ("local", "dask", "ray", "slurm")  # modules of pkgen.sweep
+CLUSTERS = ("dask", "ray")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,29 +28,29 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("model", nargs="?", metavar="MODEL.lag", help="- is the standard input")
     shared.of_a_model(parser)
     add("--plan", metavar="FILE", help="members and what is kept of them, in TOML")
-    add("-o", dest="directory", metavar="DIR", help="where it lies")
+    add("-o", dest="directory", metavar="DIR", help="where it lies; s3://BUCKET/DIR is a store")
     add("--resume", metavar="DIR", help="go on with the sweep that lies there")
     add("--status", metavar="DIR", help="how far the sweep is that lies there")
     add("--engine", choices=ENGINES, default="local", help="who runs it (default: local)")
-    add("--scheduler", metavar="ADDRESS", help="of a Dask cluster (default: one is made here)")
+    add("--scheduler", metavar="ADDRESS", help="of a cluster (default: one is made here)")
     add("--workers", type=int, metavar="N", help="how many at once (default: all cores)")
     add("--shard", type=int, metavar="N", help="members of a shard (default: 10 s of work)")
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the members that a plan draws, whatever happens meanwhile; a data set in Parquet."""
-    from ..sweep import status, sweep
+    from ..sweep import status, store, sweep
 
     if options.status is not None:
         if options.model or options.plan or options.directory or options.resume:
             raise UsageError("--status DIR stands alone")
-        return _tell(options, status.status(Path(options.status)))
+        return _tell(options, status.status(store.place(options.status)))
     for option in ("workers", "shard"):
         value = getattr(options, option)
         if value is not None and value < 1:
             raise UsageError(f"--{option} {value}: must be positive")
-    if options.scheduler is not None and options.engine != "dask":
-        raise UsageError("--scheduler is for --engine dask")
+    if options.scheduler is not None and options.engine not in CLUSTERS:
+        raise UsageError(f"--scheduler is for --engine {' or '.join(CLUSTERS)}")
     options.at_once = options.workers
     options.workers = options.workers or len(os.sched_getaffinity(0))
     if options.workers > 1024:
@@ -57,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     if options.resume is not None:
         if options.model or options.plan or options.directory or options.shard:
             raise UsageError("--resume DIR takes no model, --plan, -o or --shard: they are in DIR")
-        begun = sweep.resumed(Path(options.resume), options, compile_within_limits)
+        begun = sweep.resumed(store.place(options.resume), options, compile_within_limits)
     else:
         for value, name in ((options.model, "MODEL.lag"), (options.plan, "--plan FILE")):
             if value is None:
@@ -67,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
         begun = sweep.begun(options, compile_within_limits)
     for note in begun.notes:
         print(note, file=sys.stderr)
-    with sweep.alone(begun.folder), progress(begun.job.name) as on_progress:
+    with store.alone(begun.folder.path), progress(begun.job.name) as on_progress:
         _go(begun, options, on_progress)
     return _tell(options, status.status(begun.folder.path), sys.stderr)
 
@@ -78,7 +79,9 @@ def _go(begun, options: argparse.Namespace, on_progress) -> None:
     try:
         for level in sweep.levels(begun):
             of = level.job, level.folder, options.engine, options.workers
-            _engine(level, options).run(left.Left(*of, on_progress))
+            module = import_module(f"..sweep.{options.engine}", __package__)
+            made = module.engine(level.job, level.folder, options)
+            made.run(left.Left(*of, on_progress))
     except sweep.Unfinished:
         pass  # which is told with the rest
     except KeyboardInterrupt:
@@ -86,20 +89,6 @@ def _go(begun, options: argparse.Namespace, on_progress) -> None:
             f"pkgen: what is done stays: pkgen sweep --resume {begun.folder.path}", file=sys.stderr
         )
         raise
-
-
-def _engine(level, options: argparse.Namespace):
-    if options.engine == "dask":
-        from ..sweep.dask import Dask
-
-        return Dask(level.job, level.folder, options.workers, options.scheduler)
-    if options.engine == "slurm":
-        from ..sweep.slurm import Slurm
-
-        return Slurm(level.job, level.folder, options.at_once)
-    from ..sweep.local import Local
-
-    return Local(level.job, level.folder, options.workers)
 
 
 def _tell(options: argparse.Namespace, found: dict, stream=None) -> int:

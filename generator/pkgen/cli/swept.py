@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from ..compiler import Compilation
 from ..plot import view as views
@@ -11,7 +10,9 @@ from ..run.ensemble import Settable
 from ..sweep import map, page
 from ..sweep.job import AT_START
 from ..sweep.map import Map
+from ..sweep.store import is_folder, place
 from ..sweep.sweep import lying
+from ..system.exits import UsageError
 
 OF_A_MODEL = ("scene", "set", "start", "size", "until")
 
@@ -19,7 +20,9 @@ OF_A_MODEL = ("scene", "set", "start", "size", "until")
 def taken(options: argparse.Namespace) -> Map:
     """Its map. The model is that of the folder, and what the plan sets comes before what options
     say. Raises UsageError."""
-    path = Path(options.model)
+    path = place(options.model)
+    if not is_folder(path):
+        raise UsageError(f"{path}: a live page is of a folder: copy it here first")
     axes = [] if options.map is None else views.split("--map", options.map)
     found = map.read(path, axes, options.columns or "", page.PIXELS)
     _, plan, _ = lying(path, options)

@@ -1,74 +1,34 @@
-"""The Dask engine: shards as tasks of a cluster, which is given by its address or made here.
-
-The folder is one that all its workers see. A worker that dies takes its tasks with it; Dask gives
-them to another.
-"""
+"""The Dask engine: shards as tasks of a cluster, which is given by its address or made here."""
 
 from __future__ import annotations
 
+import argparse
 import logging
-import pickle
-import time
-from dataclasses import replace
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from ..system.exits import BuildError, NumericsFailed, UsageError
-from . import work
+from ..system.exits import UsageError
+from .cluster import Cluster, task
 from .job import Job
-from .left import Left, Task
+from .left import Task
 from .shards import Folder
 
 if TYPE_CHECKING:
     from distributed import Future
 
-LOOK = 0.1  # seconds between looks at tasks
-PATIENCE = 60.0  # seconds without any worker
-AHEAD = 3  # tasks of a worker that the cluster knows at a time
 
-
-@lru_cache(1)
-def _taken(job: bytes) -> Job:
-    """Once in a worker: its library is loaded once."""
-    return pickle.loads(job)
-
-
-def _task(packed: bytes, folder: Folder, kind: str, k: int) -> dict:
-    """On a worker. What cannot be done is told, not raised: its text is for a person."""
-    job = _taken(packed)
-    try:
-        done = work.shard(job, folder, k) if kind == "shard" else work.part(job, folder, k)
-        done = done or {"torn": True}
-        return {"done": {"torn": bool(done.get("torn"))}}
-    except OSError as error:
-        return {"disk": f"{error.filename or folder.path}: {error.strerror}"}
-    except (BuildError, NumericsFailed, UsageError) as error:
-        return {"wrong": str(error)}
-
-
-def _said(one: Future) -> dict:
-    """What came of a task; a worker may have died with it, or with its result."""
-    if one.status not in ("finished", "error"):
-        return {"wrong": f"its task is {one.status}"}
-    try:
-        return one.result(timeout="60s")
-    except Exception as error:
-        return {"wrong": f"{type(error).__name__}: {error}"}
-
-
-class Dask:
+class Dask(Cluster):
     """A cluster of Dask, given or made here."""
 
-    def __init__(self, job: Job, folder: Folder, workers: int, address: str | None = None):
+    def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
         try:
             from distributed import Client, LocalCluster
         except ImportError:
             raise UsageError("--engine dask: pip install dask distributed") from None
-        self.job, self.folder = job, replace(folder, path=folder.path.absolute())
+        address = options.scheduler
         self.cluster = None
         if address is None:
             self.cluster = LocalCluster(
-                n_workers=workers,
+                n_workers=options.workers,
                 threads_per_worker=1,
                 dashboard_address=None,
                 silence_logs=logging.CRITICAL,  # deaths of workers are mended
@@ -77,39 +37,30 @@ class Dask:
             self.client = Client(self.cluster or address, timeout="10s")
         except (OSError, ValueError) as error:
             raise UsageError(f"--scheduler {address}: no cluster answers: {error}") from None
-        self.asked = self.seen = time.monotonic()
-        self.most = AHEAD * (workers if address is None else max(1, self._workers()))
+        super().__init__(job, folder, options.workers if address is None else self.workers() or 1)
 
-    def _workers(self) -> int:
+    def workers(self) -> int:
         return len(self.client.scheduler_info(n_workers=-1)["workers"])
 
-    def _refuse_none(self) -> None:
-        """Raises NumericsFailed where nobody is left: tasks would wait for ever."""
-        now = time.monotonic()
-        if now - self.asked < PATIENCE / 10:
-            return
-        self.asked = now
-        self.seen = now if self._workers() else self.seen
-        if now - self.seen > PATIENCE:
-            raise NumericsFailed("the cluster has no workers any more; go on with --resume")
+    def submit(self, one: Task) -> Future:
+        return self.client.submit(task, self.packed, self.folder, *one, pure=False)
 
-    def run(self, left: Left) -> None:
-        flying: dict[object, Task] = {}
+    def ended(self, flying: list) -> list:
+        return [one for one in flying if one.status != "pending"]
+
+    def said(self, one: Future) -> dict:
+        if one.status not in ("finished", "error"):
+            return {"wrong": f"its task is {one.status}"}
         try:
-            job = pickle.dumps(self.job)  # what is scattered goes with the workers that have it
-            while True:
-                while len(flying) < self.most and (task := left.next()):
-                    one = self.client.submit(_task, job, self.folder, *task, pure=False)
-                    flying[one] = task
-                if not flying:
-                    return
-                time.sleep(LOOK)
-                for one in [one for one in flying if one.status != "pending"]:
-                    left.said(flying.pop(one), _said(one))
-                self._refuse_none()
-                left.tick(0.0)
-        finally:
-            self.client.close()
-            if self.cluster is not None:
-                self.cluster.close()
-                self.folder.cleaned()
+            return one.result(timeout="60s")
+        except Exception as error:
+            return {"wrong": f"{type(error).__name__}: {error}"}
+
+    def close(self) -> None:
+        self.client.close()
+        if self.cluster is not None:
+            self.cluster.close()
+            self.folder.cleaned()
+
+
+engine = Dask

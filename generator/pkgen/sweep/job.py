@@ -42,7 +42,6 @@ BATCH_BYTES = 1 << 25  # take no more than this
 PART = 1 << 20  # rows of a part of the data set, about
 AT_START = "(0)"  # behind the names of coordinates and rates that are drawn
 SAMPLE = 64  # members that a choice of method is made for
-CHOSEN = ("method", "rows", "step", "rtol", "atol", "max_step", "compiled_for")
 
 
 class Batch(NamedTuple):
@@ -145,7 +144,7 @@ def make(
     options: argparse.Namespace,
     compiled: Callable[..., Compilation],
     chosen: dict[str, object] | None = None,
-) -> tuple[Job, Prepared, dict[str, object] | None]:
+) -> tuple[Job, Prepared]:
     """`chosen` is what a scene's promise of accuracy was kept by when the sweep was begun: it is
     measured once. Raises UsageError, ModelError, BuildError or NumericsFailed."""
     options = plan.of_a_run(options)
@@ -163,10 +162,8 @@ def _make(
     options: argparse.Namespace,
     compiled: Callable[..., Compilation],
     chosen: dict[str, object] | None,
-) -> tuple[Job, Prepared, dict[str, object] | None]:
+) -> tuple[Job, Prepared]:
     options.ensemble = str(plan.source.path)
-    if chosen:
-        options.method = chosen["method"]
     found: dict[str, Starts] = {}
 
     def sample(compilation: Compilation) -> Ensemble:
@@ -185,14 +182,10 @@ def _make(
         return compiled(options, **how)
 
     try:
-        prepared = prepare(options, of_keep, sample)
+        prepared = prepare(options, of_keep, sample, chosen)
     except UsageError as error:
         raise UsageError(_of_plan(plan, str(error))) from None
     compilation, settings = prepared.compilation, prepared.settings
-    if chosen:
-        settings = replace(settings, **chosen)
-    elif prepared.choices:
-        chosen = {name: getattr(settings, name) for name in CHOSEN}
     if by_row(plan) and settings.every is None and settings.at is None:
         numbers = len(settings.show) or 1
         settings = replace(
@@ -216,7 +209,7 @@ def _make(
         counts=Quantity("member", "", "number of the member, from 1"),
         refine=_refine(plan, found["starts"], keeping),
     )
-    return job, prepared, chosen
+    return job, prepared
 
 
 def _refine(plan: Plan, starts: Starts, keeping: Kept) -> Refine | None:

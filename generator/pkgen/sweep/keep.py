@@ -8,13 +8,14 @@ from dataclasses import replace
 
 from ..compiler import Compilation
 from ..equations import Quantity
-from ..model import Scene
+from ..front.check.expects import calls
+from ..model import Expect, Scene
 from ..record import record
 from ..run import named
 from ..run.settings import Settings
 from ..run.simulate import columns
 from ..run.values import Values
-from ..scenes.expects import of_run
+from ..scenes.expects import column, of_run, written
 from ..system.exits import UsageError
 from ..system.near import near
 from .plan import Plan
@@ -165,14 +166,24 @@ class _Keeper:
         index = self.watched.drifts.index(of)
         self.found.append(("d", index, Quantity(f"drift({name})", "", "relative to its size")))
 
+    @staticmethod
+    def whole(item: Expect) -> list[str]:
+        """What an expectation of a whole run compares, as it is kept; a drift is of a name."""
+        drifts = [column(call.arguments[0]) or "…" for call in calls(item, "drift")]
+        times = [call.arguments[0].id for call in calls(item, "time")]
+        return [*(f'"drift({name})"' for name in drifts), *(f'"time({name})"' for name in times)]
+
     def expects(self) -> None:
         """Of each relation of the scene, 1 where it is met."""
         if self.scene is None or not self.scene.expects:
             raise self.wrong("'expects' is for a scene that expects something")
         for k, item in enumerate(self.scene.expects):
             if of_run(item):
+                source = self.compilation.declared.source
                 raise self.wrong(
-                    "'expects' is for relations of the motion; keep drift(…) or time(…) itself"
+                    f"expect {k + 1}, '{written(source, item)}', is of a whole run, not of the "
+                    "motion; keep what it compares, and judge it in the data set",
+                    f"keep = [{', '.join(self.whole(item))}]",
                 )
             text = self.settings.watched.compared[k].text
             self.found.append(("x", k, Quantity(f"expect {k + 1}", "", text)))

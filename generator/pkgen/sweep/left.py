@@ -13,7 +13,8 @@ import time
 from ..system.exits import NumericsFailed, UsageError
 from . import work
 from .job import Job
-from .shards import Folder, failed_shard, write_json
+from .shards import Folder, failed_shard
+from .store import NOW, is_folder, listed, write_json
 
 TRIES = 3  # of a shard, before it is left as failed
 LOST = 30  # tasks one after the other, without one that is done: it is not the shards
@@ -26,7 +27,7 @@ class Left:
     def __init__(self, job: Job, folder: Folder, engine: str, workers: int, on_progress=None):
         self.job, self.folder, self.on_progress = job, folder, on_progress
         folder.made()
-        for path in (folder.path / "failed").iterdir():
+        for path in listed(folder.path / "failed"):
             path.unlink()  # each is tried anew
         missing, parts = work.survey(folder, True)
         self.shards = missing[::-1]
@@ -40,6 +41,7 @@ class Left:
         self.done_before = self.done = self.job.members - left
         self.lost_in_a_row = 0
         self.began, self.told = time.time(), 0.0
+        self.often = 1 if is_folder(folder.path) else 10  # seconds between two words
         self.about = {"engine": engine, "workers": workers, "host": platform.node()}
         before = self.job.before + self.done_before
         self.about |= {"pid": os.getpid(), "began": self.began, "before": before}
@@ -100,9 +102,9 @@ class Left:
     def tick(self, flying: float) -> None:
         """How far it is, for other terminals and this one."""
         now = time.time()
-        if now - self.told < 1:
+        if now - self.told < self.often:
             return
         self.told = now
         if self.on_progress:
             self.on_progress((self.done + flying) / self.job.members)
-        write_json(self.folder.path / "now.json", {**self.about, "at": now, "flying": int(flying)})
+        write_json(self.folder.path / NOW, {**self.about, "at": now, "flying": int(flying)})

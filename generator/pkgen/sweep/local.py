@@ -6,6 +6,7 @@ given again, some times.
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import pickle
@@ -67,11 +68,11 @@ class _Worker:
 class Local:
     """Processes of this machine."""
 
-    def __init__(self, job: Job, folder: Folder, workers: int):
+    def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
         folder.cleaned()
         self.start = pickle.dumps((job, folder))
         self.folder = folder
-        self.most = workers
+        self.most = options.workers
         self.workers: list[_Worker] = []
 
     def run(self, left: Left) -> None:
@@ -116,3 +117,6 @@ class Local:
             return
         task, worker.task = worker.task, None
         left.said(task, said)
+
+
+engine = Local

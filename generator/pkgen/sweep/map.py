@@ -10,6 +10,7 @@ import json
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy
@@ -21,6 +22,7 @@ from ..system.near import near
 from .job import AT_START
 from .parts import DRAWN, STATUS, STATUSES, arrow
 from .shards import DATA
+from .store import listed
 
 if TYPE_CHECKING:
     import pyarrow
@@ -83,19 +85,20 @@ def member(path: Path, number: int) -> dict[str, float]:
 @contextmanager
 def _opened(path: Path) -> Iterator[_Reader]:
     pa = arrow()
-    files = sorted((path / DATA).glob("*.parquet"))
+    files = listed(path / DATA, "*.parquet")
     if not files:
         raise UsageError(f"{path}: none of its data set is done: pkgen sweep --status {path}")
     try:
-        yield _Reader(path, [pa.parquet.ParquetFile(file) for file in files])
+        yield _Reader(path, files, pa.parquet)
     except (pa.ArrowException, OSError) as error:
         raise UsageError(f"{path}/{DATA}: {error}") from None
 
 
 class _Reader:
-    def __init__(self, path: Path, files: list[pyarrow.parquet.ParquetFile]):
-        self.path, self.files = path, files
-        self.schema = files[0].schema_arrow
+    def __init__(self, path: Path, files: list[Path], parquet: ModuleType):
+        self.path, self.files, self.parquet = path, files, parquet
+        with files[0].open("rb") as file:
+            self.schema = parquet.read_schema(file)
         about = {f.name: (f.metadata or {}) for f in self.schema}
         self.units = {name: of.get(b"unit", b"").decode() for name, of in about.items()}
         self.drawn = [
@@ -175,17 +178,22 @@ class _Reader:
     def columns(self, names: list[str], value: str = "") -> Iterator[list[numpy.ndarray]]:
         """Of each group of rows; with `value`, NaN where there is none."""
         of = STATUS if value == FAILED else value
-        for file in self.files:
-            for group in range(file.num_row_groups):
-                table = file.read_row_group(group, columns=[*names, *([of] if of else [])])
-                columns = [table.column(name).to_numpy() for name in names]
-                if value == FAILED:
-                    ended = table.column(STATUS).combine_chunks()
-                    failed = numpy.array([n not in GOOD for n in ended.dictionary.to_pylist()])
-                    columns.append(failed[ended.indices.to_numpy()].astype(float))
-                elif value:
-                    columns.append(table.column(value).to_numpy(zero_copy_only=False).astype(float))
-                yield columns
+        for table in self._groups([*names, *([of] if of else [])]):
+            columns = [table.column(name).to_numpy() for name in names]
+            if value == FAILED:
+                ended = table.column(STATUS).combine_chunks()
+                failed = numpy.array([n not in GOOD for n in ended.dictionary.to_pylist()])
+                columns.append(failed[ended.indices.to_numpy()].astype(float))
+            elif value:
+                columns.append(table.column(value).to_numpy(zero_copy_only=False).astype(float))
+            yield columns
+
+    def _groups(self, names: list[str]) -> Iterator[pyarrow.Table]:
+        for path in self.files:
+            with path.open("rb") as file:
+                parquet = self.parquet.ParquetFile(file)
+                for group in range(parquet.num_row_groups):
+                    yield parquet.read_row_group(group, columns=names)
 
 
 class _Pixels:

@@ -19,7 +19,8 @@ from ..system.exits import UsageError
 from ..system.toolchain import RUNTIME
 from ..version import __version__
 from .job import AT_START, Job
-from .shards import Folder, added, blocks, digest_of, failures_of, head, write_json, written
+from .shards import Folder, added, blocks, digest_of, failures_of, head
+from .store import write_json, written
 
 if TYPE_CHECKING:
     import pyarrow
@@ -188,7 +189,8 @@ def classes(job: Job, folder: Folder) -> np.ndarray:
     """The class of each member of a level, where classes are refined."""
     pa, found = arrow(), []
     for k in folder.parts:
-        table = pa.parquet.read_table(folder.data_files(k)[0], columns=[job.refine.column])
+        with folder.data_files(k)[0].open("rb") as file:
+            table = pa.parquet.read_table(file, columns=[job.refine.column])
         x = table.column(0).combine_chunks()
         if pa.types.is_dictionary(x.type):
             x = x.indices

@@ -12,7 +12,7 @@ others failed.
     levels.json  how many members the levels have that are known
     now.json     who is at work
 
-Each file is renamed to its place when it is whole. A shard is blocks of numbers (little-endian
+Each file is there when it is whole (`store.py`). A shard is blocks of numbers (little-endian
 doubles), a line of JSON on what they are, and the SHA-256 of all that.
 """
 
@@ -21,15 +21,15 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import shutil
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from ..record import record
 from ..system.exits import UsageError
 from ..system.files import PARTIAL
+from . import store
+from .store import read_json, write_json, written
 
 if TYPE_CHECKING:
     import numpy
@@ -41,7 +41,7 @@ _FOLDERS = ("shards", "parts", "failed", DATA)
 
 
 def is_sweep(path: Path) -> bool:
-    return (path / PLAN).is_file() and (path / DATA).is_dir()
+    return "digest" in (read_json(path / PLAN) or {})
 
 
 @record
@@ -99,46 +99,11 @@ class Folder:
 
     def made(self) -> None:
         for name in (*_FOLDERS, *(["rows"] if self.rows else [])):
-            (self.path / name).mkdir(parents=True, exist_ok=True)
+            store.made(self.path / name)
 
     def cleaned(self) -> None:
         """Without what those left who were killed while they wrote; nobody else may write now."""
-        for folder in self.path.iterdir():
-            if folder.is_dir() and not folder.is_symlink():
-                for path in folder.glob(f"*{PARTIAL}"):
-                    path.unlink(missing_ok=True)
-
-
-@contextmanager
-def written(path: Path) -> Iterator[IO[bytes]]:
-    """A file that is there when it is whole. Two may write it at once: both write the same."""
-    new = path.with_name(f"{path.name}.{os.uname().nodename}.{os.getpid()}{PARTIAL}")
-    try:
-        with open(new, "wb") as file:
-            yield file
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(new, path)
-    except OSError as error:
-        error.filename = str(path)
-        raise
-    finally:
-        with suppress(OSError):
-            new.unlink(missing_ok=True)
-
-
-def write_json(path: Path, content: object) -> None:
-    with written(path) as file:
-        file.write(json.dumps(content, indent=1).encode() + b"\n")
-
-
-def read_json(path: Path) -> dict | None:
-    """None where it is not there, or not whole."""
-    try:
-        found = json.loads(path.read_bytes())
-    except (OSError, ValueError):
-        return None
-    return found if isinstance(found, dict) else None
+        store.cleaned(self.path)
 
 
 def shard_head(folder: Folder, k: int) -> dict:
@@ -194,7 +159,7 @@ def head(folder: Folder, k: int) -> dict | None:
     """What a shard says of itself; None: there is none, or it is another's."""
     path = folder.shard_file(k)
     try:
-        with open(path, "rb") as file:
+        with path.open("rb") as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(max(0, size - TAIL))
             tail = file.read()
@@ -225,7 +190,7 @@ def blocks(folder: Folder, k: int) -> Iterator[tuple[numpy.ndarray, numpy.ndarra
     if said is None:
         raise Torn(k)
     digest = hashlib.sha256()
-    with open(folder.shard_file(k), "rb") as file:
+    with folder.shard_file(k).open("rb") as file:
         for a, b, c, d in said["blocks"]:
             found = []
             for shape in ((a, b), (c, d)):
@@ -244,7 +209,7 @@ def blocks(folder: Folder, k: int) -> Iterator[tuple[numpy.ndarray, numpy.ndarra
 def digest_of(path: Path) -> str | None:
     digest = hashlib.sha256()
     try:
-        with open(path, "rb") as file:
+        with path.open("rb") as file:
             while data := file.read(1 << 20):
                 digest.update(data)
     except OSError:
@@ -272,10 +237,6 @@ def failed_shard(folder: Folder, k: int, why: str) -> int:
     tried = int(known.get("tried", 0)) + 1
     write_json(folder.failed_file(k), {"shard": k, "tried": tried, "why": why})
     return tried
-
-
-def free_bytes(path: Path) -> int:
-    return shutil.disk_usage(path).free
 
 
 def foreign(path: Path, own: str) -> UsageError | None:

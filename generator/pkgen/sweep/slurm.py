@@ -8,6 +8,7 @@ environment (SBATCH_PARTITION, ...).
 
 from __future__ import annotations
 
+import argparse
 import re
 import shlex
 import shutil
@@ -22,7 +23,8 @@ from ..system.progress import say
 from . import work
 from .job import Job
 from .left import TRIES, Left
-from .shards import Folder, failed_shard, head, read_json, write_json, written
+from .shards import Folder, failed_shard, head
+from .store import is_folder, read_json, write_json, written
 
 TASKS = 1000  # of an array: Slurm's own limit is 1001
 POLL = 2.0  # seconds between looks at the folder
@@ -60,14 +62,16 @@ done
 class Slurm:
     """Slurm. An array that is still queued from before is waited for."""
 
-    def __init__(self, job: Job, folder: Folder, at_once: int | None):
+    def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
         if shutil.which("sbatch") is None:
             raise UsageError("--engine slurm: there is no sbatch here; start it where Slurm is")
+        if not is_folder(folder.path):
+            raise UsageError(f"--engine slurm: its nodes need a folder; {folder.path} is none")
         if job.settings.method.startswith("gsl_"):
             raise UsageError(
                 f"--engine slurm: its program is without GSL: no {job.settings.method}"
             )
-        self.job, self.folder, self.at_once = job, folder, at_once
+        self.job, self.folder, self.at_once = job, folder, options.at_once
         self.place = folder.path.absolute() / "slurm"
 
     def run(self, left: Left) -> None:
@@ -185,6 +189,9 @@ class Slurm:
         if said.returncode:
             return "Invalid job id" not in said.stderr
         return bool(said.stdout.strip())
+
+
+engine = Slurm
 
 
 def _asked(*command: str) -> subprocess.CompletedProcess[str]:

@@ -7,8 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..system.exits import UsageError
-from .shards import Folder, added, failures_of, head, part_is_whole, read_json
-from .sweep import LEVELS, PLAN, at_work
+from .shards import Folder, added, failures_of, head, part_is_whole
+from .store import NOW, at_work, listed, read_json
+from .sweep import LEVELS, PLAN
 
 
 def status(path: Path) -> dict:
@@ -20,7 +21,7 @@ def status(path: Path) -> dict:
         numbers = [known[key] for key in ("members", "shard", "part")]
         if not all(isinstance(n, int) and n > 0 for n in numbers):
             raise UsageError(f"{path / PLAN}: it is not as it was written")
-        folder = Folder(path, known["digest"], *numbers, (path / "rows").is_dir())
+        folder = Folder(path, known["digest"], *numbers, bool(known["rows"]))
         name = known["name"]
     except KeyError:
         raise UsageError(f"{path / PLAN}: it is not as it was written") from None
@@ -30,8 +31,8 @@ def status(path: Path) -> dict:
     found = [_of_level(one, failures) for one in each]
     done, parts, shards_done = (sum(x) for x in zip(*found, strict=True))
     members = sum(one.members for one in each)
-    given_up = [read_json(file) for file in sorted((path / "failed").glob("*"))]
-    now = read_json(path / "now.json") or {}
+    given_up = [read_json(file) for file in listed(path / "failed")]
+    now = read_json(path / NOW) or {}
     running = at_work(path)
     found = {
         "name": name,
@@ -105,7 +106,7 @@ def lines(found: dict) -> list[str]:
     said += failed(found)
     whole = found["parts_done"] == found["parts"]
     parts = "" if whole else f", {found['parts_done']} of {found['parts']} files"
-    said.append(f"data set: {Path(found['folder']) / 'data'}{parts}")
+    said.append(f"data set: {found['folder']}/data{parts}")
     return said
 
 

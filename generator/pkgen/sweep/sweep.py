@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import fcntl
 import os
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -25,17 +24,9 @@ from .job import Job
 from .parts import arrow, classes, names
 from .plan import Plan, of_text, read_plan
 from .refine import begun as begun_grid
-from .shards import (
-    PLAN,
-    Folder,
-    foreign,
-    free_bytes,
-    part_is_whole,
-    read_json,
-    write_json,
-    written,
-)
+from .shards import PLAN, Folder, foreign, part_is_whole
 from .starts import Starts
+from .store import free_bytes, place, read_json, write_json, written
 
 SECONDS = 10.0  # of work in a shard, at least
 TIMED = 0.3  # seconds that the first timing takes
@@ -54,11 +45,11 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
     """A new one, or that which lies there of the same plan. Raises UsageError where it is of
     another, and whatever is wrong with the plan."""
     arrow()
-    path = Path(options.directory)
+    path = place(options.directory)
     known = read_json(path / PLAN)
     plan, source = read_plan(options.plan), read(options.model)
     made = _made(plan, source, options, compiled, known)
-    job, _, _ = made
+    job, _ = made
     if known is None:
         if wrong := foreign(path, f"{job.name}.lag"):
             raise wrong
@@ -90,7 +81,7 @@ def resumed(path: Path, options: argparse.Namespace, compiled: Compiled) -> Swee
     """That which lies there."""
     arrow()
     known, plan, source = lying(path, options)
-    job, _, _ = _made(plan, source, options, compiled, known)
+    job, _ = _made(plan, source, options, compiled, known)
     if known.get("digest") != job.digest:
         why = _other(path, known, plan, source)
         raise UsageError(f"--resume {path}: {why}; begin it anew in another folder")
@@ -99,8 +90,6 @@ def resumed(path: Path, options: argparse.Namespace, compiled: Compiled) -> Swee
 
 def _made(plan: Plan, source: Source, options: argparse.Namespace, compiled, known: dict | None):
     chosen = known and known.get("chosen")
-    if chosen:
-        chosen = {k: tuple(x) if isinstance(x, list) else x for k, x in chosen.items()}
     return jobs.make(plan, options, partial(compiled, source=source), chosen)
 
 
@@ -125,13 +114,12 @@ def _folder(path: Path, known: dict, job: Job) -> Folder:
 
 
 def _new(path: Path, plan: Plan, source: Source, options: argparse.Namespace, made) -> Sweep:
-    job, prepared, chosen = made
-    there = next(p for p in (path.absolute(), *path.absolute().parents) if p.is_dir())
-    need, free = job.number_bytes * job.members, free_bytes(there)
-    if need > free:
+    job, prepared = made
+    need, free = job.number_bytes * job.members, free_bytes(path)
+    if free is not None and need > free:
         raise UsageError(
             f"{plan.source.path}: {job.members:,} members of {job.number_bytes:,} bytes are some "
-            f"{_size(need)}, and {there} has {_size(free)} left; keep less, or fewer"
+            f"{_size(need)}, and {path} has {_size(free)} left; keep less, or fewer"
         )
     pace = _pace(job)
     shard = options.shard or _shard(job.members, pace)
@@ -153,8 +141,9 @@ def _new(path: Path, plan: Plan, source: Source, options: argparse.Namespace, ma
             "members": job.members,
             "shard": shard,
             "part": job.part,
+            "rows": folder.rows,
             "seconds": pace,  # of a member, at first
-            "chosen": chosen,
+            "chosen": prepared.chosen,
             "columns": [asdict(c) for c in names(job)],
         },
     )
@@ -239,35 +228,3 @@ def _classes(job: Job, folder: Folder):
 
 class Unfinished(Exception):
     """Some of a level is missing, of which the next would be made."""
-
-
-@contextmanager
-def alone(folder: Folder) -> Iterator[None]:
-    """One at a time shares the work out. Raises UsageError where another does."""
-    fd = os.open(folder.path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
-    try:
-        try:
-            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise UsageError(f"{folder.path}: another pkgen sweeps here") from None
-        except OSError:  # a file system without locks
-            pass
-        yield
-    finally:
-        os.close(fd)
-
-
-def at_work(path: Path) -> bool:
-    try:
-        fd = os.open(path / "lock", os.O_RDONLY)
-    except OSError:
-        return False
-    try:
-        fcntl.flock(fd, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
-    finally:
-        os.close(fd)
-    return False

@@ -199,10 +199,11 @@ static void keep(struct pk_run *run, struct pk_keep *k)
     }
     for (size_t i = 0; i < run->settings.asked.n_drifts; i++) {
         struct drifting *d = &run->settings.drifting[i];
-        const struct drifting was = *d;
-        pk_keep(k, d, sizeof *d);
-        d->energy = was.energy;
-        d->output = was.output;
+        pk_keep(k, &d->member, sizeof d->member);
+        pk_keep(k, &d->members, sizeof d->members);
+        pk_drift_keep(&d->drift, k);
+        pk_keep(k, &d->max, sizeof d->max);
+        pk_keep(k, &d->last, sizeof d->last);
     }
 }
 

@@ -54,6 +54,8 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
     pk_keep(k, &run->h_min, sizeof run->h_min);
     pk_keep(k, &run->h_max, sizeof run->h_max);
     pk_keep(k, &aside, sizeof aside);
+    k->wrong |= !(run->next >= 0 && run->next <= run->count + 1) ||
+                run->next > PK_F(floor)(run->next);
     enum pk_status status = pk_integrator_keep(&run->it, k);
     if (status >= 0 && run->crossed)
         status = pk_events_keep(&run->events, k);

@@ -191,7 +191,7 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
     text[0] = 0;
     if (!w.c || !(w.depends[0] > 0))
         return;
-    const size_t last = w.whole ? (size_t)w.depends[0] - 1 : w.c;
+    const size_t last = w.whole ? pk_index(w.depends[0] - 1, w.c) : w.c;
     for (size_t i = 0; i < last && used < size; i++)
         if (pk_abs(w.depends[1 + i]) > SHARE) {
             if (count == SHOWN) { /* a long chain of them */
@@ -247,7 +247,8 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
         const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
         char last[96];
         if (w.depends[0] > 0) {
-            pk_constraint_name(system, w.params, (size_t)w.depends[0] - 1, last, sizeof last);
+            pk_constraint_name(system, w.params, pk_index(w.depends[0] - 1, w.c), last,
+                               sizeof last);
             snprintf(more, sizeof more, "; and %s depends on %s%s", last,
                      *others ? others : "nothing that moves", alone);
         }

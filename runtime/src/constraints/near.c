@@ -42,8 +42,8 @@ struct pk_passage_parts pk_passage_parts(const struct pk_integrator *it)
 {
     struct pk_passage_parts x;
     lay_out(&x, it->n, it->own->passage);
-    if (x.is->stages > 0)
-        pk_gauss_nodes((int)x.is->stages, x.c, x.b);
+    if (pk_index(x.is->stages, PK_PASSAGE_STAGES + 1))
+        pk_gauss_nodes((int)pk_index(x.is->stages, PK_PASSAGE_STAGES + 1), x.c, x.b);
     return x;
 }
 
@@ -187,7 +187,7 @@ size_t pk_passage_told(const struct pk_integrator *it)
     const size_t rows = pk_system_rows(it->problem.system, it->problem.params, 0);
     return 2 * (rows + c->n_redundant) +
            pk_system_rotations(it->problem.system, it->problem.params) + 1 +
-           (size_t)pk_passage_parts(it).is->row;
+           pk_index(pk_passage_parts(it).is->row, rows + 1);
 }
 
 enum pk_status pk_passage_judge(struct pk_integrator *it)

@@ -27,7 +27,7 @@ enum { FEWEST = 6, ROUNDS = 60 };
 /* The weights of the stages for the integral up to x of the step. */
 static void weights(const struct pk_passage_parts *x, pk_real to, pk_real *w)
 {
-    const int s = (int)x->is->stages;
+    const int s = (int)pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
     pk_real at[PK_PASSAGE_STAGES + 1], P[PK_PASSAGE_STAGES + 1], integral[PK_PASSAGE_STAGES + 1];
     pk_legendre(to, 1 - to, s, at, integral);
     for (int j = 0; j < s; j++) {
@@ -46,7 +46,7 @@ static void along(const struct pk_passage_parts *x, size_t n, pk_real to, pk_rea
     weights(x, to, w);
     for (size_t i = 0; i < n; i++) {
         q[i] = x->q[i], v[i] = x->v[i];
-        for (size_t j = 0; j < (size_t)x->is->stages; j++) {
+        for (size_t j = 0; j < pk_index(x->is->stages, PK_PASSAGE_STAGES + 1); j++) {
             q[i] += w[j] * x->V[j * n + i];
             v[i] += w[j] * x->A[j * n + i];
         }
@@ -116,7 +116,7 @@ static void choose(struct pk_passage_parts *x)
 static enum pk_status solve(struct pk_integrator *it, struct pk_passage_parts *x, pk_real *off)
 {
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
-    const size_t n = it->n, s = (size_t)x->is->stages;
+    const size_t n = it->n, s = pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
     pk_real before = PK_INFINITY;
     memcpy(x->q, it->q, n * sizeof *x->q);
     memcpy(x->v, it->v, n * sizeof *x->v);

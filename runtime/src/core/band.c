@@ -115,7 +115,7 @@ static void exchange(pk_real *x, pk_real *y, size_t count)
 /* Gives column k a pivot that is as large as the column was. */
 static void mend(const struct pk_band *b, size_t k)
 {
-    const size_t width = stride(b), z = (size_t)*b->used;
+    const size_t width = stride(b), z = pk_index(*b->used, width);
     pk_real *pivot = row(b, k) + k;
     const pk_real size = b->column[k] > 0 ? b->column[k] : 1, pull = *pivot < 0 ? -size : size;
     *pivot += pull;
@@ -177,7 +177,7 @@ int pk_band_factor(const struct pk_band *b)
 
 void pk_band_solve(const struct pk_band *b, pk_real *x)
 {
-    const size_t n = b->rows, width = stride(b), used = (size_t)*b->used;
+    const size_t n = b->rows, width = stride(b), used = pk_index(*b->used, width + 1);
     pk_real *y = b->rest;
     if (!n) {
         pk_lu_solve(b->corner, b->pivot, used, x);
@@ -186,7 +186,7 @@ void pk_band_solve(const struct pk_band *b, pk_real *x)
     for (size_t c = 0; c < used; c++)
         y[c] = c < b->border ? x[n + c] : 0;
     for (size_t k = 0; k < n; k++) {
-        const size_t best = (size_t)b->pivot[k], end = least(n, k + b->below + 1);
+        const size_t best = pk_index(b->pivot[k], n), end = least(n, k + b->below + 1);
         const pk_real swap = x[k];
         x[k] = x[best];
         x[best] = swap;

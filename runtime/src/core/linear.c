@@ -41,7 +41,7 @@ int pk_lu_factor(pk_real *A, pk_real *pivot, size_t m)
 void pk_lu_solve(const pk_real *A, const pk_real *pivot, size_t m, pk_real *x)
 {
     for (size_t k = 0; k < m; k++) { /* whole rows were swapped: all exchanges come first */
-        const size_t best = (size_t)pivot[k];
+        const size_t best = pk_index(pivot[k], m);
         const pk_real swap = x[k];
         x[k] = x[best];
         x[best] = swap;
@@ -62,7 +62,7 @@ pk_real pk_lu_determinant(const pk_real *A, const pk_real *pivot, size_t m, int 
     pk_real det = 1;
     *sign = 1;
     for (size_t i = 0; i < m; i++) {
-        const pk_real d = (size_t)pivot[i] == i ? A[i * m + i] : -A[i * m + i];
+        const pk_real d = pk_index(pivot[i], m) == i ? A[i * m + i] : -A[i * m + i];
         det *= d;
         *sign *= d < 0 ? -1 : 1;
     }

@@ -68,9 +68,9 @@ static void follow(const struct pk_integrator *it)
     pk_real *own = part(it, OWN), *all = part(it, MOVED);
     memset(all, 0, 2 * n * sizeof *all);
     for (size_t i = 0; i < 2 * n; i++)
-        all[(size_t)of[i]] = pk_max(all[(size_t)of[i]], most[i]);
+        all[pk_index(of[i], 2 * n)] = pk_max(all[pk_index(of[i], 2 * n)], most[i]);
     for (size_t i = 0; i < 2 * n; i++)
-        own[i] = it->options.rtol * pk_max(most[i], SHARE * all[(size_t)of[i]]) +
+        own[i] = it->options.rtol * pk_max(most[i], SHARE * all[pk_index(of[i], 2 * n)]) +
                  PK_F(sqrt)(PK_TINY);
 }
 
@@ -138,13 +138,13 @@ void pk_scale_start(struct pk_integrator *it)
     pk_scale_attempt(it, first);
     for (size_t i = 0; i < n && it->count.steps == 0; i++) {
         const pk_real x = PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) * it->own->atol[i]);
-        pk_real *shared = fall + ((size_t)of[i] - n);
+        const size_t first = pk_index(of[i] - (pk_real)n, n);
         if (pk_finite(x))
             own[n + i] = pk_max(own[n + i], x);
-        *shared = i == (size_t)of[i] - n ? own[n + i] : pk_max(*shared, own[n + i]);
+        fall[first] = i == first ? own[n + i] : pk_max(fall[first], own[n + i]);
     }
     for (size_t i = 0; i < n && it->count.steps == 0; i++)
-        own[n + i] = pk_max(own[n + i], SHARE * fall[(size_t)of[i] - n]);
+        own[n + i] = pk_max(own[n + i], SHARE * fall[pk_index(of[i] - (pk_real)n, n)]);
     pk_scale_attempt(it, first);
 }
 

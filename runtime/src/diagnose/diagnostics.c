@@ -201,7 +201,14 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
     }
 }
 
-void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k) { pk_keep(k, drift, sizeof *drift); }
+/* Half octaves of what came from elsewhere are as many as numbers have, and their ends grow. */
+void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k)
+{
+    enum { MOST = 1 << 16 };
+    pk_keep(k, drift, sizeof *drift);
+    const int grows = drift->edge >= PK_TINY || !(drift->edge < 0 || drift->edge > 0);
+    k->wrong |= k->from && (drift->n_marks > MOST || !pk_finite(drift->start) || !grows);
+}
 
 void pk_monitor_keep(struct pk_monitor *monitor, struct pk_keep *k)
 {

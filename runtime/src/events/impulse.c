@@ -157,7 +157,8 @@ int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
     const struct pk_system *system = it->problem.system;
     const char *name = it->where < system->switches.n ? system->switches.names[it->where].name
                                                       : "x";
-    const size_t row = (size_t)it->own->condition;
+    const size_t rows = pk_system_rows(system, it->problem.params, 0) + system->switches.n;
+    const size_t row = rows ? pk_index(it->own->condition, rows) : 0;
     char other[128] = "";
     if (it->detail <= (pk_real)ROLLING)
         pk_constraint_name(system, it->problem.params, row, other, sizeof other);
@@ -175,5 +176,5 @@ int pk_impulse_reason(const struct pk_integrator *it, char *text, size_t size)
         [ORDER] = "%s and %s vanish at once, and what follows depends on which does first",
         [NEITHER] = "%.0sno rates are found with which the motion leaves %s = 0",
     };
-    return pk_say(it, text, size, why[(int)it->detail], other, name);
+    return pk_say(it, text, size, why[pk_index(it->detail, sizeof why / sizeof *why)], other, name);
 }

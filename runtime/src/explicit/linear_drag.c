@@ -120,7 +120,7 @@ static enum pk_status drifts(struct pk_integrator *it, const struct work *w,
     while (k < KEPT && (w->h[k] < h || w->h[k] > h))
         k++;
     if (k == KEPT) {
-        k = (int)(*w->last + 1) % KEPT;
+        k = (int)(pk_index(*w->last, KEPT) + 1) % KEPT;
         w->h[k] = 0;
         it->count.factorisations++;
         for (int i = 0; i < table->stages; i++) {

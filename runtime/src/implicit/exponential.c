@@ -206,7 +206,7 @@ static enum pk_status matrix(struct pk_integrator *it, const struct work *w, pk_
             *which = k;
             return PK_DONE;
         }
-    const int k = (int)(*w->last + 1) % KEPT;
+    const int k = (int)(pk_index(*w->last, KEPT) + 1) % KEPT;
     const struct pk_pairs E = w->E[k];
     w->h[k] = 0;
     it->count.factorisations++;

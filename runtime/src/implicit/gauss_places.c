@@ -25,7 +25,7 @@ void pk_gauss_to_places(const struct pk_gauss_work *w, size_t s, const pk_real *
     for (size_t k = 0; k < w->places && !w->pattern.dense; k++)
         for (size_t i = 0; i < s; i++) {
             pk_real *to = y + (k < rows ? k * s + i : rows * s + i * border + (k - rows));
-            *to = w->place[k] < 0 ? 0 : x[i * w->n + (size_t)w->place[k]];
+            *to = w->place[k] < 0 ? 0 : x[i * w->n + pk_index(w->place[k], w->n)];
         }
 }
 
@@ -37,7 +37,7 @@ void pk_gauss_to_coordinates(const struct pk_gauss_work *w, size_t s, const pk_r
     for (size_t k = 0; k < w->places && !w->pattern.dense; k++)
         for (size_t i = 0; i < s; i++)
             if (!(w->place[k] < 0))
-                x[i * w->n + (size_t)w->place[k]] =
+                x[i * w->n + pk_index(w->place[k], w->n)] =
                     y[k < rows ? k * s + i : rows * s + i * border + (k - rows)];
 }
 
@@ -90,7 +90,7 @@ size_t pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M)
     for (size_t i = 1; i < w->places && w->pattern.dense && w->places < w->n; i++)
         memmove(M + i * w->places, M + i * w->n, w->places * sizeof *M); /* shorter rows */
     const size_t failed = pk_band_ldl_factor(&band);
-    return failed && !w->pattern.dense ? 1 + (size_t)w->place[failed - 1] : failed;
+    return failed && !w->pattern.dense ? 1 + pk_index(w->place[failed - 1], w->n) : failed;
 }
 
 void pk_gauss_mass_solve(const struct pk_gauss_work *w, pk_real *M, pk_real *x)

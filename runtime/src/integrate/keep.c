@@ -34,6 +34,32 @@ static unsigned long long name(const char *text)
     return sum;
 }
 
+static int is_flag(int x) { return x == 0 || x == 1; }
+
+/* What came from elsewhere is a state, as far as memory goes: what indexes or says which part there
+ * is. Numbers that are indices in the block itself are looked at where they are used: pk_index(). */
+static int sound(const struct pk_integrator *it, const struct pk_integrator_private *kept)
+{
+    const struct pk_integrator_private *own = it->own;
+    const struct pk_system *system = it->problem.system;
+    const int bound = own->passage != NULL, marks = own->marks != NULL;
+    if (!is_flag(kept->off_grid) || !is_flag(kept->ready) || !is_flag(kept->made) || !kept->ready ||
+        kept->direction < -1 || kept->direction > 1)
+        return 0;
+    if ((kept->crossed || kept->near || kept->seen) && !bound)
+        return 0;
+    if (!is_flag(kept->marked) || kept->unlooked < 0 || (kept->marked && !marks))
+        return 0;
+    if (kept->trouble > PK_DONE || kept->trouble <= PK_STATUS_LAST)
+        return 0;
+    if (!pk_finite(it->t) || !pk_finite(it->last_t) || !pk_finite(kept->h) ||
+        !(it->options.h >= 0) || !pk_finite(it->options.h))
+        return 0;
+    return (it->status == PK_DONE || it->status == PK_STOPPED_EVENT) &&
+           it->event <= system->events.n &&
+           (!it->passed_over.count || it->passed_over.which < system->marks.n);
+}
+
 enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
 {
     static const struct pk_integrator_private nowhere;
@@ -63,6 +89,7 @@ enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
     pk_keep(k, &it->event, sizeof it->event);
     pk_keep(k, &it->options.h, sizeof it->options.h);
     const enum pk_status status = it->method->keep ? it->method->keep(it, k) : PK_DONE;
+    k->wrong |= k->from && !sound(it, &kept);
     if (status < 0 || k->wrong)
         return status < 0 ? status : PK_BLOCK_TOO_SMALL;
     *own = kept;

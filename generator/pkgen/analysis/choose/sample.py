@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ...run.ensemble import Ensemble
 from ...run.settings import Settings
+from ...system.exits import UsageError
 from .choice import Choice
 from .prepared import Prepared
 
@@ -21,9 +22,8 @@ def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Ch
     with some to spare for those that were not tried."""
     # Without an interval members have two rows, and so have their trials.
     settings = replace(settings, every=settings.every or settings.until)
-    some = members(settings, ensemble)
     accuracy = SPARE * settings.accuracy
-    tried = [prepared.choose(one, accuracy) for one in some]
+    some, tried = _tried(prepared, settings, ensemble, accuracy)
     longest = max(tried, key=lambda c: c.run_seconds)
     only = prepared.only(longest.method)
     same = [
@@ -45,14 +45,35 @@ def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Ch
     )
 
 
-def members(settings: Settings, ensemble: Ensemble) -> list[Settings]:
-    """From the first to the last, evenly."""
+def _tried(
+    prepared: Prepared, settings: Settings, ensemble: Ensemble, accuracy: float
+) -> tuple[list[Settings], list[Choice]]:
+    """A member that is refused, as one out of bounds, costs itself alone: others stand for it.
+    Raises UsageError where all are."""
+    some, tried = [], []
+    refused: UsageError | None = None
+    for one in members(settings, ensemble):
+        try:
+            tried.append(prepared.choose(one, accuracy))
+            some.append(one)
+        except UsageError as error:
+            refused = refused or error
+        if len(some) == MOST:
+            break
+    if refused and not some:
+        raise refused
+    return some, tried
+
+
+def members(settings: Settings, ensemble: Ensemble) -> Iterator[Settings]:
+    """From the first to the last, evenly, and then the others."""
     count = len(ensemble.lines)
     share = max(1, min(MOST, count) - 1)
     which = sorted({round(k * (count - 1) / share) for k in range(min(MOST, count))})
     width = len(ensemble.columns)
     flat = memoryview(ensemble.values).cast("B").cast("d") if width else []
-    return [_one(settings, ensemble, flat[k * width : (k + 1) * width]) for k in which]
+    for k in (*which, *(k for k in range(count) if k not in which)):
+        yield _one(settings, ensemble, flat[k * width : (k + 1) * width])
 
 
 def _one(settings: Settings, ensemble: Ensemble, row: Sequence[float]) -> Settings:

@@ -13,6 +13,13 @@ enum pk_status pk_eval_linear(struct pk_integrator *it, pk_real t, const pk_real
                               const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v,
                               pk_real *a_t, pk_real *work);
 
+/* An index that is kept as a number, below `count`, which is not 0. One that is none, as a block
+ * may have that came from elsewhere (pk/keep.h), is 0. */
+static inline size_t pk_index(pk_real x, size_t count)
+{
+    return x >= 0 && x < (pk_real)count ? (size_t)x : 0;
+}
+
 /* y += A x, A row-major n by n. */
 void pk_add_product(pk_real *y, const pk_real *A, const pk_real *x, size_t n);
 /* A = P L U in place, row-major m by m; pivot holds row numbers. 0 where A is singular. */
