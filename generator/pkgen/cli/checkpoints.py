@@ -76,7 +76,8 @@ def _seconds(options: argparse.Namespace) -> float:
 
 def chosen(options: argparse.Namespace) -> dict[str, Any] | None:
     """What a promise of accuracy was kept by when the run was begun: it is measured once."""
-    return options.resume["chosen"] if options.resume else None
+    resume = getattr(options, "resume", None)  # of commands that run without checkpoints too
+    return resume["chosen"] if resume else None
 
 
 def settings(options: argparse.Namespace, what: Prepared) -> dict[str, object]:
