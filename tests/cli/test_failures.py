@@ -145,3 +145,36 @@ def test_an_ensemble_without_end_is_refused_by_its_size(pkgen, tmp_path: Path, m
         members_file.read(str(path), compilation)
     path.write_text("theta\n" + 1000 * "1\n")
     assert len(members_file.read(str(path), compilation).lines) == 1000
+
+
+LIGHT = """model light
+param p = -1
+coord x, y, z
+kinetic x'^2/2 + p*y'^2/2 + z'^2/2{rows}
+potential x^2 + y^2{more}
+start y' = 0.1, x' = 1
+"""
+METHODS = ["rk4", "dop853", "gauss1", "gauss4", "gauss", "lobatto3", "radau5", "radau", "boris"]
+
+
+@pytest.mark.parametrize(
+    ("rows", "more", "methods"),
+    [
+        ("", " + x*y^2", [*METHODS, "verlet"]),
+        ("", "", ["exponential"]),
+        ("\nconstraint c: x = z", " + x*y^2", [*METHODS, "rattle", "lie_midpoint"]),
+    ],
+)
+def test_a_mass_that_is_not_positive_is_named_by_every_method(
+    rows: str, more: str, methods: list[str], pkgen, tmp_path: Path
+) -> None:
+    """Its number was taken for another kind of failure: implicit methods crashed, rows were
+    blamed."""
+    model = tmp_path / "light.lag"
+    text = LIGHT.format(rows=rows, more=more)
+    model.write_text(text.replace("x' = 1", "x' = 1, z' = 1") if rows else text)
+    for method in methods:
+        step = () if method in ("dop853", "gauss", "radau") else ("--step", 0.1)
+        done = pkgen("run", model, "--until", 1, "--method", method, *step)
+        assert done.returncode == 4, f"{method}: {done.returncode} {done.stderr}"
+        assert "pivot of coordinate y is -1 of its diagonal" in done.stderr, method

@@ -1,9 +1,9 @@
 """Random chain models run with their families kept as loops and with all members written out.
 
-python tests/fuzz/families.py FIRST LAST [rough]
+python tests/fuzz/families.py FIRST LAST
 
 Seeds go from FIRST to before LAST. Each model runs by several methods, with rows at events, as an
-ensemble, kept and resumed, by the accuracy asked for. Exit code 1 where the two differ, where one
+ensemble or a swarm, with a member held, by the accuracy asked for. Exit code 1 where the two differ, where one
 crashes or hangs.
 """
 
@@ -203,10 +203,15 @@ def scene(dice: random.Random, text: str) -> str:
     return "\n".join(lines)
 
 
+def text_of(seed: int, dice: random.Random | None = None) -> str:
+    dice = dice or random.Random(seed)
+    text = drawn(dice)
+    return text + scene(dice, text)
+
+
 def judged(seed: int, folder: Path) -> tuple[str, str]:
     dice = random.Random(seed)
-    text = drawn(dice)
-    text += scene(dice, text)
+    text = text_of(seed, dice)
     model = folder / "chain.lag"
     model.write_text(text)
     try:

@@ -168,11 +168,11 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
     const size_t n = it->n;
     for (size_t i = 0; i < w->s; i++) {
         pk_gauss_mass_alone(w, w->jacobian + i * 4 * w->nn, w->M);
-        const size_t failed = pk_gauss_mass_factor(w, w->M);
+        const int failed = pk_gauss_mass_factor(w, w->M);
         if (failed) {
             const pk_real t = it->t + w->c[i] * it->own->h;
             pk_eval_input(it, t);
-            return pk_eval_failed(it, t, w->Q + i * n, w->V + i * n, (int)failed);
+            return pk_eval_failed(it, t, w->Q + i * n, w->V + i * n, failed);
         }
     }
     return PK_DONE;

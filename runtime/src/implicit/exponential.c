@@ -97,9 +97,9 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
     system->mass(params, it->t, zero, zero + n, it->own->u, M);
     system->linear(params, it->t, zero, zero + n, it->own->u, c, r_q, r_v, r_t);
     memcpy(factors, M, n * n * sizeof *M);
-    const size_t failed = pk_ldl_factor(factors, n);
-    if (failed)
-        return pk_eval_failed(it, it->t, zero, zero + n, (int)failed);
+    const size_t pivot = pk_ldl_factor(factors, n);
+    if (pivot)
+        return pk_eval_failed(it, it->t, zero, zero + n, PK_FAILED(PK_FAILURE_MASS, pivot - 1));
     for (size_t j = 0; j < 2 * n; j++)
         refined(w, M, factors, j < n ? r_q + j : r_v + j - n, room, w->L.hi + j * m + n,
                 w->L.lo + j * m + n);

@@ -84,9 +84,9 @@ static enum pk_status recover_rates(struct pk_integrator *it, const struct pk_ga
             r[i] = p[i] - r[i];
         if (!constant || !(it->own->flags & PK_HAVE_A)) {
             pk_gauss_mass(it, t, q, v, w->mass);
-            const size_t failed = pk_gauss_mass_factor(w, w->mass);
+            const int failed = pk_gauss_mass_factor(w, w->mass);
             if (failed)
-                return pk_eval_failed(it, t, q, v, (int)failed);
+                return pk_eval_failed(it, t, q, v, failed);
             it->own->flags |= PK_HAVE_A;
         }
         pk_gauss_mass_solve(w, w->mass, r);

@@ -121,7 +121,7 @@ const pk_real *pk_gauss_equations(struct pk_integrator *it);
 int pk_gauss_small(const struct pk_gauss_work *w);
 /* M = L D L^T in place; 0, or 1 + the coordinate whose pivot is not positive. x = M^-1 x of what is
  * factored, x by coordinates. */
-size_t pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M);
+int pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M);
 void pk_gauss_mass_solve(const struct pk_gauss_work *w, pk_real *M, pk_real *x);
 /* M of derivatives J, which may have more; see `closed` of struct pk_part_families. */
 void pk_gauss_mass_alone(const struct pk_gauss_work *w, const pk_real *J, pk_real *M);

@@ -84,13 +84,16 @@ void pk_gauss_mass_alone(const struct pk_gauss_work *w, const pk_real *J, pk_rea
             }
 }
 
-size_t pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M)
+int pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M)
 {
     const struct pk_band band = pk_gauss_band(w, M);
     for (size_t i = 1; i < w->places && w->pattern.dense && w->places < w->n; i++)
         memmove(M + i * w->places, M + i * w->n, w->places * sizeof *M); /* shorter rows */
     const size_t failed = pk_band_ldl_factor(&band);
-    return failed && !w->pattern.dense ? 1 + pk_index(w->place[failed - 1], w->n) : failed;
+    if (!failed)
+        return 0;
+    return PK_FAILED(PK_FAILURE_MASS,
+                     w->pattern.dense ? failed - 1 : pk_index(w->place[failed - 1], w->n));
 }
 
 void pk_gauss_mass_solve(const struct pk_gauss_work *w, pk_real *M, pk_real *x)

@@ -1,0 +1,33 @@
+"""Random chain models as loops and with their members written out: tests/fuzz/families.py."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from conftest import ROOT, long_but
+
+sys.path.insert(0, str(ROOT / "tests" / "fuzz"))
+import families
+
+SEEDS = [*range(40)]
+
+
+@pytest.mark.parametrize("seed", long_but({4, 17}, SEEDS))
+def test_loops_are_members_written_out(seed: int) -> None:
+    verdict, seen = families.alone(seed)
+    assert verdict in ("agree", "written out"), f"{verdict}: {seen}\n{families.text_of(seed)}"
+
+
+@pytest.mark.long
+def test_a_wrong_row_is_found(monkeypatch) -> None:
+    """Were the two compared with nothing, all would agree."""
+    both = families.both
+
+    def other(folder, *words):
+        mine, theirs = both(folder, *words)
+        rows = [[x + 1e-5 for x in row] for row in mine[1]]
+        return (mine[0], rows, *mine[2:]), theirs
+
+    monkeypatch.setattr(families, "both", other)
+    assert families.alone(4)[0] == "DIFFER"
