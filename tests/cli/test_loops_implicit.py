@@ -49,6 +49,16 @@ potential sum(k/2*(x[i+1] - x[i])^2 + (1 - cos(x[i])) + (x[i] - X)^2, i = 1..N)
 dissipation sum((x[i+1]' - x[i]')^2*2, i = 1..N)
 start x[i = 1..N] = 0.3*sin(2*pi*i/N) + 0.1/i, x[1]' = 0.5
 """,
+    # M is not dominated by its diagonal: no norm of its inverse is known from its entries.
+    "coupled": """\
+model coupled
+size N = 20
+coord q[1..N]
+fixed q[0] = 0, q[-1] = 0
+kinetic sum((2 + cos(q[i]))*(q[i]' + q[i-1]' + q[i-2]')^2/2 + q[i]'^2/8, i = 1..N)
+potential sum(100*(q[i] - q[i-1])^2, i = 1..N)
+start q[i = 1..N] = 0.2*sin(i)
+""",
     "heat": """\
 model heat
 size N = 20

@@ -119,7 +119,9 @@ static int bounded(const struct pk_gauss_work *w, const pk_real *J, pk_real h)
 static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t stride = 4 * w->nn;
-    pk_real at = 0, step = 1 / PK_F(sqrt)(pk_max(w->kept->contraction, PK_C(1.0)));
+    pk_real at = 0, step = 1;
+    if (pk_finite(w->kept->contraction)) /* else it is not known */
+        step /= PK_F(sqrt)(pk_max(w->kept->contraction, PK_C(1.0)));
     if (!w->pattern.dense && bounded(w, w->start_J, it->own->h))
         return factor(it, w, w->jacobian, stride, 1);
     if (!factor(it, w, w->jacobian, stride, at))
@@ -203,7 +205,9 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, s = w->s, nn = w->nn;
     const pk_real h = it->own->h, contraction = pk_gauss_contraction(it, w, w->start_J, 1);
-    pk_real was = 0, at = 0, step = pk_min(PK_C(0.5), PK_GAUSS_SURE / (contraction + PK_TINY));
+    pk_real was = 0, at = 0, step = PK_C(0.5);
+    if (pk_finite(contraction))
+        step = pk_min(step, PK_GAUSS_SURE / (contraction + PK_TINY));
     enum pk_status status = PK_DONE;
     for (size_t i = 0; i < s; i++) {
         memcpy(w->old_J + i * 4 * nn, w->start_J, 4 * nn * sizeof *w->old_J);

@@ -221,14 +221,17 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
                              const pk_real *J, size_t count)
 {
     const size_t stride = count > 1 ? 4 * w->nn : 0;
-    if (w->closed) { /* what a step of none has for its matrix has no inverse that is a band */
+    if (!w->pattern.dense) {
+        const pk_real norm = w->closed ? PK_INFINITY : contraction(w, J, stride);
+        if (pk_finite(norm))
+            return norm;
+        /* M couples too much for a norm of its inverse; if closed, a step of none has for its matrix
+         * what has no inverse that is a band. */
         it->own->flags &= ~PK_HAVE_LU;
         pk_gauss_matrix(w, J, stride, 0, 1, &w->lu);
         pk_gauss_matrix(w, J, stride, 1, 1, &w->other);
         return pk_band_factor(&w->lu) ? pk_gauss_radius(w) : PK_INFINITY;
     }
-    if (!w->pattern.dense)
-        return contraction(w, J, stride);
     const pk_real quick = quick_contraction(it, w, J, count);
     if (quick <= PK_GAUSS_SURE || !pk_finite(quick))
         return quick;
