@@ -109,12 +109,12 @@ def provides(structure: object, fact: str) -> bool:
     return any(getattr(structure, name, False) for name in (fact, *STRONGER.get(fact, ())))
 
 
-def in_blocks(method: Method | None, steps: bool, structure: object) -> bool:
-    """Whether members go side by side: by methods of a fixed step, or that are given one."""
+def in_lanes(method: Method | None, structure: object) -> bool:
+    """Whether steps of an ensemble's members are made side by side."""
     family = method.inlined if method else ""
     if family == "SPLITTING":
         return provides(structure, "separable")
-    return family == "ERK" or (family == "EMBEDDED" and steps)
+    return family in {"ERK", "EMBEDDED"}
 
 
 NONE = Method("", frozenset(), ())  # what the generator knows of GSL's methods with no GSL

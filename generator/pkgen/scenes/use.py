@@ -11,7 +11,7 @@ from ..compiler import Use
 from ..equations import Equations, Structure
 from ..front.check.scene_numbers import Values, WrongValue
 from ..graph.solve import looped
-from ..methods import Method, called, in_blocks, known
+from ..methods import Method, called, in_lanes, known
 from ..middle.motion import LINEAR_OF_FEW
 from ..middle.reduce.reduce import APART, REDUCTIONS
 from ..middle.reduce.reduction import ENOUGH, Needs
@@ -113,7 +113,7 @@ def _of_method(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     watched = at or any(event.stop for event in model.events) or scene_model.events(scene)
     if watched:
         found -= {"advance"}  # many steps in one call would pass over them
-    if several and not watched and (made is None or _side_by_side(*made, of, steps)):
+    if several and (made is None or _side_by_side(*made, of)):
         found |= {"members"}
     return found
 
@@ -141,14 +141,9 @@ def _without_mass(e: object) -> bool:
     return isinstance(e, Equations) and e.acceleration is not None and looped(e.graph, e.mass)
 
 
-def _side_by_side(
-    equations: Equations, structure: Structure, method: Method | None, steps: bool
-) -> bool:
-    """Whether members go in blocks, as in runtime/src/ensemble/ensemble.c."""
-    if not isinstance(equations, Equations):
-        return False  # its loops are over members of a family
-    alone = equations.constraints or equations.switches
-    return in_blocks(method, steps, structure) and not alone
+def _side_by_side(equations: Equations, structure: Structure, method: Method | None) -> bool:
+    """As pk_block_stepper_of() has it; loops are over members of a family."""
+    return isinstance(equations, Equations) and in_lanes(method, structure)
 
 
 def whole(options: argparse.Namespace) -> Use | None:

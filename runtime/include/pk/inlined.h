@@ -70,7 +70,14 @@
     PK_INLINED_BLOCK(method, PK_STEPPER(block_erk)(b, &pk_##method##_table))
 #define PK_INLINED_BLOCK_SPLITTING(method) \
     PK_INLINED_BLOCK(method, PK_STEPPER(block_splitting)(b, &pk_##method##_table))
-#define PK_INLINED_BLOCK_ENTRY(method) {#method, PK_INLINE_LANES, PK_STEPPER(block_##method)},
+#define PK_INLINED_BLOCK_EMBEDDED(method)                         \
+    PK_INLINED_BLOCK_RUNGE_KUTTA(method)                          \
+    PK_INLINED_BLOCK(attempt_##method,                            \
+                     PK_STEPPER(block_attempt)(b, &pk_##method##_table))
+#define PK_INLINED_BLOCK_ENTRY(method) {#method, PK_INLINE_LANES, PK_STEPPER(block_##method), NULL},
+#define PK_INLINED_BLOCK_ENTRY_EMBEDDED(method)              \
+    {#method, PK_INLINE_LANES, PK_STEPPER(block_##method),   \
+     PK_STEPPER(block_attempt_##method)},
 #endif
 
 #if defined PK_INLINE_ERK || defined PK_INLINE_EMBEDDED || defined PK_INLINE_SPLITTING || \
@@ -125,7 +132,7 @@ static unsigned long long PK_STEPPER(members)(const pk_real *P, const pk_real *t
 PK_ERK_METHODS(PK_INLINED_BLOCK_RUNGE_KUTTA)
 #endif
 #ifdef PK_INLINE_EMBEDDED
-PK_EMBEDDED_METHODS(PK_INLINED_BLOCK_RUNGE_KUTTA)
+PK_EMBEDDED_METHODS(PK_INLINED_BLOCK_EMBEDDED)
 #endif
 #ifdef PK_INLINE_SPLITTING
 PK_SPLITTING_METHODS(PK_INLINED_BLOCK_SPLITTING)
@@ -135,12 +142,12 @@ static const struct pk_block_stepper PK_STEPPER(block_steppers)[] = {
     PK_ERK_METHODS(PK_INLINED_BLOCK_ENTRY)
 #endif
 #ifdef PK_INLINE_EMBEDDED
-        PK_EMBEDDED_METHODS(PK_INLINED_BLOCK_ENTRY)
+        PK_EMBEDDED_METHODS(PK_INLINED_BLOCK_ENTRY_EMBEDDED)
 #endif
 #ifdef PK_INLINE_SPLITTING
             PK_SPLITTING_METHODS(PK_INLINED_BLOCK_ENTRY)
 #endif
-                {NULL, 0, NULL}};
+                {NULL, 0, NULL, NULL}};
 #else
 #define PK_INLINE_BLOCK_STEPPERS NULL
 #endif

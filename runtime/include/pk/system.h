@@ -27,16 +27,16 @@ PK_BEGIN
  * loaded at run time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 73u
+#define PK_ABI 77u
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 74u
+#define PK_ABI 78u
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 75u
+#define PK_ABI 79u
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 72u
+#define PK_ABI 76u
 #endif
 extern const char PK_SCALAR[];
 
@@ -73,12 +73,13 @@ struct pk_stepper {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
 };
 
-/* The same for many members of an ensemble side by side; see pk/ensemble.h. */
+/* The same for many states side by side; see pk/abreast.h. */
 struct pk_block;
 struct pk_block_stepper {
-    const char *method; /* NULL ends the list */
-    size_t lanes;       /* members a block, at most 64 */
-    unsigned long long (*step)(struct pk_block *block);
+    const char *method;                                 /* NULL ends the list */
+    size_t lanes;                                       /* states a block, at most 64 */
+    unsigned long long (*step)(struct pk_block *block); /* of the length that is given */
+    unsigned long long (*attempt)(struct pk_block *block); /* of an adaptive method: a trial */
 };
 
 /* The parts of a system. One that is zero is not there. */

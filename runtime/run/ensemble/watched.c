@@ -6,17 +6,24 @@
 #include "../settings/settings.h"
 #include "ensemble.h"
 
+#include <pk/abreast.h>
+
+enum { PARTS = 4 }; /* of the members of a batch, for each thread */
+
+/* Members of which so many go on at a time, their steps made in lanes; 1: one after the other. */
 struct work {
     const struct batch *b;
     const struct pk_run *run; /* of all, whose settings they share */
-    size_t first;
+    size_t first, count, group, lanes, bytes;
     struct pk_run *runs; /* of each, kept until what it found is merged */
+    char *block;         /* so many bytes for each thread's lanes */
 };
 
 struct member {
     const struct work *w;
     struct pk_run *run;
     size_t i; /* in the batch */
+    int goes;
 };
 
 static size_t kinds(const struct settings *s)
@@ -44,36 +51,124 @@ static void prepare(struct pk_run *run, const struct work *w, size_t i)
     area_note(run, 0, s->q, s->v);
 }
 
-static void follow(void *context)
+static void start(void *context)
 {
-    const struct member *m = context;
+    struct member *m = context;
     struct pk_run *run = m->run;
     prepare(run, m->w, m->i);
     if (m->w->run->out)
         run->out = run_text(run, &run->csv);
-    if (run->settings.control->stop) {
+    if (run->settings.control->stop)
         run->it.status = PK_STOPPED_USER;
-    } else if (run_begin(run) == PK_RUN_DONE) {
-        run_integrate(run);
-        if (run->interrupted)
-            run->it.status = PK_STOPPED_USER;
-    } else if (run->it.status >= 0) {
+    else if (run_begin(run) == PK_RUN_DONE)
+        m->goes = run_starts(run);
+    else if (run->it.status >= 0)
         run->it.status = PK_NO_MEMORY;
-    }
 }
 
-static void make(void *context, size_t i)
+static void go_on(void *context)
+{
+    struct member *m = context;
+    m->goes = run_goes(m->run);
+}
+
+static void go_through(void *context)
+{
+    struct member *m = context;
+    while (m->goes)
+        m->goes = run_goes(m->run);
+}
+
+static void end(void *context)
+{
+    struct member *m = context;
+    if (m->run->begun)
+        run_ends(m->run);
+}
+
+/* A part of its way, with memory or without. */
+static int try_to(void (*part)(void *context), struct member *m)
+{
+    if (memory_try(&m->run->memory, part, m))
+        return 1;
+    m->goes = 0;
+    m->run->crossed = NULL;
+    m->run->it.status = PK_NO_MEMORY;
+    return 0;
+}
+
+static void finish(struct member *m)
+{
+    struct pk_run *run = m->run;
+    if (run->begun && try_to(end, m) && run->interrupted)
+        run->it.status = PK_STOPPED_USER;
+    if (run->write_failed)
+        run->it.status = PK_NO_MEMORY;
+    run_text_end(run);
+    run->out = NULL;
+}
+
+/* Member number i of the batch, which has begun. */
+static int begin(struct member *m, const struct work *w, size_t i)
+{
+    *m = (struct member){w, &w->runs[i], i, 0};
+    m->run->member = w->first + i;
+    m->run->begun = try_to(start, m) && m->run->it.own && m->run->it.status >= 0;
+    if (m->goes)
+        return 1;
+    finish(m);
+    return 0;
+}
+
+/* Each lane takes the next member when its own has come to an end. */
+static void go_abreast(const struct work *w, size_t next, size_t behind)
+{
+    struct member members[PK_BLOCK_MOST];
+    struct pk_abreast_lane lanes[PK_BLOCK_MOST] = {{0}};
+    struct pk_abreast a;
+    size_t live = 0;
+    pk_abreast_init(&a, &(struct pk_problem){.system = w->b->system, .params = w->b->params},
+                    w->run->settings.method, w->block + pk_thread() * w->bytes, w->bytes);
+    do {
+        for (size_t l = 0; l < w->lanes; l++) {
+            struct member *m = &members[l];
+            struct pk_abreast_lane *lane = &lanes[l];
+            while (!lane->it && next < behind)
+                if (begin(m, w, next++))
+                    lane->it = &m->run->it, live++;
+            if (!lane->it)
+                continue;
+            lane->params = m->run->events.params ? m->run->events.params
+                                                 : lane->it->problem.params;
+            lane->limit = run_limit(m->run);
+        }
+        pk_abreast_make(&a, lanes);
+        for (size_t l = 0; l < w->lanes; l++)
+            if (lanes[l].it && !(try_to(go_on, &members[l]) && members[l].goes)) {
+                finish(&members[l]);
+                pk_abreast_leave(lanes[l].it);
+                lanes[l].it = NULL;
+                live--;
+            }
+    } while (live || next < behind);
+}
+
+static void make(void *context, size_t number)
 {
     const struct work *w = context;
-    struct member m = {w, &w->runs[i], i};
-    m.run->member = w->first + i;
-    const int room = memory_try(&m.run->memory, follow, &m);
-    if (!room || m.run->write_failed)
-        m.run->it.status = PK_NO_MEMORY;
-    if (!room)
-        m.run->crossed = NULL;
-    run_text_end(m.run);
-    m.run->out = NULL;
+    const size_t first = number * w->group, left = w->count - first;
+    const size_t behind = first + (left < w->group ? left : w->group);
+    if (w->lanes > 1) {
+        go_abreast(w, first, behind);
+        return;
+    }
+    for (size_t i = first; i < behind; i++) {
+        struct member m;
+        if (begin(&m, w, i)) {
+            try_to(go_through, &m);
+            finish(&m);
+        }
+    }
 }
 
 /* What a member adds to what is known of all. */
@@ -125,8 +220,19 @@ void watched_begin(struct tally *tally, struct pk_run *run)
 int watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_t count,
                   struct tally *tally)
 {
-    struct work w = {b, run, first, memory_take(&run->memory, count, sizeof *w.runs)};
-    pk_parallel(b->threads, count, make, &w);
+    const struct pk_problem problem = {.system = b->system, .params = b->params};
+    struct memory *memory = &run->memory;
+    struct work w = {.b = b, .run = run, .first = first, .count = count, .group = 1, .lanes = 1};
+    w.runs = memory_take(memory, count, sizeof *w.runs);
+    w.bytes = pk_abreast_size(&problem, run->settings.method);
+    if (w.bytes) {
+        const size_t parts = PARTS * b->threads;
+        w.lanes = pk_abreast_lanes(&problem, run->settings.method);
+        w.group = (count + parts - 1) / parts;
+        w.group = w.group < w.lanes ? w.lanes : w.group;
+        w.block = memory_take(memory, b->threads, w.bytes);
+    }
+    pk_parallel(b->threads, (count + w.group - 1) / w.group, make, &w);
     const int kept = !(run->control.stop && run->settings.asked.checkpoint);
     if (!kept && run->loop)
         memset(run->loop->came + first, 0, count * sizeof *run->loop->came);
@@ -138,7 +244,8 @@ int watched_batch(const struct batch *b, struct pk_run *run, size_t first, size_
         memory_end(&of->memory);
         free(of->csv);
     }
-    memory_drop(&run->memory, w.runs);
+    memory_drop(memory, w.runs);
+    memory_drop(memory, w.block);
     return kept;
 }
 

@@ -1,4 +1,6 @@
 /* One trajectory from the start to the end, row by row. */
+#include <pk/abreast.h>
+
 #include "checkpoint.h"
 
 enum { CLOSE = 8 }; /* steps between two looks at drifts where steps may be too long for a pole */
@@ -34,6 +36,8 @@ static int step(struct pk_run *run)
     const enum pk_status status = fused(run) ? many(run, end) : crossings_step(run, end);
     if (status < 0)
         return 0;
+    if (pk_waits(it))
+        return 1;
     const pk_real h = it->t - it->last_t; /* 0 at an event that stopped */
     if (h > 0 && (!(run->h_max > 0) || h < run->h_min))
         run->h_min = h;
@@ -76,26 +80,52 @@ static int goes_on(struct pk_run *run)
     return !run->interrupted;
 }
 
-void run_integrate(struct pk_run *run)
+static int by_time(const struct pk_run *run)
 {
     const struct settings *s = &run->settings;
-    const struct pk_integrator *it = &run->it;
-    const int by_time = s->has_every || (!s->asked.bare && !s->asked.at),
-              each = by_time && !(s->every > 0);
+    return s->has_every || (!s->asked.bare && !s->asked.at);
+}
+
+int run_starts(struct pk_run *run)
+{
+    const struct settings *s = &run->settings;
     if (!s->asked.members && !checkpoint_begin(run, keep, NULL))
-        return;
+        return 0;
     if (!run->checkpoint.resumed) {
-        if (by_time && (s->has_every || !s->asked.members)) /* of a member the final state alone */
+        if (by_time(run) && (s->has_every || !s->asked.members)) /* of a member the final state */
             observe_row(run, run_moment(run));
         observe_step(run, run_moment(run));
     }
-    int goes = 1;
-    while (goes && it->t < s->until && step(run) && run_due(run, it->t)) {
-        if (each)
-            observe_row(run, run_moment(run));
-        goes = goes_on(run);
-    }
-    if (by_time && it->status == PK_STOPPED_EVENT && (!run->rows || run->last_row < it->t))
+    return run->it.t < s->until;
+}
+
+int run_goes(struct pk_run *run)
+{
+    const struct settings *s = &run->settings;
+    if (!step(run))
+        return 0;
+    if (pk_waits(&run->it))
+        return 1;
+    if (!run_due(run, run->it.t))
+        return 0;
+    if (by_time(run) && !(s->every > 0))
+        observe_row(run, run_moment(run));
+    return goes_on(run) && run->it.t < s->until;
+}
+
+void run_ends(struct pk_run *run)
+{
+    const struct pk_integrator *it = &run->it;
+    if (run->checkpoint.refused)
+        return;
+    if (by_time(run) && it->status == PK_STOPPED_EVENT && (!run->rows || run->last_row < it->t))
         observe_row(run, run_moment(run));
     observe_end(run);
+}
+
+void run_integrate(struct pk_run *run)
+{
+    for (int goes = run_starts(run); goes; goes = run_goes(run))
+        ;
+    run_ends(run);
 }

@@ -11,8 +11,12 @@ enum pk_run_code run_begin(struct pk_run *run);
 void run_steps(struct pk_run *run);
 void run_end(struct pk_run *run);
 
-/* Of integrate.c: rows from the start to the end, which may be at an event. */
+/* Of integrate.c: rows from the start to the end, which may be at an event. The same a step at a
+ * time: whether there is one to be made; that step, and whether there is a next one; the end. */
 void run_integrate(struct pk_run *run);
+int run_starts(struct pk_run *run);
+int run_goes(struct pk_run *run);
+void run_ends(struct pk_run *run);
 
 /* Of crossings.c, behind pk_integrator_init(); and one step, with all that is crossed in it. */
 enum pk_run_code crossings_begin(struct pk_run *run);

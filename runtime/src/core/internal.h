@@ -113,6 +113,12 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
 /* Whether many of those tried since progress was last looked at were rejected. */
 int pk_often_rejected(const struct pk_integrator *it);
 enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed);
+/* What the next step of a fixed method will be, as nothing but its grid has it. */
+struct pk_planned {
+    pk_real h, end;
+    int off_grid;
+};
+struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit);
 void pk_step_made(struct pk_integrator *it, int fixed);
 
 /* Kernels through the integrator: inputs filled, calls counted, failures named. */

@@ -33,6 +33,12 @@ enum { PK_EXPONENTIAL_MOST = 256 };
 
 /* Kicks and drifts of a splitting method; NULL of any other. */
 const struct pk_splitting *pk_splitting_table(const struct pk_method *method);
+/* Whether it ends with a kick, whose acceleration is the next step's first. */
+static inline int pk_splitting_ends(const struct pk_splitting *table)
+{
+    const pk_real last = table->kick[table->stages];
+    return last > 0 || last < 0;
+}
 /* Numbers that it takes, where the system is not separable; 0 of any other. */
 size_t pk_splitting_size(const struct pk_system *system, const struct pk_method *method, size_t n);
 size_t pk_linear_drag_size(const struct pk_splitting *table, size_t n);

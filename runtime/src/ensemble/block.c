@@ -60,13 +60,40 @@ void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_rea
     {                                                            \
         return generic_block_splitting(b, &pk_##method##_table); \
     }
+#define EMBEDDED(method)                                           \
+    RUNGE_KUTTA(method)                                            \
+    static unsigned long long attempt_##method(struct pk_block *b) \
+    {                                                              \
+        return generic_block_attempt(b, &pk_##method##_table);     \
+    }
 PK_ERK_METHODS(RUNGE_KUTTA)
-PK_EMBEDDED_METHODS(RUNGE_KUTTA)
+PK_EMBEDDED_METHODS(EMBEDDED)
 PK_SPLITTING_METHODS(SPLITTING)
 
-#define ENTRY(method) {#method, PK_LANES, step_##method},
-const struct pk_block_stepper pk_block_steppers[] = {
-    PK_ERK_METHODS(ENTRY) PK_EMBEDDED_METHODS(ENTRY) PK_SPLITTING_METHODS(ENTRY){NULL, 0, NULL}};
+#define ENTRY(method) {#method, PK_LANES, step_##method, NULL},
+#define ENTRY_EMBEDDED(method) {#method, PK_LANES, step_##method, attempt_##method},
+static const struct pk_block_stepper generic[] = {
+    PK_ERK_METHODS(ENTRY) PK_EMBEDDED_METHODS(ENTRY_EMBEDDED)
+        PK_SPLITTING_METHODS(ENTRY){NULL, 0, NULL, NULL}};
+
+static const struct pk_block_stepper *find(const struct pk_block_stepper *list, const char *method)
+{
+    for (; list && list->method; list++)
+        if (strcmp(list->method, method) == 0)
+            return list;
+    return NULL;
+}
+
+/* Loops of families are over their own members, not over lanes. */
+const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *system,
+                                                   const struct pk_method *method)
+{
+    const struct pk_block_stepper *own = find(system->block_steppers, method->name);
+    if (system->families.count ||
+        (method->needs & PK_LINEAR_DRAG && !(system->facts & PK_SEPARABLE)))
+        return NULL;
+    return own ? own : find(generic, method->name);
+}
 
 static size_t block_reals(const struct pk_ensemble *e, size_t n, size_t W)
 {
@@ -184,6 +211,13 @@ static unsigned long long normalise(struct pk_block *b)
     return lost;
 }
 
+/* The step of all lanes. */
+static void together(struct pk_block *b, pk_real from, pk_real end, pk_real h)
+{
+    for (size_t l = 0; l < b->lanes; l++)
+        b->from[l] = from, b->end[l] = end, b->h[l] = h;
+}
+
 /* As pk_integrator_aside(), into b->spare; the lanes that failed. */
 static unsigned long long aside(const struct pk_block *of, const struct pk_block_stepper *s,
                                 const struct pk_integrator *clock, pk_real t)
@@ -191,10 +225,8 @@ static unsigned long long aside(const struct pk_block *of, const struct pk_block
     struct pk_block b = *of;
     b.state = of->next; /* where the step began */
     b.next = of->spare;
-    b.now = clock->last_t;
-    b.end = t;
-    b.h = t - b.now;
     b.have_a = 0;
+    together(&b, clock->last_t, t, t - clock->last_t);
     return s->step(&b) | normalise(&b);
 }
 
@@ -213,8 +245,7 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
             retire(b, e, first, live, status, &live);
             break;
         }
-        b->end = clock->own->next_t;
-        b->h = clock->own->h;
+        together(b, clock->t, clock->own->next_t, clock->own->h);
         b->failed = b->not_finite = 0;
         const unsigned long long bad = s->step(b) & live;
         if (bad) { /* a kernel that saw finite numbers failed on M, all else is not finite */

@@ -4,26 +4,15 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "ensemble.h"
+#include <pk/abreast.h>
 
-static const struct pk_block_stepper *find(const struct pk_block_stepper *list, const char *method)
-{
-    for (; list && list->method; list++)
-        if (strcmp(list->method, method) == 0)
-            return list;
-    return NULL;
-}
+#include "ensemble.h"
 
 /* NULL: one member after the other. */
 static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 {
-    const struct pk_block_stepper *own = find(e->system->block_steppers, e->method->name);
-    if (e->method->needs & PK_LINEAR_DRAG && !(e->system->facts & PK_SEPARABLE))
-        return NULL;
-    if (!(e->options.h > 0) || e->system->constraints.n ||
-        e->system->families.count) /* its loops are over members of the family */
-        return NULL;
-    return own ? own : find(pk_block_steppers, e->method->name);
+    return e->options.h > 0 && !e->system->constraints.n ? pk_block_stepper_of(e->system, e->method)
+                                                         : NULL;
 }
 
 int pk_ensemble_fixed(const struct pk_ensemble *e)
@@ -31,77 +20,170 @@ int pk_ensemble_fixed(const struct pk_ensemble *e)
     return !(e->method->traits & PK_ADAPTIVE) || stepper(e) != NULL;
 }
 
+/* Bytes for steps made ahead, each member's its own; 0: members go one after the other. */
+static size_t abreast_size(const struct pk_ensemble *e)
+{
+    const struct pk_problem problem = pk_ensemble_problem(e, 0);
+    return stepper(e) ? 0 : pk_ensemble_padded(pk_abreast_size(&problem, e->method));
+}
+
+static size_t lanes(const struct pk_ensemble *e)
+{
+    const struct pk_problem problem = pk_ensemble_problem(e, 0);
+    const struct pk_block_stepper *s = stepper(e);
+    return s ? s->lanes : pk_abreast_lanes(&problem, e->method);
+}
+
+/* One a lane, and one more to reach rows within steps; or those of lanes that share their steps. */
+static size_t integrators(const struct pk_ensemble *e)
+{
+    return stepper(e) ? pk_member_count(e, lanes(e)) : lanes(e) + 1;
+}
+
 size_t pk_ensemble_size(const struct pk_ensemble *e)
 {
     if (!e || !e->system || !e->method || !e->params || e->system->abi != PK_ABI)
         return 0;
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
-    const struct pk_block_stepper *s = stepper(e);
     const size_t n = pk_system_count(e->system, problem.params);
-    return pk_member_count(e, s ? s->lanes : 1) * pk_member_size(e) +
-           (s ? pk_block_size(e, n, s->lanes) : 0);
+    return integrators(e) * pk_member_size(e) +
+           (stepper(e) ? pk_block_size(e, n, lanes(e)) : abreast_size(e));
 }
 
-static void keep(const struct pk_ensemble *e, size_t member, size_t row,
-                 const struct pk_integrator *it)
+/* A member on its way from row to row, which are kept or not. */
+struct way {
+    const struct pk_ensemble *e;
+    struct pk_member *m, *aside;
+    size_t member, row;
+    int kept;
+};
+
+static void keep(const struct way *w, const struct pk_integrator *there)
 {
-    const size_t at = member * e->rows + row;
-    memcpy(e->q + at * it->n, it->q, it->n * sizeof *it->q);
-    memcpy(e->v + at * it->n, it->v, it->n * sizeof *it->v);
-    e->done[member]++;
+    const struct pk_ensemble *e = w->e;
+    const size_t n = there->n, at = (w->member * e->rows + w->row) * n;
+    memcpy(e->q + at, there->q, n * sizeof *e->q);
+    memcpy(e->v + at, there->v, n * sizeof *e->v);
+    e->done[w->member]++;
 }
 
-/* Steps to the row at t, or past it by a fixed step. *there: the integrator that is at t. */
-static enum pk_status to_row(const struct pk_ensemble *e, size_t member, struct pk_member *m,
-                             pk_real t, const struct pk_integrator **there)
+static int is_ahead(const struct way *w)
 {
-    struct pk_integrator *it = &m->it;
-    struct pk_member *aside = (struct pk_member *)(void *)((char *)m + pk_member_size(e));
-    const pk_real last = e->t[e->rows - 1], way = last < e->t0 ? PK_C(-1.0) : PK_C(1.0);
-    const int fixed = !(e->method->traits & PK_ADAPTIVE);
-    *there = it;
-    while (way * (t - it->t) > 0 && !(fixed && pk_integrator_is_at(it, t))) {
-        const pk_real whole = fixed ? way * (t - it->t) / it->options.h : 0;
-        if (whole >= 2 && e->system->families.advance) { /* many in one call */
-            const pk_real most = PK_C(1e9);
-            if (pk_integrator_steps(it, last, (unsigned long)(whole < most ? whole : most)))
-                return it->status;
-        } else if (pk_integrator_step(it, fixed ? pk_integrator_limit(it, t, last) : t) !=
-                   PK_DONE) {
-            return it->status;
+    const struct pk_ensemble *e = w->e;
+    const struct pk_integrator *it = &w->m->it;
+    const pk_real t = e->t[w->row], way = e->t[e->rows - 1] < e->t0 ? PK_C(-1.0) : PK_C(1.0);
+    return way * (t - it->t) > 0 &&
+           (e->method->traits & PK_ADAPTIVE || !pk_integrator_is_at(it, t));
+}
+
+/* The rows that it has come to, or past by a fixed step. Whether it goes on. */
+static int rows(struct way *w)
+{
+    const struct pk_ensemble *e = w->e;
+    struct pk_integrator *it = &w->m->it;
+    for (; w->row < e->rows && !is_ahead(w); w->row++) {
+        const struct pk_integrator *there = it;
+        if (!pk_integrator_is_at(it, e->t[w->row])) {
+            there = &w->aside->it;
+            if (pk_member_integrator(e, w->member, w->aside) < 0)
+                it->status = there->status;
+            else
+                pk_integrator_aside(it, &w->aside->it, e->t[w->row]);
         }
+        if (it->status < 0)
+            return 0;
+        if (w->kept)
+            keep(w, there);
     }
-    if (pk_integrator_is_at(it, t))
-        return PK_DONE;
-    if (!aside->it.q && pk_member_integrator(e, member, aside) < 0)
-        return aside->it.status;
-    *there = &aside->it;
-    return pk_integrator_aside(it, &aside->it, t);
+    return w->row < e->rows;
 }
 
-/* From row to row, which are kept or not. */
-static enum pk_status go(const struct pk_ensemble *e, size_t member, struct pk_member *m, int kept)
+static int begin(struct way *w, size_t member)
 {
-    struct pk_member *aside = (struct pk_member *)(void *)((char *)m + pk_member_size(e));
-    memset(aside, 0, sizeof *aside);
-    enum pk_status status = pk_member_begin(e, member, m);
-    for (size_t row = 0; row < e->rows && status == PK_DONE; row++) {
-        const struct pk_integrator *there = &m->it;
-        status = to_row(e, member, m, e->t[row], &there);
-        if (kept)
-            e->last_t[member] = m->it.t;
-        if (kept && status == PK_DONE)
-            keep(e, member, row, there);
-    }
-    return status;
+    w->member = member;
+    w->row = 0;
+    w->m->it.status = pk_member_begin(w->e, member, w->m);
+    return w->m->it.status == PK_DONE && rows(w);
 }
 
-static enum pk_status run_one(const struct pk_ensemble *e, size_t member, void *block)
+/* Where its next step is to end at the latest. */
+static pk_real limit(const struct way *w)
 {
-    struct pk_member *m = (struct pk_member *)block;
-    e->status[member] = go(e, member, m, 1);
-    pk_integrator_free(&m->it);
-    return e->status[member];
+    const struct pk_ensemble *e = w->e;
+    const pk_real t = e->t[w->row];
+    return e->method->traits & PK_ADAPTIVE ? t
+                                           : pk_integrator_limit(&w->m->it, t, e->t[e->rows - 1]);
+}
+
+/* A step, or many in one call. Whether it goes on. */
+static int step(struct way *w)
+{
+    const struct pk_ensemble *e = w->e;
+    struct pk_integrator *it = &w->m->it;
+    const int fused = e->system->families.advance && !(e->method->traits & PK_ADAPTIVE);
+    const pk_real whole = fused ? pk_abs(e->t[w->row] - it->t) / it->options.h : 0;
+    const pk_real most = PK_C(1e9);
+    if (whole >= 2)
+        pk_integrator_steps(it, e->t[e->rows - 1], (unsigned long)(whole < most ? whole : most));
+    else
+        pk_integrator_step(it, limit(w));
+    return it->status == PK_DONE && rows(w);
+}
+
+static void end(struct way *w)
+{
+    const struct pk_ensemble *e = w->e;
+    e->status[w->member] = w->m->it.status;
+    if (w->m->it.own)
+        e->last_t[w->member] = w->m->it.t;
+    pk_integrator_free(&w->m->it);
+}
+
+static struct pk_member *member_at(const struct pk_ensemble *e, void *block, size_t k)
+{
+    return (struct pk_member *)(void *)((char *)block + k * pk_member_size(e));
+}
+
+static void run_one(const struct pk_ensemble *e, size_t member, void *block)
+{
+    struct way w = {.e = e, .m = member_at(e, block, 0), .aside = member_at(e, block, 1)};
+    w.kept = 1;
+    for (int goes = begin(&w, member); goes; goes = step(&w))
+        ;
+    end(&w);
+}
+
+/* Each lane takes the next member when its own has come to an end. */
+static void run_abreast(const struct pk_ensemble *e, size_t first, size_t count, void *block)
+{
+    const struct pk_problem problem = pk_ensemble_problem(e, first);
+    const size_t W = lanes(e), behind = first + count;
+    struct way ways[PK_BLOCK_MOST];
+    struct pk_abreast_lane of[PK_BLOCK_MOST];
+    struct pk_abreast a;
+    pk_abreast_init(&a, &problem, e->method, member_at(e, block, W + 1), abreast_size(e));
+    for (size_t l = 0; l < W; l++) {
+        ways[l] = (struct way){.e = e, .m = member_at(e, block, l), .aside = member_at(e, block, W)};
+        ways[l].kept = 1;
+        of[l].it = NULL;
+    }
+    for (size_t next = first, left = count; left;) {
+        for (size_t l = 0; l < W; l++) {
+            struct way *w = &ways[l];
+            while (!of[l].it && next < behind) {
+                if (begin(w, next++))
+                    of[l].it = &w->m->it;
+                else
+                    end(w), left--;
+            }
+            if (of[l].it)
+                of[l].limit = limit(w), of[l].params = w->m->it.problem.params;
+        }
+        pk_abreast_make(&a, of);
+        for (size_t l = 0; l < W; l++)
+            if (of[l].it && !step(&ways[l]))
+                end(&ways[l]), of[l].it = NULL, left--;
+    }
 }
 
 static enum pk_status usable(const struct pk_ensemble *e, size_t first, size_t count,
@@ -125,15 +207,18 @@ int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, 
     const enum pk_status wrong = usable(e, member, 1, block, block_size);
     if (wrong < 0)
         return snprintf(text, size, "%s", pk_status_text(wrong));
-    struct pk_member *m = (struct pk_member *)block;
+    struct way w = {.e = e, .m = member_at(e, block, 0), .aside = member_at(e, block, 1)};
+    struct pk_integrator *it = &w.m->it;
     const enum pk_status status = e->status[member];
     const pk_real last = e->last_t[member];
     const size_t rows = e->done[member];
     int length = -1;
     if (status < 0) {
-        if (go(e, member, m, 0) == status && m->it.method)
-            length = pk_integrator_reason(&m->it, text, size);
-        pk_integrator_free(&m->it);
+        for (int goes = begin(&w, member); goes; goes = step(&w))
+            ;
+        if (it->status == status && it->method)
+            length = pk_integrator_reason(it, text, size);
+        pk_integrator_free(it);
     }
     e->status[member] = status, e->last_t[member] = last, e->done[member] = rows;
     return length >= 0 ? length
@@ -148,8 +233,10 @@ enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t
     if (wrong < 0)
         return wrong;
     const struct pk_block_stepper *s = stepper(e);
-    const size_t W = s ? s->lanes : 1;
-    for (size_t i = 0; i < count; i += W) {
+    const size_t W = lanes(e);
+    if (!s && W > 1)
+        run_abreast(e, first, count, block);
+    for (size_t i = 0; i < count && (s || W == 1); i += W) {
         if (s)
             pk_block_run(e, s, first + i, count - i < W ? count - i : W, (char *)block);
         else

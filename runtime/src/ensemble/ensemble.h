@@ -25,7 +25,7 @@ struct pk_member {
     struct pk_constant_input input;
 };
 size_t pk_member_size(const struct pk_ensemble *e);
-/* Members in a block for steps of W lanes; for W = 1 a second one reaches rows within steps. */
+/* Members in a block for steps that W lanes share. */
 size_t pk_member_count(const struct pk_ensemble *e, size_t W);
 /* Its integrator alone, and with what is known of the member before the first step. */
 enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member,
@@ -36,8 +36,9 @@ enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struc
 enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *clock,
                               const pk_real *next, size_t W, enum pk_status status);
 
-/* Steps of blocks for any system, PK_LANES members each. */
-extern const struct pk_block_stepper pk_block_steppers[];
+/* Steps of blocks, the system's own or for any system; NULL: there are none. */
+const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *system,
+                                                   const struct pk_method *method);
 /* Bytes of a block, behind those of its members. */
 size_t pk_block_size(const struct pk_ensemble *e, size_t n, size_t W);
 void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s, size_t first,

@@ -27,7 +27,7 @@ size_t pk_member_size(const struct pk_ensemble *e)
 
 size_t pk_member_count(const struct pk_ensemble *e, size_t W)
 {
-    return W == 1 ? 2 : e->system->singularities.n ? W : 1;
+    return e->system->singularities.n ? W : 1;
 }
 
 static void constant_input(void *context, pk_real t, pk_real *u)

@@ -11,28 +11,17 @@ enum { FIRST_LOOK = 1 << 12, LATER_LOOK = 1 << 16 };
 #define SHRUNK PK_C(1e-6)
 #define MOST_SHRUNK PK_C(1e7)
 
-/* Chooses it->own->h and it->own->next_t of a fixed-step method. 1 where the step leaves the grid.
- */
-static int choose_fixed(struct pk_integrator *it, pk_real limit)
+struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
 {
     const pk_real sign = (pk_real)it->own->direction;
     const pk_real h = sign * it->options.h;
     const pk_real target = it->own->anchor + (it->own->grid + PK_C(1.0)) * h;
     const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
-
-    it->own->h = h;
-    if (pk_abs(target - limit) <= close) {
-        it->own->next_t =
-            limit; /* the grid and the limit are the same point, rounded differently */
-        return 0;
-    }
-    if (sign * (target - limit) < 0) {
-        it->own->next_t = target;
-        return 0;
-    }
-    it->own->h = limit - it->t;
-    it->own->next_t = limit;
-    return 1;
+    if (pk_abs(target - limit) <= close) /* the same point, rounded differently */
+        return (struct pk_planned){h, limit, 0};
+    if (sign * (target - limit) < 0)
+        return (struct pk_planned){h, target, 0};
+    return (struct pk_planned){limit - it->t, limit, 1};
 }
 
 int pk_often_rejected(const struct pk_integrator *it)
@@ -97,7 +86,13 @@ enum pk_status pk_step_choose(struct pk_integrator *it, pk_real limit, int fixed
         it->own->grid = 0;
         it->own->h = 0;
     }
-    it->own->off_grid = fixed && choose_fixed(it, limit);
+    it->own->off_grid = 0;
+    if (fixed) {
+        const struct pk_planned x = pk_step_planned(it, limit);
+        it->own->h = x.h;
+        it->own->next_t = x.end;
+        it->own->off_grid = x.off_grid;
+    }
     return PK_DONE;
 }
 

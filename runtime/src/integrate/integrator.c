@@ -134,6 +134,8 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     if (!it->own || !it->own->state)
         return it->status;
     it->own->ready = 0;
+    if (it->own->ahead)
+        it->own->ahead->ready = it->own->ahead->taken = it->own->ahead->waits = 0;
     if (!q || !v)
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_POINTER);
     if (!pk_finite(t))
@@ -199,7 +201,11 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
     const pk_real while_at_rest = (limit - it->t) * FROM_REST;
     int raised = 0;
     for (int cuts = 0;; cuts++) {
+        if (it->own->ahead)
+            it->own->ahead->again = cuts == 0 && !raised;
         enum pk_status status = it->own->step(it, pk_marks_limit(it, limit));
+        if (pk_waits(it))
+            return PK_DONE;
         if (status >= 0 && !pk_all_finite(it->own->next, PK_LOW_Q * it->n))
             status = PK_NOT_FINITE;
         const int pushed = status == PK_STEP_UNDERFLOW && !raised &&
@@ -244,16 +250,21 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     }
 
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
-    enum pk_status status = pk_step_choose(it, limit, fixed);
-    if (status < 0)
-        return it->status = status;
-    status = pk_singularity_here(it);
-    if (status < 0)
-        return stop(it, status);
+    enum pk_status status = PK_DONE;
+    if (!pk_waits(it)) {
+        status = pk_step_choose(it, limit, fixed);
+        if (status < 0)
+            return it->status = status;
+        status = pk_singularity_here(it);
+        if (status < 0)
+            return stop(it, status);
+    }
     const int near = it->own->near, passes = near && pk_passage_due(it, limit);
     it->own->crossed = it->own->crossed && passes;
     it->own->seen = 0;
     status = passes ? pk_passage_step(it) : advance(it, near ? pk_passage_limit(it, limit) : limit);
+    if (status >= 0 && pk_waits(it))
+        return it->status = PK_DONE;
     if (status >= 0 && !passes && (near || it->own->seen > PK_SEEN))
         status = pk_passage_judge(it);
     status = status < 0 ? pk_singularity_cause(it, status, fixed) : pk_singularity_step(it);

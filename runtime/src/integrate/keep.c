@@ -24,6 +24,7 @@ static void addresses(struct pk_integrator_private *to, const struct pk_integrat
     to->params = from->params;
     to->marks = from->marks;
     to->extra = from->extra;
+    to->ahead = from->ahead;
 }
 
 static unsigned long long name(const char *text)

@@ -100,6 +100,21 @@ static PK_INLINE enum pk_status PK_STEPPER(attempt)(struct pk_integrator *it,
     return PK_DONE;
 }
 
+/* The same of one that was made ahead. */
+static PK_INLINE enum pk_status PK_STEPPER(taken)(struct pk_integrator *it,
+                                                  const struct pk_tableau *table,
+                                                  const struct pk_embedded_work *w, pk_real h)
+{
+    pk_ahead_take(it, PK_Q, 2);
+    pk_ahead_slopes(it, w->k, table->stages + 1);
+    it->own->error = pk_embedded_error(it, table, w, h);
+    if (!pk_finite(it->own->error))
+        it->own->error = PK_C(1e30);
+    it->count.evaluations += (unsigned long)table->stages;
+    it->count.evaluations -= table->e3 && it->own->error > PK_C(1.0);
+    return PK_DONE;
+}
+
 static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
                                                      const struct pk_tableau *table, pk_real limit)
 {
@@ -115,12 +130,16 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
     it->own->flags = PK_HAVE_A; /* and the last step's stages are gone, its dense output too */
 
     struct pk_trial x = pk_trial(it, limit);
+    if (it->own->ahead)
+        it->own->ahead->waits = 0;
     for (;;) {
         if (!pk_trial_next(it, limit, &x))
             return pk_underflow(it, x.planned);
         const pk_real h = pk_abs(x.h);
         pk_real planned = h * PK_C(0.2);
-        const enum pk_status status = PK_STEPPER(attempt)(it, table, &w, x.h);
+        const int ahead = pk_is_ahead(it, x.h);
+        const enum pk_status status = ahead ? PK_STEPPER(taken)(it, table, &w, x.h)
+                                            : PK_STEPPER(attempt)(it, table, &w, x.h);
         if (status < 0) {
             pk_trouble(it, status, it->own->next_t);
         } else {
@@ -140,5 +159,7 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
         }
         /* Whatever happens, a rejected step shrinks. */
         pk_trial_reject(it, &x, planned < h ? planned : h * PK_C(0.5));
+        if (ahead && pk_waits_for(it, &x))
+            return PK_DONE;
     }
 }

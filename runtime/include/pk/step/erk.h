@@ -26,6 +26,14 @@ static PK_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
                   *low0 = pk_part(it->own->state, n, PK_LOW_Q);
     pk_real *k = it->own->work, *y = it->own->next, *low = pk_part(it->own->next, n, PK_LOW_Q);
 
+#ifndef PK_WITHOUT_RUNTIME
+    if (pk_is_ahead(it, h)) {
+        pk_ahead_take(it, PK_Q, 2);
+        pk_ahead_take(it, PK_LOW_Q, 2);
+        it->count.evaluations += (unsigned long)table->stages;
+        return PK_DONE;
+    }
+#endif
     PK_TRY(PK_STEPPER(slope)(it, it->t, y0, k));
 #define PK_ERK_STAGE(i)                              \
     if ((i) < table->stages) {                       \

@@ -31,6 +31,14 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
     pk_real done = 0; /* fraction of the step drifted so far */
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
 
+#ifndef PK_WITHOUT_RUNTIME
+    if (pk_is_ahead(it, h)) { /* of a state with its acceleration, where steps end with one */
+        pk_ahead_take(it, PK_Q, 2);
+        pk_ahead_take(it, PK_LOW_Q, ends ? 3 : 2);
+        it->count.evaluations += (unsigned long)s;
+        return PK_DONE;
+    }
+#endif
     PK_UNROLL_FEW
     for (int i = 0; i < s; i++) {
         if (i > 0 || !(it->own->flags & PK_HAVE_A)) {

@@ -6,7 +6,7 @@
 #define PK_STEP_STATE_H
 
 #include <pk/integrator.h>
-#include <pk/step/numbers.h>
+#include <pk/step/ahead.h>
 
 /* Whether fma() is an instruction, and as good everywhere. */
 #if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
@@ -54,7 +54,8 @@ struct pk_integrator_private {
     pk_real trouble_t;       /* where and condition: the cause to name if steps then shrink to */
     size_t trouble_where;    /* nothing just before it */
     pk_real trouble_condition;
-    void *extra; /* of a foreign library */
+    struct pk_ahead *ahead; /* NULL: nobody makes steps ahead */
+    void *extra;            /* of a foreign library */
 };
 
 /* it->own->flags */
@@ -77,15 +78,23 @@ PK_BEGIN
 void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
 PK_END
 
-/* The step that an adaptive method tries, from `planned` on. `left`: to the limit; below `least` no
- * step moves t, and what is left that is no longer is one step. */
-struct pk_trial {
-    pk_real sign, left, least, planned, h; /* h: of the one tried, signed */
-    int rejected, lands;
-};
+/* Whether the step at hand, of the length h, was made ahead; then it is to be taken. */
+static inline int pk_is_ahead(const struct pk_integrator *it, pk_real h)
+{
+    return pk_ahead_serves(it->own->ahead, it->t, h, it->own->next_t);
+}
 
+/* Whether a trial was rejected and the next one is to be made ahead: it goes on with that. */
+static inline int pk_waits(const struct pk_integrator *it)
+{
+    return it->own->ahead && it->own->ahead->waits;
+}
+
+/* The first, or the next one of those that wait. */
 static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real limit)
 {
+    if (pk_waits(it))
+        return it->own->ahead->trial;
     const pk_real round = PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY;
     return (struct pk_trial){.sign = (pk_real)it->own->direction,
                              .left = pk_abs(limit - it->t),
@@ -118,6 +127,16 @@ static inline void pk_trial_reject(struct pk_integrator *it, struct pk_trial *x,
     it->own->h = x->sign * planned;
 }
 
+/* Whether the next one is to be made ahead as this was; then nothing was done so far. */
+static inline int pk_waits_for(struct pk_integrator *it, const struct pk_trial *x)
+{
+    struct pk_ahead *a = it->own->ahead;
+    a->taken = 0;
+    a->waits = a->again;
+    a->trial = *x;
+    return a->waits;
+}
+
 /* It is accepted, and the next one is to be so long; `cut`: but for what was left, longer. After a
  * step below round-off the next is guessed like a first one. */
 static inline void pk_trial_accept(struct pk_integrator *it, const struct pk_trial *x, pk_real next,
@@ -138,6 +157,9 @@ static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, p
 
 PK_BEGIN
 
+/* So many parts of the new state from a lane, and the slopes of so many stages. */
+void pk_ahead_take(struct pk_integrator *it, int part, int parts);
+void pk_ahead_slopes(struct pk_integrator *it, pk_real *to, int stages);
 int pk_all_finite(const pk_real *x, size_t count);
 /* The inputs at t, into u, which is 0 where nobody fills it; and into it->own->u. */
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u);

@@ -1,0 +1,124 @@
+/* States side by side, W of them, as a structure of arrays, and the sums of their steps; the steps
+ * themselves: pk/step/ensemble.h.
+ */
+#ifndef PK_STEP_BLOCK_H
+#define PK_STEP_BLOCK_H
+
+#include <pk/step/state.h>
+#include <pk/step/tableau.h>
+
+#define PK_BLOCK_MOST 64
+
+/* n W numbers a part, in the order of enum pk_part as in an integrator. */
+struct pk_block {
+    const struct pk_system *system;
+    size_t n, lanes;
+    const void *params[PK_BLOCK_MOST]; /* of each lane */
+    pk_real *P, *u;                    /* number k of the params of lane l: P[k * W + l] */
+    pk_real *t;                        /* W times */
+    pk_real *state, *next, *spare, *work;
+    pk_real *lane;                     /* one state, of a system without lane kernels */
+    pk_real now;                       /* block.c: where all are */
+    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* of each step */
+    int have_a; /* splitting: the state's acceleration; Runge-Kutta: the first stage is made */
+    unsigned long long failed, not_finite; /* lanes, since the step began */
+};
+
+PK_BEGIN
+/* Notes lanes whose acceleration failed, and whether it was for want of a finite state. */
+void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
+                     const pk_real *v);
+PK_END
+
+/* The bits of lanes where any of `rows` rows is not finite. */
+static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t rows, size_t W)
+{
+    pk_real sum[PK_BLOCK_MOST];
+    unsigned long long bits = 0;
+    int any = 0;
+    for (size_t l = 0; l < W; l++)
+        sum[l] = 0;
+    for (size_t i = 0; i < rows; i++)
+        for (size_t l = 0; l < W; l++)
+            sum[l] += x[i * W + l] - x[i * W + l];
+    for (size_t l = 0; l < W; l++)
+        any |= !(sum[l] == PK_C(0.0));
+    for (size_t l = 0; any && l < W; l++)
+        if (!(sum[l] == PK_C(0.0)))
+            bits |= 1ull << l;
+    return bits;
+}
+
+/* y = y0 + h sum a_j k_j, rows of k `stride` apart. */
+static PK_INLINE void pk_block_combine(size_t rows, size_t W, pk_real *PK_RESTRICT y,
+                                       const pk_real *PK_RESTRICT y0,
+                                       const pk_real *PK_RESTRICT h, const pk_real *a, int count,
+                                       const pk_real *PK_RESTRICT k, size_t stride)
+{
+    for (size_t i = 0; i < rows; i++) {
+        PK_LANE_LOOP
+        for (size_t l = 0; l < W; l++)
+            y[i * W + l] = y0[i * W + l] + h[l] * pk_row_sum(a, count, k, stride, i * W + l);
+    }
+}
+
+/* The same with a compensated sum. */
+static PK_INLINE void pk_block_sum(size_t rows, size_t W, pk_real *PK_RESTRICT y,
+                                   const pk_real *PK_RESTRICT y0, pk_real *PK_RESTRICT low,
+                                   const pk_real *PK_RESTRICT low0, const pk_real *PK_RESTRICT h,
+                                   const pk_real *b, int count, const pk_real *PK_RESTRICT k)
+{
+    for (size_t i = 0; i < rows; i++) {
+        PK_LANE_LOOP
+        for (size_t l = 0; l < W; l++) {
+            const size_t at = i * W + l;
+            pk_real part = low0[at];
+            y[at] = pk_sum(y0[at], h[l] * pk_row_sum(b, count, k, rows * W, at), &part);
+            low[at] = part;
+        }
+    }
+}
+
+/* As pk_kick_drift(), of fractions of each lane's step. */
+static PK_INLINE void pk_block_kick_drift(size_t n, size_t W, const pk_real *PK_RESTRICT h,
+                                          pk_real kick, const pk_real *a, pk_real drift,
+                                          const pk_real *from, pk_real *to)
+{
+    const size_t m = n * W;
+    for (size_t i = 0; i < m; i += W) {
+        PK_LANE_LOOP
+        for (size_t l = 0; l < W; l++) {
+            const size_t k = i + l;
+            pk_real low_v = from[PK_LOW_X * m + k], low_q = from[PK_LOW_Q * m + k];
+            const pk_real v = pk_sum(from[PK_V * m + k], kick * h[l] * a[k], &low_v);
+            to[PK_Q * m + k] = pk_sum(from[PK_Q * m + k], drift * h[l] * v, &low_q);
+            to[PK_V * m + k] = v;
+            to[PK_LOW_X * m + k] = low_v;
+            to[PK_LOW_Q * m + k] = low_q;
+        }
+    }
+}
+
+static PK_INLINE void pk_block_kick(size_t n, size_t W, const pk_real *PK_RESTRICT h, pk_real kick,
+                                    const pk_real *a, pk_real *to)
+{
+    const size_t m = n * W;
+    for (size_t i = 0; i < m; i += W) {
+        PK_LANE_LOOP
+        for (size_t l = 0; l < W; l++)
+            to[PK_V * m + i + l] =
+                pk_sum(to[PK_V * m + i + l], kick * h[l] * a[i + l], &to[PK_LOW_X * m + i + l]);
+    }
+}
+
+/* Numbers of work for a table of s stages; of one more slope, which is that at the end. */
+static inline size_t pk_block_reals(int stages, size_t n, size_t W)
+{
+    return ((size_t)stages * 2 + 3) * n * W;
+}
+static inline pk_real *pk_block_slopes(const struct pk_block *b, int stage)
+{
+    return b->work + (size_t)stage * 2 * b->n * b->lanes;
+}
+
+#endif

@@ -1,0 +1,109 @@
+"""Members whose steps are made side by side are what they are alone, to the bit: random members of
+models of every kind, by methods of every family, with and without events, stops and switches."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pkgen
+import pytest
+
+PENDULUM = """model twice
+param m2 = 1 in (0, inf)
+coord a, b
+let x = sin(a)
+let y = -cos(a)
+let X = x + sin(b)
+let Y = y - cos(b)
+kinetic (x'^2 + y'^2)/2 + m2/2*(X'^2 + Y'^2)
+potential 9.81*y + m2*9.81*Y
+event low: b rising
+event twin: a*b - 0.01*t
+event flip: b - 2 rising stop
+"""
+LATTICE = """model lattice
+param e = 1 in (0, inf)
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential (x^2 + y^2)/2 + e*(x^2*y - y^3/3)
+event section: x rising
+event far: x^2 + y^2 - 0.3 stop
+"""
+BALL = """model ball
+param k = 300 in (0, inf)
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential 9.81*x + k/2*step(-x)*x^2 + y^2*step(y)
+force x = -0.05*x'
+event top: x' falling
+"""
+STEPS = """model stairs
+param height = 0.8 in (0, inf)
+coord x
+kinetic x'^2/2
+potential height*step(x - 1) + x^2/2
+event middle: x - 0.5
+"""
+BEAD = """model bead
+param g = 9.81
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential g*y
+constraint rod: x^2 + y^2 = 1
+event bottom: x
+"""
+DRIVEN = """model driven
+param c = 0.2 in [0, inf)
+coord x
+state z
+rate z = -z + x^2
+kinetic x'^2/2
+potential -x^2/2 + x^4/4
+force x = -c*x' + 0.3*cos(t) + 0.1*z
+event through: x
+"""
+FIXED, LOOSE = {"step": 0.02}, {"rtol": 1e-7}
+TWO = {"x": (-0.5, 0.5), "y": (-0.4, 0.4), "x'": (-0.4, 0.4), "y'": (-0.3, 0.3)}
+CASES = {
+    "no events": (PENDULUM, {"a": (-2, 2), "b": (-2, 2), "m2": (0.5, 2)}, LOOSE, "dop853", None),
+    "dopri5": (PENDULUM, {"a": (-2, 2), "b'": (-3, 3)}, LOOSE, "dopri5", None),
+    "events": (PENDULUM, {"a": (-2, 2), "b": (-2, 2), "m2": (0.5, 2)}, FIXED, "rk4", "low"),
+    "two events": (PENDULUM, {"a": (-1, 1), "b'": (-2, 2)}, FIXED, "rk3", "twin"),
+    "dense events": (PENDULUM, {"a": (-2, 2), "b'": (-3, 3)}, LOOSE, "dop853", "low"),
+    "section": (LATTICE, {**TWO, "e": (0.5, 1.2)}, FIXED, "yoshida4", "section"),
+    "verlet": (LATTICE, TWO, FIXED, "verlet", "far"),
+    "switches": (BALL, {"x": (0.1, 1), "y": (-1, 1), "k": (50, 400)}, FIXED, "rk4", "top"),
+    "adaptive switches": (BALL, {"x": (0.1, 1), "y'": (-1, 1)}, LOOSE, "dopri5", "top"),
+    "impulses": (STEPS, {"x": (0, 0.9), "x'": (-2, 2), "height": (0.2, 3)}, FIXED, "rk4", "middle"),
+    "constraints": (BEAD, {"x'": (0.5, 4), "g": (5, 10)}, FIXED, "rk4", "bottom"),
+    "adaptive constraints": (BEAD, {"x'": (0.5, 4)}, LOOSE, "dop853", None),
+    "states": (DRIVEN, {"x": (-1, 1), "z": (-1, 1), "c": (0, 0.5)}, LOOSE, "dopri5", None),
+    "states, events": (DRIVEN, {"x": (-1, 1), "c": (0, 0.5)}, FIXED, "rk4", "through"),
+}
+MEMBERS = 75  # more than the lanes of a block, and no multiple of theirs
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_members_are_what_they_are_alone(name: str, tmp_path: Path) -> None:
+    text, ranges, steps, method, at = CASES[name]
+    path = tmp_path / "model.lag"
+    path.write_text(text + ("start y = -1\n" if text is BEAD else ""), encoding="utf-8")
+    rng = np.random.default_rng(2385)
+    table = {of: rng.uniform(*span, MEMBERS) for of, span in ranges.items()}
+    # Steps are no part of the rows' distance.
+    options = {"until": 4.03, "method": method, "every": 0.25, **steps, **({"at": at} if at else {})}
+    model = pkgen.load(path)
+    together = model.ensemble(table, threads=2, **options)
+    seen = 0
+    for i in range(0, MEMBERS, 3):
+        member = {of: float(column[i]) for of, column in table.items()}
+        for of in [of for of in member if of in model.params]:
+            model.params[of] = member.pop(of)
+        alone = model.run(start=member, **options)
+        mine = together.member == i + 1
+        assert np.array_equal(together.t[mine], alone.t)
+        for column in alone:
+            assert np.array_equal(together[column][mine], alone[column], equal_nan=True), column
+        seen += len(alone)
+    assert seen > MEMBERS
