@@ -4,9 +4,9 @@
  *     size_t size = pk_abreast_size(&problem, method);      (bytes; 0: there are no lanes for it)
  *     pk_abreast_init(&abreast, &problem, method, block, size);
  *     while (...) {
- *         lanes[l] = (struct pk_abreast_lane){&it[l], params, limit[l]};   (abreast.lanes of them)
+ *         lanes[l] = (struct pk_abreast_lane){&it[l], NULL, limit[l], it[l].t}; (abreast.lanes of them)
  *         pk_abreast_make(&abreast, lanes);
- *         pk_integrator_step(&it[l], limit[l]);             (of each, or pk_events_step())
+ *         pk_integrator_step(&it[l], limit[l]);  (of each that is not idle, or pk_events_step())
  *     }
  *
  * An integrator comes to the step that was made for it and takes it, if that is the step that it
@@ -24,10 +24,22 @@
 
 PK_BEGIN
 
+struct pk_events;
+
 struct pk_abreast_lane {
     struct pk_integrator *it; /* NULL: nobody */
-    const void *params;       /* those that its step will have */
+    struct pk_events *events; /* by which its steps are made; NULL: none are looked for */
     pk_real limit;
+    /* Up to there nobody looks at each step: where steps are fixed, a call may make many. it->t:
+     * there are none such. */
+    pk_real free;
+};
+
+/* For the runtime alone: functions of events and switches along steps. */
+struct pk_screen {
+    size_t functions;
+    pk_real *a0, *a1, *bends, *trial, *g, *one;
+    void (*values)(const struct pk_block *b, const pk_real *q, const pk_real *v, pk_real *g);
 };
 
 struct pk_abreast {
@@ -38,7 +50,10 @@ struct pk_abreast {
     const struct pk_block_stepper *stepper;
     struct pk_block b;
     struct pk_ahead ahead[PK_BLOCK_MOST];
+    struct pk_screen screen;
     unsigned long long loaded; /* lanes whose numbers are finite */
+    unsigned long long single; /* lanes with one step, whose state is where it began */
+    unsigned long long idle;   /* lanes whose integrators are to make no step this time */
 };
 
 /* How many there are at once; the block is to be aligned for pk_real. */

@@ -74,10 +74,12 @@
     PK_INLINED_BLOCK_RUNGE_KUTTA(method)                          \
     PK_INLINED_BLOCK(attempt_##method,                            \
                      PK_STEPPER(block_attempt)(b, &pk_##method##_table))
-#define PK_INLINED_BLOCK_ENTRY(method) {#method, PK_INLINE_LANES, PK_STEPPER(block_##method), NULL},
+#define PK_INLINED_BLOCK_ENTRY(method)                                   \
+    {#method, PK_INLINE_LANES, PK_STEPPER(block_##method), NULL,         \
+     PK_STEPPER(block_members), PK_INLINED_VALUES},
 #define PK_INLINED_BLOCK_ENTRY_EMBEDDED(method)              \
     {#method, PK_INLINE_LANES, PK_STEPPER(block_##method),   \
-     PK_STEPPER(block_attempt_##method)},
+     PK_STEPPER(block_attempt_##method), PK_STEPPER(block_members), PK_INLINED_VALUES},
 #endif
 
 #if defined PK_INLINE_ERK || defined PK_INLINE_EMBEDDED || defined PK_INLINE_SPLITTING || \
@@ -128,6 +130,56 @@ static unsigned long long PK_STEPPER(members)(const pk_real *P, const pk_real *t
     return PK_MODEL(members_inline)(PK_INLINE_LANES, P, t, q, v, u, a);
 }
 #include <pk/step/ensemble.h>
+static unsigned long long PK_STEPPER(block_members)(struct pk_block *b, const pk_real *q,
+                                                    const pk_real *v, pk_real *a)
+{
+    return PK_BLOCK_MEMBERS(b, q, v, a);
+}
+#ifndef PK_MODEL_EVENTS
+#define PK_MODEL_EVENTS 0
+#define PK_MODEL_EVENTS_UNKNOWN
+#endif
+#ifndef PK_MODEL_SWITCHES
+#define PK_MODEL_SWITCHES 0
+#define PK_MODEL_SWITCHES_UNKNOWN
+#endif
+#if PK_MODEL_EVENTS + PK_MODEL_SWITCHES > 0
+#define PK_INLINED_VALUES PK_STEPPER(block_values)
+static void PK_STEPPER(block_values)(const struct pk_block *b, const pk_real *q, const pk_real *v,
+                                     pk_real *PK_RESTRICT g)
+{
+    const size_t n = PK_BLOCK_N(b), W = PK_BLOCK_LANES(b), count = PK_MODEL_EVENTS,
+                 all = PK_MODEL_EVENTS + PK_MODEL_SWITCHES;
+    for (size_t l = 0; l < W; l++) {
+        const struct PK_MODEL(params) *p = (const struct PK_MODEL(params) *)b->params[l];
+        pk_real x[2 * PK_MODEL(N)], u[PK_MODEL(INPUTS) + 1], y[PK_MODEL_EVENTS + PK_MODEL_SWITCHES];
+        for (size_t i = 0; i < n; i++) {
+            x[i] = q[i * W + l];
+            x[n + i] = v[i * W + l];
+        }
+        for (size_t i = 0; i < PK_MODEL(INPUTS); i++)
+            u[i] = b->u[i * W + l];
+#ifndef PK_MODEL_EVENTS_UNKNOWN
+        PK_MODEL(event)(p, b->t[l], x, x + n, u, y);
+#endif
+#ifndef PK_MODEL_SWITCHES_UNKNOWN
+        PK_MODEL(switching)(p, b->t[l], x, x + n, u, y + count);
+#endif
+        for (size_t i = 0; i < all; i++)
+            g[i * W + l] = y[i];
+    }
+}
+#else
+#define PK_INLINED_VALUES NULL
+#endif
+#ifdef PK_MODEL_EVENTS_UNKNOWN
+#undef PK_MODEL_EVENTS
+#undef PK_MODEL_EVENTS_UNKNOWN
+#endif
+#ifdef PK_MODEL_SWITCHES_UNKNOWN
+#undef PK_MODEL_SWITCHES
+#undef PK_MODEL_SWITCHES_UNKNOWN
+#endif
 #ifdef PK_INLINE_ERK
 PK_ERK_METHODS(PK_INLINED_BLOCK_RUNGE_KUTTA)
 #endif
@@ -147,7 +199,8 @@ static const struct pk_block_stepper PK_STEPPER(block_steppers)[] = {
 #ifdef PK_INLINE_SPLITTING
             PK_SPLITTING_METHODS(PK_INLINED_BLOCK_ENTRY)
 #endif
-                {NULL, 0, NULL, NULL}};
+                {NULL, 0, NULL, NULL, NULL, NULL}};
+#undef PK_INLINED_VALUES
 #else
 #define PK_INLINE_BLOCK_STEPPERS NULL
 #endif

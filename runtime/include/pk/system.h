@@ -80,6 +80,12 @@ struct pk_block_stepper {
     size_t lanes;                                       /* states a block, at most 64 */
     unsigned long long (*step)(struct pk_block *block); /* of the length that is given */
     unsigned long long (*attempt)(struct pk_block *block); /* of an adaptive method: a trial */
+    /* Accelerations at block->t. All three return the bits of lanes that failed. */
+    unsigned long long (*members)(struct pk_block *block, const pk_real *q, const pk_real *v,
+                                  pk_real *a);
+    /* Functions of events, then of switches, at block->t: number k of lane l is g[k * lanes + l].
+     * NULL: there are none compiled in. */
+    void (*values)(const struct pk_block *block, const pk_real *q, const pk_real *v, pk_real *g);
 };
 
 /* The parts of a system. One that is zero is not there. */

@@ -165,6 +165,7 @@ struct pk_run {
     int at_event;     /* the row being written is at one */
     unsigned long rows;
     int begun;            /* it could start */
+    int lean;             /* of a member: nobody looks at its steps, but where it begins and ends */
     pk_real h_min, h_max; /* steps made */
     pk_real trusted;      /* until when the energy was what it is to be; see look.h */
     int distrusted;

@@ -45,6 +45,7 @@ static void prepare(struct pk_run *run, const struct work *w, size_t i)
     s->u = b->u + i * b->system->n_inputs;
     s->polls = pk_thread() == 0;
     expect_own(s);
+    run->lean = expect_lean(run);
     run->next = 1;
     run->count = w->run->count;
     run->loop = w->run->loop;
@@ -138,13 +139,14 @@ static void go_abreast(const struct work *w, size_t next, size_t behind)
                     lane->it = &m->run->it, live++;
             if (!lane->it)
                 continue;
-            lane->params = m->run->events.params ? m->run->events.params
-                                                 : lane->it->problem.params;
+            lane->events = m->run->crossed ? &m->run->events : NULL;
             lane->limit = run_limit(m->run);
+            lane->free = m->run->lean ? run_wanted(m->run, lane->it->t, m->run->settings.until)
+                                      : lane->it->t;
         }
         pk_abreast_make(&a, lanes);
         for (size_t l = 0; l < w->lanes; l++)
-            if (lanes[l].it && !(try_to(go_on, &members[l]) && members[l].goes)) {
+            if (lanes[l].it && !(a.idle >> l & 1) && !(try_to(go_on, &members[l]) && members[l].goes)) {
                 finish(&members[l]);
                 pk_abreast_leave(lanes[l].it);
                 lanes[l].it = NULL;

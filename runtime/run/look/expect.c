@@ -105,6 +105,14 @@ int expect_uses_h(const struct pk_run *run)
     return 0;
 }
 
+int expect_lean(const struct pk_run *run)
+{
+    for (size_t i = 0; i < run->settings.asked.n_expected; i++)
+        if (run->settings.expected[i].of.when == 't')
+            return 0;
+    return run->settings.asked.n_drifts == 0;
+}
+
 /* What has drifted so far is of one member, and the next one begins. */
 static void end(struct pk_run *run)
 {

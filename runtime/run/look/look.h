@@ -59,6 +59,8 @@ void expect_landed(struct pk_run *run, const struct moment *at);
 /* Whether the drift of the energy is asked for. It is then watched where the equations do not show
  * it to be constant as well: a parameter that makes it so may be left to the run (--no-reduce). */
 int expect_uses_h(const struct pk_run *run);
+/* Whether nothing is expected of steps: neither drifts nor anything where a step ends. */
+int expect_lean(const struct pk_run *run);
 /* What is to be known, of which nothing is yet, in memory of a member's own; and what is known of
  * one goes to that of all, in their order. */
 void expect_own(struct settings *s);

@@ -43,7 +43,7 @@ static int step(struct pk_run *run)
         run->h_min = h;
     if (h > run->h_max)
         run->h_max = h;
-    if (!fused(run) || singular(run) || !(it->t < end))
+    if (!run->lean && (!fused(run) || singular(run) || !(it->t < end)))
         observe_step(run, run_moment(run));
     return status == PK_DONE && !run->write_failed;
 }
@@ -120,6 +120,8 @@ void run_ends(struct pk_run *run)
         return;
     if (by_time(run) && it->status == PK_STOPPED_EVENT && (!run->rows || run->last_row < it->t))
         observe_row(run, run_moment(run));
+    if (run->lean)
+        observe_step(run, run_moment(run));
     observe_end(run);
 }
 

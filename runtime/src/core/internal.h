@@ -119,6 +119,11 @@ struct pk_planned {
     int off_grid;
 };
 struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit);
+/* Its steps that end before `limit`, at most `most`; the last one is left to pk_integrator_step(),
+ * which ends exactly there. */
+unsigned long pk_step_whole(const struct pk_integrator *it, pk_real limit, unsigned long most);
+/* Makes all that was made ahead the state: it->own->ahead->many steps. */
+void pk_ahead_all(struct pk_integrator *it);
 void pk_step_made(struct pk_integrator *it, int fixed);
 
 /* Kernels through the integrator: inputs filled, calls counted, failures named. */

@@ -8,9 +8,16 @@
 #include "ensemble.h"
 
 #include <pk/abreast.h>
+#include <pk/events.h>
 #include <pk/step/embedded.h>
 
-enum { FEW = 8 }; /* no more than this part of the lanes: those are not worth while */
+#include "../events/events.h"
+#include "screen.h"
+
+enum {
+    FEW = 8,  /* no more than this part of the lanes: those are not worth while */
+    MANY = 32 /* steps in a call */
+};
 
 static int most_stages(const struct pk_method *method)
 {
@@ -19,15 +26,18 @@ static int most_stages(const struct pk_method *method)
 }
 
 static size_t lay_out(struct pk_block *b, const struct pk_system *system,
-                      const struct pk_method *method, size_t n, size_t W, pk_real *base)
+                      const struct pk_method *method, size_t n, size_t W, pk_real **screen,
+                      pk_real *base)
 {
+    const size_t looks = method->traits & PK_ADAPTIVE ? 0 : pk_screen_size(system, n, W);
     const struct pk_slot slots[] = {{&b->state, PK_PARTS * n * W},
                                     {&b->next, PK_PARTS * n * W},
                                     {&b->P, pk_params_reals(system) * W},
                                     {&b->u, system->n_inputs * W},
                                     {&b->t, W},
                                     {&b->work, pk_block_reals(most_stages(method), n, W)},
-                                    {&b->lane, 3 * n + system->n_inputs}};
+                                    {&b->lane, 3 * n + system->n_inputs},
+                                    {screen, looks}};
     return PK_LAY_OUT(base, slots);
 }
 
@@ -36,10 +46,11 @@ size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method 
     const struct pk_system *system = problem->system;
     const struct pk_block_stepper *s = pk_block_stepper_of(system, method);
     struct pk_block b;
+    pk_real *screen;
     if (!s || (method->traits & PK_ADAPTIVE && !s->attempt))
         return 0;
-    return lay_out(&b, system, method, pk_system_count(system, problem->params), s->lanes, NULL) *
-           sizeof(pk_real);
+    const size_t n = pk_system_count(system, problem->params);
+    return lay_out(&b, system, method, n, s->lanes, &screen, NULL) * sizeof(pk_real);
 }
 
 size_t pk_abreast_lanes(const struct pk_problem *problem, const struct pk_method *method)
@@ -58,6 +69,9 @@ void pk_abreast_init(struct pk_abreast *a, const struct pk_problem *problem,
                      const struct pk_method *method, void *block, size_t size)
 {
     const struct pk_system *system = problem->system;
+    const struct pk_splitting *splitting = pk_splitting_table(method);
+    const int stages = splitting ? splitting->stages : pk_explicit_table(method)->stages;
+    pk_real *screen;
     memset(a, 0, sizeof *a);
     memset(block, 0, size);
     a->method = method;
@@ -66,7 +80,11 @@ void pk_abreast_init(struct pk_abreast *a, const struct pk_problem *problem,
     a->b.system = system;
     a->b.lanes = a->lanes;
     a->b.n = pk_system_count(system, problem->params);
-    lay_out(&a->b, system, method, a->b.n, a->lanes, (pk_real *)block);
+    lay_out(&a->b, system, method, a->b.n, a->lanes, &screen, (pk_real *)block);
+    if (!(method->traits & PK_ADAPTIVE))
+        pk_screen_init(&a->screen, system, a->b.n, a->lanes, a->stepper->values, screen);
+    for (size_t l = 0; l < a->lanes; l++)
+        a->ahead[l].lanes = a->lanes, a->ahead[l].cost = (unsigned long)stages;
 }
 
 /* What the next step towards `limit` will be; 0: that is not to be said. */
@@ -103,7 +121,9 @@ static void load(struct pk_abreast *a, const struct pk_abreast_lane *lane, size_
     struct pk_block *b = &a->b;
     struct pk_integrator *it = lane->it;
     const size_t n = b->n, W = b->lanes, reals = pk_params_reals(b->system);
-    const pk_real *params = (const pk_real *)lane->params;
+    const void *own = lane->events && lane->events->params ? lane->events->params
+                                                           : it->problem.params;
+    const pk_real *params = (const pk_real *)own;
     b->params[l] = params;
     put(it->own->state, PK_PARTS * n, b->state + l, W);
     if (a->method->traits & PK_ADAPTIVE) {
@@ -144,80 +164,212 @@ static void pick(const pk_bits *mask, size_t rows, size_t W, const pk_real *PK_R
     }
 }
 
-/* What was taken is where the next steps begin. */
-static void turn(struct pk_abreast *a)
+/* So many parts of the lanes' state. */
+static void advance(struct pk_abreast *a, unsigned long long lanes)
 {
     struct pk_block *b = &a->b;
-    const size_t n = b->n, W = b->lanes, part = n * W;
+    const size_t n = b->n, W = b->lanes, low = PK_LOW_Q * n * W;
     pk_bits mask[PK_BLOCK_MOST];
-    int all = 1;
-    for (size_t l = 0; l < W; l++) {
-        mask[l] = a->ahead[l].taken ? ~(pk_bits)0 : 0;
-        all &= a->ahead[l].taken;
-    }
-    if (all) {
-        pk_real *const left_behind = b->state;
-        b->state = b->next;
-        b->next = left_behind;
-    } else {
-        pick(mask, 2 * n, W, b->next, b->state);
-    }
+    if (!lanes)
+        return;
+    for (size_t l = 0; l < W; l++)
+        mask[l] = lanes >> l & 1 ? ~(pk_bits)0 : 0;
+    pick(mask, 2 * n, W, b->next, b->state);
     if (a->method->traits & PK_ADAPTIVE)
         pick(mask, 2 * n, W, pk_block_slopes(b, most_stages(a->method)), b->work);
-    else if (!all)
-        pick(mask, (PK_PARTS - PK_LOW_Q) * n, W, b->next + PK_LOW_Q * part,
-             b->state + PK_LOW_Q * part);
+    else
+        pick(mask, (PK_PARTS - PK_LOW_Q) * n, W, b->next + low, b->state + low);
 }
 
-void pk_abreast_make(struct pk_abreast *a, const struct pk_abreast_lane *lanes)
+/* Into these lanes what their integrators are to have next. The lanes of them. */
+static unsigned long long enter(struct pk_abreast *a, const struct pk_abreast_lane *lanes)
 {
     struct pk_block *b = &a->b;
-    const size_t W = a->lanes;
-    const struct pk_splitting *splitting = pk_splitting_table(a->method);
     unsigned long long live = 0;
-    size_t count = 0;
-    turn(a);
-    for (size_t l = 0; l < W; l++) {
+    for (size_t l = 0; l < a->lanes; l++) {
         struct pk_integrator *it = lanes[l].it;
         struct pk_ahead *ahead = &a->ahead[l];
         struct pk_planned x = {0};
-        ahead->ready = 0;
+        ahead->ready = ahead->clear = 0;
+        ahead->many = 0;
         if (it && it->own->ahead != ahead)
             it->own->ahead = ahead, ahead->taken = ahead->waits = 0;
         if (it && plan(a, it, lanes[l].limit, &x)) {
             live |= 1ull << l;
-            count++;
             if (!(ahead->taken || ahead->waits) || it->own->project)
                 load(a, &lanes[l], l);
-            ahead->from = it->t;
         } else {
             ahead->taken = 0;
         }
-        b->from[l] = it ? it->t : 0;
-        b->end[l] = ahead->end = x.end;
-        b->h[l] = ahead->h = x.h;
+        ahead->from = b->from[l] = it ? it->t : 0;
+        ahead->end = b->end[l] = x.end;
+        ahead->h = b->h[l] = x.h;
     }
-    if (count * FEW <= W) /* each by itself is faster */
-        return;
+    return live;
+}
+
+/* A lane with nothing to do has a step of no length. */
+static void rest(struct pk_abreast *a, unsigned long long live)
+{
+    struct pk_block *b = &a->b;
     size_t first = 0;
     while (!(live >> first & 1))
         first++;
-    for (size_t l = 0; l < W; l++) {
+    for (size_t l = 0; l < b->lanes; l++) {
         if (live >> l & 1)
             continue;
         if (!(a->loaded >> l & 1))
             copy_lane(b, a, first, l);
         b->from[l] = b->end[l] = b->from[first];
+        b->h[l] = 0;
+    }
+}
+
+/* Steps of all lanes; those that failed. */
+static unsigned long long step(struct pk_abreast *a)
+{
+    struct pk_block *b = &a->b;
+    b->failed = b->not_finite = 0;
+    return (a->method->traits & PK_ADAPTIVE ? a->stepper->attempt : a->stepper->step)(b);
+}
+
+static unsigned long long accelerations(struct pk_abreast *a, const pk_real *t,
+                                        const pk_real *state, pk_real *to)
+{
+    struct pk_block *b = &a->b;
+    memcpy(b->t, t, b->lanes * sizeof *t);
+    return a->stepper->members(b, state, state + b->n * b->lanes, to);
+}
+
+/* Of these lanes, whose steps are made, those that meet nothing. */
+static unsigned long long clear(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
+                                unsigned long long of, unsigned long long known)
+{
+    struct pk_block *b = &a->b;
+    const size_t m = b->n * b->lanes;
+    if (!a->screen.functions)
+        return of;
+    if (pk_splitting_table(a->method))
+        of &= ~accelerations(a, b->from, b->state, a->screen.a0);
+    else
+        memcpy(a->screen.a0, b->work + m, m * sizeof *b->work);
+    of &= ~accelerations(a, b->end, b->next, a->screen.a1);
+    return pk_screen(&a->screen, b, lanes, of, known);
+}
+
+/* Whether nobody looks at its steps, which are nothing but the method's. */
+static int is_free(const struct pk_abreast *a, const struct pk_abreast_lane *lane)
+{
+    const struct pk_integrator *it = lane->it;
+    const struct pk_integrator_private *own = it->own;
+    return !(a->method->traits & PK_ADAPTIVE) && !own->singularities && !own->marks &&
+           !own->project && !own->passage &&
+           (pk_real)own->direction * (lane->free - it->t) > 0 &&
+           it->options.h > PK_C(10.0) * PK_EPS * pk_abs(lane->free);
+}
+
+static size_t bits(unsigned long long x)
+{
+    size_t count = 0;
+    for (; x; x &= x - 1)
+        count++;
+    return count;
+}
+
+/* How many of its steps may be made at once. */
+static unsigned long most_of(const struct pk_abreast *a, const struct pk_abreast_lane *lane)
+{
+    const struct pk_integrator *it = lane->it;
+    const unsigned long asked = it->options.max_steps, made = it->count.steps;
+    const unsigned long left = !asked ? MANY : asked > made ? asked - made : 0;
+    if (!is_free(a, lane) || (a->screen.functions && !pk_events_goes_on(lane->events)))
+        return 0;
+    return pk_step_whole(it, lane->free, left < MANY ? left : MANY);
+}
+
+/* So many steps of the lanes `live` as most of them can make together. */
+static void make_many(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
+                      unsigned long long live, const unsigned long *most)
+{
+    struct pk_block *b = &a->b;
+    const size_t n = b->n, W = b->lanes, m = n * W, enough = (bits(live) + 1) / 2;
+    const int splitting = pk_splitting_table(a->method) != NULL;
+    unsigned long long going = live, known = 0;
+    while (going && bits(going) >= enough) {
+        for (size_t l = 0; l < W; l++) {
+            const struct pk_ahead *ahead = &a->ahead[l];
+            b->h[l] = 0;
+            if (!(going >> l & 1))
+                continue;
+            const struct pk_integrator_private *own = lanes[l].it->own;
+            b->h[l] = (pk_real)own->direction * lanes[l].it->options.h;
+            b->end[l] = own->anchor + (own->grid + (pk_real)ahead->many + 1) * b->h[l];
+        }
+        b->have_a = splitting ? pk_splitting_ends(pk_splitting_table(a->method))
+                              : !(going & ~known);
+        going &= ~step(a);
+        going = clear(a, lanes, going, known);
+        advance(a, going);
+        known = a->screen.functions ? going : 0;
+        for (size_t l = 0; l < W; l++) {
+            struct pk_ahead *ahead = &a->ahead[l];
+            if (!(going >> l & 1))
+                continue;
+            ahead->many++;
+            ahead->h = b->h[l];
+            ahead->end = b->from[l] = b->end[l];
+            ahead->next = b->state + l;
+            if (ahead->many == most[l])
+                going &= ~(1ull << l);
+        }
+        if (known && !splitting) { /* their first stages */
+            memcpy(b->work, b->state + m, m * sizeof *b->work);
+            memcpy(b->work + m, a->screen.a1, m * sizeof *b->work);
+        }
+    }
+}
+
+void pk_abreast_make(struct pk_abreast *a, const struct pk_abreast_lane *lanes)
+{
+    struct pk_block *b = &a->b;
+    const struct pk_splitting *splitting = pk_splitting_table(a->method);
+    unsigned long most[PK_BLOCK_MOST];
+    unsigned long long made = 0, free = 0;
+    for (size_t l = 0; l < a->lanes; l++)
+        made |= (unsigned long long)(a->ahead[l].taken && a->single >> l & 1) << l;
+    advance(a, made);
+    a->single = a->idle = 0;
+    const unsigned long long live = enter(a, lanes);
+    if (bits(live) * FEW <= a->lanes) /* each by itself is faster */
+        return;
+    rest(a, live);
+    for (size_t l = 0; l < a->lanes; l++)
+        if (live >> l & 1) {
+            most[l] = most_of(a, &lanes[l]);
+            free |= (unsigned long long)(most[l] > 0) << l;
+        }
+    if (free) {
+        a->idle = live & ~free;
+        rest(a, free);
+        make_many(a, lanes, free, most);
+        return;
     }
     b->have_a = splitting ? pk_splitting_ends(splitting) : (a->method->traits & PK_ADAPTIVE) != 0;
-    b->failed = b->not_finite = 0;
-    const unsigned long long bad =
-        (a->method->traits & PK_ADAPTIVE ? a->stepper->attempt : a->stepper->step)(b);
-    for (size_t l = 0; l < W; l++)
-        if ((live & ~bad) >> l & 1) {
+    const unsigned long long good = live & ~step(a);
+    unsigned long long looked = 0;
+    for (size_t l = 0; l < a->lanes; l++)
+        if (good >> l & 1) {
             a->ahead[l].next = b->next + l;
             a->ahead[l].slopes = b->work + l;
-            a->ahead[l].lanes = W;
             a->ahead[l].ready = 1;
+            if (lanes[l].events && !lanes[l].it->own->singularities &&
+                pk_events_goes_on(lanes[l].events))
+                looked |= 1ull << l;
         }
+    a->single = good;
+    if (!looked || a->method->traits & PK_ADAPTIVE)
+        return;
+    looked = clear(a, lanes, looked, 0);
+    for (size_t l = 0; l < a->lanes; l++)
+        a->ahead[l].clear = looked >> l & 1;
 }

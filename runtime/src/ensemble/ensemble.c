@@ -165,7 +165,7 @@ static void run_abreast(const struct pk_ensemble *e, size_t first, size_t count,
     for (size_t l = 0; l < W; l++) {
         ways[l] = (struct way){.e = e, .m = member_at(e, block, l), .aside = member_at(e, block, W)};
         ways[l].kept = 1;
-        of[l].it = NULL;
+        of[l] = (struct pk_abreast_lane){0};
     }
     for (size_t next = first, left = count; left;) {
         for (size_t l = 0; l < W; l++) {
@@ -177,7 +177,7 @@ static void run_abreast(const struct pk_ensemble *e, size_t first, size_t count,
                     end(w), left--;
             }
             if (of[l].it)
-                of[l].limit = limit(w), of[l].params = w->m->it.problem.params;
+                of[l].limit = limit(w), of[l].free = w->m->it.t;
         }
         pk_abreast_make(&a, of);
         for (size_t l = 0; l < W; l++)

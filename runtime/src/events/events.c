@@ -108,7 +108,7 @@ static enum pk_status at_end(const struct pk_events *e, struct pk_integrator *it
                              const pk_real *q, const pk_real *v)
 {
     pk_real *g = pk_events_end(e, end);
-    pk_events_functions(e, it, it->t, q, v, g);
+    pk_events_functions(e, it, end ? it->t : e->from, q, v, g);
     for (size_t k = 0; k < pk_events_count(e); k++)
         if (!pk_finite(g[k]))
             return pk_events_not_finite(it, k);
@@ -200,10 +200,18 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->scout.options.h = it->options.h;
     memcpy(e->q0, it->q, e->n * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
-    if (at_end(e, it, 0, e->q0, e->v0) < 0 || beyond(e, it, limit < it->t) ||
-        pk_integrator_step(it, limit) != PK_DONE)
+    const int clear = pk_events_ahead(e, it); /* then there is nothing at its begin either */
+    if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || beyond(e, it, limit < it->t)))
+        return it->status;
+    if (pk_integrator_step(it, limit) != PK_DONE)
         return it->status;
     if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
+        return it->status;
+    if (clear && it->own->ahead->taken) {
+        e->at_switch = 0;
+        return it->status;
+    }
+    if (clear && at_end(e, it, 0, e->q0, e->v0) < 0)
         return it->status;
     return at_end(e, it, 1, it->q, it->v) < 0 ? it->status : pk_events_look(e, it);
 }

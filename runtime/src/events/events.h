@@ -61,6 +61,16 @@ static inline pk_real pk_events_width(const struct pk_events *e, const struct pk
     return PK_C(4.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(it->t));
 }
 
+/* Whether a step like others comes next: not the first one, nor one from where the last was cut. */
+static inline int pk_events_goes_on(const struct pk_events *e) { return e && e->begun && !e->cut; }
+
+/* Whether steps were made ahead in which nothing is met. */
+static inline int pk_events_ahead(const struct pk_events *e, const struct pk_integrator *it)
+{
+    const struct pk_ahead *a = it->own->ahead;
+    return pk_events_goes_on(e) && a && (a->many || (a->ready && a->clear));
+}
+
 /* The motion at t within the step, by the method itself, into e->trial. */
 enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t);
 /* All that is crossed in the step: found window by window, and told. */

@@ -7,20 +7,6 @@
 #include "../core/internal.h"
 #include "../core/tableau.h"
 
-/* Steps of the grid that end before `limit`, at most `most`; the last one is left to
- * pk_integrator_step(), which ends exactly there. */
-static unsigned long whole(const struct pk_integrator *it, pk_real limit, unsigned long most)
-{
-    /* Times are rounded: a step that ends that close to the limit is the last one. */
-    const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
-    const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h;
-    const pk_real ceiling = PK_C(1e9);
-    if (!(count > 0))
-        return 0;
-    const unsigned long steps = (unsigned long)(count < ceiling ? count : ceiling);
-    return steps < most ? steps : most;
-}
-
 /* 0 where nothing was done: it passes over what singularities and constraints see to between steps.
  */
 static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned long most)
@@ -32,7 +18,7 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     if (!system->families.advance || !table || system->n_inputs || it->own->singularities ||
         it->own->project)
         return 0;
-    unsigned long steps = whole(it, limit, most);
+    unsigned long steps = pk_step_whole(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
         steps = it->options.max_steps - it->count.steps;
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))

@@ -24,6 +24,18 @@ struct pk_planned pk_step_planned(const struct pk_integrator *it, pk_real limit)
     return (struct pk_planned){limit - it->t, limit, 1};
 }
 
+unsigned long pk_step_whole(const struct pk_integrator *it, pk_real limit, unsigned long most)
+{
+    /* Times are rounded: a step that ends that close to the limit is the last one. */
+    const pk_real close = PK_C(4.0) * PK_EPS * pk_max(pk_abs(it->t), pk_abs(limit));
+    const pk_real count = (pk_abs(limit - it->t) - close) / it->options.h;
+    const pk_real ceiling = PK_C(1e9);
+    if (!(count > 0))
+        return 0;
+    const unsigned long steps = (unsigned long)(count < ceiling ? count : ceiling);
+    return steps < most ? steps : most;
+}
+
 int pk_often_rejected(const struct pk_integrator *it)
 {
     const unsigned long tried = it->count.steps + it->count.rejections - it->own->judged;

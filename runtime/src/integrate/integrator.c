@@ -135,7 +135,8 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
         return it->status;
     it->own->ready = 0;
     if (it->own->ahead)
-        it->own->ahead->ready = it->own->ahead->taken = it->own->ahead->waits = 0;
+        it->own->ahead->ready = it->own->ahead->taken = it->own->ahead->waits = 0,
+        it->own->ahead->many = 0;
     if (!q || !v)
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_POINTER);
     if (!pk_finite(t))
@@ -247,6 +248,11 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
     if (it->options.stop && it->options.stop(it->options.context)) {
         it->own->ready = 0; /* what goes on all the same ends at its next step */
         return it->status = PK_STOPPED_USER;
+    }
+
+    if (it->own->ahead && it->own->ahead->many) {
+        pk_ahead_all(it);
+        return it->status = PK_DONE;
     }
 
     const int fixed = !(it->method->traits & PK_ADAPTIVE);

@@ -1,0 +1,89 @@
+/* The first look of events_look.c at steps in lanes: the quintic of Hermite, and the polynomial
+ * through samples of a function on it. */
+#include <string.h>
+
+#include "../events/events.h"
+#include "screen.h"
+
+enum { N = PK_SCREENED, STRIDE = PK_MOST_SAMPLES / N, TAIL = 4, LANES = PK_LANES };
+#define SAFE PK_C(1.001) /* beyond what events_look.c asks: sums are rounded otherwise here */
+
+/* The difference of h^2 q'' between motion and cubic at both ends; not 0 where it is so large that
+ * the interpolant says nothing. Loops are over lanes of a vector or two. */
+void pk_screen_bend(const struct pk_screen *s, const struct pk_block *b, pk_bits *bad)
+{
+    const size_t m = b->n * b->lanes;
+    for (size_t k = 0; k < m; k += LANES) {
+        const pk_real *q0 = b->state + k, *v0 = q0 + m, *q1 = b->next + k, *v1 = q1 + m;
+        const pk_real *a0 = s->a0 + k, *a1 = s->a1 + k, *length = b->h + k % b->lanes;
+        pk_real *PK_RESTRICT bend0 = s->bends + k, *PK_RESTRICT bend1 = s->bends + m + k;
+        pk_bits *PK_RESTRICT worthless = bad + k % b->lanes;
+        PK_LANE_LOOP
+        for (size_t l = 0; l < LANES; l++) {
+            const pk_real h = length[l], rise = q1[l] - q0[l], w0 = h * v0[l], w1 = h * v1[l];
+            const pk_real size = pk_max(pk_abs(rise), pk_max(pk_abs(w0), pk_abs(w1)) / 4);
+            const pk_real at0 = h * h * a0[l] - (6 * rise - 4 * w0 - 2 * w1);
+            const pk_real at1 = h * h * a1[l] - (2 * w0 + 4 * w1 - 6 * rise);
+            const pk_real most = SAFE * pk_max(pk_abs(at0), pk_abs(at1));
+            bend0[l] = at0;
+            bend1[l] = at1;
+            worthless[l] |= most <= size ? 0 : ~(pk_bits)0;
+        }
+    }
+}
+
+/* The quintic and its derivative at x of 0 .. 1. */
+void pk_screen_between(const struct pk_screen *s, const struct pk_block *b, pk_real x)
+{
+    const size_t m = b->n * b->lanes;
+    const pk_real y = 1 - x, h01 = x * x * (3 - 2 * x), h10 = x * y * y, h11 = -x * x * y;
+    const pk_real slope = 6 * x * y, d10 = y * (1 - 3 * x), d11 = x * (3 * x - 2);
+    const pk_real both = x * x * y * y / 2, turn = x * y * (y - x);
+    for (size_t k = 0; k < m; k += LANES) {
+        const pk_real *q0 = b->state + k, *v0 = q0 + m, *q1 = b->next + k, *v1 = q1 + m;
+        const pk_real *bend0 = s->bends + k, *bend1 = bend0 + m, *length = b->h + k % b->lanes;
+        pk_real *PK_RESTRICT q = s->trial + k, *PK_RESTRICT v = s->trial + m + k;
+        PK_LANE_LOOP
+        for (size_t l = 0; l < LANES; l++) {
+            const pk_real h = length[l], rise = q1[l] - q0[l], bent = bend0[l] * y + bend1[l] * x;
+            const pk_real risen = slope * rise + turn * bent + both * (bend1[l] - bend0[l]);
+            q[l] = q0[l] + h01 * rise + h * (h10 * v0[l] + h11 * v1[l]) + both * bent;
+            v[l] = risen / h + d10 * v0[l] + d11 * v1[l];
+        }
+    }
+}
+
+/* Not 0 where the function with these samples, `stride` apart, may be zero: where the polynomial
+ * sum c_i cos(i angle) may, by the sums of its even and its odd terms. */
+void pk_screen_judge(const pk_real *g, size_t stride, pk_bits *PK_RESTRICT bad)
+{
+    enum { HALF = N / 2 };
+    pk_real even[HALF + 1][LANES], odd[HALF + 1][LANES], sum[LANES] = {0}, last[LANES];
+    for (int j = 0; j <= HALF; j++) {
+        const pk_real *left = g + (size_t)j * stride, *right = g + (size_t)(N - j) * stride;
+        const pk_real half = j == 0 || j == HALF ? PK_C(0.5) : PK_C(1.0);
+        PK_LANE_LOOP
+        for (size_t l = 0; l < LANES; l++) {
+            even[j][l] = half * (left[l] + right[l]);
+            odd[j][l] = half * (left[l] - right[l]);
+        }
+    }
+    for (int i = N; i >= 0; i--) {
+        const pk_real(*x)[LANES] = (const pk_real(*)[LANES])(i % 2 ? odd : even);
+        const pk_real weight = i == N || i == 0 ? (i ? 1 : PK_C(0.5)) : i > N - TAIL ? 2 : 1;
+        pk_real by[HALF + 1];
+        for (int j = 0; j <= HALF; j++) {
+            const int at = i * j * STRIDE % (2 * PK_MOST_SAMPLES);
+            by[j] = pk_events_cosines[at <= PK_MOST_SAMPLES ? at : 2 * PK_MOST_SAMPLES - at];
+        }
+        PK_LANE_LOOP
+        for (size_t l = 0; l < LANES; l++) {
+            last[l] = weight * pk_abs(by[0] * x[0][l] + by[1] * x[1][l] + by[2] * x[2][l] +
+                                      by[3] * x[3][l] + by[4] * x[4][l]);
+            sum[l] += i ? last[l] : 0;
+        }
+    }
+    PK_LANE_LOOP
+    for (size_t l = 0; l < LANES; l++)
+        bad[l] |= last[l] > SAFE * sum[l] ? 0 : ~(pk_bits)0;
+}

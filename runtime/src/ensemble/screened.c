@@ -1,0 +1,79 @@
+/* Which steps in lanes cross nothing for sure; see screen.h. */
+#include <string.h>
+
+#include "../events/events.h"
+#include "screen.h"
+
+enum { N = PK_SCREENED, STRIDE = PK_MOST_SAMPLES / N };
+
+size_t pk_screen_size(const struct pk_system *system, size_t n, size_t W)
+{
+    const size_t m = system->events.n + system->switches.n;
+    return m ? (6 * n + (N + 1) * m) * W + 2 * n + m : 0;
+}
+
+void pk_screen_init(struct pk_screen *s, const struct pk_system *system, size_t n, size_t W,
+                    void (*values)(const struct pk_block *b, const pk_real *q, const pk_real *v,
+                                   pk_real *g),
+                    pk_real *base)
+{
+    s->functions = system->events.n + system->switches.n;
+    s->values = values;
+    for (size_t k = 0; k < system->events.n; k++)
+        if (system->events.table[k].stop > 1) /* limits are moved by rounding */
+            s->values = NULL;
+    const struct pk_slot slots[] = {{&s->a0, n * W},
+                                    {&s->a1, n * W},
+                                    {&s->bends, 2 * n * W},
+                                    {&s->trial, 2 * n * W},
+                                    {&s->g, (N + 1) * s->functions * W},
+                                    {&s->one, 2 * n + s->functions}};
+    if (s->functions)
+        PK_LAY_OUT(base, slots);
+}
+
+/* All functions of a lane at a sample. */
+static void sample(const struct pk_screen *s, const struct pk_block *b,
+                   const struct pk_abreast_lane *lane, size_t l, int j, const pk_real *state)
+{
+    const size_t n = b->n, W = b->lanes;
+    pk_real *q = s->one, *g = q + 2 * n;
+    for (size_t i = 0; i < 2 * n; i++)
+        q[i] = state[i * W + l];
+    pk_events_functions(lane->events, lane->it, b->t[l], q, q + n, g);
+    for (size_t k = 0; k < s->functions; k++)
+        s->g[((size_t)j * s->functions + k) * W + l] = g[k];
+}
+
+unsigned long long pk_screen(struct pk_screen *s, const struct pk_block *b,
+                             const struct pk_abreast_lane *lanes, unsigned long long of,
+                             unsigned long long known)
+{
+    const size_t W = b->lanes;
+    pk_bits bad[PK_BLOCK_MOST] = {0};
+    unsigned long long clear = 0;
+    pk_screen_bend(s, b, bad);
+    for (int j = 0; j <= N; j++) {
+        const pk_real x = (1 - pk_events_cosines[j * STRIDE]) / 2;
+        if (j > 0 && j < N)
+            pk_screen_between(s, b, x);
+        if (j == 0 && !(of & ~known)) /* they are where the last step ended */
+            continue;
+        const pk_real *state = j == 0 ? b->state : j < N ? s->trial : b->next;
+        for (size_t l = 0; l < W; l++)
+            b->t[l] = j < N ? b->from[l] + x * b->h[l] : b->end[l];
+        if (s->values)
+            s->values(b, state, state + b->n * W, s->g + (size_t)j * s->functions * W);
+        for (size_t l = 0; l < W && !s->values; l++)
+            if (of >> l & 1 && !bad[l])
+                sample(s, b, &lanes[l], l, j, state);
+    }
+    for (size_t k = 0; k < s->functions * W; k += PK_LANES)
+        pk_screen_judge(s->g + k, s->functions * W, bad + k % W);
+    for (size_t l = 0; l < W; l++)
+        if (of >> l & 1 && !bad[l])
+            clear |= 1ull << l;
+    /* Where the next steps begin. */
+    memcpy(s->g, s->g + (size_t)N * s->functions * W, s->functions * W * sizeof *s->g);
+    return clear;
+}
