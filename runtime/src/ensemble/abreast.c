@@ -44,7 +44,11 @@ static size_t lay_out(struct pk_block *b, const struct pk_system *system,
 size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     const struct pk_system *system = problem->system;
+#ifdef PK_ONE_BY_ONE /* to measure what lanes save */
+    const struct pk_block_stepper *s = NULL;
+#else
     const struct pk_block_stepper *s = pk_block_stepper_of(system, method);
+#endif
     struct pk_block b;
     pk_real *screen;
     if (!s || (method->traits & PK_ADAPTIVE && !s->attempt))
