@@ -92,7 +92,13 @@ def test_members_are_what_they_are_alone(name: str, tmp_path: Path) -> None:
     rng = np.random.default_rng(2385)
     table = {of: rng.uniform(*span, MEMBERS) for of, span in ranges.items()}
     # Steps are no part of the rows' distance.
-    options = {"until": 4.03, "method": method, "every": 0.25, **steps, **({"at": at} if at else {})}
+    options = {
+        "until": 4.03,
+        "method": method,
+        "every": 0.25,
+        **steps,
+        **({"at": at} if at else {}),
+    }
     model = pkgen.load(path)
     together = model.ensemble(table, threads=2, **options)
     seen = 0

@@ -70,16 +70,19 @@
     PK_INLINED_BLOCK(method, PK_STEPPER(block_erk)(b, &pk_##method##_table))
 #define PK_INLINED_BLOCK_SPLITTING(method) \
     PK_INLINED_BLOCK(method, PK_STEPPER(block_splitting)(b, &pk_##method##_table))
-#define PK_INLINED_BLOCK_EMBEDDED(method)                         \
-    PK_INLINED_BLOCK_RUNGE_KUTTA(method)                          \
-    PK_INLINED_BLOCK(attempt_##method,                            \
-                     PK_STEPPER(block_attempt)(b, &pk_##method##_table))
-#define PK_INLINED_BLOCK_ENTRY(method)                                   \
-    {#method, PK_INLINE_LANES, PK_STEPPER(block_##method), NULL,         \
-     PK_STEPPER(block_members), PK_INLINED_VALUES},
-#define PK_INLINED_BLOCK_ENTRY_EMBEDDED(method)              \
-    {#method, PK_INLINE_LANES, PK_STEPPER(block_##method),   \
-     PK_STEPPER(block_attempt_##method), PK_STEPPER(block_members), PK_INLINED_VALUES},
+#define PK_INLINED_BLOCK_EMBEDDED(method) \
+    PK_INLINED_BLOCK_RUNGE_KUTTA(method)  \
+    PK_INLINED_BLOCK(attempt_##method, PK_STEPPER(block_attempt)(b, &pk_##method##_table))
+#define PK_INLINED_BLOCK_ENTRY(method)                               \
+    {#method, PK_INLINE_LANES,           PK_STEPPER(block_##method), \
+     NULL,    PK_STEPPER(block_members), PK_INLINED_VALUES},
+#define PK_INLINED_BLOCK_ENTRY_EMBEDDED(method) \
+    {#method,                                   \
+     PK_INLINE_LANES,                           \
+     PK_STEPPER(block_##method),                \
+     PK_STEPPER(block_attempt_##method),        \
+     PK_STEPPER(block_members),                 \
+     PK_INLINED_VALUES},
 #endif
 
 #if defined PK_INLINE_ERK || defined PK_INLINE_EMBEDDED || defined PK_INLINE_SPLITTING || \
@@ -148,8 +151,7 @@ static unsigned long long PK_STEPPER(block_members)(struct pk_block *b, const pk
 static void PK_STEPPER(block_values)(const struct pk_block *b, const pk_real *q, const pk_real *v,
                                      pk_real *PK_RESTRICT g)
 {
-    const size_t n = PK_BLOCK_N(b), W = PK_BLOCK_LANES(b), count = PK_MODEL_EVENTS,
-                 all = PK_MODEL_EVENTS + PK_MODEL_SWITCHES;
+    const size_t n = PK_BLOCK_N(b), W = PK_BLOCK_LANES(b), m = PK_MODEL(INPUTS);
     for (size_t l = 0; l < W; l++) {
         const struct PK_MODEL(params) *p = (const struct PK_MODEL(params) *)b->params[l];
         pk_real x[2 * PK_MODEL(N)], u[PK_MODEL(INPUTS) + 1], y[PK_MODEL_EVENTS + PK_MODEL_SWITCHES];
@@ -157,15 +159,15 @@ static void PK_STEPPER(block_values)(const struct pk_block *b, const pk_real *q,
             x[i] = q[i * W + l];
             x[n + i] = v[i * W + l];
         }
-        for (size_t i = 0; i < PK_MODEL(INPUTS); i++)
+        for (size_t i = 0; i < m; i++)
             u[i] = b->u[i * W + l];
 #ifndef PK_MODEL_EVENTS_UNKNOWN
         PK_MODEL(event)(p, b->t[l], x, x + n, u, y);
 #endif
 #ifndef PK_MODEL_SWITCHES_UNKNOWN
-        PK_MODEL(switching)(p, b->t[l], x, x + n, u, y + count);
+        PK_MODEL(switching)(p, b->t[l], x, x + n, u, y + PK_MODEL_EVENTS);
 #endif
-        for (size_t i = 0; i < all; i++)
+        for (size_t i = 0; i < PK_MODEL_EVENTS + PK_MODEL_SWITCHES; i++)
             g[i * W + l] = y[i];
     }
 }

@@ -76,9 +76,9 @@ struct pk_stepper {
 /* The same for many states side by side; see pk/abreast.h. */
 struct pk_block;
 struct pk_block_stepper {
-    const char *method;                                 /* NULL ends the list */
-    size_t lanes;                                       /* states a block, at most 64 */
-    unsigned long long (*step)(struct pk_block *block); /* of the length that is given */
+    const char *method;                                    /* NULL ends the list */
+    size_t lanes;                                          /* states a block, at most 64 */
+    unsigned long long (*step)(struct pk_block *block);    /* of the length that is given */
     unsigned long long (*attempt)(struct pk_block *block); /* of an adaptive method: a trial */
     /* Accelerations at block->t. All three return the bits of lanes that failed. */
     unsigned long long (*members)(struct pk_block *block, const pk_real *q, const pk_real *v,

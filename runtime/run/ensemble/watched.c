@@ -146,7 +146,8 @@ static void go_abreast(const struct work *w, size_t next, size_t behind)
         }
         pk_abreast_make(&a, lanes);
         for (size_t l = 0; l < w->lanes; l++)
-            if (lanes[l].it && !(a.idle >> l & 1) && !(try_to(go_on, &members[l]) && members[l].goes)) {
+            if (lanes[l].it && !(a.idle >> l & 1) &&
+                !(try_to(go_on, &members[l]) && members[l].goes)) {
                 finish(&members[l]);
                 pk_abreast_leave(lanes[l].it);
                 lanes[l].it = NULL;

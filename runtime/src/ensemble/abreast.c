@@ -267,8 +267,7 @@ static int is_free(const struct pk_abreast *a, const struct pk_abreast_lane *lan
     const struct pk_integrator *it = lane->it;
     const struct pk_integrator_private *own = it->own;
     return !(a->method->traits & PK_ADAPTIVE) && !own->singularities && !own->marks &&
-           !own->project && !own->passage &&
-           (pk_real)own->direction * (lane->free - it->t) > 0 &&
+           !own->project && !own->passage && (pk_real)own->direction * (lane->free - it->t) > 0 &&
            it->options.h > PK_C(10.0) * PK_EPS * pk_abs(lane->free);
 }
 

@@ -72,9 +72,8 @@ PK_SPLITTING_METHODS(SPLITTING)
 
 #define ENTRY(method) {#method, PK_LANES, step_##method, NULL, members, NULL},
 #define ENTRY_EMBEDDED(method) {#method, PK_LANES, step_##method, attempt_##method, members, NULL},
-static const struct pk_block_stepper generic[] = {
-    PK_ERK_METHODS(ENTRY) PK_EMBEDDED_METHODS(ENTRY_EMBEDDED)
-        PK_SPLITTING_METHODS(ENTRY){NULL, 0, NULL, NULL, NULL, NULL}};
+static const struct pk_block_stepper generic[] = {PK_ERK_METHODS(ENTRY) PK_EMBEDDED_METHODS(
+    ENTRY_EMBEDDED) PK_SPLITTING_METHODS(ENTRY){NULL, 0, NULL, NULL, NULL, NULL}};
 
 static const struct pk_block_stepper *find(const struct pk_block_stepper *list, const char *method)
 {

@@ -163,7 +163,8 @@ static void run_abreast(const struct pk_ensemble *e, size_t first, size_t count,
     struct pk_abreast a;
     pk_abreast_init(&a, &problem, e->method, member_at(e, block, W + 1), abreast_size(e));
     for (size_t l = 0; l < W; l++) {
-        ways[l] = (struct way){.e = e, .m = member_at(e, block, l), .aside = member_at(e, block, W)};
+        ways[l] =
+            (struct way){.e = e, .m = member_at(e, block, l), .aside = member_at(e, block, W)};
         ways[l].kept = 1;
         of[l] = (struct pk_abreast_lane){0};
     }

@@ -18,13 +18,13 @@ struct pk_ahead {
     const pk_real *next, *slopes; /* number i of the new state, of the stages: [i * lanes] */
     size_t lanes;
     pk_real from, end, h;
-    int ready; /* it is a step of the state that the integrator has */
-    int clear; /* no event and no switch is met in it */
+    int ready;          /* it is a step of the state that the integrator has */
+    int clear;          /* no event and no switch is met in it */
     unsigned long many; /* so many steps lead there, in which nothing is to be looked at */
     unsigned long cost; /* accelerations of a step */
-    int taken; /* and is now the state */
-    int waits; /* it was rejected, and the next trial is to be this one */
-    int again; /* whether the step can wait for it: nothing else is under way */
+    int taken;          /* and is now the state */
+    int waits;          /* it was rejected, and the next trial is to be this one */
+    int again;          /* whether the step can wait for it: nothing else is under way */
     struct pk_trial trial;
 };
 

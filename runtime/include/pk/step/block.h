@@ -17,8 +17,8 @@ struct pk_block {
     pk_real *P, *u;                    /* number k of the params of lane l: P[k * W + l] */
     pk_real *t;                        /* W times */
     pk_real *state, *next, *spare, *work;
-    pk_real *lane;                     /* one state, of a system without lane kernels */
-    pk_real now;                       /* block.c: where all are */
+    pk_real *lane; /* one state, of a system without lane kernels */
+    pk_real now;   /* block.c: where all are */
     pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* of each step */
     int have_a; /* splitting: the state's acceleration; Runge-Kutta: the first stage is made */
     unsigned long long failed, not_finite; /* lanes, since the step began */
@@ -51,9 +51,9 @@ static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t
 
 /* y = y0 + h sum a_j k_j, rows of k `stride` apart. */
 static PK_INLINE void pk_block_combine(size_t rows, size_t W, pk_real *PK_RESTRICT y,
-                                       const pk_real *PK_RESTRICT y0,
-                                       const pk_real *PK_RESTRICT h, const pk_real *a, int count,
-                                       const pk_real *PK_RESTRICT k, size_t stride)
+                                       const pk_real *PK_RESTRICT y0, const pk_real *PK_RESTRICT h,
+                                       const pk_real *a, int count, const pk_real *PK_RESTRICT k,
+                                       size_t stride)
 {
     for (size_t i = 0; i < rows; i++) {
         PK_LANE_LOOP

@@ -44,13 +44,13 @@ static PK_INLINE void PK_STEPPER(block_stages)(struct pk_block *b, const struct 
         PK_STEPPER(block_slope)(b, 0, q0, v0, k + m);
     }
 /* The argument's rates are the slope of its coordinates: they are made where that is kept. */
-#define PK_BLOCK_STAGE(i)                                                  \
-    if ((i) < table->stages) {                                             \
-        const pk_real *ai = table->a + (i) * ((i) - 1) / 2;                \
-        pk_real *ki = k + (size_t)(i) * 2 * m;                             \
-        pk_block_combine(n, W, q, q0, b->h, ai, i, k, 2 * m);              \
-        pk_block_combine(n, W, ki, v0, b->h, ai, i, k + m, 2 * m);         \
-        PK_STEPPER(block_slope)(b, table->c[i], q, ki, ki + m);            \
+#define PK_BLOCK_STAGE(i)                                          \
+    if ((i) < table->stages) {                                     \
+        const pk_real *ai = table->a + (i) * ((i) - 1) / 2;        \
+        pk_real *ki = k + (size_t)(i) * 2 * m;                     \
+        pk_block_combine(n, W, q, q0, b->h, ai, i, k, 2 * m);      \
+        pk_block_combine(n, W, ki, v0, b->h, ai, i, k + m, 2 * m); \
+        PK_STEPPER(block_slope)(b, table->c[i], q, ki, ki + m);    \
     }
     PK_EACH_STAGE(PK_BLOCK_STAGE)
 #undef PK_BLOCK_STAGE
@@ -61,8 +61,8 @@ static PK_INLINE unsigned long long PK_STEPPER(block_erk)(struct pk_block *b,
 {
     const size_t n = PK_BLOCK_N(b), W = PK_BLOCK_LANES(b), m = n * W;
     PK_STEPPER(block_stages)(b, table);
-    pk_block_sum(2 * n, W, b->next, b->state, b->next + PK_LOW_Q * m, b->state + PK_LOW_Q * m,
-                 b->h, table->b, table->stages, b->work);
+    pk_block_sum(2 * n, W, b->next, b->state, b->next + PK_LOW_Q * m, b->state + PK_LOW_Q * m, b->h,
+                 table->b, table->stages, b->work);
     return b->failed | pk_block_not_finite(b->next, 2 * n, W);
 }
 
@@ -77,8 +77,7 @@ static PK_INLINE unsigned long long PK_STEPPER(block_attempt)(struct pk_block *b
     for (size_t i = 0; i < m; i++)
         last[i] = b->next[m + i];
     PK_STEPPER(block_slope_end)(b, b->next, b->next + m, last + m);
-    return b->failed | pk_block_not_finite(b->next, 2 * n, W) |
-           pk_block_not_finite(last, 2 * n, W);
+    return b->failed | pk_block_not_finite(b->next, 2 * n, W) | pk_block_not_finite(last, 2 * n, W);
 }
 
 static PK_INLINE unsigned long long PK_STEPPER(block_splitting)(struct pk_block *b,
