@@ -91,6 +91,7 @@ struct pk_events {
     int proposes;      /* the method's own dense output does, */
     int dense;         /* and is as accurate as its steps */
     int by_steps;      /* no interpolant of this step is worth anything */
+    int by_ends;       /* looked at by the quintic all the same */
     pk_real from;      /* time where the step began */
     pk_real at, width; /* the window that is looked at, from there */
     pk_real *q0, *v0, *bend, *trial, *u, *g, *ends, *list;

@@ -46,6 +46,8 @@ enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_spl
 /* Those of an explicit Runge-Kutta method, adaptive or not. */
 const struct pk_tableau *pk_explicit_table(const struct pk_method *method);
 const struct pk_tableau *pk_erk_table(const struct pk_method *method);
+/* The acceleration where the last step of an adaptive one began, or ended; NULL of any other. */
+const pk_real *pk_embedded_acceleration(struct pk_integrator *it, int end);
 
 /* R(z) = sum c_k z^k, the step of u' = u; s + 1 numbers. Returns s. */
 int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);

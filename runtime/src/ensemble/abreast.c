@@ -29,7 +29,7 @@ static size_t lay_out(struct pk_block *b, const struct pk_system *system,
                       const struct pk_method *method, size_t n, size_t W, pk_real **screen,
                       pk_real *base)
 {
-    const size_t looks = method->traits & PK_ADAPTIVE ? 0 : pk_screen_size(system, n, W);
+    const size_t looks = pk_screen_size(system, n, W);
     const struct pk_slot slots[] = {{&b->state, PK_PARTS * n * W},
                                     {&b->next, PK_PARTS * n * W},
                                     {&b->P, pk_params_reals(system) * W},
@@ -85,8 +85,7 @@ void pk_abreast_init(struct pk_abreast *a, const struct pk_problem *problem,
     a->b.lanes = a->lanes;
     a->b.n = pk_system_count(system, problem->params);
     lay_out(&a->b, system, method, a->b.n, a->lanes, &screen, (pk_real *)block);
-    if (!(method->traits & PK_ADAPTIVE))
-        pk_screen_init(&a->screen, system, a->b.n, a->lanes, a->stepper->values, screen);
+    pk_screen_init(&a->screen, system, a->b.n, a->lanes, a->stepper->values, screen);
     for (size_t l = 0; l < a->lanes; l++)
         a->ahead[l].lanes = a->lanes, a->ahead[l].cost = (unsigned long)stages;
 }
@@ -253,12 +252,17 @@ static unsigned long long clear(struct pk_abreast *a, const struct pk_abreast_la
     const size_t m = b->n * b->lanes;
     if (!a->screen.functions)
         return of;
+    if (a->method->traits & PK_ADAPTIVE) {
+        memcpy(a->screen.a0, b->work + m, m * sizeof *b->work);
+        memcpy(a->screen.a1, pk_block_slopes(b, most_stages(a->method)) + m, m * sizeof *b->work);
+        return pk_screen(&a->screen, b, lanes, of, known, PK_CLEAR_OF);
+    }
     if (pk_splitting_table(a->method))
         of &= ~accelerations(a, b->from, b->state, a->screen.a0);
     else
         memcpy(a->screen.a0, b->work + m, m * sizeof *b->work);
     of &= ~accelerations(a, b->end, b->next, a->screen.a1);
-    return pk_screen(&a->screen, b, lanes, of, known);
+    return pk_screen(&a->screen, b, lanes, of, known, 1);
 }
 
 /* Whether nobody looks at its steps, which are nothing but the method's. */
@@ -370,7 +374,7 @@ void pk_abreast_make(struct pk_abreast *a, const struct pk_abreast_lane *lanes)
                 looked |= 1ull << l;
         }
     a->single = good;
-    if (!looked || a->method->traits & PK_ADAPTIVE)
+    if (!looked)
         return;
     looked = clear(a, lanes, looked, 0);
     for (size_t l = 0; l < a->lanes; l++)

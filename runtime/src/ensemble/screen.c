@@ -55,7 +55,7 @@ void pk_screen_between(const struct pk_screen *s, const struct pk_block *b, pk_r
 
 /* Not 0 where the function with these samples, `stride` apart, may be zero: where the polynomial
  * sum c_i cos(i angle) may, by the sums of its even and its odd terms. */
-void pk_screen_judge(const pk_real *g, size_t stride, pk_bits *PK_RESTRICT bad)
+void pk_screen_judge(const pk_real *g, size_t stride, pk_real far, pk_bits *PK_RESTRICT bad)
 {
     enum { HALF = N / 2 };
     pk_real even[HALF + 1][LANES], odd[HALF + 1][LANES], sum[LANES] = {0}, last[LANES];
@@ -85,5 +85,5 @@ void pk_screen_judge(const pk_real *g, size_t stride, pk_bits *PK_RESTRICT bad)
     }
     PK_LANE_LOOP
     for (size_t l = 0; l < LANES; l++)
-        bad[l] |= last[l] > SAFE * sum[l] ? 0 : ~(pk_bits)0;
+        bad[l] |= last[l] > far * SAFE * sum[l] ? 0 : ~(pk_bits)0;
 }

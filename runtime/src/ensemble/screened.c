@@ -47,7 +47,7 @@ static void sample(const struct pk_screen *s, const struct pk_block *b,
 
 unsigned long long pk_screen(struct pk_screen *s, const struct pk_block *b,
                              const struct pk_abreast_lane *lanes, unsigned long long of,
-                             unsigned long long known)
+                             unsigned long long known, pk_real far)
 {
     const size_t W = b->lanes;
     pk_bits bad[PK_BLOCK_MOST] = {0};
@@ -69,7 +69,7 @@ unsigned long long pk_screen(struct pk_screen *s, const struct pk_block *b,
                 sample(s, b, &lanes[l], l, j, state);
     }
     for (size_t k = 0; k < s->functions * W; k += PK_LANES)
-        pk_screen_judge(s->g + k, s->functions * W, bad + k % W);
+        pk_screen_judge(s->g + k, s->functions * W, far, bad + k % W);
     for (size_t l = 0; l < W; l++)
         if (of >> l & 1 && !bad[l])
             clear |= 1ull << l;

@@ -10,10 +10,14 @@
  * from where the step began, which event, direction. */
 enum { PK_MOST_SAMPLES = 16, PK_MOST_NODES = 4 * PK_MOST_SAMPLES, PK_EVENT_ENTRY = 3 };
 
+/* Of a look by less than the method's own interpolant: how much farther from zero than it varies. */
+#define PK_CLEAR_OF PK_C(2.0)
+
 /* One function in a window: the polynomial through its samples, sum c_k cos(k angle). */
 struct pk_shape {
     pk_real c[PK_MOST_SAMPLES + 1];
     pk_real range, tail;    /* how much it varies by, and what the last terms come to */
+    pk_real others;         /* all terms but the first, with the last ones once more */
     pk_real last_x, last_g; /* the last true value that was looked at */
     int order;
     /* The polynomial is the function, but for 1/40 of the range, or does not show it; it may be

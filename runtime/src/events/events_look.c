@@ -9,6 +9,7 @@
  */
 #include <string.h>
 
+#include "../core/tableau.h"
 #include "events.h"
 
 enum { SAMPLES = PK_MOST_SAMPLES, FEW = 8, TAIL = 4 };
@@ -31,23 +32,25 @@ static void hermite(const struct pk_events *e, const struct pk_integrator *it, p
 
 /* The difference of h^2 q'' between motion and cubic at both ends; whether it is so large that
  * the cubic may be off by 1/32 of the rise half-way. */
-static int is_worthless(struct pk_events *e, const struct pk_integrator *it)
+static int is_worthless(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from;
     int worthless = 0;
     memset(e->bend, 0, 2 * e->n * sizeof *e->bend);
     for (int end = 0; end < 2; end++) {
         const pk_real *q = end ? it->q : e->q0, *v = end ? it->v : e->v0;
+        const pk_real *a = pk_embedded_acceleration(it, end);
         pk_real *bends = e->bend + (end ? e->n : 0);
-        if (pk_eval_acceleration(&e->scout, end ? it->t : e->from, q, v, e->trial) < 0) {
+        if (!a && pk_eval_acceleration(&e->scout, end ? it->t : e->from, q, v, e->trial) < 0) {
             memset(e->bend, 0, 2 * e->n * sizeof *e->bend);
             return 0;
         }
+        a = a ? a : e->trial;
         for (size_t i = 0; i < e->n; i++) {
             const pk_real rise = it->q[i] - e->q0[i], v0 = h * e->v0[i], v1 = h * it->v[i];
             const pk_real bend = end ? 2 * v0 + 4 * v1 - 6 * rise : 6 * rise - 4 * v0 - 2 * v1;
             const pk_real size = pk_max(pk_abs(rise), pk_max(pk_abs(v0), pk_abs(v1)) / 4);
-            bends[i] = h * h * e->trial[i] - bend;
+            bends[i] = h * h * a[i] - bend;
             worthless |= pk_abs(bends[i]) > size + PK_EPS * pk_abs(q[i]);
         }
     }
@@ -77,7 +80,7 @@ static enum pk_status sample(struct pk_events *e, struct pk_integrator *it, int 
         memcpy(pk_events_sample(e, j), pk_events_end(e, x > 0), bytes);
         return PK_DONE;
     }
-    if (e->proposes) {
+    if (e->proposes && !e->by_ends) {
         PK_TRY(pk_integrator_dense(it, t, e->trial, e->trial + e->n));
     } else if (!(e->by_steps && reach_sample(e, it, t))) {
         hermite(e, it, x / length);
@@ -105,6 +108,8 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     shape->clear = far;
     shape->lost = 0;
     shape->crosses = !far;
+    shape->others = 0;
+    shape->c[0] = far; /* whatever it is */
     if (far || !finite || !pk_finite(shape->range))
         return;
     for (int i = 0; i <= N; i++) {
@@ -122,6 +127,7 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     shape->crosses = !(pk_abs(shape->c[0]) > others + tail) && shape->range > 0;
     shape->clear = !shape->crosses || tail <= shape->range / 40;
     shape->tail = tail;
+    shape->others = others + tail;
     shape->lost = shape->crosses && tail > shape->range / 16;
     /* A jump is no less one for being looked at closer. */
     for (int j = 0; j < SAMPLES; j += stride) {
@@ -130,6 +136,27 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     }
     if (narrow && !shape->clear && back < shape->range * PK_C(1.1))
         shape->jumps = 1;
+}
+
+/* Whether the quintic, which costs an adaptive Runge-Kutta method nothing, is as far from zero as it
+ * varies: then its dense output, which takes more stages, need not be made. */
+static int is_far(struct pk_events *e, struct pk_integrator *it)
+{
+    int far = 1;
+    if (!pk_embedded_acceleration(it, 1) || is_worthless(e, it))
+        return 0;
+    e->at = 0;
+    e->width = pk_abs(it->t - e->from);
+    e->by_ends = 1;
+    for (int j = 0; j <= SAMPLES && far; j += SAMPLES / FEW)
+        far = sample(e, it, j) >= 0;
+    e->by_ends = 0;
+    for (size_t k = 0; k < pk_events_count(e) && far; k++) {
+        const struct pk_shape *shape = &e->shapes[k];
+        fit(e, k, SAMPLES / FEW, 0);
+        far = !shape->crosses && pk_abs(shape->c[0]) > PK_CLEAR_OF * shape->others;
+    }
+    return far;
 }
 
 /* 1: all functions are seen in the window; 0: not. */
@@ -173,6 +200,11 @@ enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = pk_abs(it->t - e->from);
     unsigned long part = 0, parts = 1;
+    if (!e->cut && is_far(e, it)) {
+        e->at_switch = 0;
+        memset(e->held, 0, e->n_events * sizeof *e->held);
+        return it->status = PK_DONE;
+    }
     e->by_steps = !e->proposes && is_worthless(e, it);
     e->cut = 0;
     for (size_t k = 0; k < pk_events_count(e); k++) {

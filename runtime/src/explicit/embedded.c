@@ -93,6 +93,14 @@ const struct pk_tableau *pk_explicit_table(const struct pk_method *method)
     return method->step == pk_embedded_step ? table_of(method) : pk_erk_table(method);
 }
 
+const pk_real *pk_embedded_acceleration(struct pk_integrator *it, int end)
+{
+    if (it->method->step != pk_embedded_step || !(it->own->flags & PK_HAVE_STEP))
+        return NULL;
+    const struct pk_embedded_work w = parts_of(it);
+    return (end ? w.last : w.k) + w.n;
+}
+
 static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_embedded_work *w)
 {
     const struct pk_tableau *table = table_of(it->method);
