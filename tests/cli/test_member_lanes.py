@@ -63,11 +63,21 @@ potential -x^2/2 + x^4/4
 force x = -c*x' + 0.3*cos(t) + 0.1*z
 event through: x
 """
+TOP = """model top
+param g = 1
+rotation R
+let axis = R*[0, 0, 1]
+kinetic ((omega(R).x^2 + omega(R).y^2)*0.1 + omega(R).z^2*0.02)/2
+potential g*axis.z
+start omega(R) = [0.5, 0, 9]
+event level: axis.z falling
+"""
+FREE = PENDULUM.replace("event flip: b - 2 rising stop\n", "")  # without events that are asked
 FIXED, LOOSE = {"step": 0.02}, {"rtol": 1e-7}
 TWO = {"x": (-0.5, 0.5), "y": (-0.4, 0.4), "x'": (-0.4, 0.4), "y'": (-0.3, 0.3)}
 CASES = {
-    "no events": (PENDULUM, {"a": (-2, 2), "b": (-2, 2), "m2": (0.5, 2)}, LOOSE, "dop853", None),
-    "dopri5": (PENDULUM, {"a": (-2, 2), "b'": (-3, 3)}, LOOSE, "dopri5", None),
+    "no events": (FREE, {"a": (-2, 2), "b": (-2, 2), "m2": (0.5, 2)}, LOOSE, "dop853", None),
+    "dopri5": (FREE, {"a": (-2, 2), "b'": (-3, 3)}, LOOSE, "dopri5", None),
     "events": (PENDULUM, {"a": (-2, 2), "b": (-2, 2), "m2": (0.5, 2)}, FIXED, "rk4", "low"),
     "two events": (PENDULUM, {"a": (-1, 1), "b'": (-2, 2)}, FIXED, "rk3", "twin"),
     "dense events": (PENDULUM, {"a": (-2, 2), "b'": (-3, 3)}, LOOSE, "dop853", "low"),
@@ -78,6 +88,8 @@ CASES = {
     "impulses": (STEPS, {"x": (0, 0.9), "x'": (-2, 2), "height": (0.2, 3)}, FIXED, "rk4", "middle"),
     "constraints": (BEAD, {"x'": (0.5, 4), "g": (5, 10)}, FIXED, "rk4", "bottom"),
     "adaptive constraints": (BEAD, {"x'": (0.5, 4)}, LOOSE, "dop853", None),
+    "rotations": (TOP, {"g": (0.2, 3), "omega(R).x": (0.1, 3)}, FIXED, "rk4", "level"),
+    "adaptive rotations": (TOP, {"g": (0.2, 3)}, LOOSE, "dop853", "level"),
     "states": (DRIVEN, {"x": (-1, 1), "z": (-1, 1), "c": (0, 0.5)}, LOOSE, "dopri5", None),
     "states, events": (DRIVEN, {"x": (-1, 1), "c": (0, 0.5)}, FIXED, "rk4", "through"),
 }
