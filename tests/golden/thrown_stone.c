@@ -559,7 +559,11 @@ static const unsigned char thrown_stone_sys_cyclic[1] = {0};
 /* Steps with these kernels inlined, of the families that -DPK_INLINE_ERK and the like ask for. */
 #undef PK_MODEL
 #define PK_MODEL(x) thrown_stone_##x
+#define PK_MODEL_EVENTS 2
+#define PK_MODEL_SWITCHES 1
 #include <pk/inlined.h>
+#undef PK_MODEL_EVENTS
+#undef PK_MODEL_SWITCHES
 
 const struct pk_system thrown_stone_system = {
     .abi = PK_ABI,

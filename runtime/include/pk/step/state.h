@@ -96,10 +96,12 @@ static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real l
     if (pk_waits(it))
         return it->own->ahead->trial;
     const pk_real round = PK_C(10.0) * PK_EPS * pk_abs(it->t) + PK_TINY;
-    return (struct pk_trial){.sign = (pk_real)it->own->direction,
-                             .left = pk_abs(limit - it->t),
-                             .least = pk_max(it->options.h_min, round),
-                             .planned = pk_abs(it->own->h)};
+    struct pk_trial x = {0, 0, 0, 0, 0, 0, 0};
+    x.sign = (pk_real)it->own->direction;
+    x.left = pk_abs(limit - it->t);
+    x.least = pk_max(it->options.h_min, round);
+    x.planned = pk_abs(it->own->h);
+    return x;
 }
 
 /* The next one, to it->own->next_t; 0: it would be too short, also where a step shrank while it was
