@@ -1,5 +1,6 @@
 /* Ensembles in threads of OpenMP; without -fopenmp, in one. Each thread takes a few blocks of
- * members at a time, since members may differ in cost.
+ * members at a time, since members may differ in cost; more where there are many, so that lanes
+ * whose members have come to an end find others.
  */
 #include <pk/ensemble.h>
 
@@ -7,7 +8,7 @@
 #include <omp.h>
 #endif
 
-enum { CHUNK = 64 }; /* a multiple of the lanes of every block */
+enum { BLOCK = 64, MOST = 16, SHARES = 8 }; /* BLOCK: a multiple of the lanes of every block */
 
 size_t pk_ensemble_threads(void)
 {
@@ -44,13 +45,15 @@ enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threa
     const enum pk_status refused = pk_ensemble_run(e, 0, 0, block, threads ? size / threads : 0);
     if (refused < 0)
         return refused;
-    const size_t chunks = (e->members + CHUNK - 1) / CHUNK;
+    const size_t each = e->members / (SHARES * BLOCK * (threads ? threads : 1));
+    const size_t chunk = BLOCK * (each < 1 ? 1 : each < MOST ? each : MOST);
+    const size_t chunks = (e->members + chunk - 1) / chunk;
 #ifdef _OPENMP
 #pragma omp parallel for schedule(dynamic) num_threads((int)threads)
 #endif
     for (size_t i = 0; i < chunks; i++) {
-        const size_t first = i * CHUNK, left = e->members - first;
-        (void)pk_ensemble_run(e, first, left < CHUNK ? left : CHUNK,
+        const size_t first = i * chunk, left = e->members - first;
+        (void)pk_ensemble_run(e, first, left < chunk ? left : chunk,
                               (char *)block + pk_thread() * one,
                               one); /* what it came to is in e->status */
     }
