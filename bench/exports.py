@@ -3,8 +3,9 @@ every host that runs it here, built as its users do.
 
 Of each: kB, seconds of the processor for the export, and the largest difference from `pkgen run`
 with the same method and step, in units of each column's size (at least 1): export_hosts.py. What
-is measured is kept in build/bench/exports.json, so that a run that was ended goes on from there;
---again measures it anew. Exit code 4 if one differs by more than its host may, or fails.
+is measured is kept in build/bench/exports.json, so that a run that was ended goes on from there, or
+from the tables in docs, which are kept with --docs; --again measures it anew. Exit code 4 if one
+differs by more than its host may, or fails.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ from .export_hosts import HOSTS, METHOD, ROOT, STEP, STEPS, Case, Host, Rows
 from .tables import table
 
 PAGE = ROOT / "docs" / "exports.md"
-MARK = "<!-- python -m bench exports --docs -->\n"
+MARK, END = "<!-- python -m bench exports --docs -->\n", "<!-- end -->\n"
+FIRST = "kB, s, within"  # the first cell of the table of models
 # What a host may refuse a model for, and the word for it in the table.
 REFUSALS = {
     r"has constraints": "constraints",
@@ -45,8 +47,12 @@ def main(words: list[str]) -> int:
     options = parser.parse_args(words)
     kept = OUTPUT / "exports.json"
     found: Found = json.loads(kept.read_text()) if kept.exists() else {}
+    paths = sorted((ROOT / "models").rglob("*.lag"), key=lambda path: path.stem)
+    for model, row in _read().items():
+        if any(path.stem == model for path in paths):
+            found[model] = row | found.get(model, {})
     hosts = {k: h for k, h in HOSTS.items() if k in (options.hosts or ",".join(HOSTS)).split(",")}
-    for model in sorted((ROOT / "models").rglob("*.lag"), key=lambda path: path.stem):
+    for model in paths:
         if options.only and model.stem not in options.only.split(","):
             continue
         of = found.setdefault(model.stem, {})
@@ -121,13 +127,42 @@ def _run(model: Path, *more: str) -> Rows:
     return {name: list(column) for name, column in zip(head.split(","), columns, strict=True)}
 
 
-def _write(found: Found) -> None:
+def _page() -> tuple[str, str, str]:
+    """What is before the tables, they, and what is behind."""
     before, _, rest = PAGE.read_text(encoding="utf-8").partition(MARK)
-    _, _, after = rest.partition("<!-- end -->\n")
-    first = machine.describe().lines()[0]
+    tables, _, after = rest.partition(END)
+    return before, tables, after
+
+
+def _read() -> Found:
+    """What the tables in docs have, as they round it."""
+    lines = [line.strip("| ").split("|") for line in _page()[1].splitlines() if line[:1] == "|"]
+    rows = [[cell.strip() for cell in line] for line in lines]
+    heads = [k for k, row in enumerate(rows) if row[0] == FIRST]
+    if not heads:
+        return {}
+    hosts, models = rows[heads[0]][1:], rows[heads[0] + 2 :]
+    return {
+        model: {host: _of(cell) for host, cell in zip(hosts, cells, strict=True) if cell != "-"}
+        for model, *cells in models
+    }
+
+
+def _of(cell: str) -> dict:
+    kB, *more = cell.split(", ")
+    return {"kB": int(kB), "s": float(more[0]), "off": float(more[1])} if more else {"refused": kB}
+
+
+def _write(found: Found) -> None:
+    before, tables, after = _page()
+    here = machine.describe().lines()[0]
+    machines = [line for line in tables.splitlines() if line and line[0] != "|"]
+    if here not in machines and found != _read():
+        machines.append(here)
     rows = [[m, *(_cell(of.get(name)) for name in HOSTS)] for m, of in sorted(found.items())]
-    text = f"\n{first}\n\n{_by_host(found)}\n\n{table(['kB, s, within', *HOSTS], rows)}\n"
-    PAGE.write_text(f"{before}{MARK}{text}<!-- end -->\n{after}", encoding="utf-8")
+    parts = ("", *machines, _by_host(found), table([FIRST, *HOSTS], rows))
+    text = "\n\n".join(parts)[1:]
+    PAGE.write_text(f"{before}{MARK}{text}\n{END}{after}", encoding="utf-8")
 
 
 def _by_host(found: Found) -> str:
