@@ -98,8 +98,8 @@ def fmi3(exported: Exported, variables: Sequence[Variable], token: str) -> str:
         "providesDirectionalDerivatives": True,
         "providesAdjointDerivatives": True,
     }
-    events = bool(indicators(model))
-    _add(root, "ModelExchange", **both, needsCompletedIntegratorStep=events)
+    told = bool(indicators(model) or model["constraints"] or model["rotations"])
+    _add(root, "ModelExchange", **both, needsCompletedIntegratorStep=told)
     _add(
         root, "CoSimulation", **both, canHandleVariableCommunicationStepSize=True,
         providesIntermediateUpdate=True, canReturnEarlyAfterIntermediateUpdate=True,

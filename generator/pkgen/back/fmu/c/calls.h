@@ -265,8 +265,11 @@ UNIT_SHOWN status_type FMI(CompletedIntegratorStep)(instance_type instance,
     CALL(__func__, UNIT_CONTINUOUS);
     if (!event_mode || !ends)
         return null(unit, __func__);
-    *event_mode = *ends = 0;
-    return (status_type)unit_completed(unit);
+    int event;
+    const enum unit_status status = unit_completed(unit, &event);
+    *event_mode = event != 0;
+    *ends = 0;
+    return (status_type)status;
 }
 
 UNIT_SHOWN status_type FMI(SetTime)(instance_type instance, double t)

@@ -50,22 +50,32 @@ static void cross(struct unit *unit, int *ends)
     }
 }
 
+/* What is off is so by the parameters that there are: it is put right before they change. */
+enum unit_status unit_enter_event(struct unit *unit)
+{
+    *unit->mode = UNIT_EVENT;
+    const enum unit_status status = unit_refresh(unit);
+    return status == UNIT_OK ? unit_bound_return(unit) : status;
+}
+
 enum unit_status unit_update(struct unit *unit, int *ends)
 {
     *ends = 0;
     enum unit_status status = unit_refresh(unit);
+    if (status == UNIT_OK && *unit->mode == UNIT_EVENT)
+        status = unit_bound_return(unit);
     if (status == UNIT_OK)
         cross(unit, ends);
     return status == UNIT_OK ? take_sides(unit) : status;
 }
 
-enum unit_status unit_completed(struct unit *unit)
+enum unit_status unit_completed(struct unit *unit, int *event)
 {
     unit_functions(unit);
     for (size_t k = 0; k < unit->n_events; k++)
         if (unit->before[k] == 0) /* it began at zero, which is no crossing */
             unit->before[k] = sign(unit->indicators[k]);
-    return UNIT_OK;
+    return unit_bound_off(unit, event);
 }
 
 enum unit_status unit_set_time(struct unit *unit, double t)

@@ -75,8 +75,7 @@ UNIT_SHOWN fmi2Status fmi2EnterInitializationMode(fmi2Component instance)
 UNIT_SHOWN fmi2Status fmi2EnterEventMode(fmi2Component instance)
 {
     CALL(__func__, UNIT_CONTINUOUS | UNIT_EVENT);
-    *unit->mode = UNIT_EVENT;
-    return fmi2OK;
+    return (fmi2Status)unit_enter_event(unit);
 }
 
 #define VALUES(call, how, type)                                                               \
@@ -123,6 +122,7 @@ UNIT_SHOWN fmi2Status fmi2NewDiscreteStates(fmi2Component instance, fmi2EventInf
     const enum unit_status status = unit_update(unit, &ends);
     memset(info, 0, sizeof *info);
     info->terminateSimulation = ends != 0;
+    info->valuesOfContinuousStatesChanged = unit_moved(unit) != 0;
     return (fmi2Status)status;
 }
 

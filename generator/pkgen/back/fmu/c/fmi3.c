@@ -103,8 +103,7 @@ UNIT_SHOWN fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boo
 UNIT_SHOWN fmi3Status fmi3EnterEventMode(fmi3Instance instance)
 {
     CALL(__func__, UNIT_CONTINUOUS);
-    *unit->mode = UNIT_EVENT;
-    return fmi3OK;
+    return (fmi3Status)unit_enter_event(unit);
 }
 
 #define VALUES(call, how, type)                                                              \
@@ -156,7 +155,8 @@ UNIT_SHOWN fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolea
     int stops;
     const enum unit_status status = unit_update(unit, &stops);
     *ends = stops != 0;
-    *again = *nominals = *states = *with_time = false;
+    *states = unit_moved(unit) != 0;
+    *again = *nominals = *with_time = false;
     return (fmi3Status)status;
 }
 

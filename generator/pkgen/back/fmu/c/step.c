@@ -13,7 +13,7 @@ static int cross(void *context, const struct pk_events *events)
     return 0;
 }
 
-static enum unit_status said(struct unit *unit, enum unit_status status)
+enum unit_status unit_said(struct unit *unit, enum unit_status status)
 {
     char text[UNIT_LONGEST_TEXT];
     pk_integrator_reason(&unit->it, text, sizeof text);
@@ -21,8 +21,8 @@ static enum unit_status said(struct unit *unit, enum unit_status status)
                     "%s", text);
 }
 
-/* The integrator at the state that the unit has; h is the step where none is set. */
-static enum unit_status make_ready(struct unit *unit, double h)
+enum unit_status unit_integrator(struct unit *unit, double h, double t, const double *q,
+                                 const double *v)
 {
     const struct pk_problem problem = unit_problem(unit);
     const struct pk_method *const method =
@@ -42,11 +42,20 @@ static enum unit_status make_ready(struct unit *unit, double h)
     }
     if (!unit->block || !unit->events_block)
         return unit_say(unit, UNIT_ERROR, "logStatusError", "there is no memory");
-    if (pk_integrator_init(&unit->it, &problem, method, &options, *unit->time, unit->q, unit->v,
-                           unit->block, pk_integrator_size(&problem, method)) < 0)
-        return said(unit, UNIT_ERROR);
+    if (pk_integrator_init(&unit->it, &problem, method, &options, t, q, v, unit->block,
+                           pk_integrator_size(&problem, method)) < 0)
+        return unit_said(unit, UNIT_ERROR);
+    return UNIT_OK;
+}
+
+/* It and the events, at the state that the unit has. */
+static enum unit_status make_ready(struct unit *unit, double h)
+{
+    const enum unit_status status = unit_integrator(unit, h, *unit->time, unit->q, unit->v);
+    if (status != UNIT_OK)
+        return status;
     if (pk_events_init(&unit->events, &unit->it, unit->events_block,
-                       pk_events_size(&problem, method)) < 0)
+                       pk_events_size(&unit->it.problem, unit->it.method)) < 0)
         return unit_say(unit, UNIT_ERROR, "logStatusError", "events cannot be looked for");
     unit->events.found = cross;
     unit->events.context = unit;
@@ -68,10 +77,16 @@ enum unit_status unit_exit_initialization(struct unit *unit)
         *unit->mode = status == UNIT_OK ? UNIT_STEPPING : UNIT_INITIALIZATION;
         return status;
     }
-    *unit->mode = UNIT_EVENT;
     for (size_t k = 0; k < unit->n_switches; k++)
         unit->sides[k] = 0;
-    return unit_update(unit, &ends);
+    for (size_t k = 0; k < unit->n_events; k++)
+        unit->before[k] = 0;
+    status = unit_update(unit, &ends);
+    if (status == UNIT_OK)
+        status = unit_bound_start(unit);
+    if (status == UNIT_OK)
+        *unit->mode = UNIT_EVENT;
+    return status;
 }
 
 /* The unit at the state of the integrator, with the inputs of that time. */
@@ -114,7 +129,7 @@ enum unit_status unit_step(struct unit *unit, double t, double length, struct un
         }
         if (found != PK_DONE) {
             unit->ready = 0;
-            return said(unit, UNIT_DISCARD);
+            return unit_said(unit, UNIT_DISCARD);
         }
         if (it->t - it->last_t > 0 && !pk_integrator_is_at(it, end))
             *unit->length = it->t - it->last_t;

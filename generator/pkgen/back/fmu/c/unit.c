@@ -65,7 +65,8 @@ static size_t lay_out(struct unit *unit, double *all)
                  {&unit->inputs, n_u},
                  {&unit->slopes, UNIT_ORDERS * n_u},
                  {&unit->sides, unit->n_switches},
-                 {&unit->before, unit->n_events}};
+                 {&unit->before, unit->n_events},
+                 {&unit->anchor, unit_anchor_size(unit)}};
     size_t at = 0;
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
         if (all)
@@ -136,7 +137,7 @@ struct unit *unit_new(const char *name, const char *token, int co_simulation)
     unit->n_all = lay_out(unit, NULL);
     unit->all = (double *)calloc(unit->n_all, sizeof *unit->all);
     const size_t values = unit->n + unit->n_outputs + s->n_conserved + unit->n_events +
-                          unit->n_switches + 1;
+                          unit->n_switches + 2 * unit->n + 1;
     unit->rates = (double *)calloc(values, sizeof *unit->rates);
     if (!unit->all || !unit->rates) {
         unit_free(unit);
@@ -145,6 +146,7 @@ struct unit *unit_new(const char *name, const char *token, int co_simulation)
     unit->outputs = unit->rates + unit->n;
     unit->claims = unit->outputs + unit->n_outputs;
     unit->indicators = unit->claims + s->n_conserved;
+    unit->near = unit->indicators + unit->n_events + unit->n_switches;
     lay_out(unit, unit->all);
     unit_reset(unit);
     return unit;

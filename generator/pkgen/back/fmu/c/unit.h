@@ -82,14 +82,16 @@ struct unit {
     size_t n, n_q, n_x, n_inputs, n_outputs, n_events, n_switches, n_all;
     double *all;
     double *mode, *time, *input_time, *settings, *length; /* parts of `all` */
-    double *parameters, *is_set, *start, *start_is_set, *q, *v, *inputs, *slopes, *sides, *before;
+    double *parameters, *is_set, *start, *start_is_set, *q, *v, *inputs, *slopes, *sides, *before,
+        *anchor; /* bound.c */
 
     void *params, *held, *room;                    /* held: params with the sides of switches */
     double **places;                               /* of parameters in params */
     double *rates, *outputs, *claims, *indicators; /* values, as far as `known` */
+    double *near;                                  /* room for a state */
     unsigned known;
     int stale; /* params do not follow from `all` yet */
-    int ready; /* the integrator stands at time, q, v */
+    int ready; /* the integrator stands at time, q, v; in model exchange at the anchor */
     int busy;  /* within a callback of a step */
     struct pk_integrator it;
     struct pk_events events;
@@ -123,8 +125,11 @@ enum unit_status unit_set_states(struct unit *unit, const double *x, size_t n);
 enum unit_status unit_get_states(struct unit *unit, double *x, size_t n);
 enum unit_status unit_derivatives(struct unit *unit, double *rates, size_t n);
 enum unit_status unit_indicators(struct unit *unit, double *values, size_t n);
+enum unit_status unit_enter_event(struct unit *unit);
 enum unit_status unit_update(struct unit *unit, int *ends); /* what has crossed zero */
-enum unit_status unit_completed(struct unit *unit);         /* a step of the importer's */
+int unit_moved(struct unit *unit); /* whether the state, since it was asked */
+/* A step of the importer's; not 0 in *event: the unit wants one. */
+enum unit_status unit_completed(struct unit *unit, int *event);
 
 /* Co-simulation. */
 struct unit_stepped {
@@ -172,5 +177,17 @@ void unit_move_inputs(struct unit *unit, double t);
 enum unit_status unit_rates(struct unit *unit);
 enum unit_status unit_functions(struct unit *unit);
 struct pk_problem unit_problem(struct unit *unit);
+/* The integrator at a state, by the unit's method; h is the step where none is set. */
+enum unit_status unit_integrator(struct unit *unit, double h, double t, const double *q,
+                                 const double *v);
+enum unit_status unit_said(struct unit *unit, enum unit_status status); /* of the integrator */
+
+/* Of states that constraints and quaternions bind, in model exchange: bound.c. */
+int unit_bound(const struct unit *unit);
+size_t unit_anchor_size(const struct unit *unit);
+const double *unit_anchor_inputs(const struct unit *unit);
+enum unit_status unit_bound_start(struct unit *unit);
+enum unit_status unit_bound_off(struct unit *unit, int *off);
+enum unit_status unit_bound_return(struct unit *unit);
 
 #endif

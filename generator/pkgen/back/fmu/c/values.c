@@ -211,7 +211,7 @@ enum unit_status unit_set(struct unit *unit, unsigned reference, double value)
     default:
         break;
     }
-    if (unit->inputs[i] != value && !unit->busy)
+    if (unit->inputs[i] != value && !unit->busy && unit->co_simulation)
         unit->ready = 0;
     unit->inputs[i] = value;
     *unit->input_time = *unit->time;
@@ -228,7 +228,7 @@ enum unit_status unit_slope(struct unit *unit, unsigned reference, int order, do
         return unit_say(unit, UNIT_ERROR, "logStatusError",
                         "variable %u has no derivative of order %d to set", reference, order);
     double *const slope = unit->slopes + UNIT_ORDERS * i + (order - 1);
-    if (*slope != value && !unit->busy)
+    if (*slope != value && !unit->busy && unit->co_simulation)
         unit->ready = 0;
     *slope = value;
     return UNIT_OK;
@@ -264,8 +264,17 @@ void unit_move_inputs(struct unit *unit, double t)
     *unit->input_time = t;
 }
 
+/* In model exchange: of the anchor, until the integrator has begun there. */
+static void held_inputs(void *context, double t, double *u)
+{
+    const struct unit *unit = (const struct unit *)context;
+    (void)t;
+    memcpy(u, unit->ready ? unit->inputs : unit_anchor_inputs(unit), unit->n_inputs * sizeof *u);
+}
+
 struct pk_problem unit_problem(struct unit *unit)
 {
-    const struct pk_problem problem = {unit->system, unit_params(unit), unit_inputs, unit};
+    const struct pk_problem problem = {unit->system, unit_params(unit),
+                                       unit->co_simulation ? unit_inputs : held_inputs, unit};
     return problem;
 }
