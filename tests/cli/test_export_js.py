@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+import math
 import re
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+from columns import RIG, ran
 from conftest import ROOT, run_pkgen
 from pkgen.back.web.build import missing
 
@@ -90,6 +93,69 @@ def test_the_example_of_the_page(package: Path, tmp_path: Path) -> None:
         assert words in text
     q, v, *a = map(float, values.split())
     assert (q, v) == (1, 0.5) and a[0] < -1 < 0 < abs(a[1])
+
+
+WATCHED = f"""{RIG}rotation R
+kinetic (1 [kg*m^2])*(omega(R).x^2 + 1.5*omega(R).y^2 + 2*omega(R).z^2)
+start omega(R) = [0.1, 0.2, m*(0.05 [1/kg/s])]
+start s = 0.25
+observe power = F*x'
+observe hidden_time = t*x
+event low: x + (2 [m]) falling
+event middle: x falling
+"""
+OF_ALL = """import { load, description } from "./rig/index.js";
+const model = await load();
+const set = { m: 3, F: 14 };
+const start = { x: 2.5, "x'": -0.5, s: -3, "omega(R).y": 0.7 };
+const motion = model.motion({ set, start, method: "rk4", step: 0.01 });
+const reached = motion.to(3);
+const rates = ["x'", "omega(R).x", "omega(R).y", "omega(R).z", "R.w", "R.x", "R.y", "R.z", "s"];
+const { power, hidden_time } = motion.outputs();
+const own = model.motion({ method: "dop853", t: 2 });
+own.to(2.5);
+const says = (call) => {
+  try { call(); return "nothing"; } catch (error) { return error.message; }
+};
+console.log(JSON.stringify({
+  reached, t: motion.t, q: [...motion.q], v: [...motion.v], power, hidden_time,
+  energy: motion.energy(), crossings: motion.crossings().map((x) => [x.event, x.t]),
+  again: motion.crossings().length, steps: motion.steps,
+  own: [own.t, ...own.q, own.v[0]], names: rates,
+  a: [...model.acceleration(0, [2], [1, ...Array(7).fill(0), 0], { set })],
+  wrong: [[[], own.v], [[1], [1]]].map((x) => says(() => model.acceleration(0, ...x))),
+}));
+"""
+
+
+def test_inputs_followers_states_rotations_outputs_and_events(tmp_path: Path) -> None:
+    (tmp_path / "rig.lag").write_text(WATCHED)
+    done = run_pkgen("export", tmp_path / "rig.lag", "--as", "js", "-o", tmp_path / "rig")
+    assert done.returncode == 0, done.stderr
+    (tmp_path / "main.mjs").write_text(OF_ALL)
+    found = json.loads(said("node", "main.mjs", cwd=tmp_path))
+    given = ("m=3", "F=14"), ("x=2.5", "x'=-0.5", "s=-3", "omega(R).y=0.7")
+    words = [w for kind, each in zip(("--set", "--start"), given, strict=True)
+             for one in each for w in (kind, one)]  # fmt: skip
+    rows = ran(tmp_path / "rig.lag", *words, "--method", "rk4", "--step", "0.01",
+               "--until", "3", "--every", "0.5")  # fmt: skip
+    last = {name: column[-1] for name, column in rows.items()}
+    assert found["reached"] is True and found["t"] == last["t"] == 3 and found["steps"] >= 300
+    assert found["q"] == pytest.approx([last["x"]], abs=1e-10)
+    assert sorted(found["v"]) == pytest.approx(sorted(last[n] for n in found["names"]), abs=1e-10)
+    assert len(set(found["v"])) == len(found["v"])
+    for name in ("power", "hidden_time", "energy"):
+        assert found[name] == pytest.approx(last[name], abs=1e-9), name
+    # m x'' = F - 4 m x about F/(4 m), from 2.5 with the rate -0.5.
+    middle, size = 14 / 12, math.hypot(2.5 - 14 / 12, 0.25)
+    phase = math.atan2(0.25, 2.5 - middle)
+    first = (math.acos(-middle / size) - phase) / 2
+    assert [name for name, _ in found["crossings"]] == ["middle"] and found["again"] == 0
+    assert found["crossings"][0][1] == pytest.approx(first, abs=1e-7)
+    t, x, rate = found["own"]  # from x = m/2 = 1 at t = 2, about F/(4 m) = 0
+    assert t == 2.5 and [x, rate] == pytest.approx([math.cos(1), -2 * math.sin(1)], abs=1e-8)
+    assert found["a"][0] == pytest.approx(14 / 3 - 8)
+    assert all("1 coordinates and 9 rates" in text for text in found["wrong"])
 
 
 @pytest.mark.long

@@ -140,6 +140,51 @@ def test_states_and_motions_that_are_none(tmp_path: Path) -> None:
     assert why and 1.0 <= last <= 1.1108  # r = 0 at pi/2^1.5
 
 
+DRIVEN = """model driven
+param m = 2 in (0, inf)
+input F, G
+coord x, y
+state s
+kinetic m/2*(x'^2 + y'^2)
+potential x^2*y
+force x = F*t - 0.3*y'
+force y = G
+rate s = x*y + t - s
+observe power = F*x' + t
+observe twice = G + y
+start x = 1
+"""
+MANY = """
+import json, numpy as np, driven as d
+m = d.Model(m=1.25)
+m.inputs.update(F=0.7, G=-1.9)
+rng = np.random.default_rng(4)
+t, q, v = rng.uniform(-3, 3, 29), rng.uniform(-2, 2, (29, 2)), rng.uniform(-2, 2, (29, 3))
+rhs = m.rhs(0.5, np.concatenate([q, v], axis=1).T)
+print(json.dumps([x.tolist() for x in (
+    t, q, v, m.acceleration(q, v, t), m.energy(q, v, t), m.observe(q, v, t), rhs)]))
+"""
+
+
+def test_many_states_each_with_its_time_and_inputs(tmp_path: Path) -> None:
+    """In lanes and behind the last whole block of them, against the equations by hand. The model's
+    own parameters are whole numbers, others need not be."""
+    (tmp_path / "driven.lag").write_text(DRIVEN)
+    folder = unpacked(wheel(tmp_path / "driven.lag", tmp_path), tmp_path / "in")
+    answers = map(numpy.array, said(sys.executable, MANY, [folder]))
+    t, q, v, a, energy, observed, rhs = answers
+    (x, y), (x1, y1, s) = q.T, v.T
+
+    def rates(t):
+        forces = (0.7 * t - 0.3 * y1 - 2 * x * y) / 1.25, (-1.9 - x**2) / 1.25
+        return numpy.stack([*forces, x * y + t - s])
+
+    assert numpy.abs(a.T - rates(t)).max() < 1e-13
+    assert rhs == pytest.approx(numpy.concatenate([[x1, y1], rates(0.5)]), abs=1e-13)
+    assert energy == pytest.approx(0.625 * (x1**2 + y1**2) + x**2 * y, abs=1e-13)
+    assert numpy.abs(observed.T - [0.7 * x1 + t, -1.9 + y]).max() < 1e-13
+
+
 ROWS = """
 import json, MODEL as d
 rows = d.Model().run(UNTIL, every=EVERY)

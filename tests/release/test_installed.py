@@ -133,6 +133,8 @@ def test_a_debian_package(tmp_path: Path) -> None:
     works(root, "pkgen")
     root.ran("pkgen check /usr/share/doc/pkgen/examples/models/double_pendulum.lag")
     assert root.ran("zcat /usr/share/man/man1/pkgen-run.1.gz").startswith(".TH PKGEN")
+    for file in ("bash-completion/completions/pkgen", "zsh/vendor-completions/_pkgen"):
+        assert "explain" in root.ran(f"cat /usr/share/{file}")
     root.ran(
         "dpkg -r pkgen && ! command -v pkgen && ! test -e /usr/lib/python3/dist-packages/pkgen"
     )

@@ -92,7 +92,8 @@ class Parameters(MutableMapping):
             [
                 math.nan if p["follows"] or p["value"] is None else p["value"]
                 for p in description["parameters"]
-            ]
+            ],
+            float,  # also where all are whole numbers
         )
         self._default = self._given.copy()
 
