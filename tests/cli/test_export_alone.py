@@ -55,6 +55,19 @@ def test_rows_are_those_of_a_run_to_the_bit(method: str, tmp_path: Path) -> None
     assert compare(said, model, *words[:3], "0.02", *words[4:]) > 0  # it does follow the step
 
 
+def test_the_page_shows_what_is_printed(tmp_path: Path) -> None:
+    page = (ROOT / "docs/export-single.md").read_text()
+    asked, built, shown = re.findall(r"^```\w+\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    words = asked.splitlines()[0].removeprefix("$ pkgen ").split()
+    words[1] = str(ROOT / words[1])
+    assert run_pkgen(*words, cwd=tmp_path).returncode == 0
+    done = subprocess.run(["sh", "-ec", built], cwd=tmp_path, capture_output=True, text=True)
+    head, first, *_ = done.stdout.splitlines()
+    assert head == shown.splitlines()[0], done.stderr
+    row = [float(x) for x in shown.splitlines()[1].split(",")]
+    assert [float(x) for x in first.split(",")] == pytest.approx(row, rel=1e-15)
+
+
 def test_values_and_starts_that_are_given_are_in_it(tmp_path: Path) -> None:
     words = ("--method", "rk4", "--step", "1e-3", "--until", "1", "--every", "0.05")
     words += ("--set", "l2=0.5", "--start", "theta1=20 [deg]", "--start", "theta2'=0.7")

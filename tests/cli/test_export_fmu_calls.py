@@ -118,10 +118,19 @@ def test_sources_compile_alone_and_declare_what_the_standard_does(
     subprocess.run(["gcc", *ours, *theirs, f"fmi{version}.c"], cwd=sources, check=True)
 
 
+BOUND = """model bound
+param m = 2 [kg] in (0, 10]
+input w [m/s]
+coord x [m]
+kinetic m/2*x'^2
+rolling drive: x' = w
+"""
+
+
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(4))
-def test_calls_at_random_under_sanitizers(seed: int, unit, tmp_path: Path) -> None:
-    path = unit(RIG)
+@pytest.mark.parametrize(("seed", "model"), [*((k, RIG) for k in range(4)), (4, BOUND)])
+def test_calls_at_random_under_sanitizers(seed: int, model: str, unit, tmp_path: Path) -> None:
+    path = unit(model)
     with zipfile.ZipFile(path) as archive:
         archive.extractall(tmp_path)
     files = [*map(str, (tmp_path / "sources").rglob("*.c")), Path(__file__).parent / "fmu_fuzz.c"]

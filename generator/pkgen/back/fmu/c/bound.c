@@ -24,18 +24,16 @@ size_t unit_anchor_size(const struct unit *unit)
     return unit_bound(unit) ? PLACE + 2 * unit->n + unit->n_inputs : 0;
 }
 
-const double *unit_anchor_inputs(const struct unit *unit)
-{
-    return unit->anchor + PLACE + 2 * unit->n;
-}
-
 /* Refused: an anchor that is off, as it is where parameters have changed that it depends on. */
 static enum unit_status begin(struct unit *unit)
 {
     const double *const at = unit->anchor + PLACE;
-    enum unit_status status = UNIT_OK;
-    if (!unit->ready)
-        status = unit_integrator(unit, 1, unit->anchor[TIME], at, at + unit->n);
+    enum unit_status status;
+    if (unit->ready)
+        return UNIT_OK;
+    unit->given = at + 2 * unit->n;
+    status = unit_integrator(unit, 1, unit->anchor[TIME], at, at + unit->n);
+    unit->given = NULL;
     unit->ready = status == UNIT_OK;
     return status;
 }

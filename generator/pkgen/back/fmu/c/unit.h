@@ -89,6 +89,7 @@ struct unit {
     double **places;                               /* of parameters in params */
     double *rates, *outputs, *claims, *indicators; /* values, as far as `known` */
     double *near;                                  /* room for a state */
+    const double *given;                           /* what the inputs are instead; or NULL */
     unsigned known;
     int stale; /* params do not follow from `all` yet */
     int ready; /* the integrator stands at time, q, v; in model exchange at the anchor */
@@ -185,7 +186,6 @@ enum unit_status unit_said(struct unit *unit, enum unit_status status); /* of th
 /* Of states that constraints and quaternions bind, in model exchange: bound.c. */
 int unit_bound(const struct unit *unit);
 size_t unit_anchor_size(const struct unit *unit);
-const double *unit_anchor_inputs(const struct unit *unit);
 enum unit_status unit_bound_start(struct unit *unit);
 enum unit_status unit_bound_off(struct unit *unit, int *off);
 enum unit_status unit_bound_return(struct unit *unit);

@@ -264,12 +264,11 @@ void unit_move_inputs(struct unit *unit, double t)
     *unit->input_time = t;
 }
 
-/* In model exchange: of the anchor, until the integrator has begun there. */
 static void held_inputs(void *context, double t, double *u)
 {
     const struct unit *unit = (const struct unit *)context;
     (void)t;
-    memcpy(u, unit->ready ? unit->inputs : unit_anchor_inputs(unit), unit->n_inputs * sizeof *u);
+    memcpy(u, unit->given ? unit->given : unit->inputs, unit->n_inputs * sizeof *u);
 }
 
 struct pk_problem unit_problem(struct unit *unit)
