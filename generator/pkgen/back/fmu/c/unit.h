@@ -83,7 +83,7 @@ struct unit {
     double *all;
     double *mode, *time, *input_time, *settings, *length; /* parts of `all` */
     double *parameters, *is_set, *start, *start_is_set, *q, *v, *inputs, *slopes, *sides, *before,
-        *anchor; /* bound.c */
+        *anchor; /* unit_bound.c */
 
     void *params, *held, *room;                    /* held: params with the sides of switches */
     double **places;                               /* of parameters in params */
@@ -183,7 +183,7 @@ enum unit_status unit_integrator(struct unit *unit, double h, double t, const do
                                  const double *v);
 enum unit_status unit_said(struct unit *unit, enum unit_status status); /* of the integrator */
 
-/* Of states that constraints and quaternions bind, in model exchange: bound.c. */
+/* Of states that constraints and quaternions bind, in model exchange: unit_bound.c. */
 int unit_bound(const struct unit *unit);
 size_t unit_anchor_size(const struct unit *unit);
 enum unit_status unit_bound_start(struct unit *unit);
