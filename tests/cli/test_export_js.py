@@ -130,7 +130,9 @@ console.log(JSON.stringify({
 
 def test_inputs_followers_states_rotations_outputs_and_events(tmp_path: Path) -> None:
     (tmp_path / "rig.lag").write_text(WATCHED)
-    done = run_pkgen("export", tmp_path / "rig.lag", "--as", "js", "-o", tmp_path / "rig")
+    done = run_pkgen(
+        *("export", tmp_path / "rig.lag", "--as", "js", "-o", tmp_path / "rig", "--set", "F=4")
+    )
     assert done.returncode == 0, done.stderr
     (tmp_path / "main.mjs").write_text(OF_ALL)
     found = json.loads(said("node", "main.mjs", cwd=tmp_path))
@@ -152,8 +154,9 @@ def test_inputs_followers_states_rotations_outputs_and_events(tmp_path: Path) ->
     first = (math.acos(-middle / size) - phase) / 2
     assert [name for name, _ in found["crossings"]] == ["middle"] and found["again"] == 0
     assert found["crossings"][0][1] == pytest.approx(first, abs=1e-7)
-    t, x, rate = found["own"]  # from x = m/2 = 1 at t = 2, about F/(4 m) = 0
-    assert t == 2.5 and [x, rate] == pytest.approx([math.cos(1), -2 * math.sin(1)], abs=1e-8)
+    t, x, rate = found["own"]  # from x = m/2 = 1 at t = 2, about F/(4 m) = 1/2
+    assert t == 2.5
+    assert [x, rate] == pytest.approx([(1 + math.cos(1)) / 2, -math.sin(1)], abs=1e-8)
     assert found["a"][0] == pytest.approx(14 / 3 - 8)
     assert all("1 coordinates and 9 rates" in text for text in found["wrong"])
 

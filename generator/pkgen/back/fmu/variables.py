@@ -131,7 +131,8 @@ def _variables(exported: Exported) -> Iterator[Variable]:
     )  # fmt: skip
     yield Variable(
         "integrator.rtol", reference("setting", RTOL), "parameter", run["rtol"],
-        description="of adaptive methods; of states bound in model exchange", lo=0.0, hi=1.0, fixed=True,
+        description="of adaptive methods; of states bound in model exchange", lo=0.0, hi=1.0,
+        fixed=True,
     )  # fmt: skip
 
 
