@@ -52,7 +52,8 @@ failed() {
     rm -f "$new"
     echo "{\"shard\": $1, \"tried\": 1, \"why\": \"${why:-the program was ended}\"}" > "failed/$2"
 }
-awk -v t="$SLURM_ARRAY_TASK_ID" -v n=EACH 'NR % n == t % n' slurm/shards.txt |
+task=${SLURM_ARRAY_TASK_ID:-$((JOB_COMPLETION_INDEX + 1))} # or that of an indexed Job
+awk -v t="$task" -v n=EACH 'NR % n == t % n' slurm/shards.txt |
 while read -r k file first count before; do
     [ -s "shards/$file" ] || made "$k" "$file" "$first" "$count" "$before" || failed "$k" "$file"
 done
