@@ -19,6 +19,8 @@ PEERS = (
     "scipy",
     "heyoka",
     "numba",
+    "distributed",
+    "diffrax",
     "pydy",
     "scikit-sundae",
     "mechanicsdsl-core",

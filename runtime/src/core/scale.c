@@ -138,10 +138,10 @@ void pk_scale_start(struct pk_integrator *it)
     pk_scale_attempt(it, first);
     for (size_t i = 0; i < n && it->count.steps == 0; i++) {
         const pk_real x = PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) * it->own->atol[i]);
-        const size_t first = pk_index(of[i] - (pk_real)n, n);
+        const size_t shared = pk_index(of[i] - (pk_real)n, n);
         if (pk_finite(x))
             own[n + i] = pk_max(own[n + i], x);
-        fall[first] = i == first ? own[n + i] : pk_max(fall[first], own[n + i]);
+        fall[shared] = i == shared ? own[n + i] : pk_max(fall[shared], own[n + i]);
     }
     for (size_t i = 0; i < n && it->count.steps == 0; i++)
         own[n + i] = pk_max(own[n + i], SHARE * fall[pk_index(of[i] - (pk_real)n, n)]);
