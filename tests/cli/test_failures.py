@@ -160,10 +160,12 @@ METHODS = ["rk4", "dop853", "gauss1", "gauss4", "gauss", "lobatto3", "radau5", "
 @pytest.mark.parametrize(
     ("rows", "more", "methods"),
     [
+        ("", " + x*y^2", ["gauss2"]),
         ("", " + x*y^2", [*METHODS, "verlet"]),
         ("", "", ["exponential"]),
         ("\nconstraint c: x = z", " + x*y^2", [*METHODS, "rattle", "lie_midpoint"]),
     ],
+    ids=["implicit", "free", "affine", "bound"],
 )
 def test_a_mass_that_is_not_positive_is_named_by_every_method(
     rows: str, more: str, methods: list[str], pkgen, tmp_path: Path

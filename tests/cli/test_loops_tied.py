@@ -48,10 +48,11 @@ def test_random_models_are_those_of_members_written_out(name: str, seed: int, bo
     assert loops[0][1:] != loops[-1][1:]
 
 
-@pytest.mark.parametrize("order", ["x[1..N], y[1..N]", "y[1..N], x[1..N]"])
+@pytest.mark.parametrize("order", ["x[1..N], y[1..N]", "y[1..N], x[1..N]"], ids=["xy", "yx"])
 @pytest.mark.parametrize(
     ("size", "inertia"),
     [(3, "p*y[i]'^2"), (20, "p*y[i]'^2"), (20, "y[i]'^2 - 3*p*y[i]'*x[i]'")],
+    ids=["few", "many", "coupled"],
 )
 def test_inertia_that_is_not_positive_is_named_and_no_constraint(
     order: str, size: int, inertia: str, pkgen, tmp_path: Path
@@ -105,7 +106,7 @@ observe pull = lambda_tie[2]
 """
 
 
-@pytest.mark.parametrize("inertia", ["", " + x[i]'*X'/20"])
+@pytest.mark.parametrize("inertia", ["", " + x[i]'*X'/20"], ids=["diagonal", "banded"])
 @pytest.mark.parametrize("method", ["verlet", "yoshida4"])
 def test_splitting_methods_run_on_linear_constraints(method: str, inertia: str, both) -> None:  # noqa: F811
     text = LINEAR.format(inertia=inertia, row=" + t^2/5 - t^2/5")
@@ -119,6 +120,7 @@ def test_splitting_methods_run_on_linear_constraints(method: str, inertia: str, 
 @pytest.mark.parametrize(
     ("inertia", "row"),
     [("", " + x[i]^2/9"), ("", " + t*x[i]/9"), (" + cos(X)*X'^2/9", "")],
+    ids=["curved", "turning", "heavy"],
 )
 def test_and_are_refused_on_others(inertia: str, row: str, pkgen, tmp_path: Path) -> None:
     model = tmp_path / "linear.lag"

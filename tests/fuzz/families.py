@@ -21,16 +21,20 @@ import signal
 import sys
 import tempfile
 import traceback
-from collections import Counter
+from collections import Counter, defaultdict
+from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "generator"), str(ROOT / "tests" / "generator")]
+sys.path[:0] = [str(ROOT / x) for x in ("generator", "tests", "tests/generator")]
+from carried_models import links  # noqa: E402
 from chain_models import drawn  # noqa: E402
+from loop_runs import rope  # noqa: E402
 from pkgen.__main__ import main as command  # noqa: E402
 from pkgen.compiler import compile_model  # noqa: E402
 from pkgen.scenes import lengths  # noqa: E402
 from pkgen.source import ModelError, Source  # noqa: E402
+from rotation_models import made  # noqa: E402
 
 SECONDS = 150
 STEPS = ("--step", "0.02")
@@ -62,6 +66,12 @@ METHODS = {
     "gsl_rk8pd": ("--rtol", "1e-11"),
     "gsl_msbdf": ("--rtol", "1e-8"),
     "gsl_msadams": ("--rtol", "1e-10"),
+}
+KINDS: dict[int, Callable[[random.Random], str]] = defaultdict(lambda: drawn) | {
+    3: links,
+    7: rope,
+    11: lambda dice: links(dice, states=True),
+    15: lambda dice: made(dice, dice.randint(1, 4)).text,
 }
 ROUGH = {"radau": 1e-6, "dopri5": 1e-6, "gsl_msbdf": 1e-3, "gsl_msadams": 1e-5, "gsl_rk8pd": 1e-6}
 ADAPTIVE = {"dop853", "gauss", *ROUGH}
@@ -138,7 +148,7 @@ def compared(folder: Path, words: tuple[str, ...], error: float) -> str:
             f"ends with {told.get('status')}: {said[:300]} | {report.get('status')}: {heard[:300]}"
         )
     if code == 4 and not math.isclose(
-        told.get("last_valid", 0), report.get("last_valid", 0), rel_tol=1e-2, abs_tol=1e-2
+        told.get("last_valid", 0), report.get("last_valid", 0), rel_tol=1e-2, abs_tol=0.05
     ):
         return f"ends at {told.get('last_valid')}, written out {report.get('last_valid')}: {said}"
     if code == 0 and (off := apart(mine, theirs)) > error:
@@ -165,7 +175,7 @@ def ways(dice: random.Random, text: str, folder: Path) -> list[tuple[tuple[str, 
             more += ("--iteration", "fixed")
         words = ("run", model, *until, "--method", method, *METHODS[method], *more)
         found.append((words, ROUGH.get(method, 1e-7 if method == "gauss" else 1e-9)))
-    if dice.random() < 0.3:
+    if "param k" in text and dice.random() < 0.3:
         table = folder / "members.csv"
         table.write_text("k\n0.5\n1.2\n0.8\n")
         method = dice.choice(("rk4", "gauss2", "verlet", "dop853"))
@@ -185,11 +195,12 @@ def scene(dice: random.Random, text: str) -> str:
     family, lo, hi = dice.choice(re.findall(r"([qxyz])\[([-\d]+)\.\.(N[-+\d]*)\](?=[,\n])", text))
     first, last = f"{family}[{lo}]", f"{family}[{hi}]"
     tied = "constraint" in text
-    lines = [f"scene use\n  set k = {dice.uniform(0.3, 1.5):.3f}"]
+    lines = ["scene use"]
+    if "param k" in text:
+        lines.append(f"  set k = {dice.uniform(0.3, 1.5):.3f}")
     kind = "column" if tied else dice.choice(("column", "swarm", "hold", "accuracy"))
     if kind == "swarm":
-        lines[:0] = ["scene use\n  swarm n = 1..3"]
-        del lines[1]
+        lines = ["scene use\n  swarm n = 1..3"]
         lines.append(f"  start {first} = 0.1*n, {last}' = 0.2/n")
     elif not tied:
         lines.append(f"  start {last}' = 0.3")
@@ -207,8 +218,9 @@ def scene(dice: random.Random, text: str) -> str:
 
 
 def text_of(seed: int, dice: random.Random | None = None) -> str:
+    """Three in four are chains, the others what other tests draw: links, ropes, spins."""
     dice = dice or random.Random(seed)
-    text = drawn(dice)
+    text = KINDS[seed % 16](dice)
     return text + scene(dice, text)
 
 

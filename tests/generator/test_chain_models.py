@@ -13,7 +13,7 @@ import families
 SEEDS = [*range(40)]
 
 
-@pytest.mark.parametrize("seed", long_but({4, 17}, SEEDS))
+@pytest.mark.parametrize("seed", long_but({17}, SEEDS))
 def test_loops_are_members_written_out(seed: int) -> None:
     verdict, seen = families.alone(seed)
     assert verdict in ("agree", "written out", "refused"), (
