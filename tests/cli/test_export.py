@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT, run_pkgen
+from pkgen.back.bound.names import step
 from pkgen.cli.export import HOSTS
 
 PENDULUM = ROOT / "models" / "double_pendulum.lag"
@@ -127,3 +128,14 @@ def test_lines_of_ones_own_are_those_of_the_pages() -> None:
         languages = re.findall(r"^```(?!console|sh|text)\w+\n(.*?)^```", text, re.M | re.S)
         assert int(count) == _lines(languages[0]), page
     assert f"{_lines((ROOT / 'docs/embed.c').read_text())}, [embed.c](embed.c)" in table
+
+
+def test_methods_that_choose_their_step_are_given_none() -> None:
+    def first(adaptive: bool, **run: float | None) -> float:
+        methods = [{"name": "it", "adaptive": adaptive}, {"name": "x", "adaptive": not adaptive}]
+        return step({"run": {"method": "it", "until": 9.0, **run}, "methods": methods})
+
+    assert first(True, step=None, every=0.5) == 0
+    assert first(False, step=None, every=0.5) == 0.5
+    assert first(False, step=None, every=None) == 0.009
+    assert first(True, step=0.25, every=0.5) == first(False, step=0.25, every=0.5) == 0.25

@@ -103,6 +103,7 @@ observe power = F*x'
 observe hidden_time = t*x
 event low: x + (2 [m]) falling
 event middle: x falling
+event late: t - (4 [s]) rising stop
 """
 OF_ALL = """import { load, description } from "./rig/index.js";
 const model = await load();
@@ -123,6 +124,7 @@ console.log(JSON.stringify({
   again: motion.crossings().length, steps: motion.steps,
   own: [own.t, ...own.q, own.v[0]], names: rates,
   a: [...model.acceleration(0, [2], [1, ...Array(7).fill(0), 0], { set })],
+  ended: [motion.to(5), motion.t, motion.crossings().map((x) => x.event).pop()],
   wrong: [[[], own.v], [[1], [1]]].map((x) => says(() => model.acceleration(0, ...x))),
 }));
 """
@@ -157,6 +159,8 @@ def test_inputs_followers_states_rotations_outputs_and_events(tmp_path: Path) ->
     t, x, rate = found["own"]  # from x = m/2 = 1 at t = 2, about F/(4 m) = 1/2
     assert t == 2.5
     assert [x, rate] == pytest.approx([(1 + math.cos(1)) / 2, -math.sin(1)], abs=1e-8)
+    stays, end, last_event = found["ended"]
+    assert not stays and end == pytest.approx(4, abs=1e-12) and last_event == "late"
     assert found["a"][0] == pytest.approx(14 / 3 - 8)
     assert all("1 coordinates and 9 rates" in text for text in found["wrong"])
 
