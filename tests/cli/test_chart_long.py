@@ -24,7 +24,7 @@ STEP = 0.1
 def test_drifts_over_decades(pkgen, tmp_path: Path) -> None:
     model = tmp_path / "oscillator.lag"
     model.write_text(MODEL)
-    words = ("--long", "--step", STEP, "--methods", METHODS, "--seconds", 2, "-o", tmp_path)
+    words = ("--long", "--step", STEP, "--methods", METHODS, "--seconds", 6, "-o", tmp_path)
     done = pkgen("chart", model, *words, "--json", "--format", "png,pdf")
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
