@@ -11,7 +11,8 @@
  * How a crossing is located. After each step g is looked at at its ends and in between, at 9 or 17
  * points of an interpolant: the method's own dense output, else the quintic of Hermite through q, v
  * and accelerations, or, where that of q and v alone bends otherwise than the motion, states by
- * shorter steps. Either the polynomial through these points shows that g is far from zero, or its
+ * shorter steps. Of adaptive Runge-Kutta methods the quintic comes first: where g is twice as far
+ * from zero on it as it varies, no dense output is made. Either the polynomial through these points shows that g is far from zero, or its
  * last coefficients show that it represents g; else the step is looked at in halves, and these in
  * halves. Where the polynomial crosses zero, or dips to 1/32 of what it varies by, g is computed
  * anew at a state that a second integrator reaches by the same method in one shorter step from

@@ -109,7 +109,7 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     shape->lost = 0;
     shape->crosses = !far;
     shape->others = 0;
-    shape->c[0] = far; /* whatever it is */
+    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* whatever it is */
     if (far || !finite || !pk_finite(shape->range))
         return;
     for (int i = 0; i <= N; i++) {
