@@ -129,7 +129,7 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
     json_flag(j, "interrupted", run->interrupted);
     json_flag(j, "whole", rows_whole(run));
     json_counts(j, {"rows", run->rows}, {"threads", b->threads});
-    json_real(j, "seconds", (pk_real)run->seconds);
+    json_reals(j, {"seconds", (pk_real)run->seconds}, {"processor", (pk_real)run->processor});
     diagnose_report(run, j);
     json_close(j, '}');
 }
@@ -255,8 +255,7 @@ enum pk_run_code ensemble_run(struct pk_run *run)
     const struct pk_system *system = s->system;
     const size_t rows = run->count > 1 ? (size_t)run->count : 1;
     const int watched = member_by_one(s);
-    const double began = run_now();
-    run->control.began = run_processor();
+    const double began = run_now(), processor = run->control.began = run_processor();
     run->problem.system = system;
     s->options.stop = stop;
     s->options.context = run;
@@ -286,5 +285,6 @@ enum pk_run_code ensemble_run(struct pk_run *run)
         rows_header(run);
     make_all(run, &of);
     run->seconds += run_now() - began;
+    run->processor += run_processor() - processor;
     return finish(run, b, &of.tally);
 }
