@@ -48,14 +48,6 @@ kinetic x'^2/2
 potential 0.3*step(x - 1) + x^2/2
 event middle: x - 0.5
 """
-RODS = """model rods
-coord x, y, X, Y
-kinetic (x'^2 + y'^2 + X'^2 + Y'^2)/2
-potential 9.81*(y + Y)
-constraint first: x^2 + y^2 = 1
-constraint second: (X - x)^2 + (Y - y)^2 = 1
-start y = -1, Y = -2
-"""
 STEP = ("--step", "0.01")
 LOOSE = ("--rtol", "1e-9")
 
@@ -80,13 +72,11 @@ CASES = (
     ),
     Case("a switch", BALL, {"x": (0.5, 1.5)}, 10, ("rk4", *STEP)),
     Case("impulses", STAIRS, {"x'": (0.5, 2)}, 20, ("rk4", *STEP, "--at", "middle")),
-    Case("constraints", RODS, {"x'": (-2, 2), "X'": (-2, 2)}, 5, ("rk4", *STEP)),
     Case("adaptive", PENDULUM, SWING, 10, ("dop853", *LOOSE)),
     Case("adaptive", PENDULUM, SWING, 10, ("dopri5", "--rtol", "1e-6")),
     Case("adaptive, rows", PENDULUM, SWING, 10, ("dop853", *LOOSE, "--every", "0.1")),
     Case("adaptive, events", WATCHED, SWING, 10, ("dop853", *LOOSE, "--at", "low")),
     Case("adaptive, a switch", BALL, {"x": (0.5, 1.5)}, 10, ("dop853", *LOOSE)),
-    Case("adaptive, constraints", RODS, {"x'": (-2, 2), "X'": (-2, 2)}, 5, ("dop853", *LOOSE)),
 )
 
 

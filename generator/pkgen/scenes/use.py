@@ -142,8 +142,10 @@ def _without_mass(e: object) -> bool:
 
 
 def _side_by_side(equations: Equations, structure: Structure, method: Method | None) -> bool:
-    """As pk_block_stepper_of() has it; loops are over members of a family."""
-    return isinstance(equations, Equations) and in_lanes(method, structure)
+    """As runtime/src/ensemble/abreast.c has it; loops are over members of a family."""
+    if not isinstance(equations, Equations) or equations.constraints:
+        return False
+    return in_lanes(method, structure)
 
 
 def whole(options: argparse.Namespace) -> Use | None:

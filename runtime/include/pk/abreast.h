@@ -14,8 +14,8 @@
  * fails. What was not made, or failed, it makes by itself. So with -ffp-contract=off nothing comes
  * out other than without lanes, to the bit, whoever is in them.
  *
- * Explicit Runge-Kutta and splitting methods have lanes, adaptive ones too: a rejected step is made
- * again alone. Inputs are to be constant.
+ * Explicit Runge-Kutta and splitting methods have lanes, adaptive ones too, but not of systems with
+ * constraints, whose projection is most of a step. Inputs are to be constant.
  */
 #ifndef PK_ABREAST_H
 #define PK_ABREAST_H

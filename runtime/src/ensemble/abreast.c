@@ -51,7 +51,8 @@ size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method 
 #endif
     struct pk_block b;
     pk_real *screen;
-    if (!s || (method->traits & PK_ADAPTIVE && !s->attempt))
+    if (!s || (method->traits & PK_ADAPTIVE && !s->attempt) ||
+        system->constraints.n) /* projection, which each does alone, is most of a step */
         return 0;
     const size_t n = pk_system_count(system, problem->params);
     return lay_out(&b, system, method, n, s->lanes, &screen, NULL) * sizeof(pk_real);
