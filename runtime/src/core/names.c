@@ -33,7 +33,7 @@ int pk_system_name(const struct pk_system *system, const void *params,
                    const struct pk_quantity *table, size_t i, char *text, size_t size)
 {
     const size_t count = system->families.range ? system->families.n_coordinates : 0;
-    if (!table)
+    if (!table || (!count && i >= system->n))
         return snprintf(text, size, "?");
     return name_of(system, params, PK_OF_COORDINATE, count, table, i, text, size);
 }

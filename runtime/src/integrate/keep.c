@@ -56,7 +56,7 @@ static int sound(const struct pk_integrator *it, const struct pk_integrator_priv
     if (!pk_finite(it->t) || !pk_finite(it->last_t) || !pk_finite(kept->h) ||
         !(it->options.h >= 0) || !pk_finite(it->options.h))
         return 0;
-    return (it->status == PK_DONE || it->status == PK_STOPPED_EVENT) &&
+    return it->status > PK_STATUS_LAST && it->status <= PK_STOPPED_USER &&
            it->event <= system->events.n &&
            (!it->passed_over.count || it->passed_over.which < system->marks.n);
 }
