@@ -289,7 +289,7 @@ OWN = {"__main__.py", "cli/chart.py", "cli/run.py", "cli/stability.py", "run/bui
 OWN |= {"run/simulate.py", "system/cache.py", "system/files.py"}
 OWN |= {"plot/style.py"}  # of pictures
 OWN |= {"film/film.py", "film/write.py", "back/web/build.py", "back/library.py"}
-OWN |= {"sweep/shards.py"}
+OWN |= {"sweep/store.py"}
 
 
 def test_nothing_else_writes_files() -> None:

@@ -268,6 +268,7 @@ def test_a_row_that_is_rounding_has_no_force(row, x):
         compile_model(Source("small.lag", small))
 
 
+@pytest.mark.filterwarnings("ignore:.*never used")
 def test_a_row_that_is_rounding_has_no_force_by_options(tmp_path):
     path = tmp_path / "flat.lag"
     path.write_text(f"{FLAT}constraint s: (x - b)^2 = 4\nstart x = b + 2\n")

@@ -36,7 +36,7 @@ def data_set(folder: Path, rng: numpy.random.Generator, grid: bool, members: int
         fields.append(arrow.field(name, kind.get(name, arrow.float64()), metadata=about))
     schema = arrow.schema(fields, metadata={"pkgen": json.dumps({"model": "m"})})
     (folder / "data").mkdir()
-    (folder / "plan.json").write_text("{}")
+    (folder / "plan.json").write_text(json.dumps({"digest": ""}))
     for part, rows in enumerate(numpy.array_split(numpy.arange(members), 2)):
         made = []
         for name, x in columns.items():
