@@ -53,7 +53,7 @@ def main(words: list[str]) -> int:
     if not options.here:
         return with_peers("members", [*words, "--here"])
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    here, load = machine.describe(), os.getloadavg()[0]
+    here = machine.describe()
     firsts = [tuple(map(float, row)) for row in starts(SHOWN)]
     exact = reference.finals_at(model(NAME), firsts, T_END)
     rows, missing = [], []
@@ -66,14 +66,15 @@ def main(words: list[str]) -> int:
         rows.append((title, *(_rate(points, e) for e in AT)))
         print(rows[-1], flush=True)
     heading = ["members a second and core, at a final error of", *(f"{e:.0e}" for e in AT)]
-    lines = [*here.lines(), f"load average {load:.1f} at the start"]
     text = "\n\n".join([
         "## Members a second and core",
         "Written by `python -m bench members --docs`: double pendulums over a second, the median "
         "error of eight of them, seconds of the processor.",
-        "\n".join(lines),
+        "\n".join(here.lines()),
         tables.table(heading, rows),
         *(["\n".join(missing)] if missing else []),
+        "pkgen reads its starts from a file and writes the rows to one; heyoka and diffrax have both "
+        "in memory.",
         JULIA,
     ])  # fmt: skip
     print(text)
