@@ -73,8 +73,8 @@ def main(words: list[str]) -> int:
         "\n".join(here.lines()),
         tables.table(heading, rows),
         *(["\n".join(missing)] if missing else []),
-        "pkgen reads its starts from a file and writes the rows to one; heyoka and diffrax have both "
-        "in memory.",
+        "pkgen reads its starts from a file and writes the rows to one; heyoka and diffrax have "
+        "both in memory.",
         JULIA,
     ])  # fmt: skip
     print(text)
