@@ -152,8 +152,9 @@ static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, i
     } else if (fresh) {
         w->kept->best = count;
         w->kept->wait -= w->kept->wait > 0;
-    } else if (count > w->kept->best + !pk_gauss_small(w)) {
-        w->kept->patience = w->kept->patience < 31 ? 2 * w->kept->patience + 1 : 63;
+    } else if (count - !pk_gauss_small(w) > w->kept->best) {
+        const int patience = w->kept->patience; /* of a checkpoint: any number */
+        w->kept->patience = patience >= 0 && patience < 31 ? 2 * patience + 1 : 63;
         w->kept->wait = w->kept->patience;
     } else {
         w->kept->patience = 0;
