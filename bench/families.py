@@ -20,12 +20,11 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import machine, tables
+from . import tables
+from .report import write_table
 from .systems import ROOT
 
 PAGE = ROOT / "docs" / "families.md"
-BEGIN = "<!-- python -m bench families --docs -->\n"
-END = "<!-- end of families -->\n"
 SAME = 1e-11
 HEAD = ("feature", "members", "off", "members", "method", "evaluations", "ns a member", "seconds")
 LOOSE = "1e-8"
@@ -218,10 +217,5 @@ def main(arguments: list[str]) -> int:
     text = tables.table(HEAD, [row for _, row in found])
     print(text)
     if options.docs:
-        before, mark, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-        if not mark:
-            raise SystemExit(f"bench: {PAGE} has no line {BEGIN}")
-        here = "; ".join(machine.describe().lines())
-        after = rest.partition(END)[2]
-        PAGE.write_text(f"{before}{BEGIN}\n{here}.\n\n{text}\n{END}{after}", encoding="utf-8")
+        write_table(PAGE, "families", text)
     return 4 if any(off > SAME for off, _ in found) else 0

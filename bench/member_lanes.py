@@ -18,12 +18,11 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import machine, tables
+from . import tables
+from .report import write_table
 from .systems import ROOT
 
 PAGE = ROOT / "docs" / "commands.md"
-BEGIN = "<!-- python -m bench member_lanes --docs -->\n"
-END = "<!-- end of member_lanes -->\n"
 HEAD = ("members", "method", "one by one", "in lanes", "ratio")
 MEMBERS, TURNS = 500, 3
 
@@ -124,10 +123,5 @@ def main(arguments: list[str]) -> int:
     text = tables.table(HEAD, [row for _, row in found])
     print(text)
     if options.docs:
-        before, mark, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-        if not mark:
-            raise SystemExit(f"bench: {PAGE} has no line {BEGIN}")
-        here = "; ".join(machine.describe().lines())
-        after = rest.partition(END)[2]
-        PAGE.write_text(f"{before}{BEGIN}\n{here}.\n\n{text}\n{END}{after}", encoding="utf-8")
+        write_table(PAGE, "member_lanes", text)
     return 0 if all(same for same, _ in found) else 4

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
-from .machine import Machine
+from .machine import Machine, describe
 from .measure import Effort
 from .models import ROOT
 
@@ -49,6 +50,17 @@ def write_block(command: str, text: str) -> None:
     """What that command writes, behind a mark of its own; other blocks stay as they are."""
     own, blocks = _blocks()
     _write(own, {**blocks, command: f"\n{text}"})
+
+
+def write_table(page: Path, command: str, text: str) -> None:
+    """What that command writes, between its two marks in a page of words, with the machine."""
+    begin, end = f"<!-- python -m bench {command} --docs -->\n", f"<!-- end of {command} -->\n"
+    before, mark, rest = page.read_text(encoding="utf-8").partition(begin)
+    if not mark:
+        raise SystemExit(f"bench: {page} has no line {begin}")
+    here = "; ".join(describe().lines())
+    after = rest.partition(end)[2]
+    page.write_text(f"{before}{begin}\n{here}.\n\n{text}\n{end}{after}", encoding="utf-8")
 
 
 def _blocks() -> tuple[str, dict[str, str]]:

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from checkpoint_runs import BLOCKS
 from pkgen.analysis import choose
 from pkgen.api.chosen import data, settled
 from pkgen.cli import checkpoints
@@ -24,17 +25,8 @@ scene s
   accuracy 1
 end
 """
-BLOCKS = """model blocks
-coord a, b
-kinetic (a'^2 + b'^2/100)/2
-potential -cos(a) - cos(b)
-start a = 1.5, b = 1.5
-scene s
-  until 300
-  record a, b every 1
-  accuracy 1
-end
-"""
+LONGER = BLOCKS.replace("until 2", "until 300").replace("every 0.1", "every 1")
+LONGER = LONGER.replace("accuracy 1e-6", "accuracy 1")
 
 
 def done(*words: str) -> int:
@@ -42,7 +34,7 @@ def done(*words: str) -> int:
     return command.module.run(options)
 
 
-@pytest.mark.parametrize("text", [MODEL, BLOCKS], ids=["whole", "parts"])
+@pytest.mark.parametrize("text", [MODEL, LONGER], ids=["whole", "parts"])
 def test_nothing_is_chosen_again(text: str, tmp_path: Path, monkeypatch) -> None:
     (tmp_path / "m.lag").write_text(text)
     ck = tmp_path / "c"
