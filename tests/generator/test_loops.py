@@ -63,7 +63,9 @@ def assert_start(unrolled, at):
 
 
 def assert_kernels(unrolled, at, state, what):
-    for kernel, count in VECTORS.items():
+    # Where a momentum depends on a state the unrolled code has p = v.
+    kernels = ("acceleration",) if at.of.equations.solved else VECTORS
+    for kernel, count in ((kernel, VECTORS[kernel]) for kernel in kernels):
         failed, expected = unrolled.call(kernel, *state)
         status, found = at.call(
             kernel, *state, (at.n,) * count, ctypes.c_int if kernel == "acceleration" else None
@@ -90,7 +92,7 @@ def assert_kernels(unrolled, at, state, what):
 
 def assert_mass(unrolled, at, state, what):
     """The band, or the diagonal, has what M has; where M is diagonal all of it."""
-    if not at.of.equations.facts.mass_diagonal:
+    if not at.of.equations.facts.mass_diagonal or at.of.equations.solved:
         return
     n = at.n
     _, (whole,) = unrolled.call("mass", *state)

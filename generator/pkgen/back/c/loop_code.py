@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 
 from .kernel_code import statements
 from .loops import Block
+from .loops_before import Before
+from .loops_plan import Rates
 from .loops_sets import PairSet, RowSet, TotalSet
 from .program import Statement
 from .tree import (
@@ -43,8 +45,9 @@ def _stated(lines: Sequence[str]) -> list[Node]:
 class LoopCode:
     """Of one model."""
 
-    def __init__(self, name: str):
+    def __init__(self, name: str, before: Before):
         self.name = name
+        self._before = before
         state = "pk_real t, const pk_real *q, const pk_real *v, const pk_real *u"
         self.ARGS = f"const struct {name}_params *p, {state}"
         self.unused = Call("(void)p, (void)t, (void)q, (void)v, (void)u")
@@ -211,15 +214,42 @@ class LoopCode:
             Declare("const ptrdiff_t", "hi", self.most(s.highs, "least")),
         ]
 
+    # -- what comes before rows ---------------------------------------------------------------
+
+    def before(self, *functions: str) -> str:
+        """The statements that one of these functions begins with."""
+        lines = dict.fromkeys(line for f in functions for line in self._before.lines(f))
+        return "".join(f"    {line}\n" for line in lines)
+
+    def rate_function(self, key: str, x: Rates) -> str:
+        """Writes the rates of a state where rows find them."""
+        body: list[Node] = [Declare("pk_real *const", "out", f"{self.name}_rated(p)")]
+        found, rows = "", ""
+        if x.rows:
+            found, store = self.row_functions(x.rows), [f"out[{x.group['cell']}] = r[0];"]
+            rows = self.row_loop(x.rows, store, store)
+        else:
+            signature = f"static pk_real {self.name}_total_rate_{key}({self.ARGS})"
+            found = self.total_function(x.total, signature)
+            total = f"{self.name}_total_rate_{key}({STATE})"
+            rows = f"    out[{x.group['first']}] = {total};\n"
+        rows += "".join(self.pair_loop(pair, "out") for pair in x.pairs)
+        head = "".join(f"{line}\n" for line in rendered(body))
+        return (
+            f"{found}/* The rates of {x.group['shown']}, which others have in them. */\n"
+            f"static void {self.name}_rate_{key}({self.ARGS})\n{{\n{head}\n{rows}}}\n"
+        )
+
     # -- totals and pairs ---------------------------------------------------------------------
 
-    def total_function(self, x: TotalSet, signature: str) -> str:
+    def total_function(self, x: TotalSet, signature: str, key: str = "") -> str:
         """A quantity with one value; terms of a loop go to eight sums, which vectorise and round
-        less."""
+        less. With a `key` it begins as that function does."""
         body = [
             Declare("pk_real", "total"),
             Blank(),
             self.unused,
+            *_stated([*self._before.lines(key)]),
             *statements(x.constant.statements),
         ]
         if x.rows:

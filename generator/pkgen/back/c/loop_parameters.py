@@ -67,9 +67,10 @@ def functions(
     factored: bool,
     block: bool,
     bound: bool = False,
+    fixed: Sequence[str] = (),
 ) -> str:
-    """`prepare` computes the `count` hoisted constants; M is `factored` once, and that or families
-    of parameters are in a `block` of memory."""
+    """`prepare` computes the `count` hoisted constants and the `fixed` totals; M is `factored` once,
+    and that or families of parameters are in a `block` of memory."""
     params = f"struct {model}_params *p"
     defaults = [node for row in rows for node in row.default]
     follow = [node for row in rows if row.follows for node in row.default]
@@ -85,6 +86,9 @@ def functions(
         yield If(unfit, [Return("PK_FAILED(PK_FAILURE_SIZE, 0)")])
         yield from checks(rows)
         yield from hoisted(count, statements(prepare))
+        for k in fixed:
+            value = f"{model}_total_sum_{k}(p, 0, NULL, NULL, NULL)"
+            yield Assign(f"{model}_sums(p)[{k}]", value)
         alone = ", 0, NULL, NULL" if bound else ""
         value = f"{model}_factored(p, 0, NULL, NULL, NULL{alone})" if factored else "0"
         yield from (Assign("p->failed_", value), Return("0"))

@@ -172,8 +172,17 @@ class Places:
 class Lowering(Hoisting):
     """Hoists what blocks share, and writes them out."""
 
-    def __init__(self, equations: LoopEquations, places: Places, libm: bool, blocks: list[Block]):
+    def __init__(
+        self,
+        equations: LoopEquations,
+        places: Places,
+        libm: bool,
+        blocks: list[Block],
+        kept: set[str],
+    ):
         super().__init__(equations.graph, equations.model.name, libm)
+        self.kept = kept  # totals that lie in memory
+        self.states = {g.name for g in equations.states}
         self.equations, self.places, self.blocks = equations, places, blocks
         self.inputs = [q.name for q in equations.inputs]
         self._locals = Names(LOCAL_RESERVED, _OURS, self.prefix)
@@ -215,6 +224,9 @@ class Lowering(Hoisting):
         if slot.kind == "index":
             name = ROW if slot.name == ROW else OTHER
             return Code(f"(pk_real){name}", (name,))
+        if slot.kind == "sum" and slot.name in self.kept:
+            array = self.prefix + "sums"
+            return Code(f"{array}(p)[{slot.name}]", (array, "p"))
         if slot.kind in ("input", "sum"):
             return variable(f"{'u' if slot.kind == 'input' else 'sum'}[{slot.name}]")
         if slot.kind == "flux":
@@ -230,7 +242,8 @@ class Lowering(Hoisting):
             return Code(f"{array}(p)[{places.index(place)}]", (array, "p", *places.names_in(place)))
         array, needs = ("q" if slot.kind == "q" else "v",) * 2
         if slot.kind == "a":
-            array, needs = f"{self.prefix}accelerated(p)", f"{self.prefix}accelerated"
+            memory = "rated" if slot.name in self.states else "accelerated"
+            array, needs = f"{self.prefix}{memory}(p)", self.prefix + memory
         inside = where in (INNER, PAIR)
         if slot.at is None or inside or not any(slot.at.factor(v) for v in LOOPS):
             first = places.names_in(places.first[slot.name])

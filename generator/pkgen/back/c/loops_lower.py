@@ -17,6 +17,7 @@ from . import loop_parameters, loops_tables, tables
 from .describe import labelled
 from .helpers import helpers
 from .loops import BLOCK, CHUNK, FIXED, INNER, WIDEST_BOND, Block, Lowering, M, Places
+from .loops_before import Before
 from .loops_bound import bound_context, shape_of
 from .loops_chain import chain_context
 from .loops_plan import (
@@ -78,7 +79,8 @@ class _Context:
             *self.outputs.values(),
             *(block for found in self.plan.singularities for block in found.blocks),
         ]
-        self.lowering = Lowering(e, self.places, libm, blocks)
+        self.before = Before(e, self.places, self.plan, self.slots, self.outputs)
+        self.lowering = Lowering(e, self.places, libm, blocks, self.before.kept)
 
     def _observed(self) -> Iterator[Target]:
         """Of outputs that there are once."""
@@ -145,7 +147,8 @@ class _Context:
                 w.prepare,
                 factored=e.facts.mass_constant and not (diagonal or e.carried),
                 bound=bool(e.bound),
-                block=in_block or not diagonal or closed or watches_momenta(e),
+                block=in_block or not diagonal or closed or bool(self._regions()),
+                fixed=self.before.fixed,
             ),
             "sizes": [
                 {"c_name": self.places.sizes[s.name], "name": s.name, "value": s.value}
@@ -170,7 +173,7 @@ class _Context:
             "inner": "whole_" if chain else "",
             "inner_vectors": list(inside.values()),
             **bound_context(e, plan, self.places),
-            **slopes_context(plan, self.places),
+            **slopes_context(e, plan, self.places),
             "solved": e.solved,
             "totals": plan.totals,
             "pairs": plan.pairs,
@@ -187,7 +190,9 @@ class _Context:
                 "sets": plan.singularities,
                 "pivots": ("mass" if diagonal else "pivots") if e.pivots else "",
             },
-            "n_sums": len(e.sums),
+            "before": self.before,
+            "rated": [(self.places.ids[name], x) for name, x in plan.rates.items()],
+            "regions": self._regions(),
             "with_lambda": any(slot.kind == "lambda" for slot in e.slots),
             "with_momenta": watches_momenta(e),
             "chunk": CHUNK,
@@ -206,6 +211,17 @@ class _Context:
                 s.group for s in main if plan.band or plan.slopes or s.ghosts or s.group["periodic"]
             ],
         }
+
+    def _regions(self) -> dict[str, dict[str, str]]:
+        """Rooms in memory behind all else: how many numbers each has, and what they are."""
+        found, count = {}, self.places.index(self.e.count)
+        if watches_momenta(self.e):
+            found["momentum"] = {"count": count, "says": "Room for the momenta that outputs have"}
+        if self.plan.rates:
+            found["rated"] = {"count": count, "says": "Rates of states that others use"}
+        if self.before.kept & {key[4:] for key in self.plan.totals if key[:4] == "sum_"}:
+            found["sums"] = {"count": str(len(self.e.sums)), "says": "Sums that rows have in them"}
+        return found
 
     def _system_kernels(self) -> dict[str, dict[str, Any]]:
         """With those of struct pk_system, but for M and the Jacobians, which it wants whole."""
@@ -241,7 +257,8 @@ class _Context:
                     if end.kind == "free":
                         home = g.lo if at == g.lo - 1 else g.hi
                         item["home"] = places.index(places.flat(g.name, home))
-                    elif kind not in ("d", "a"):
+                    elif kind not in ("d", "a") or g.is_state:
+                        order = 1 if kind == "a" else order
                         item["lines"] = self.given[g.name, at][order].statements
                     ends.append(item)
                 yield places.group(g) | {"reader": name, "kind": kind, "given": ends}

@@ -9,7 +9,7 @@ from typing import Any
 from ...graph.affine import Affine
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.matrices import Matrix, Unknown
-from ...middle.loops.parts import Bound, Group, Part, Row, Total, Unrolled
+from ...middle.loops.parts import Bound, Group, Part, Row, Slot, Total, Unrolled
 from ...middle.loops.slopes import Slopes, slopes_of
 from .loops import Block
 from .loops_chain import Chain
@@ -49,6 +49,21 @@ class SlopeKernel:
 
 
 @dataclass
+class Rates:
+    """Those of a state, which are there before all else."""
+
+    group: dict
+    rows: RowSet | None  # of a family
+    total: TotalSet | None  # of a single one
+    pairs: list[PairSet]
+
+    @property
+    def blocks(self) -> list[Block]:
+        found = [x for x in (self.rows, self.total) if x is not None]
+        return [block for x in found for block in x.blocks] + [pair.block for pair in self.pairs]
+
+
+@dataclass
 class Plan:
     """By kernel, or by the name of a total."""
 
@@ -66,6 +81,7 @@ class Plan:
     reach: int = 0  # of a row of slopes to either side, in places
     observed: dict[int, RowSet] = field(default_factory=dict)  # outputs for each index
     pull: list[RowSet] = field(default_factory=list)  # J^T lambda
+    rates: dict[str, Rates] = field(default_factory=dict)  # of states that others use
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -77,6 +93,8 @@ class Plan:
         for found in (*sets, *self.totals.values()):
             yield from found.blocks
         yield from (pair.block for pairs in self.pairs.values() for pair in pairs)
+        for found in self.rates.values():
+            yield from found.blocks
         if self.chain:
             yield from self.chain.blocks
 
@@ -158,8 +176,6 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
     for what in TOTALS:
         if what in kernels:
             total(what, getattr(e, what))
-    for k, of in enumerate(e.sums):
-        total(f"sum_{k}", of)
     if "jacobian" in kernels and not e.carried:
         _plan_slopes(e, make, plan, total)
     plan.singularities = [
@@ -169,7 +185,39 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
     for kernel, what in PAIRED.items():
         if kernel in kernels:
             plan.pairs[kernel] = [make.pair(pair) for pair in getattr(e, what).pairs]
+    _plan_before(e, make, plan)
     return plan
+
+
+def _plan_before(e: LoopEquations, make: Builder, plan: Plan) -> None:
+    """The totals and the rates of states that stand in what there is, and those in these."""
+    below, states = make.interior.slots.below, {g.name: g for g in e.states}
+    nodes = [node for block in plan.blocks for node in block.nodes]
+    nodes += [node for x in plan.singularities for block in x.blocks for node in block.nodes]
+    nodes += [*e.observed, *e.conserved, *e.events, *(n for x in e.given.values() for n in x)]
+    seen: set[Slot] = set()
+    while nodes:
+        found = [slot for slot in below(*nodes) if slot not in seen]
+        seen.update(found)
+        nodes = []
+        for slot in found:
+            if slot.kind == "sum":
+                made = plan.totals[f"sum_{slot.name}"] = make.total(
+                    f"sum_{slot.name}", e.sums[int(slot.name)]
+                )
+            elif slot.kind == "a" and slot.name in states and slot.name not in plan.rates:
+                made = plan.rates[slot.name] = _rates(e, make, states[slot.name])
+            else:
+                continue
+            nodes += [node for block in made.blocks for node in block.nodes]
+
+
+def _rates(e: LoopEquations, make: Builder, g: Group) -> Rates:
+    key = make.places.ids[g.name]
+    pairs = [x for x in e.force.pairs if any(name == g.name for name, _ in x.by_row)]
+    rows = make.rows(f"rate_{key}", g, [e.force.rows[g.name]]) if g.is_family else None
+    total = None if g.is_family else make.total(f"rate_{key}", e.force.totals[g.name])
+    return Rates(make.places.group(g), rows, total, [make.pair(pair) for pair in pairs])
 
 
 def _plan_bound(e: LoopEquations, make: Builder, plan: Plan) -> None:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
+from ...middle.loops.loops import LoopEquations
 from .loops import Places
 from .loops_plan import Plan
 
 
-def slopes_context(plan: Plan, places: Places) -> dict[str, Any]:
+def slopes_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, Any]:
     slopes = plan.slopes_of
     if slopes is None:
-        return {"slopes": (), "closed": False, "pull": ()}
+        return {"slopes": (), "closed": False, "pulled": False, "pull": ()}
     index = places.index
     unknowns = [
         places.group(g) | {"homed": kind != "lambda", "coordinate": kind == "v"}
@@ -21,6 +22,7 @@ def slopes_context(plan: Plan, places: Places) -> dict[str, Any]:
     return {
         "slopes": plan.slopes,
         "closed": slopes.closed is not None,
+        "pulled": slopes.closed is not None and bool(plan.pull or e.solved),
         "reach": plan.reach,
         "unknowns": unknowns,
         "more_scalars": len(slopes.scalars),

@@ -84,7 +84,7 @@ def render(
 
 def render_loops(program: LoopProgram) -> dict[str, str]:
     """The same of families kept as loops."""
-    context = program.context | {"loops": LoopCode(program.name)}
+    context = program.context | {"loops": LoopCode(program.name, program.context["before"])}
     return _files(program.name, context, {".h": "loop_header.h.j2", ".c": "loop_source.c.j2"})
 
 

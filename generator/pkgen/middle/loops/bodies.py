@@ -10,7 +10,7 @@ from ...graph.graph import Node
 from .expand import LoopExpander
 from .loops import Limit
 from .pairs import M
-from .parts import CELLS, Group, PairForce, Part, Slot, Total, Unrolled
+from .parts import CELLS, REACHED, Group, PairForce, Part, Slot, Total, Unrolled
 from .terms import Term
 
 
@@ -69,7 +69,7 @@ class Bodies:
 
     def member(self, slot: Slot, lo: Affine, hi: Affine) -> None:
         """That a member is at a fixed distance from its row, and in reach of all rows lo..hi."""
-        if slot.kind in CELLS and slot.at is not None:
+        if slot.kind in REACHED and slot.at is not None:
             self._relative(slot)
             self.in_reach(slot, lo, hi)
 
@@ -82,7 +82,7 @@ class Bodies:
 
     def in_reach(self, slot: Slot, lo: Affine | None, hi: Affine | None) -> None:
         """That the member is there, or a given one beyond an end; how far a family wraps."""
-        if slot.kind not in CELLS or slot.at is None or lo is None:
+        if slot.kind not in REACHED or slot.at is None or lo is None:
             return
         group = self.x.coordinates[slot.name]
         first, last = extremes(slot.at, {ROW: (lo, hi)})

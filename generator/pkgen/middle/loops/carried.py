@@ -80,8 +80,10 @@ def _piece(x: LoopExpander, gather: Gather, lo, hi, value: Node) -> Piece:
 
 def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
     """That a slot is of a member at or before m that is there, or lies beyond a fixed end."""
-    if slot.kind in ("v", "s"):
+    if slot.kind in ("v", "s", "a"):
         raise Unrolled(f"a carried value is made of the rate or the state '{slot.name}'")
+    if slot.kind == "sum" and not x.totals.is_fixed(slot):
+        raise Unrolled("a carried value is made of a sum over members")
     if slot.kind != "q" or slot.at is None:
         return
     distance, group = slot.at - M, x.coordinates[slot.name]

@@ -14,7 +14,7 @@ from .bodies import Gathered
 from .bound import bound_of
 from .carried import carried_of, check_chain, inert
 from .expand import LoopExpander
-from .facts import facts_of, total_nodes, vector_nodes
+from .facts import facts_of, own_nodes, total_nodes, vector_nodes
 from .indices import size_values
 from .loops import Limit, LoopEquations
 from .parts import Band, Carried, Row, Unrolled, Vector
@@ -48,7 +48,9 @@ def _derive(x: LoopExpander) -> LoopEquations:
     for expr in model.dissipation:
         for term in terms(x, expr):
             gather.dissipation(term)
+    gather.felt_through()
     _forces(x, gather)
+    _check_rates(x, gather)
     carried = carried_of(x, gather)
     negative = [(term, -1) for term, _ in found["potential"]]
     whole = [*found["kinetic"], *negative, *found["lagrangian"]]
@@ -73,7 +75,6 @@ def _derive(x: LoopExpander) -> LoopEquations:
     refuse_constant(model, x.graph, events)
     if len(x.carried) > len({item.group.declared.name for item in carried}):
         raise Unrolled("an output has a `let` in it that is defined piece by piece, and L has not")
-    x.sums = None
     starts = starts_of(x, gather)
     defaults = defaults_of(x, gather)
     result = LoopEquations(
@@ -89,7 +90,8 @@ def _derive(x: LoopExpander) -> LoopEquations:
         potential=potential,
         lagrangian=lagrangian,
         energy=energy,
-        sums=tuple(outputs.totals),
+        sums=(),
+        fixed=frozenset(),
         outputs=observed,
         conserved=conserved,
         events=events,
@@ -109,7 +111,14 @@ def _derive(x: LoopExpander) -> LoopEquations:
     singularities, pivots = singularities_of(x, gather, result)
     if not model.coordinates:
         result = replace(result, kinetic=None, potential=None, lagrangian=None, energy=None)
-    return replace(result, singularities=singularities, pivots=pivots, slots=tuple(x.slots.all))
+    return replace(
+        result,
+        singularities=singularities,
+        pivots=pivots,
+        sums=tuple(x.totals.all),
+        fixed=x.totals.fixed,
+        slots=tuple(x.slots.all),
+    )
 
 
 def _forces(x: LoopExpander, gather: Gather) -> None:
@@ -126,6 +135,20 @@ def _forces(x: LoopExpander, gather: Gather) -> None:
     for group in x.coordinates.values():
         if group.is_state:
             gather.state(group)
+
+
+def _check_rates(x: LoopExpander, gather: Gather) -> None:
+    """That rates of states which use others' can be computed one after the other."""
+    force, uses = _vector(x, gather.found, "force"), {}
+    for group in x.coordinates.values():
+        if group.is_state:
+            nodes = own_nodes(force, group.name)
+            uses[group.name] = {s.name for s in x.totals.below(*nodes) if s.kind == "a"}
+    while uses:
+        ready = {name for name, found in uses.items() if not found & uses.keys()}
+        if not ready:
+            raise Unrolled("the rates of states use each other in a circle")
+        uses = {name: found for name, found in uses.items() if name not in ready}
 
 
 def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
@@ -148,7 +171,7 @@ def _of_states(x: LoopExpander, momenta: Vector) -> bool:
     """Whether a momentum of a coordinate depends on a state."""
     own = [g.name for g in x.coordinates.values() if g.is_state]
     nodes = vector_nodes(momenta, frozenset(own))
-    return any(slot.kind == "s" for slot in x.slots.below(*nodes))
+    return any(slot.kind == "s" for slot in x.totals.below(*nodes))
 
 
 def _band(found: Gathered) -> Band:
@@ -202,15 +225,17 @@ def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
 
 def _check_jumps(x: LoopExpander, result: LoopEquations) -> None:
     """Nobody locates the switches of loops: what jumps, rates or their rates, is not for them."""
+    within = x.totals.nodes
     ends = [node for values in result.given.values() for node in values[:2]]
     if arguments_of(x.graph, ends):
         raise Unrolled("the motion of a fixed end bends or jumps")
     if arguments_of(x.graph, [node for rows in result.bound for node in rows.nodes]):
         raise Unrolled("a constraint bends or jumps")
-    bodies, across = [*total_nodes([result.lagrangian]), *(node for node, _ in x.primes)], None
+    bodies = within(*total_nodes([result.lagrangian]), *(node for node, _ in x.primes))
+    across = None
     kinds = {
         "L jumps at a step, so that rates do": bodies,
-        "a force or a rate jumps": vector_nodes(result.force),
+        "a force or a rate jumps": within(*vector_nodes(result.force)),
     }
     for why, nodes in kinds.items():
         for argument in arguments_of(x.graph, nodes):

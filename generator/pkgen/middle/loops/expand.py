@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import AbstractContextManager, nullcontext
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from ... import limits
 from ...graph.affine import LOOPS, Affine
@@ -18,9 +19,12 @@ from ..expand.names import BUILT_IN, Value, next_input
 from ..expand.terms import EXPAND
 from ..quantities import error, input_index
 from .indices import Indices, Loop, size_values
-from .parts import Group, Total, Unrolled
+from .parts import Group, Unrolled
 from .rotations import Rotations
 from .slots import Slots
+
+if TYPE_CHECKING:
+    from .totals import Totals
 
 
 class LoopExpander(Indices):
@@ -44,8 +48,8 @@ class LoopExpander(Indices):
         self.multipliers: dict[str, list[Group]] = {}  # by name: of which rows
         self.momenta: dict[str, Group] = {}  # by name, where outputs may have them
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
-        self.sums: list[Total] | None = None  # where sums may stand in any expression
-        self.make_total = None  # set by loops_outputs: Sum expression -> Total
+        self.totals: Totals | None = None  # of sums inside expressions, once terms are gathered
+        self.watched = False  # whether what is entered is an output, which no equation has
         self._defining: list[str] = []
         self._visits = 0
         self._magnitudes = Magnitudes(self.graph)
@@ -67,7 +71,7 @@ class LoopExpander(Indices):
         if self._visits > limits.VISITS:
             raise Unrolled("its expressions are too large")
         if isinstance(expr, Sum):
-            return self._sum(expr, loop)
+            return self.totals.of(expr, loop)
         value = EXPAND[type(expr)](self, expr, loop)
         for node in value if isinstance(value, tuple) else (value,):
             self.check_magnitude(node, expr.span)
@@ -82,17 +86,6 @@ class LoopExpander(Indices):
     def refused(self, message: str, span: Span) -> Exception:
         """What is to be raised of an exponent that may be an index, a number once unrolled."""
         return Unrolled(message)
-
-    def _sum(self, expr: Sum, loop: Loop) -> Node:
-        if self.sums is None:
-            raise Unrolled(
-                "a sum stands where loops have none: in a function, a product of sums, a start, "
-                "a parameter or an end"
-            )
-        if any(a.factor(v) for a in loop.values() for v in LOOPS):
-            raise Unrolled("a sum stands inside another one's function")
-        self.sums.append(self.make_total(expr))
-        return self.slots.node("sum", str(len(self.sums) - 1))
 
     def name(self, expr: Name, loop: Loop) -> Value:
         name = expr.id
@@ -123,7 +116,7 @@ class LoopExpander(Indices):
             return self.outputs[name]
         if name in self.multipliers:
             return self._multiplier(name, index)
-        if name in self.momenta and self.sums is not None:
+        if name in self.momenta and self.watched:
             return self._momentum(self.momenta[name], index)
         if name in BUILT_IN:
             return self.graph.symbol(BUILT_IN[name])
@@ -264,12 +257,14 @@ class LoopExpander(Indices):
         if slot.kind == "input":
             return self.slots.node("input", str(next_input(self.orders, int(slot.name))))
         if slot.kind == "sum":
-            raise Unrolled("the rate of a sum is an output")
+            return self.totals.rate(slot)
         if slot.name in self.rotations.numbers:
             rotation, k = self.rotations.numbers[slot.name]
             return self.rotations.moving(rotation, slot.at)[k]
         if slot.kind == "s":
-            raise Unrolled("a momentum, an output or a rate has the rate of a state in it")
+            return self.slots.node("a", slot.name, slot.at)
+        if slot.kind == "a":
+            raise Unrolled("a rate of a state is derived again")
         if slot.kind in ("v", "w", "d", "p"):
             raise Unrolled("an output has an acceleration")
         return ZERO
@@ -284,3 +279,26 @@ def has_sum(x: LoopExpander, expr: Expr, seen: frozenset[str] = frozenset()) -> 
             return any(has_sum(x, d.value, seen | {expr.id}) for d in x.definitions[expr.id])
         return False
     return any(has_sum(x, part, seen) for part in children(expr))
+
+
+def around(x: LoopExpander, loop: Loop) -> frozenset[str]:
+    """The names that stand for indices of members or of sums."""
+    sizes = {name for at in x.sizes.values() for name, _ in at.terms}
+    return frozenset(name for name, at in loop.items() if {v for v, _ in at.terms} - sizes)
+
+
+def independent(x: LoopExpander, expr: Expr, loop: Loop) -> bool:
+    """Whether an expression is the same for all members around it."""
+    return not around(x, loop) & _free(expr)
+
+
+def _free(expr: Expr) -> frozenset[str]:
+    """The names in an expression but for the loop variables of its own sums."""
+    if isinstance(expr, Sum):
+        found, own = frozenset(), frozenset()
+        for item in expr.ranges:
+            found |= (_free(item.lo) | _free(item.hi)) - own
+            own |= {item.variable}
+        return found | (_free(expr.body) - own)
+    inside = frozenset().union(*map(_free, children(expr)))
+    return inside | {expr.id} if isinstance(expr, Name) else inside

@@ -29,26 +29,27 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     energies = total_nodes([e.lagrangian])
     entries += [node for item in e.carried for piece in item.pieces for node in piece.by.values()]
     states = any(
-        slot.kind == "s" and slot.name not in x.rotations.numbers
-        for slot in x.slots.below(*energies, *own)
+        slot.kind in ("s", "a") and slot.name not in x.rotations.numbers
+        for slot in x.totals.below(*energies, *own)
     )
     constant = not _kinds(x, entries) & {*CELLS, "t", "input", "w"}
     rows = [node for bound in e.bound for node in bound.nodes]
     steady = not (_kinds(x, energies + forces) & {"t", "input"}) and not gather.moving
     autonomous = steady and not _kinds(x, rows) & {"t", "input"}
     others = [*rows, *nodes_of(e.carried)]
-    is_smooth = smooth(x.graph, reachable(x.graph, [*energies, *forces, *others]))
+    whole = x.totals.nodes(*energies, *forces, *others)
+    is_smooth = smooth(x.graph, reachable(x.graph, whole))
     free = constant and not e.bound
     of_v = _in_rates(x, forces) if free and not (e.states or e.carried) else 0
     coasting = [piece.coasting for item in e.carried for piece in item.pieces]
     coasting += [node for bound in e.bound for node in _nodes(bound.coasting)]
     straight = not _kinds(x, [n for rows in e.bound for n in _slopes(rows)]) & {*CELLS, "w", "t"}
-    jumping = any(jumps(x.graph, node) for node in reachable(x.graph, energies))
+    jumping = any(jumps(x.graph, node) for node in reachable(x.graph, x.totals.nodes(*energies)))
     return Facts(
         mass_constant=constant,
         mass_diagonal=e.mass.is_diagonal and not e.carried,
         quadratic="v" not in _kinds(x, entries),
-        separable=constant and straight and not _kinds(x, [*forces, *coasting]) & {"v", "s"},
+        separable=constant and straight and not _kinds(x, [*forces, *coasting]) & {"v", "s", "a"},
         autonomous=autonomous,
         conservative=bool(x.model.coordinates)
         and not (gather.applied or jumping or states)
@@ -85,11 +86,13 @@ def _workless(x: LoopExpander, e: LoopEquations) -> bool:
 def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
     """Whether each is a sum of positions and rates, each times a constant, as it stands."""
     g = x.graph
+    if _kinds(x, nodes) & {"a"} or x.totals.moving(*nodes):
+        return False
     slots = ((node, x.slots.of(node)) for node in reachable(g, nodes) if g.op[node] is Op.SYMBOL)
     symbols = {
         node: slot.kind in (*CELLS, "d")
         for node, slot in slots
-        if slot is not None and slot.kind not in ("param", "size", "index")
+        if slot is not None and slot.kind not in ("param", "size", "index", "sum")
     }
     return is_affine(g, nodes, symbols)
 
@@ -97,15 +100,15 @@ def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
 def _in_rates(x: LoopExpander, nodes: list[Node]) -> int:
     slots = {node: x.slots.of(node) for node in reachable(x.graph, nodes)}
     kinds = {node: slot.kind for node, slot in slots.items() if slot is not None}
-    if {"sum", "flux"} & {*kinds.values()}:  # with rates in it perhaps
+    if {"a", "flux"} & {*kinds.values()} or x.totals.moving(*nodes):  # with rates in it perhaps
         return 0
-    same = ("param", "size", "index")
+    same = ("param", "size", "index", "sum")
     return in_rates(x.graph, nodes, frozenset(n for n, kind in kinds.items() if kind in same))
 
 
 def _kinds(x: LoopExpander, nodes: list[Node]) -> set[str]:
-    found = {slot.kind for slot in x.slots.below(*nodes)}
-    if any(x.graph.depends[node] & BIT[Kind.TIME] for node in nodes):
+    found = {slot.kind for slot in x.totals.below(*nodes)} - {"sum"}
+    if any(x.graph.depends[node] & BIT[Kind.TIME] for node in x.totals.nodes(*nodes)):
         found.add("t")
     return found
 
@@ -124,4 +127,15 @@ def vector_nodes(vector: Vector, without: frozenset[str] = frozenset()) -> list[
     found = [part.node for row in rows for part in row.parts] + total_nodes(totals)
     for pair in vector.pairs:
         found += [node for side in (pair.by_row, pair.by_other, pair.by_scalar) for _, node in side]
+    return found
+
+
+def own_nodes(vector: Vector, name: str) -> list[Node]:
+    """The nodes of one family's row, or of one scalar."""
+    rows = [vector.rows[name]] if name in vector.rows else []
+    found = [part.node for row in rows for part in row.parts]
+    found += total_nodes([vector.totals[name]] if name in vector.totals else [])
+    for pair in vector.pairs:
+        sides = (pair.by_row, pair.by_other, pair.by_scalar)
+        found += [node for side in sides for own, node in side if own == name]
     return found

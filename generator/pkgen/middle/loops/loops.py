@@ -82,7 +82,8 @@ class LoopEquations:
     potential: Total | None
     lagrangian: Total | None  # None, like the energy, of states alone
     energy: Total | None
-    sums: tuple[Total, ...]  # of the outputs, in the order of their symbols
+    sums: tuple[Total, ...]  # inside expressions, in the order in which they can be computed
+    fixed: frozenset[int]  # those of parameters and sizes alone
     outputs: tuple[Observed, ...]
     conserved: tuple[Node, ...]
     events: tuple[Node, ...]

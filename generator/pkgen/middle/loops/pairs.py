@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ...graph.affine import OTHER, ROW, Affine, extremes, variable
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, MINUS_ONE, ZERO, Graph, Kind, Node
 from .expand import LoopExpander
 from .loops import Limit
-from .parts import CELLS, PairForce, Unrolled
+from .parts import CELLS, REACHED, PairForce, Unrolled
 from .terms import Term
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
@@ -52,7 +54,7 @@ def _in_reach(
     at = {OTHER: (first, last), ROW: (lo, hi)}
     limits += x.limits_of(hi - lo, at)
     for slot in x.slots.below(body):
-        if slot.kind not in CELLS or slot.at is None:
+        if slot.kind not in REACHED or slot.at is None:
             continue
         if slot.at not in (M, J):
             raise Unrolled("a pair sum reaches beside its own members")
@@ -62,10 +64,7 @@ def _in_reach(
             limits.append(Limit(extremes(needs, {ROW: (lo, hi)})[0], hi - lo))
 
 
-def pair_force(
-    x: LoopExpander, term: Term, sign: int, drag: bool, limits: list[Limit]
-) -> PairForce:
-    body = signed(x.graph, pair_body(x, term, limits), sign)
+def pair_force(x: LoopExpander, term: Term, body: Node, drag: bool) -> PairForce:
     if x.graph.depends[body] & RATES and not drag:
         raise Unrolled("a pair sum has rates in it: M would be dense")
     by = gradient(x.graph, body, RATES if drag else STATE | ATTITUDES)
@@ -78,3 +77,11 @@ def pair_force(
         if node != ZERO:
             sides[at].append((name, node))
     return PairForce(*pair_ranges(term), tuple(sides[M]), tuple(sides[J]), tuple(sides[None]))
+
+
+def scaled(g: Graph, factor: Node, force: PairForce) -> PairForce:
+    def times(side: tuple[tuple[str, Node], ...]) -> tuple[tuple[str, Node], ...]:
+        return tuple((name, g.multiply(factor, node)) for name, node in side)
+
+    sides = ("by_row", "by_other", "by_scalar")
+    return replace(force, **{side: times(getattr(force, side)) for side in sides})

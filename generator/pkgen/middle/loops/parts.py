@@ -35,7 +35,8 @@ class Slot:
     that is given as a function of t, 0 of a coordinate; of a carried value its acceleration where
     no coordinate has one), "d" (the rate of a coordinate, 0 of a given cell; of a carried value
     what the rates of coordinates make of it), "a" (its acceleration, 0 of a given cell, where that
-    is an unknown), "param", "size", "index", "input", "sum", "lambda" (of the rows of that key),
+    is an unknown; of a state its rate, of a given cell as well), "param", "size", "index", "input",
+    "sum" (the total of that number), "lambda" (of the rows of that key),
     "p" (a momentum, in outputs), and "place", whose name is its text in C. `at` is the index of a
     family's member.
     """
@@ -46,6 +47,7 @@ class Slot:
 
 
 CELLS = ("q", "v", "s")  # slots of what moves
+REACHED = (*CELLS, "a")  # of members, which have to be there
 
 
 @record

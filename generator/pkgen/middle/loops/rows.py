@@ -11,9 +11,10 @@ from ...model import Rotation
 from ..motion import degree
 from .bodies import Bodies, Gathered
 from .expand import LoopExpander
-from .pairs import ATTITUDES, RATES, STATE, M, pair_body, pair_force, pair_ranges, pair_row, signed
+from .pairs import ATTITUDES, RATES, STATE, M, pair_force, pair_ranges, pair_row, scaled, signed
 from .parts import Group, PairPart, Part, Slot, Total, Unrolled
 from .terms import Term
+from .totals import Totals
 
 APPLIED = ("pdot", "force")  # what a generalized force is in
 
@@ -26,6 +27,9 @@ class Gather:
         self.g = x.graph
         self.found = Gathered()
         self.bodies = Bodies(x, self.found)
+        self.totals = x.totals = Totals(x, self)
+        self.felt: dict[int, Total] = {}  # the derivatives of L by the totals in it
+        self.drag: dict[int, Total] = {}  # and of D
         self.moving = {
             name
             for name, group in x.coordinates.items()
@@ -39,8 +43,11 @@ class Gather:
 
     def lagrangian(self, term: Term, sign: int) -> None:
         """Adds sign * term to L."""
+        body = signed(self.g, self.totals.body(term), sign)
+        self._check_own(body)
+        self.totals.felt(self.felt, term, body)
         if len(term.ranges) == 2:
-            self.found.pairs.append(pair_force(self.x, term, sign, False, self.found.limits))
+            self.found.pairs.append(pair_force(self.x, term, body, False))
             return
         for family, shift, body in self.bodies.views(term):
             momentum = self._enter_motion(family, shift, body, term, sign)
@@ -71,9 +78,12 @@ class Gather:
 
     def dissipation(self, term: Term) -> None:
         """Adds the force -dD/dv."""
+        body = signed(self.g, self.totals.body(term), -1)
+        self._check_own(body)
+        self.totals.felt(self.drag, term, body)
         if len(term.ranges) == 2:
             self.applied = True
-            self.found.drags.append(pair_force(self.x, term, -1, True, self.found.limits))
+            self.found.drags.append(pair_force(self.x, term, body, True))
             return
         for family, shift, body in self.bodies.views(term):
             at = M if term.ranges else shift
@@ -84,6 +94,36 @@ class Gather:
         by = gradient(self.g, signed(self.g, body, -1), RATES)
         for name in self.bodies.scalars(body):
             self._enter(APPLIED, name, term, None, self._by(by, "v", name, None))
+
+    def _check_own(self, body: Node) -> None:
+        if any(slot.kind == "a" for slot in self.totals.below(body)):
+            raise Unrolled("an energy has the rate of a state in it")
+
+    def felt_through(self) -> None:
+        """Adds what L and D have of totals, once all terms are entered."""
+        self.totals.over(self.felt, False)
+        self.totals.over(self.drag, True)
+
+    def of_total(self, term: Term, factor: Node, drag: bool) -> None:
+        """Adds the force of a term of a total by which L, or D, has this derivative."""
+        x, g = self.x, self.g
+        if len(term.ranges) == 2:
+            force = scaled(g, factor, pair_force(x, term, self.totals.body(term), drag))
+            (self.found.drags if drag else self.found.pairs).append(force)
+            return
+        whats = APPLIED if drag else ("gradient", *APPLIED)
+
+        def slope(body: Node, name: str, at: Affine | None) -> Node:
+            by = gradient(g, body, RATES if drag else STATE | ATTITUDES)
+            found = self._by(by, "v", name, at) if drag else x.rotations.slope(by, name, at, False)
+            return g.multiply(factor, found)
+
+        for family, shift, body in self.bodies.views(term):
+            at = M if term.ranges else shift
+            self._enter(whats, family, term, shift, slope(body, family, at))
+        body = self.bodies.at_row(term)
+        for name in self.bodies.scalars(body):
+            self._enter(whats, name, term, None, slope(body, name, None))
 
     def applied_term(self, group: Group, lo: Affine | None, hi: Affine | None, term: Term) -> None:
         """Adds a generalized force along the members lo..hi, or the rate of states."""
@@ -141,7 +181,8 @@ class Gather:
         result = Total()
         for term, sign in found:
             if len(term.ranges) == 2:
-                result = self._with_pair(result, term, -sign)
+                body = signed(self.g, self.totals.body(term), -sign)
+                result = self.with_(result, term, body)
             else:
                 result = self.with_(result, term, *self._energy_of(term, sign))
         return result
@@ -171,10 +212,7 @@ class Gather:
         """The sum of terms as it is."""
         result = Total()
         for term, sign in found:
-            if len(term.ranges) == 2:
-                result = self._with_pair(result, term, sign)
-            else:
-                result = self.with_(result, term, signed(self.g, self.bodies.at_row(term), sign))
+            result = self.with_(result, term, signed(self.g, self.totals.body(term), sign))
         return result
 
     # -- parts --------------------------------------------------------------------------------
@@ -220,14 +258,12 @@ class Gather:
     def with_(self, total: Total, term: Term, node: Node, inner: Node | None = None) -> Total:
         if not term.ranges:
             return replace(total, constant=self.g.add(total.constant, node))
+        if len(term.ranges) == 2:
+            return replace(total, pairs=(*total.pairs, PairPart(*pair_ranges(term), node)))
         parts = list(total.parts)
         (_, lo, hi) = term.ranges[0]
         self.append(parts, Part(lo, hi, node, inner))
         return replace(total, parts=tuple(parts))
-
-    def _with_pair(self, total: Total, term: Term, sign: int) -> Total:
-        body = signed(self.g, pair_body(self.x, term, self.found.limits), sign)
-        return replace(total, pairs=(*total.pairs, PairPart(*pair_ranges(term), body)))
 
     def _mass(self, term: Term, family: str, shift: Affine, momentum: Node) -> None:
         if momentum == ZERO:

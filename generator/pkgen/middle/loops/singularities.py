@@ -45,6 +45,8 @@ class _Singularities:
         self.x, self.gather, self.e, self.g = x, gather, e, x.graph
         self.ranges = Ranges(x.graph, [])
         self.ranges.known.update(_known(x, e))
+        for k, total in enumerate(x.totals.all):
+            self.ranges.known[x.slots.node("sum", str(k))] = self._of_total(total)
 
     def found(self) -> tuple[tuple[LoopSingularity, ...], bool]:
         charts, pivots = self._charts()
@@ -80,10 +82,26 @@ class _Singularities:
                 kept.append((over, node))
         return kept
 
+    def _of_total(self, total: Total) -> Range:
+        """Where the value of a total lies, of which sums may be empty."""
+        constant, parts = self.ranges(total.constant), [n for _, n in _ranged(total)]
+        if not all(self.ranges(node).not_negative for node in parts):
+            return Range(-INF, INF)
+        return Range(constant.lo, INF, constant.below)
+
     # -- where they are found -----------------------------------------------------------------
 
     def _outputs(self) -> Iterator[tuple[_Over, Node]]:
         """Whatever the acceleration computes, with the range of its index."""
+        nodes = []
+        for over, node in self._rows():
+            nodes.append(node)
+            yield over, node
+        for slot in self.x.totals.below(*nodes):
+            if slot.kind == "sum":
+                yield from _ranged(self.x.totals.all[int(slot.name)])
+
+    def _rows(self) -> Iterator[tuple[_Over, Node]]:
         e = self.e
         rows = [*e.force.rows.values(), *e.mass.entries.values(), *e.mass.border.values()]
         totals = [*e.force.totals.values(), *e.mass.corner.values()]
@@ -150,9 +168,9 @@ class _Singularities:
     # -- what they are ------------------------------------------------------------------------
 
     def _moves(self, node: Node) -> bool:
-        moving = ("input", "w")
-        return bool(self.g.depends[node] & MOVES) or any(
-            slot.kind in moving for slot in self.x.slots.below(node)
+        moving = ("input", "w", "a")
+        return bool(self.x.totals.depends(node) & MOVES) or any(
+            slot.kind in moving for slot in self.x.totals.below(node)
         )
 
     def _canonical(self, over: _Over, node: Node) -> _Guarded:
@@ -184,13 +202,32 @@ class _Singularities:
             slot = self.x.slots.all[symbol.index]
             if slot.kind == "index":
                 return shown[slot.name]
+            if slot.kind == "sum":
+                return total(self.x.totals.all[int(slot.name)])
             at = None if slot.at is None else slot.at.text(shown).replace(" ", "")
             group = self.x.coordinates.get(slot.name)
             if group is not None and group.is_turn:
                 return indexed(group.shown, at)
             return indexed(slot.name, at) + _PRIMES.get(slot.kind, "")
 
+        def total(found: Total) -> str:
+            parts = []
+            for over, node in _ranged(found):
+                text = wording(self.g, node, name)
+                at = [end.text(shown).replace(" ", "") for end in over]
+                ranges = [f"{v} = {lo}..{hi}" for v, lo, hi in zip("ij", at[::2], at[1::2])]
+                parts.append(f"sum({', '.join([text, *ranges])})" if over else text)
+            return parts[0] if len(parts) == 1 else f"({' + '.join(parts)})"
+
         return wording(self.g, about(self.g, node), name)
+
+
+def _ranged(total: Total) -> Iterator[_Guarded]:
+    """The parts of a total, each with its ranges."""
+    if total.constant != ZERO:
+        yield (), total.constant
+    yield from (((part.lo, part.hi), part.node) for part in total.parts)
+    yield from (((p.lo, p.hi, p.first, p.last), p.node) for p in total.pairs)
 
 
 def _covers(part: Part, group: Group) -> bool:

@@ -1,8 +1,8 @@
 """Derivatives of the momenta and of p' by coordinates and rates, as rows: a band with a border.
 
-Where forces of constraints are in p', or the equations are solved for a (see `solved` of
-LoopEquations), these derivatives are dense. a and the multipliers lambda are unknowns too then,
-with equations of their own, whose derivatives are a band again:
+Where forces of constraints or rates of states are in p', or the equations are solved for a (see
+`solved` of LoopEquations), these derivatives are dense. a, with those rates, and the multipliers
+lambda are unknowns too then, with equations of their own, whose derivatives are a band again:
 
     M a - f - J^T lambda = 0,   (J v + j0)' = J a + what is there at a = 0 = 0
 """
@@ -14,10 +14,13 @@ from dataclasses import replace
 
 from ...graph.graph import ONE, ZERO, Node
 from ...record import record
+from .facts import vector_nodes
 from .loops import LoopEquations
 from .matrices import BY_MORE, BY_PLACE, BY_RATE, Derive, K, M, Matrix, Stated, Unknown, seen_from
 from .parts import Band, Bound, Group, Part, Row, Total, Unrolled, Vector
 from .slots import Slots
+
+DENSE = "a sum over all members makes the derivatives dense"
 
 
 @record
@@ -39,18 +42,24 @@ class Slopes:
 
 def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
     """Raises Unrolled where a row reaches members at no fixed distance."""
+    vectors = (e.momenta, e.pdot, e.force)
+    nodes = [node for vector in vectors for node in vector_nodes(vector)]
+    nodes += [part.node for row in e.mass.entries.values() for part in row.parts]
+    if any(slot.kind == "sum" and int(slot.name) not in e.fixed for slot in slots.below(*nodes)):
+        raise Unrolled(DENSE)
     derive = Derive(slots)
     families = [(("v", g.name), g) for g in e.families]
     scalars = [("v", g.name) for g in e.scalars]
-    if not (e.bound or e.solved):
+    used = {s.name for s in slots.below(*nodes) if s.kind == "a"}  # states whose rates others have
+    if not (e.bound or e.solved or used):
         p, pdot = _of_vector(e.momenta, "v"), _of_vector(e.pdot, "v")
         found = [derive.matrix(p, BY_PLACE), *map(derive.by(pdot), (BY_PLACE, BY_RATE))]
         return Slopes(tuple(families), tuple(scalars), _symmetric(e.mass), None, *found, None)
-    families += [(("a", g.name), g) for g in e.families if not g.is_state]
+    families += [(("a", g.name), g) for g in e.families if not g.is_state or g.name in used]
     families += [(("lambda", x.group.name), x.group) for x in e.bound if not x.is_single]
-    scalars += [("a", g.name) for g in e.scalars if not g.is_state]
+    scalars += [("a", g.name) for g in e.scalars if not g.is_state or g.name in used]
     scalars += [("lambda", x.group.name) for x in e.bound if x.is_single]
-    motion = _Motion(e, slots)
+    motion = _Motion(e, slots, used)
     pull = motion.pull()
     own = Stated(
         motion.balance(pull) | motion.constraint_rows(),
@@ -71,13 +80,13 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
         p_q | derive.matrix(own, BY_PLACE),
         derive.matrix(pdot, BY_PLACE),
         derive.matrix(pdot, BY_RATE) | derive.matrix(pdot, BY_MORE),
-        None if e.solved else {name: x for (_, name), x in (pull.rows | pull.totals).items()},
+        None if e.solved or not e.bound else {name: x for (_, name), x in (pull.rows | pull.totals).items()},
     )
 
 
 def _of_vector(vector: Vector, kind: str) -> Stated:
     if vector.pairs or any(total.pairs for total in vector.totals.values()):
-        raise Unrolled("a sum over all members makes the derivatives dense")
+        raise Unrolled(DENSE)
     return Stated(
         {(kind, name): row for name, row in vector.rows.items()},
         {(kind, name): total for name, total in vector.totals.items()},
@@ -103,8 +112,8 @@ def _nothing() -> Matrix:
 class _Motion:
     """What a and lambda are: equations in which they stand as slots."""
 
-    def __init__(self, e: LoopEquations, slots: Slots):
-        self.e, self.slots, self.g = e, slots, slots.graph
+    def __init__(self, e: LoopEquations, slots: Slots, used: set[str]):
+        self.e, self.slots, self.g, self.used = e, slots, slots.graph, used
 
     def a(self, name: str, shift: int | None = None) -> Node:
         return self.slots.node("a", name, None if shift is None else M + shift)
@@ -169,7 +178,7 @@ class _Motion:
     def balance(self, pull: Stated) -> dict[Unknown, Row]:
         """M a - f - J^T lambda, of families."""
         force, found = _of_vector(self.e.force, "v"), {}
-        for g in (g for g in self.e.families if not g.is_state):
+        for g in (g for g in self.e.families if not g.is_state or g.name in self.used):
             parts = [
                 *self.minus(force.rows["v", g.name]).parts,
                 *self.minus(pull.rows["v", g.name]).parts,
@@ -184,7 +193,7 @@ class _Motion:
     def balances(self, pull: Stated) -> dict[Unknown, Total]:
         """The same of scalar coordinates."""
         force, found = _of_vector(self.e.force, "v"), {}
-        for g in (g for g in self.e.scalars if not g.is_state):
+        for g in (g for g in self.e.scalars if not g.is_state or g.name in self.used):
             totals = [self.minus(force.totals["v", g.name]), self.minus(pull.totals["v", g.name])]
             for (scalar, family), row in self.e.mass.border.items():
                 if scalar == g.name:
@@ -239,4 +248,4 @@ class _Motion:
 
 def _no_pairs(total: Total) -> None:
     if total.pairs:
-        raise Unrolled("a sum over all members makes the derivatives dense")
+        raise Unrolled(DENSE)

@@ -11,9 +11,8 @@ from ...tree import Name, children
 from ..quantities import error
 from .expand import LoopExpander
 from .loops import Assigned, Bounded, Observed
-from .parts import CELLS, Total, Unrolled
+from .parts import CELLS, Unrolled
 from .rows import Gather
-from .terms import terms
 
 
 class Outputs:
@@ -21,9 +20,7 @@ class Outputs:
 
     def __init__(self, x, gather, kinetic, potential, lagrangian, energy, momenta):
         self.x, self.gather = x, gather
-        self.totals: list[Total] = []
-        x.sums = self.totals
-        x.make_total = lambda expr: gather.total([(term, 1) for term in terms(x, expr)])
+        x.watched = True
         named = {"T": kinetic, "V": potential, "L": lagrangian, "energy": energy}
         own = [g for g in x.coordinates.values() if not (g.is_state or g.is_carried)]
         x.momenta = {g.declared.momentum or f"p_{g.name}": g for g in own}
@@ -33,8 +30,7 @@ class Outputs:
         used = {name for item in _outputs(x) for name in _names(item)}
         for name, total in named.items():
             if total is not None and name in used:
-                self.totals.append(total)
-                x.outputs[name] = x.slots.node("sum", str(len(self.totals) - 1))
+                x.outputs[name] = x.totals.node(total)
 
     def observed(self) -> tuple[Observed, ...]:
         """What rows have, some of it for each index."""
@@ -124,7 +120,7 @@ def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
 
 def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node]]:
     """Values of fixed ends, with the derivatives that rows at the ends may ask for."""
-    rated = {s.name for s in x.slots.all if s.kind in ("v", "d", "w") and s.at is not None}
+    rated = {s.name for s in x.slots.all if s.kind in ("v", "d", "w", "a") and s.at is not None}
     found = {}
     for group in x.coordinates.values():
         for at, end in group.ends:

@@ -11,7 +11,7 @@ from ...graph.graph import ONE, ZERO, Node
 from ...record import record
 from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, Sum
 from ..quantities import error
-from .expand import LoopExpander, has_sum
+from .expand import LoopExpander, around, has_sum, independent
 from .indices import Loop
 from .parts import Unrolled
 
@@ -70,8 +70,7 @@ def terms(x: LoopExpander, expr: Expr, loop: Loop | None = None) -> list[Term]:
 
 def _terms(x: LoopExpander, expr: Expr, at: _Within) -> Iterator[Term]:
     if not has_sum(x, expr):
-        product = sorted([*at.factors, Factor(expr, 1, at.loop)], key=lambda f: -f.exponent)
-        yield Term(tuple(product), at.ranges)
+        yield _term(expr, at)
         return
     match expr:
         case Add(terms=parts, signs=signs):
@@ -83,16 +82,25 @@ def _terms(x: LoopExpander, expr: Expr, at: _Within) -> Iterator[Term]:
         case Multiply(factors=parts, exponents=exponents):
             summed = [i for i, part in enumerate(parts) if has_sum(x, part)]
             if len(summed) != 1 or exponents[summed[0]] != 1:
-                raise Unrolled("a sum is multiplied by a sum or divides")
+                yield _term(expr, at)
+                return
             pairs = enumerate(zip(parts, exponents, strict=True))
             rest = [Factor(part, e, at.loop) for i, (part, e) in pairs if i != summed[0]]
             yield from _terms(x, parts[summed[0]], at.times(*rest))
+        case Sum() if around(x, at.loop) and independent(x, expr, at.loop):
+            yield _term(expr, at)
         case Sum(body=body, ranges=ranges):
             yield from _of_sum(x, body, at, ranges)
         case Name(id=name, index=None):
             yield from _terms(x, x.definitions[name][-1].value, at)
         case _:
-            raise Unrolled("a sum stands inside a function, a power or a vector")
+            yield _term(expr, at)
+
+
+def _term(expr: Expr, at: _Within) -> Term:
+    """Sums that are left in it are values."""
+    product = sorted([*at.factors, Factor(expr, 1, at.loop)], key=lambda f: -f.exponent)
+    return Term(tuple(product), at.ranges)
 
 
 def _of_sum(x: LoopExpander, body: Expr, at: _Within, ranges: Sequence[Range]) -> Iterator[Term]:

@@ -1,0 +1,128 @@
+"""What a function of C computes before its rows: totals that stand in them, and rates of states.
+
+Both lie in the model's memory, where rows find them, or where outputs alone have a total in an
+array of the function. What depends on parameters alone `prepare` computes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from ...middle.loops.loops import LoopEquations
+from ...middle.loops.parts import Slot
+from ...middle.loops.slots import Slots
+from .loops import Block, Places
+from .loops_plan import VECTORS, Plan, within
+
+Key = tuple[str, str]  # "sum" and its number, "rate" and the state's name
+STATE = "(p, t, q, v, u)"
+
+
+class Before:
+    """Of one model, by the name of the function."""
+
+    def __init__(
+        self,
+        e: LoopEquations,
+        places: Places,
+        plan: Plan,
+        slots: Slots,
+        outputs: dict[str, Block],
+    ):
+        self.e, self.places, self.plan, self.slots = e, places, plan, slots
+        self.name = e.model.name
+        self.states = {g.name for g in e.states}
+        inside = [*plan.blocks, *(b for x in plan.singularities for b in x.blocks)]
+        self.kept = {k for kind, k in self._below(inside) if kind == "sum"}
+        self.kept |= {str(k) for k in e.fixed}
+        self.of = {name: self._needed(blocks) for name, blocks in self._functions(outputs)}
+        self.rates = list(plan.rates)
+
+    def _functions(self, outputs: dict[str, Block]) -> Iterator[tuple[str, list[Block]]]:
+        plan, ids = self.plan, self.places.ids
+        scalars = [ids[g.name] for g in self.e.scalars]
+
+        def totals(*names: str) -> list[Block]:
+            found = (plan.totals[f"{what}_{g}"] for what in names for g in scalars)
+            return [block for x in found for block in x.blocks]
+
+        def sets(found: Iterable) -> list[Block]:
+            return [block for x in found for block in x.blocks]
+
+        for kernel, whats in within(self.e).items():
+            if kernel in plan.rows:
+                pairs = [pair.block for pair in plan.pairs.get(kernel, ())]
+                yield kernel, sets(plan.rows[kernel]) + totals(*whats.values()) + pairs
+        mass = [x for key, x in plan.totals.items() if key.startswith("mass_")]
+        rows = [*plan.rows.get("mass", ()), *plan.band]
+        if plan.chain:
+            rows += [x.set for x in plan.chain.elimination.mass]
+        yield "mass", sets(rows) + sets(mass)
+        yield "acceleration", sets(plan.rows.get("acceleration", ())) + totals("force")
+        for kernel, block in outputs.items():
+            observed = plan.observed.values() if kernel == "observe" else ()
+            yield kernel, [block, *sets(observed)]
+        yield "singularity", sets(plan.singularities)
+        for what in ("energy", "lagrangian", "kinetic", "potential"):
+            if what in plan.totals:
+                yield what, plan.totals[what].blocks
+
+    # -- what is needed -----------------------------------------------------------------------
+
+    def _below(self, blocks: Iterable[Block]) -> list[Key]:
+        nodes = [node for block in blocks for node in block.nodes]
+        keys = (self.key(slot) for slot in self.slots.below(*nodes))
+        return list(dict.fromkeys(key for key in keys if key is not None))
+
+    def key(self, slot: Slot) -> Key | None:
+        return key_of(slot, self.states)
+
+    def _blocks(self, key: Key) -> list[Block]:
+        kind, name = key
+        if kind == "sum":
+            return self.plan.totals[f"sum_{name}"].blocks
+        return self.plan.rates[name].blocks
+
+    def _needed(self, blocks: Iterable[Block]) -> list[Key]:
+        """All that has to be computed, in order."""
+        done: dict[Key, None] = {}
+
+        def need(key: Key) -> None:
+            if key in done or key == ("sum", key[1]) and int(key[1]) in self.e.fixed:
+                return
+            for inner in self._below(self._blocks(key)):
+                need(inner)
+            done[key] = None
+
+        for key in self._below(blocks):
+            need(key)
+        return list(done)
+
+    # -- as text ------------------------------------------------------------------------------
+
+    def place(self, k: str) -> str:
+        """Where a total is."""
+        return f"{self.name}_sums(p)[{k}]" if k in self.kept else f"sum[{k}]"
+
+    def lines(self, function: str) -> Iterator[str]:
+        found = self.of.get(function, [])
+        if any(kind == "sum" and k not in self.kept for kind, k in found):
+            yield f"pk_real sum[{len(self.e.sums)}];"
+        for kind, k in found:
+            if kind == "sum":
+                yield f"{self.place(k)} = {self.name}_total_sum_{k}{STATE};"
+            else:
+                yield f"{self.name}_rate_{self.places.ids[k]}{STATE};"
+
+    @property
+    def fixed(self) -> list[str]:
+        """The numbers of totals that `prepare` computes."""
+        return [key[4:] for key in self.plan.totals if key[:4] == "sum_" and int(key[4:]) in self.e.fixed]
+
+
+def key_of(slot: Slot, states: set[str]) -> Key | None:
+    if slot.kind == "sum":
+        return "sum", slot.name
+    if slot.kind == "a" and slot.name in states:
+        return "rate", slot.name
+    return None

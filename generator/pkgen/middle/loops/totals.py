@@ -1,0 +1,161 @@
+"""Sums over all members inside expressions, `cos(sum(q[i], i = 1..N))`: totals that are computed
+before the rows which have them in them. A row sees the slot "sum" of one.
+
+The derivative of F(S) by a member is F'(S) dS/dq[m]. F'(S), added up over all that has S in it, is
+a total too, so that a gradient costs no more than the sums themselves. Totals are numbered in the
+order in which they can be computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from ...graph.differentiate import gradient
+from ...graph.graph import BIT, CONSTANT, ONE, ZERO, Kind, Node, Op
+from ...tree import Sum
+from .expand import LoopExpander, around, independent
+from .indices import Loop
+from .pairs import pair_body
+from .parts import PairPart, Part, Slot, Total, Unrolled
+from .terms import Term, terms
+
+if TYPE_CHECKING:
+    from .rows import Gather
+
+FELT = BIT[Kind.INPUT]  # the domain of a total's slot
+FIXED = ("param", "size", "index")
+
+
+class Totals:
+    """Those of one model, as they are met."""
+
+    def __init__(self, x: LoopExpander, gather: Gather):
+        self.x, self.g, self.gather = x, x.graph, gather
+        self.all: list[Total] = []
+        self._terms: list[list[Term]] = []
+        self._numbers: dict[Total, int] = {}
+
+    # -- of expressions -----------------------------------------------------------------------
+
+    def of(self, expr: Sum, loop: Loop) -> Node:
+        """The value of a sum; a short one, or one of nothing that has members, is written out."""
+        same = independent(self.x, expr, loop)
+        if same:
+            loop = {name: loop[name] for name in loop.keys() - around(self.x, loop)}
+        found = terms(self.x, expr, loop)
+        if not any(term.ranges for term in found):
+            return self.g.sum(term.at(self.x) for term in found)
+        if not same:
+            raise Unrolled("a sum over what depends on the index stands inside a function")
+        met, self.x.members = self.x.members, []
+        total = self.gather.total([(term, 1) for term in found])
+        self.x.members = met
+        return self.node(total, found)
+
+    def node(self, total: Total, found: Iterable[Term] = ()) -> Node:
+        """The slot of a total; what is no more than a symbol stands for itself."""
+        constant = total.constant
+        if not (total.parts or total.pairs) and self._plain(constant):
+            return constant
+        if total not in self._numbers:
+            self._numbers[total] = len(self.all)
+            self.all.append(total)
+            self._terms.append(list(found))
+        return self.x.slots.node("sum", str(self._numbers[total]))
+
+    def _plain(self, node: Node) -> bool:
+        """Whether a node is a number, or a symbol that is no member's."""
+        if not self.g.depends[node] & ~CONSTANT:
+            return True
+        slot = self.x.slots.of(node)
+        return self.g.op[node] is Op.SYMBOL and (slot is None or slot.at is None)
+
+    def rate(self, slot: Slot) -> Node:
+        """The derivative in time of the total of a slot."""
+        total, by, inner = self.all[int(slot.name)], self.x.derivative, self.gather.inner
+        parts = [Part(p.lo, p.hi, by(p.node), inner(by(p.node))) for p in total.parts]
+        pairs = [PairPart(p.lo, p.hi, p.first, p.last, by(p.node)) for p in total.pairs]
+        kept = (tuple(x for x in found if x.node != ZERO) for found in (parts, pairs))
+        return self.node(Total(by(total.constant), *kept))
+
+    # -- what is in them ----------------------------------------------------------------------
+
+    def below(self, *nodes: Node) -> Iterator[Slot]:
+        """The slots below some nodes, those inside of totals too."""
+        waiting, seen = list(nodes), set()
+        while waiting:
+            for slot in self.x.slots.below(waiting.pop()):
+                if slot in seen:
+                    continue
+                seen.add(slot)
+                yield slot
+                if slot.kind == "sum":
+                    waiting += nodes_of(self.all[int(slot.name)])
+
+    def nodes(self, *nodes: Node) -> list[Node]:
+        """Some nodes, and those of the totals in them."""
+        inside = [s for s in self.below(*nodes) if s.kind == "sum"]
+        return [*nodes, *(node for s in inside for node in nodes_of(self.all[int(s.name)]))]
+
+    def depends(self, node: Node) -> int:
+        """What kinds of symbol a node depends on, through totals too."""
+        found = 0
+        for each in self.nodes(node):
+            found |= self.g.depends[each]
+        return found
+
+    def is_fixed(self, slot: Slot) -> bool:
+        """Whether the total of a slot depends on parameters and sizes alone."""
+        nodes = nodes_of(self.all[int(slot.name)])
+        if any(self.g.depends[node] & BIT[Kind.TIME] for node in self.nodes(*nodes)):
+            return False
+        return all(s.kind in (*FIXED, "sum") for s in self.below(*nodes))
+
+    @property
+    def fixed(self) -> frozenset[int]:
+        slots = (Slot("sum", str(k)) for k in range(len(self.all)))
+        return frozenset(int(slot.name) for slot in slots if self.is_fixed(slot))
+
+    def moving(self, *nodes: Node) -> list[Slot]:
+        """The totals in some nodes that change along a motion."""
+        return [s for s in self.below(*nodes) if s.kind == "sum" and not self.is_fixed(s)]
+
+    # -- derivatives --------------------------------------------------------------------------
+
+    def felt(self, found: dict[int, Total], term: Term, body: Node, factor: Node = ONE) -> None:
+        """Adds the derivatives of a term's body, times a factor, by the totals in it."""
+        for symbol, slope in gradient(self.g, body, FELT).items():
+            slot = self.x.slots.of(symbol)
+            if slot.kind != "sum" or slope == ZERO:
+                continue
+            k, node = int(slot.name), self.g.multiply(factor, slope)
+            found[k] = self.gather.with_(found.get(k, Total()), term, node)
+
+    def over(self, found: dict[int, Total], drag: bool) -> None:
+        """What L, or with `drag` D, has of totals goes over to what these are made of."""
+        while found:
+            k = max(found)
+            slope = self.node(found.pop(k))
+            if not self._of_rates(k) and drag:
+                continue
+            for term in self._terms[k]:
+                body = self.body(term)
+                if not drag and self.g.depends[body] & BIT[Kind.RATE]:
+                    raise Unrolled("a sum inside a function has rates in it: M would be dense")
+                self.gather.of_total(term, slope, drag)
+                self.felt(found, term, body, slope)
+
+    def body(self, term: Term) -> Node:
+        """What a term sums up, as seen from its index."""
+        if len(term.ranges) == 2:
+            return pair_body(self.x, term, self.gather.found.limits)
+        return self.gather.bodies.at_row(term)
+
+    def _of_rates(self, k: int) -> bool:
+        nodes = self.nodes(*nodes_of(self.all[k]))
+        return any(self.g.depends[node] & BIT[Kind.RATE] for node in nodes)
+
+
+def nodes_of(total: Total) -> list[Node]:
+    return [total.constant, *(p.node for p in total.parts), *(p.node for p in total.pairs)]
