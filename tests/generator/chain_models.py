@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import random
 
-from chain_bodies import SMOOTH, TIMES, Bodies, Family, shifted, upto
+from chain_bodies import SMOOTH, TIMES, Family, shifted, upto
+from chain_totals import Totalled
 
 
-class Draw(Bodies):
+class Draw(Totalled):
     """One model, statement by statement."""
 
     def made(self) -> None:
@@ -31,13 +32,17 @@ class Draw(Bodies):
             self.state_names()
         self.inertia()
         self.potentials()
+        self.total_energies()
         self.forces()
+        self.total_forces()
         if self.states:
             self.rates()
+            self.second_states()
         if self.chance(0.25):
             self.constraints()
         self.starts()
         self.outputs()
+        self.total_outputs()
 
     def lets(self) -> None:
         for name in ("e", "d")[: self.of(1, 2)]:
@@ -224,6 +229,8 @@ class Draw(Bodies):
         for f in self.families:
             over = f"{f.lo}..{upto(f.hi)}"
             value = f"{self.number()}*sin({self.number()}*i)"
+            if not self.tied:
+                value = self.less_mean(value, over, f"(N + {f.hi - f.lo + 1})")
             self.lines.append(f"start {f.name}[i = {over}] = {value}")
             if self.tied and self.tied[0] == f:
                 _, shift, shape = self.tied

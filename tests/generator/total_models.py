@@ -69,10 +69,29 @@ start q[i = 1..N] = 0.2*i, u[i = 0..N] = cos(i), s = 0.4
 STILL = """
 kinetic sum(q[i]'^2/2, i = 1..N) + X'^2
 """
+# Sums in starts, parameters and ends: of all, of those before, in each other.
+STARTED = """
+model started
+size N = 5
+param a[i = 0..N] = 1 + sin(i) in (-9, 9)
+param M = sum(a[i]^2, i = 0..N) + 1 in (0, inf)
+param b[i = 1..N] = a[i]*M - sum(a[j]*a[j-1], j = 1..i)/N
+param spread = sqrt(1 + sum((a[i] - sum(a[j], j = 0..N)/(N + 1))^2, i = 0..N))
+const far = 0.3
+coord q[1..N], X
+fixed q[0] = far*sin(t)*sum(b[i], i = 1..N)/9, q[N+1] = sum(a[i], i = 0..N)/N^2
+kinetic sum(b[i]^2*q[i]'^2 + q[i]'^2, i = 1..N) + M*X'^2/sum(a[i]^2 + 1, i = 0..N)
+potential sum((q[i] - q[i-1])^2*spread, i = 1..N+1) + X^2*cos(X*sum(b[i], i = 1..N))
+observe mean = sum(q[i], i = 1..N)/sum(a[i]^2, i = 0..N)
+start q[i = 1..N] = sin(i) - sum(sin(j), j = 1..N)/N + sum(a[k]*b[i], k = 0..i-1)
+start q[i = 1..N]' = sum(sum(i*j*k, j = k..N), k = 1..N)/N^4
+start X = sum(sin(i)*sum(a[j], j = 0..i), i = 1..N)/sum(i, i = 1..3)
+"""
 
 TOTALS = {
     "mean": (MEAN, (1, 2, 3, 6)),
     "swelling": (SWELLING, (1, 2, 3, 7)),
+    "started": (STARTED, (1, 2, 3, 7)),
 }
 RATES = {
     "rated": (RATED, (1, 2, 3, 7)),

@@ -8,7 +8,7 @@ from ...middle.loops.parts import Group
 from ..targets import STORE
 from .kernel_code import statements
 from .loops import Block, M, Places
-from .loops_sets import Guarded
+from .loops_sets import Assignment, Summing
 from .parameter_code import (
     BOUNDS,
     DERIVE,
@@ -31,11 +31,28 @@ def each(lo: str, hi: str, nodes: list[Node]) -> list[Node]:
     return [Scope(nodes)] if len(nodes) > 1 else nodes
 
 
-def assigned(x: Guarded) -> list[Node]:
-    return each(x.lo, x.hi, list(statements(x.block.statements)))
+def assigned(x: Assignment, count: int) -> list[Node]:
+    """`count` sums are computed once, in all."""
+    own = [*summed(x.each), *statements(x.block.statements)]
+    if not (x.before or x.each):
+        return each(x.lo, x.hi, own)
+    room = Declare("pk_real", f"once[{count}]")
+    return [Scope([room, *summed(x.before), *each(x.lo, x.hi, own)])]
 
 
-def code(group: Group, places: Places, block: Block, default: Guarded, k: int) -> ParameterCode:
+def summed(found: Sequence[Summing]) -> Iterator[Node]:
+    for x in found:
+        inner: list[Node] = [*summed(x.inside), *statements(x.block.statements)]
+        for name, lo, hi in reversed(x.ranges):
+            inner = [Loop(f"{name} = {lo}; {name} <= {hi}; {name}++", [Scope(inner)])]
+        names = ", ".join(name for name, _, _ in x.ranges)
+        yield Assign(x.place, "0")
+        yield Scope([Declare("ptrdiff_t", names), Blank(), *inner])
+
+
+def code(
+    group: Group, places: Places, block: Block, default: Assignment, k: int, count: int
+) -> ParameterCode:
     """Of parameter k, with its bounds."""
     given = group.declared.bounds
     kept = {s.target: s.text for s in block.statements if s.kind == STORE}
@@ -45,7 +62,7 @@ def code(group: Group, places: Places, block: Block, default: Guarded, k: int) -
     field = places.member(group.name, M if group.is_family else None)
     first = [Declare("const ptrdiff_t", "m", lo)] if "m" in block.words else []
     return ParameterCode(
-        assigned(default),
+        assigned(default, count),
         group.declared.follows,
         each(lo, hi, checked(field, k, bounds, given.lo_open, given.hi_open)),
         [*first, *ends(k, bounds)],
@@ -54,20 +71,22 @@ def code(group: Group, places: Places, block: Block, default: Guarded, k: int) -
 
 def _index(nodes: Iterable[Node]) -> list[Node]:
     """The declaration of m, where a loop needs it."""
-    needed = any(isinstance(node, Loop) for node in nodes)
+    inside = [part for node in nodes for part in (node.body if isinstance(node, Scope) else [node])]
+    needed = any(isinstance(node, Loop) for node in inside)
     return [Declare("ptrdiff_t", "m"), Blank()] if needed else []
 
 
 def functions(
     model: str,
     rows: list[ParameterCode],
-    starts: list[Guarded],
+    starts: list[Assignment],
     count: int,
     prepare: Sequence[Statement],
     factored: bool,
     block: bool,
     bound: bool = False,
     fixed: Sequence[str] = (),
+    summed: int = 0,
 ) -> str:
     """`prepare` computes the `count` hoisted constants and the `fixed` totals; M is `factored` once,
     and that or families of parameters are in a `block` of memory."""
@@ -75,7 +94,7 @@ def functions(
     defaults = [node for row in rows for node in row.default]
     follow = [node for row in rows if row.follows for node in row.default]
     bounds = [Scope(row.bounds) for row in rows]
-    start = [node for x in starts for node in assigned(x)]
+    start = [node for x in starts for node in assigned(x, summed)]
     none = Loop(f"m = 0; m < (ptrdiff_t){model}_count(p); m++", [Assign("q[m] = v[m]", "0")])
 
     def prepared() -> Iterator[Node]:

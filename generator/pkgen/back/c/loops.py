@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from ...graph.affine import LOOPS, OTHER, ROW, Affine
 from ...graph.graph import Kind, Node, Symbol
-from ...middle.loops.indices import unlike_loops
+from ...middle.loops.indices import COUNTERS, unlike_loops
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.parts import Group, Slot
 from ..targets import LOAD, TRIG, Target
@@ -27,7 +27,7 @@ from .rewrite import rewrite
 # Names of the templates where the model's own are written beside them.
 _OURS = (
     *("m", "j", "l", "r", "s", "lo", "hi", "base", "sum", "first", "last", "steps", "h", "g"),
-    *("flux", "total", "own"),
+    *("flux", "total", "own", "once", *(f"at_{name[1:]}" for name in COUNTERS)),
     *("x", "cells", "pushes", "slopes", "changes", "front", "bulk", "beside", "beside_pushes"),
     *("pivot", "diagonal", "absent", "corner", "kept"),
 )
@@ -88,7 +88,7 @@ class Places:
         self.fields = {g.name: fields.take(g.name) for g in e.parameters}
         self.size_texts = {
             unlike_loops(name): f"p->{c_name}" for name, c_name in self.sizes.items()
-        }
+        } | {name: f"at_{name[1:]}" for name in COUNTERS}
         names = Names(frozenset())
         own = (*e.coordinates, *e.carried_groups)
         self.ids = {g.name: names.take(g.name) for g in own}  # as parts of names in C
@@ -222,7 +222,7 @@ class Lowering(Hoisting):
         if slot.kind == "param":
             return Code(places.member(slot.name, slot.at), ("p", *index))
         if slot.kind == "index":
-            name = ROW if slot.name == ROW else OTHER
+            name = places.size_texts.get(slot.name, slot.name)
             return Code(f"(pk_real){name}", (name,))
         if slot.kind == "sum" and slot.name in self.kept:
             array = self.prefix + "sums"
@@ -260,7 +260,7 @@ class Lowering(Hoisting):
             elif slot.kind == "sum":
                 wish = f"sum_{slot.name}"
             elif slot.kind == "index":
-                wish = f"real_{slot.name}"
+                wish = f"real_{self.places.size_texts.get(slot.name, slot.name)}"
             elif slot.kind == "place":
                 wish = re.sub(r"\W+", "_", slot.name.replace("-", "m")).strip("_")
             else:

@@ -7,12 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 from ...equations import Facts
+from ...graph.affine import variable
 from ...graph.graph import Node
 from ...middle.loops.indices import size_values
-from ...middle.loops.loops import Assigned, Limit, LoopEquations
+from ...middle.loops.loops import Assigned, Limit, LoopEquations, Summed
 from ..facts import facts, invariants
 from ..kernels import KERNELS
-from ..targets import RETURN, STORE, Target
+from ..targets import ADD, RETURN, STORE, Target
 from . import loop_parameters, loops_tables, tables
 from .describe import labelled
 from .helpers import helpers
@@ -30,7 +31,7 @@ from .loops_plan import (
     watches_momenta,
     within,
 )
-from .loops_sets import Builder, Guarded
+from .loops_sets import Assignment, Builder, Summing
 from .loops_singular import described
 from .loops_slopes import slopes_context
 from .loops_steps import stepper
@@ -74,7 +75,7 @@ class _Context:
         blocks = [
             *self.plan.blocks,
             *(block for values in self.given.values() for block in values),
-            *(x.block for x in (*self.defaults, *self.starts)),
+            *(block for x in (*self.defaults, *self.starts) for block in x.blocks),
             *self.bounds,
             *self.outputs.values(),
             *(block for found in self.plan.singularities for block in found.blocks),
@@ -88,7 +89,7 @@ class _Context:
             if item.lo is None:
                 yield Target(STORE, f"out[{self.places.index(first)}]", (item.node,))
 
-    def _assigned(self, item: Assigned, parameter: bool = False) -> Guarded:
+    def _assigned(self, item: Assigned, parameter: bool = False) -> Assignment:
         index = self.places.index
         single = item.lo is None or item.lo == item.hi
         at = item.lo if single else M
@@ -97,7 +98,15 @@ class _Context:
         else:
             where = f"{'v' if item.order else 'q'}[{index(self.places.flat(item.name, at))}]"
         block = Block.of(STORE, where, [item.node], FIXED)
-        return Guarded("", "", block) if single else Guarded(index(item.lo), index(item.hi), block)
+        over = ("", "") if single else (index(item.lo), index(item.hi))
+        before, each = ([*map(self._summing, found)] for found in (item.before, item.each))
+        return Assignment(*over, before, each, block)
+
+    def _summing(self, item: Summed) -> Summing:
+        place, index = f"once[{item.place}]", self.places.index
+        ranges = [(index(variable(name)), index(lo), index(hi)) for name, lo, hi in item.ranges]
+        block = Block([Target(ADD, place, (item.node,))], FIXED)
+        return Summing(place, ranges, block, [*map(self._summing, item.inside)])
 
     def text(self) -> dict[str, Any]:
         e, w, plan, index = self.e, self.lowering, self.plan, self.places.index
@@ -139,7 +148,9 @@ class _Context:
             "parameter_functions": loop_parameters.functions(
                 model.name,
                 [
-                    loop_parameters.code(g, self.places, self.bounds[k], self.defaults[k], k)
+                    loop_parameters.code(
+                        g, self.places, self.bounds[k], self.defaults[k], k, e.summed
+                    )
                     for k, g in enumerate(e.parameters)
                 ],
                 self.starts,
@@ -149,6 +160,7 @@ class _Context:
                 bound=bool(e.bound),
                 block=in_block or not diagonal or closed or bool(self._regions()),
                 fixed=self.before.fixed,
+                summed=e.summed,
             ),
             "sizes": [
                 {"c_name": self.places.sizes[s.name], "name": s.name, "value": s.value}

@@ -17,12 +17,40 @@ from .loops_interior import Interior
 
 @dataclass
 class Guarded:
-    """Parts of a row that share a condition: r[k] += ... where lo <= m <= hi. Or assignments, with
-    "" for what is no range."""
+    """Parts of a row that share a condition: r[k] += ... where lo <= m <= hi."""
 
     lo: str
     hi: str
     block: Block
+
+
+@dataclass
+class Summing:
+    """A sum that is computed once: its place, its ranges in C, a term, the sums in each of these."""
+
+    place: str
+    ranges: list[tuple[str, str, str]]
+    block: Block
+    inside: list[Summing]
+
+    @property
+    def blocks(self) -> list[Block]:
+        return [self.block, *(block for x in self.inside for block in x.blocks)]
+
+
+@dataclass
+class Assignment:
+    """Of members lo..hi, or with "" of one: sums before all, sums before each, the values."""
+
+    lo: str
+    hi: str
+    before: list[Summing]
+    each: list[Summing]
+    block: Block
+
+    @property
+    def blocks(self) -> list[Block]:
+        return [self.block, *(block for x in (*self.before, *self.each) for block in x.blocks)]
 
 
 @dataclass

@@ -117,6 +117,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         pivots=pivots,
         sums=tuple(x.totals.all),
         fixed=x.totals.fixed,
+        summed=x.summed,
         slots=tuple(x.slots.all),
     )
 

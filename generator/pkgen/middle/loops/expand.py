@@ -24,6 +24,7 @@ from .rotations import Rotations
 from .slots import Slots
 
 if TYPE_CHECKING:
+    from .once import Once
     from .totals import Totals
 
 
@@ -49,6 +50,8 @@ class LoopExpander(Indices):
         self.momenta: dict[str, Group] = {}  # by name, where outputs may have them
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self.totals: Totals | None = None  # of sums inside expressions, once terms are gathered
+        self.once: Once | None = None  # of sums in what is computed once
+        self.summed = 0  # how many these are
         self.watched = False  # whether what is entered is an output, which no equation has
         self._defining: list[str] = []
         self._visits = 0
@@ -71,7 +74,7 @@ class LoopExpander(Indices):
         if self._visits > limits.VISITS:
             raise Unrolled("its expressions are too large")
         if isinstance(expr, Sum):
-            return self.totals.of(expr, loop)
+            return (self.once or self.totals).of(expr, loop)
         value = EXPAND[type(expr)](self, expr, loop)
         for node in value if isinstance(value, tuple) else (value,):
             self.check_magnitude(node, expr.span)
@@ -200,6 +203,8 @@ class LoopExpander(Indices):
                     f"'{slot.name}', which is defined piece by piece, stands in a parameter, a "
                     "start or an end"
                 )
+            if slot.kind == "sum" and not self.totals.is_fixed(slot):
+                raise Unrolled("a sum over what moves stands in an end")
         return node
 
     def coordinate(self, name: str, index: Affine | None) -> Node:
@@ -289,16 +294,16 @@ def around(x: LoopExpander, loop: Loop) -> frozenset[str]:
 
 def independent(x: LoopExpander, expr: Expr, loop: Loop) -> bool:
     """Whether an expression is the same for all members around it."""
-    return not around(x, loop) & _free(expr)
+    return not around(x, loop) & free_names(expr)
 
 
-def _free(expr: Expr) -> frozenset[str]:
+def free_names(expr: Expr) -> frozenset[str]:
     """The names in an expression but for the loop variables of its own sums."""
     if isinstance(expr, Sum):
         found, own = frozenset(), frozenset()
         for item in expr.ranges:
-            found |= (_free(item.lo) | _free(item.hi)) - own
+            found |= (free_names(item.lo) | free_names(item.hi)) - own
             own |= {item.variable}
-        return found | (_free(expr.body) - own)
-    inside = frozenset().union(*map(_free, children(expr)))
+        return found | (free_names(expr.body) - own)
+    inside = frozenset().union(*map(free_names, children(expr)))
     return inside | {expr.id} if isinstance(expr, Name) else inside

@@ -12,6 +12,7 @@ from .parts import Group, Unrolled
 from .slots import Slots
 
 Loop = dict[str, Affine]
+COUNTERS = tuple(f"#{k}" for k in range(8))  # the indices of sums that are computed once
 
 
 class Indices:
@@ -55,7 +56,7 @@ class Indices:
         g = self.graph
         total = g.number(at.constant)
         for name, factor in at.terms:
-            kind = "index" if name in LOOPS else "size"
+            kind = "index" if name in (*LOOPS, *COUNTERS) else "size"
             total = g.add(total, g.multiply(g.number(factor), self.slots.node(kind, name)))
         return total
 

@@ -14,14 +14,28 @@ from .parts import Band, Bound, Carried, Group, Slot, Total, Vector
 
 
 @record
+class Summed:
+    """A sum that is computed once, into that place of an array; its index variables are counters,
+    and `inside` are sums in each of its terms."""
+
+    place: int
+    ranges: tuple[tuple[str, Affine, Affine], ...]
+    node: Node
+    inside: tuple[Summed, ...]
+
+
+@record
 class Assigned:
-    """Members lo..hi of a declared name take the value of a node, m being the index."""
+    """Members lo..hi of a declared name take the value of a node, m being the index; some sums come
+    before all of them, others before each."""
 
     name: str
     order: int  # 1: of a rate
     lo: Affine | None
     hi: Affine | None
     node: Node
+    before: tuple[Summed, ...] = ()
+    each: tuple[Summed, ...] = ()
 
 
 @record
@@ -94,6 +108,7 @@ class LoopEquations:
     starts: tuple[Assigned, ...]
     limits: tuple[Limit, ...]
     wraps: dict[str, int] = field(default_factory=dict)  # how far beyond a periodic family's ends
+    summed: int = 0  # how many sums are computed once, in starts and parameters
     facts: Facts | None = None
     singularities: tuple[LoopSingularity, ...] = ()
     pivots: bool = False  # those of M are singularities too, before the others

@@ -11,7 +11,8 @@ from ...tree import Name, children
 from ..quantities import error
 from .expand import LoopExpander
 from .loops import Assigned, Bounded, Observed
-from .parts import CELLS, Unrolled
+from .once import assigned, moving
+from .parts import Unrolled
 from .rows import Gather
 
 
@@ -84,27 +85,28 @@ def _names(item: Definition | Event) -> Iterable[str]:
 def starts_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
     found = []
     for item in x.model.starts:
-        lo, hi, loop = x.over(item.range, item.index)
-        node = x.plain(item.value, loop)
-        bad = [s for s in x.slots.below(node) if s.kind in (*CELLS, "input", "sum")]
-        if bad or x.graph.depends[node] & BIT[Kind.TIME]:
+        over = lo, hi, _ = x.over(item.range, item.index)
+        group = x.coordinates[item.name]
+        order = 1 if group.is_state else item.order
+        made, nodes = assigned(x, item.name, order, over, item.value, gather.found.limits)
+        timed = any(x.graph.depends[node] & BIT[Kind.TIME] for node in nodes)
+        if timed or moving(x.slots.below(*nodes)):
             message = "an initial value may use parameters and numbers only"
             raise error(x.model, message, item.value.span)
-        group = x.coordinates[item.name]
         if lo is not None:
             x.members += [(group.lo, group.hi, lo), (group.lo, group.hi, hi)]
         gather.found.limits += x.limits_over(lo, hi)
-        found.append(Assigned(item.name, 1 if group.is_state else item.order, lo, hi, node))
+        found.append(made)
     return tuple(found)
 
 
 def defaults_of(x: LoopExpander, gather: Gather) -> tuple[Assigned, ...]:
     found = []
     for group in x.parameters.values():
-        lo, hi, loop = x.over(group.declared.range)
-        node = x.plain(group.declared.default, loop)
+        over = lo, hi, _ = x.over(group.declared.range)
+        made, _ = assigned(x, group.name, 0, over, group.declared.default, gather.found.limits)
         gather.found.limits += x.limits_of(None, {} if lo is None else {ROW: (lo, hi)})
-        found.append(Assigned(group.name, 0, lo, hi, node))
+        found.append(made)
     return tuple(found)
 
 
@@ -113,7 +115,10 @@ def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
     for group in x.parameters.values():
         _, _, loop = x.over(group.declared.range)
         ends = group.declared.bounds.lo, group.declared.bounds.hi
-        found.append(Bounded(*(None if end is None else x.plain(end, loop) for end in ends)))
+        nodes = [None if end is None else x.plain(end, loop) for end in ends]
+        if any(slot.kind == "sum" for n in nodes if n is not None for slot in x.slots.below(n)):
+            raise Unrolled(f"a sum stands in the bounds of '{group.name}'")
+        found.append(Bounded(*nodes))
     x.members.clear()
     return tuple(found)
 

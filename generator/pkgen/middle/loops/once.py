@@ -1,0 +1,98 @@
+"""Sums in what is computed once, a start or a parameter: `start q[i] = a[i] - sum(a[j], j = 1..N)/N`.
+
+Each is a loop of its own, as far outside as what it sums up allows: before the members of a
+statement, among what each of them has, or within another sum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from ...graph.affine import ROW, Affine, variable
+from ...graph.graph import Node
+from ...tree import Sum
+from .expand import LoopExpander, free_names
+from .indices import COUNTERS, Loop
+from .loops import Assigned, Limit, Summed
+from .parts import CELLS, Slot, Unrolled
+
+Range = tuple[str, Affine, Affine]
+MOVES = (*CELLS, "a", "input", "sum")  # slots that nothing computed once may have
+
+
+@dataclass
+class _Scope:
+    """What lies within some loops, by the names of their variables."""
+
+    ranges: dict[str, Range] = field(default_factory=dict)
+    found: list[Summed] = field(default_factory=list)
+
+
+class Once:
+    """Of one statement about the members lo..hi, or about one."""
+
+    def __init__(self, x: LoopExpander, lo: Affine | None, hi: Affine | None, loop: Loop):
+        self.x = x
+        self.limits: list[Limit] = []
+        members = {n: (ROW, lo, hi) for n, at in loop.items() if at.factor(ROW)}
+        self.scopes = [_Scope(), _Scope(members)]
+
+    def of(self, expr: Sum, loop: Loop) -> Node:
+        """The place of a sum's value."""
+        x, names = self.x, free_names(expr)
+        depth = max((k for k, s in enumerate(self.scopes) if s.ranges.keys() & names), default=0)
+        outer, self.scopes = self.scopes, self.scopes[: depth + 1]
+        taken = sum(r[0] in COUNTERS for s in self.scopes for r in s.ranges.values())
+        ranges, inside = {}, dict(loop)
+        for number, item in enumerate(expr.ranges, taken):
+            if number == len(COUNTERS):
+                raise Unrolled("sums within sums, too deep for loops")
+            lo, hi = x.index(item.lo, inside), x.index(item.hi, inside)
+            ranges[item.variable] = (COUNTERS[number], lo, hi)
+            inside[item.variable] = variable(COUNTERS[number])
+        own = _Scope(ranges)
+        self.scopes.append(own)
+        met, x.members = x.members, []
+        node = x.scalar(expr.body, inside)
+        over = [r for scope in reversed(self.scopes) for r in reversed(scope.ranges.values())]
+        self.limits += x.limits_of(None, {name: (lo, hi) for name, lo, hi in over if lo is not None})
+        x.members, self.scopes = met, outer
+        place = x.slots.node("place", f"once[{x.summed}]")
+        made = Summed(x.summed, tuple(ranges.values()), node, tuple(own.found))
+        self.scopes[depth].found.append(made)
+        x.summed += 1
+        return place
+
+    @property
+    def before(self) -> tuple[Summed, ...]:
+        return tuple(self.scopes[0].found)
+
+    @property
+    def each(self) -> tuple[Summed, ...]:
+        return tuple(self.scopes[1].found)
+
+
+def assigned(
+    x: LoopExpander, name: str, order: int, over: tuple, expr, limits: list[Limit]
+) -> tuple[Assigned, list[Node]]:
+    """What a statement gives its members, and all nodes in it."""
+    lo, hi, loop = over
+    x.once = Once(x, lo, hi, loop)
+    try:
+        node = x.plain(expr, loop)
+    finally:
+        once, x.once = x.once, None
+    limits += once.limits
+    found = Assigned(name, order, lo, hi, node, once.before, once.each)
+    return found, [node, *(n for s in (*once.before, *once.each) for n in nodes_of(s))]
+
+
+def nodes_of(summed: Summed) -> Iterator[Node]:
+    yield summed.node
+    for inner in summed.inside:
+        yield from nodes_of(inner)
+
+
+def moving(slots: list[Slot]) -> bool:
+    return any(slot.kind in MOVES for slot in slots)
