@@ -220,14 +220,6 @@ _CARRIED = (
     "let x[i = 1..N] = x[i-1] + {}\nkinetic sum(x[i]'^2/2 + a[i]'^2/2, i = 1..N)\n"
 )
 UNROLLED = {
-    "start": (
-        f"model start_\n{_CHAIN}potential a[1]^2\nstart a[1] = sum(i/7, i = 1..3)\n",
-        "a sum stands where loops have none",
-    ),
-    "total": (
-        f"model total\nparam k = sum(1/i, i = 1..4)\n{_CHAIN}potential k*a[1]^2\n",
-        "a sum stands where loops have none",
-    ),
     "signs": (
         f"model signs\n{_CHAIN}potential sum((-1)^i*a[i]^2, i = 1..N)\n",
         "a negative number to a power that varies",
@@ -244,11 +236,6 @@ UNROLLED = {
         _CARRIED.format("a[i-1]").replace("fixed a[N+1] = 0", "free a[0]"),
         "reaches a[i - 1] beyond an end of 'a' that is free or periodic",
     ),
-    "watched": (
-        f"model watched\n{_CHAIN}let x[0] = 0\nlet x[i = 1..N] = x[i-1] + a[i]\n"
-        "potential a[1]^2\nobserve tip = x[N]\n",
-        "an output has a `let`",
-    ),
     "constant": (
         "model constant\ncoord a[1..3]\nkinetic sum(a[i]'^2/2, i = 1..3)\npotential a[1]^2\n",
         "length that depends on a size",
@@ -257,11 +244,6 @@ UNROLLED = {
         "model mirror\nsize N = 4\ncoord a[1..N]\nkinetic sum(a[i]'^2/2, i = 1..N)\n"
         "potential sum(a[i]*a[N+1-i], i = 1..N)\n",
         "from its index",
-    ),
-    "mean": (
-        "model mean\nsize N = 4\ncoord a[1..N]\nkinetic sum(a[i]'^2/2, i = 1..N)\n"
-        "potential cos(sum(a[i], i = 1..N))\n",
-        "inside a function",
     ),
 }
 

@@ -99,6 +99,12 @@ class Places:
             total = total + group.count
         self.whole = total  # numbers of q with carried values behind them
         total = Affine()
+        self.lets: dict[str, tuple[Affine, Affine]] = {}  # where each begins, and its least index
+        for item in (item for found in e.along for item in found):
+            self.lets[item.name] = total, item.group.lo
+            total = total + item.group.count
+        self.n_lets = total
+        total = Affine()
         self.observed: list[Affine] = []  # where each output begins, and their count
         for item in e.outputs:
             self.observed.append(total)
@@ -112,6 +118,11 @@ class Places:
     def index(self, at: Affine) -> str:
         """An index as C."""
         return at.text(self.size_texts)
+
+    def let(self, name: str, at: Affine) -> Affine:
+        """Where a member of what is computed along is, in its memory."""
+        first, lo = self.lets[name]
+        return first + at - lo
 
     def names_in(self, at: Affine) -> tuple[str, ...]:
         return tuple(self.size_texts.get(name, name) for name, _ in at.terms)
@@ -227,6 +238,9 @@ class Lowering(Hoisting):
         if slot.kind == "sum" and slot.name in self.kept:
             array = self.prefix + "sums"
             return Code(f"{array}(p)[{slot.name}]", (array, "p"))
+        if slot.kind == "let":
+            array, place = self.prefix + "lets", places.let(slot.name, slot.at)
+            return Code(f"{array}(p)[{places.index(place)}]", (array, "p", *places.names_in(place)))
         if slot.kind in ("input", "sum"):
             return variable(f"{'u' if slot.kind == 'input' else 'sum'}[{slot.name}]")
         if slot.kind == "flux":
@@ -264,8 +278,9 @@ class Lowering(Hoisting):
             elif slot.kind == "place":
                 wish = re.sub(r"\W+", "_", slot.name.replace("-", "m")).strip("_")
             else:
-                suffix = SUFFIXES.get(slot.kind, "")
-                wish = self.places.ids.get(slot.name, slot.name) + _place(slot.at) + suffix
+                suffix = SUFFIXES.get(slot.kind, "") + "_dot" * slot.name.count("'")
+                name = slot.name.replace("'", "")
+                wish = self.places.ids.get(name, name) + _place(slot.at) + suffix
             self._names[slot] = self._locals.take(wish)
         return self._names[slot]
 

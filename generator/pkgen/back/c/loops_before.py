@@ -14,7 +14,8 @@ from ...middle.loops.slots import Slots
 from .loops import Block, Places
 from .loops_plan import VECTORS, Plan, within
 
-Key = tuple[str, str]  # "sum" and its number, "rate" and the state's name
+# "sum" and its number, "rate" and the state's name, "let" and the number of its pass.
+Key = tuple[str, str]
 STATE = "(p, t, q, v, u)"
 
 
@@ -32,11 +33,11 @@ class Before:
         self.e, self.places, self.plan, self.slots = e, places, plan, slots
         self.name = e.model.name
         self.states = {g.name for g in e.states}
+        self.passes = {item.name: k for k, found in enumerate(e.along) for item in found}
         inside = [*plan.blocks, *(b for x in plan.singularities for b in x.blocks)]
         self.kept = {k for kind, k in self._below(inside) if kind == "sum"}
         self.kept |= {str(k) for k in e.fixed}
         self.of = {name: self._needed(blocks) for name, blocks in self._functions(outputs)}
-        self.rates = list(plan.rates)
 
     def _functions(self, outputs: dict[str, Block]) -> Iterator[tuple[str, list[Block]]]:
         plan, ids = self.plan, self.places.ids
@@ -75,12 +76,18 @@ class Before:
         return list(dict.fromkeys(key for key in keys if key is not None))
 
     def key(self, slot: Slot) -> Key | None:
-        return key_of(slot, self.states)
+        if slot.kind == "sum":
+            return "sum", slot.name
+        if slot.kind == "a" and slot.name in self.states:
+            return "rate", slot.name
+        return ("let", str(self.passes[slot.name])) if slot.kind == "let" else None
 
     def _blocks(self, key: Key) -> list[Block]:
         kind, name = key
         if kind == "sum":
             return self.plan.totals[f"sum_{name}"].blocks
+        if kind == "let":
+            return self.plan.along[int(name)].blocks
         return self.plan.rates[name].blocks
 
     def _needed(self, blocks: Iterable[Block]) -> list[Key]:
@@ -91,7 +98,8 @@ class Before:
             if key in done or key == ("sum", key[1]) and int(key[1]) in self.e.fixed:
                 return
             for inner in self._below(self._blocks(key)):
-                need(inner)
+                if inner != key:  # of its own lower members
+                    need(inner)
             done[key] = None
 
         for key in self._below(blocks):
@@ -111,6 +119,8 @@ class Before:
         for kind, k in found:
             if kind == "sum":
                 yield f"{self.place(k)} = {self.name}_total_sum_{k}{STATE};"
+            elif kind == "let":
+                yield f"{self.name}_along_{k}{STATE};"
             else:
                 yield f"{self.name}_rate_{self.places.ids[k]}{STATE};"
 
@@ -118,11 +128,3 @@ class Before:
     def fixed(self) -> list[str]:
         """The numbers of totals that `prepare` computes."""
         return [key[4:] for key in self.plan.totals if key[:4] == "sum_" and int(key[4:]) in self.e.fixed]
-
-
-def key_of(slot: Slot, states: set[str]) -> Key | None:
-    if slot.kind == "sum":
-        return "sum", slot.name
-    if slot.kind == "a" and slot.name in states:
-        return "rate", slot.name
-    return None

@@ -204,6 +204,7 @@ class _Context:
             },
             "before": self.before,
             "rated": [(self.places.ids[name], x) for name, x in plan.rates.items()],
+            "along": plan.along,
             "regions": self._regions(),
             "with_lambda": any(slot.kind == "lambda" for slot in e.slots),
             "with_momenta": watches_momenta(e),
@@ -233,6 +234,9 @@ class _Context:
             found["rated"] = {"count": count, "says": "Rates of states that others use"}
         if self.before.kept & {key[4:] for key in self.plan.totals if key[:4] == "sum_"}:
             found["sums"] = {"count": str(len(self.e.sums)), "says": "Sums that rows have in them"}
+        if self.plan.along:
+            length = self.places.index(self.places.n_lets)
+            found["lets"] = {"count": length, "says": "What outputs have of each member"}
         return found
 
     def _system_kernels(self) -> dict[str, dict[str, Any]]:

@@ -11,7 +11,7 @@ from ...middle.loops.loops import LoopEquations
 from ...middle.loops.matrices import Matrix, Unknown
 from ...middle.loops.parts import Bound, Group, Part, Row, Slot, Total, Unrolled
 from ...middle.loops.slopes import Slopes, slopes_of
-from .loops import Block
+from .loops import Block, M
 from .loops_chain import Chain
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
 
@@ -64,6 +64,20 @@ class Rates:
 
 
 @dataclass
+class Alongside:
+    """What is computed along its members, in order: rows, and where their values go."""
+
+    rows: list[RowSet]
+    stores: list[str]
+    least: list[str]
+    greatest: list[str]
+
+    @property
+    def blocks(self) -> list[Block]:
+        return [block for x in self.rows for block in x.blocks]
+
+
+@dataclass
 class Plan:
     """By kernel, or by the name of a total."""
 
@@ -81,6 +95,7 @@ class Plan:
     reach: int = 0  # of a row of slopes to either side, in places
     observed: dict[int, RowSet] = field(default_factory=dict)  # outputs for each index
     pull: list[RowSet] = field(default_factory=list)  # J^T lambda
+    along: dict[int, Alongside] = field(default_factory=dict)  # by their number
     rates: dict[str, Rates] = field(default_factory=dict)  # of states that others use
 
     @property
@@ -93,7 +108,7 @@ class Plan:
         for found in (*sets, *self.totals.values()):
             yield from found.blocks
         yield from (pair.block for pairs in self.pairs.values() for pair in pairs)
-        for found in self.rates.values():
+        for found in (*self.rates.values(), *self.along.values()):
             yield from found.blocks
         if self.chain:
             yield from self.chain.blocks
@@ -192,6 +207,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
 def _plan_before(e: LoopEquations, make: Builder, plan: Plan) -> None:
     """The totals and the rates of states that stand in what there is, and those in these."""
     below, states = make.interior.slots.below, {g.name: g for g in e.states}
+    passes = {item.name: k for k, found in enumerate(e.along) for item in found}
     nodes = [node for block in plan.blocks for node in block.nodes]
     nodes += [node for x in plan.singularities for block in x.blocks for node in block.nodes]
     nodes += [*e.observed, *e.conserved, *e.events, *(n for x in e.given.values() for n in x)]
@@ -207,9 +223,23 @@ def _plan_before(e: LoopEquations, make: Builder, plan: Plan) -> None:
                 )
             elif slot.kind == "a" and slot.name in states and slot.name not in plan.rates:
                 made = plan.rates[slot.name] = _rates(e, make, states[slot.name])
+            elif slot.kind == "let" and passes[slot.name] not in plan.along:
+                made = plan.along[passes[slot.name]] = _along(e, make, passes[slot.name])
             else:
                 continue
             nodes += [node for block in made.blocks for node in block.nodes]
+
+
+def _along(e: LoopEquations, make: Builder, k: int) -> Alongside:
+    places, rows, stores = make.places, [], []
+    for n, item in enumerate(e.along[k]):
+        group = replace(item.group, declared=replace(item.group.declared, name=f"let_{k}_{n}"))
+        parts = tuple(replace(part, inner=part.node) for part in item.parts)
+        rows.append(make.rows(f"let_{k}_{n}", group, [Row(parts)], ghosts=False))
+        stores.append(places.index(places.let(item.name, M)))
+    groups = [item.group for item in e.along[k]]
+    ends = [[places.index(getattr(g, x)) for g in groups] for x in ("lo", "hi")]
+    return Alongside(rows, stores, *ends)
 
 
 def _rates(e: LoopEquations, make: Builder, g: Group) -> Rates:

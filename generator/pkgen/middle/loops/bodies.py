@@ -43,7 +43,7 @@ class Bodies:
             shift, seen = at, body
             if at is not None and term.ranges:
                 shift = at - M
-                seen = term.at(self.x, M - shift)
+                seen = self.x.totals.throughout(term.at(self.x, M - shift))
             for name in names if at is not None else ():
                 yield name, shift, seen
         self.x.members.clear()
@@ -60,6 +60,7 @@ class Bodies:
         body = term.at(self.x, *values)
         lo = hi = None
         if term.ranges:
+            body = self.x.totals.throughout(body)
             (_, lo, hi) = term.ranges[0]
         self.found.limits += self.x.limits_over(lo, hi)
         for slot in self.x.slots.below(body):
@@ -74,8 +75,6 @@ class Bodies:
             self.in_reach(slot, lo, hi)
 
     def _relative(self, slot: Slot) -> None:
-        if slot.at.factor(ROW) == 0:
-            raise Unrolled(f"a sum reaches the one member {slot.name}[{slot.at.text()}] throughout")
         if slot.at.factor(ROW) != 1 or not (slot.at - M).is_constant:
             reached = f"{slot.name}[{slot.at.text({ROW: 'i'})}]"
             raise Unrolled(f"a sum reaches {reached} from its index i")

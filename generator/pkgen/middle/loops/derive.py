@@ -73,8 +73,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
     conserved = outputs.nodes(model.conserved)
     events = outputs.nodes(model.events)
     refuse_constant(model, x.graph, events)
-    if len(x.carried) > len({item.group.declared.name for item in carried}):
-        raise Unrolled("an output has a `let` in it that is defined piece by piece, and L has not")
+    x.watched = False
     starts = starts_of(x, gather)
     defaults = defaults_of(x, gather)
     result = LoopEquations(
@@ -117,6 +116,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         pivots=pivots,
         sums=tuple(x.totals.all),
         fixed=x.totals.fixed,
+        along=x.alongside.passes(),
         summed=x.summed,
         slots=tuple(x.slots.all),
     )

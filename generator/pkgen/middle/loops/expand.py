@@ -24,6 +24,7 @@ from .rotations import Rotations
 from .slots import Slots
 
 if TYPE_CHECKING:
+    from .along import Alongside
     from .once import Once
     from .totals import Totals
 
@@ -50,6 +51,7 @@ class LoopExpander(Indices):
         self.momenta: dict[str, Group] = {}  # by name, where outputs may have them
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self.totals: Totals | None = None  # of sums inside expressions, once terms are gathered
+        self.alongside: Alongside | None = None  # of `let`s that outputs alone have
         self.once: Once | None = None  # of sums in what is computed once
         self.summed = 0  # how many these are
         self.watched = False  # whether what is entered is an output, which no equation has
@@ -161,23 +163,29 @@ class LoopExpander(Indices):
     def _carried(self, name: str, index: Affine) -> Value:
         """A member of a `let` that is defined piece by piece, from its own members perhaps."""
         if name not in self.carried:
+            if self.watched:
+                return self.alongside.member(name, index)
             if self.model.rotations:
                 raise Unrolled(f"'{name}' is defined piece by piece, in a model with rotations")
-            pieces = self.pieces(name)
-            (lo, _, first), (_, hi, _) = pieces[0], pieces[-1]
-            around, self.members = self.members, []
-            value = self.value(first.value, self.loop_of(first))
-            self.members = around
-            components = ("_x", "_y", "_z") if isinstance(value, tuple) else ("",)
-            taken = {*self.coordinates, *self.parameters, *self.inputs, *self.definitions}
-            free = "_" * any(name + c in taken for c in components if c)
-            groups = tuple(Group(first, lo, hi, component=c + free) for c in components)
-            self.carried[name] = groups
-            self.coordinates |= {g.name: g for g in groups}
+            _, self.carried[name] = self.groups_of(name)
+            self.coordinates |= {g.name: g for g in self.carried[name]}
         groups = self.carried[name]
         self.members.append((groups[0].lo, groups[0].hi, index))
         nodes = tuple(self.slots.node("q", g.name, index) for g in groups)
         return nodes if len(nodes) > 1 else nodes[0]
+
+    def groups_of(self, name: str) -> tuple[tuple[str, ...], tuple[Group, ...]]:
+        """Names and members of what is defined piece by piece; several of a vector."""
+        pieces = self.pieces(name)
+        (lo, _, first), (_, hi, _) = pieces[0], pieces[-1]
+        around, self.members = self.members, []
+        value = self.value(first.value, self.loop_of(first))
+        self.members = around
+        components = ("_x", "_y", "_z") if isinstance(value, tuple) else ("",)
+        taken = {*self.coordinates, *self.parameters, *self.inputs, *self.definitions}
+        free = "_" * any(name + c in taken for c in components if c)
+        groups = tuple(Group(first, lo, hi, component=c + free) for c in components)
+        return tuple(g.name for g in groups), groups
 
     def pieces(self, name: str) -> list[tuple[Affine, Affine, Definition]]:
         """The definitions of a name by index, which follow each other without a gap."""
@@ -263,6 +271,8 @@ class LoopExpander(Indices):
             return self.slots.node("input", str(next_input(self.orders, int(slot.name))))
         if slot.kind == "sum":
             return self.totals.rate(slot)
+        if slot.kind == "let":
+            return self.alongside.rate(slot)
         if slot.name in self.rotations.numbers:
             rotation, k = self.rotations.numbers[slot.name]
             return self.rotations.moving(rotation, slot.at)[k]

@@ -10,7 +10,7 @@ from ...graph.graph import Graph, Node
 from ...model import Definition, Model
 from ...record import record
 from ..quantities import input_quantities
-from .parts import Band, Bound, Carried, Group, Slot, Total, Vector
+from .parts import Band, Bound, Carried, Group, Part, Slot, Total, Vector
 
 
 @record
@@ -50,6 +50,15 @@ class Observed:
     @property
     def count(self) -> Affine:
         return Affine(1) if self.lo is None else self.hi - self.lo + 1
+
+
+@record
+class Along:
+    """A `let` by index that outputs alone have, or with ' its rate: each member in its turn."""
+
+    name: str
+    group: Group
+    parts: tuple[Part, ...]  # by index, each without the others
 
 
 @record
@@ -108,6 +117,7 @@ class LoopEquations:
     starts: tuple[Assigned, ...]
     limits: tuple[Limit, ...]
     wraps: dict[str, int] = field(default_factory=dict)  # how far beyond a periodic family's ends
+    along: tuple[tuple[Along, ...], ...] = ()  # those of one are computed together
     summed: int = 0  # how many sums are computed once, in starts and parameters
     facts: Facts | None = None
     singularities: tuple[LoopSingularity, ...] = ()

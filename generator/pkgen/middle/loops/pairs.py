@@ -29,7 +29,7 @@ def pair_ranges(term: Term) -> tuple[Affine, Affine, Affine, Affine]:
 
 def pair_body(x: LoopExpander, term: Term, limits: list[Limit]) -> Node:
     x.members.clear()
-    body = term.at(x, M, J)
+    body = x.totals.throughout(term.at(x, M, J))
     _in_reach(x, body, pair_ranges(term), limits)
     return body
 
@@ -41,7 +41,7 @@ def pair_row(
     (_, first, last) = term.ranges[0]
     over = lo, hi, first, last
     x.members.clear()
-    body = term.at(x, J)
+    body = x.totals.throughout(term.at(x, J))
     _in_reach(x, body, over, limits)
     return PairForce(*over, ((name, body),), (), ())
 

@@ -17,7 +17,7 @@ _KINDS = {
     **dict.fromkeys(("v", "d"), Kind.RATE),
     **dict.fromkeys(("param", "size"), Kind.PARAMETER),
     **dict.fromkeys(
-        ("input", "index", "sum", "flux", "w", "a", "p", "place", "lambda"), Kind.INPUT
+        ("input", "index", "sum", "flux", "w", "a", "p", "place", "lambda", "let"), Kind.INPUT
     ),
 }
 

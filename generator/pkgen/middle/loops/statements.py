@@ -9,6 +9,7 @@ from ...graph.graph import BIT, ZERO, Kind, Node
 from ...model import Definition, Event
 from ...tree import Name, children
 from ..quantities import error
+from .along import Alongside
 from .expand import LoopExpander
 from .loops import Assigned, Bounded, Observed
 from .once import assigned, moving
@@ -21,7 +22,7 @@ class Outputs:
 
     def __init__(self, x, gather, kinetic, potential, lagrangian, energy, momenta):
         self.x, self.gather = x, gather
-        x.watched = True
+        x.watched, x.alongside = True, Alongside(x, gather)
         named = {"T": kinetic, "V": potential, "L": lagrangian, "energy": energy}
         own = [g for g in x.coordinates.values() if not (g.is_state or g.is_carried)]
         x.momenta = {g.declared.momentum or f"p_{g.name}": g for g in own}

@@ -11,13 +11,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
+from ...graph.affine import LOOPS, Affine
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, CONSTANT, ONE, ZERO, Kind, Node, Op
+from ...record import record
 from ...tree import Sum
 from .expand import LoopExpander, around, independent
 from .indices import Loop
 from .pairs import pair_body
-from .parts import PairPart, Part, Slot, Total, Unrolled
+from .parts import REACHED, PairPart, Part, Slot, Total, Unrolled
 from .terms import Term, terms
 
 if TYPE_CHECKING:
@@ -25,6 +27,31 @@ if TYPE_CHECKING:
 
 FELT = BIT[Kind.INPUT]  # the domain of a total's slot
 FIXED = ("param", "size", "index")
+
+
+@record
+class _Member:
+    """A term that is one member."""
+
+    slot: Slot
+    ranges: tuple = ()
+
+    def at(self, x: LoopExpander) -> Node:
+        return x.slots.node(self.slot.kind, self.slot.name, self.slot.at)
+
+
+@record
+class _Rate:
+    """A term's derivative in time."""
+
+    of: Term
+
+    @property
+    def ranges(self) -> tuple[tuple[str, Affine, Affine], ...]:
+        return self.of.ranges
+
+    def at(self, x: LoopExpander, *values: Affine) -> Node:
+        return x.derivative(self.of.at(x, *values))
 
 
 class Totals:
@@ -48,6 +75,10 @@ class Totals:
             return self.g.sum(term.at(self.x) for term in found)
         if not same:
             raise Unrolled("a sum over what depends on the index stands inside a function")
+        return self._entered(found)
+
+    def _entered(self, found: list[Term]) -> Node:
+        """The members met so far are not those of the sum."""
         met, self.x.members = self.x.members, []
         total = self.gather.total([(term, 1) for term in found])
         self.x.members = met
@@ -61,8 +92,20 @@ class Totals:
         if total not in self._numbers:
             self._numbers[total] = len(self.all)
             self.all.append(total)
-            self._terms.append(list(found))
+            self._terms.append([])
+        self._terms[self._numbers[total]] = self._terms[self._numbers[total]] or list(found)
         return self.x.slots.node("sum", str(self._numbers[total]))
+
+    def throughout(self, body: Node) -> Node:
+        """The body of a sum, the one member `q[1]` in all its terms as a total of its own."""
+
+        def swap(slot: Slot) -> Node | None:
+            if slot.kind not in REACHED or slot.at is None or any(map(slot.at.factor, LOOPS)):
+                return None
+            member = _Member(slot)
+            return self.node(Total(member.at(self.x)), [member])
+
+        return self.x.slots.swapped(body, swap)
 
     def _plain(self, node: Node) -> bool:
         """Whether a node is a number, or a symbol that is no member's."""
@@ -74,6 +117,9 @@ class Totals:
     def rate(self, slot: Slot) -> Node:
         """The derivative in time of the total of a slot."""
         total, by, inner = self.all[int(slot.name)], self.x.derivative, self.gather.inner
+        rates = [_Rate(term) for term in self._terms[int(slot.name)]]
+        if rates:
+            return self._entered(rates)
         parts = [Part(p.lo, p.hi, by(p.node), inner(by(p.node))) for p in total.parts]
         pairs = [PairPart(p.lo, p.hi, p.first, p.last, by(p.node)) for p in total.pairs]
         kept = (tuple(x for x in found if x.node != ZERO) for found in (parts, pairs))
@@ -139,10 +185,11 @@ class Totals:
             slope = self.node(found.pop(k))
             if not self._of_rates(k) and drag:
                 continue
+            assert self._terms[k], "what L and D have is made of terms"
             for term in self._terms[k]:
                 body = self.body(term)
                 if not drag and self.g.depends[body] & BIT[Kind.RATE]:
-                    raise Unrolled("a sum inside a function has rates in it: M would be dense")
+                    raise Unrolled("L has rates of all members inside a function: M would be dense")
                 self.gather.of_total(term, slope, drag)
                 self.felt(found, term, body, slope)
 

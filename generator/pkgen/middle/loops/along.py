@@ -1,0 +1,100 @@
+"""`let`s that are defined from their own lower members and that outputs alone have: no equation needs
+their derivatives, so that they may be made of anything. They are computed along their members
+before an output, each into memory, and so are their rates if an output has these.
+"""
+
+from __future__ import annotations
+
+from ...graph.affine import ROW, Affine
+from ...graph.graph import ZERO, Node
+from ..expand.names import Value
+from .expand import LoopExpander
+from .loops import Along
+from .parts import Group, Part, Slot, Unrolled
+from .rows import Gather
+
+
+class Alongside:
+    """Those of one model, as they are met."""
+
+    def __init__(self, x: LoopExpander, gather: Gather):
+        self.x, self.gather = x, gather
+        self.parts: dict[str, tuple[Part, ...]] = {}  # by name, with ' of a rate
+        self.groups: dict[str, Group] = {}
+        self._components: dict[str, tuple[str, ...]] = {}
+
+    def member(self, name: str, index: Affine) -> Value:
+        if name not in self._components:
+            self._enter(name)
+        keys = self._components[name]
+        group = self.groups[keys[0]]
+        self.x.members.append((group.lo, group.hi, index))
+        nodes = tuple(self.x.slots.node("let", key, index) for key in keys)
+        return nodes if len(nodes) > 1 else nodes[0]
+
+    def rate(self, slot: Slot) -> Node:
+        key = f"{slot.name}'"
+        if key not in self.groups:
+            self.groups[key] = self.groups[slot.name]
+            by = self.x.derivative
+            parts = (Part(p.lo, p.hi, by(p.node)) for p in self.parts[slot.name])
+            self.parts[key] = tuple(part for part in parts if part.node != ZERO)
+        return self.x.slots.node("let", key, slot.at)
+
+    def _enter(self, name: str) -> None:
+        x = self.x
+        self._components[name], groups = x.groups_of(name)
+        self.groups |= {g.name: g for g in groups}
+        found: list[list[Part]] = [[] for _ in groups]
+        met, x.members = x.members, []
+        for lo, hi, item in x.pieces(name):
+            value = x.value(item.value, x.loop_of(item))
+            nodes = value if isinstance(value, tuple) else (value,)
+            self.gather.found.limits += x.limits_over(lo, hi)
+            for node, parts in zip(nodes, found, strict=True):
+                for slot in x.slots.below(node):
+                    if slot.at is not None and slot.at.factor(ROW):
+                        self.gather.bodies.member(slot, lo, hi)
+                parts.append(Part(lo, hi, node))
+        x.members = met
+        for group, parts in zip(groups, found, strict=True):
+            self.parts[group.name] = tuple(part for part in parts if part.node != ZERO)
+
+    # -- in which order -----------------------------------------------------------------------
+
+    def passes(self) -> tuple[tuple[Along, ...], ...]:
+        """Those that are made of each other together, in the order that one index needs."""
+        left, found = dict.fromkeys(self.parts), []
+        below = {key: self._below(key) for key in left}
+        while left:
+            first = next(iter(left))
+            together = [k for k in left if k in below[first] and first in below[k]] or [first]
+            for key in together:
+                left.pop(key)
+            found.append(tuple(self._in_order(together)))
+        return tuple(found)
+
+    def _direct(self, key: str, own: bool = False) -> set[str]:
+        """What one is made of; with `own` of members of its own index alone."""
+        slots = self.x.slots.below(*(part.node for part in self.parts[key]))
+        lets = [slot for slot in slots if slot.kind == "let"]
+        return {s.name for s in lets if not own or s.at == Affine(0, ((ROW, 1),))}
+
+    def _below(self, key: str) -> set[str]:
+        found, waiting = set(), [key]
+        while waiting:
+            new = self._direct(waiting.pop()) - found
+            found |= new
+            waiting += new
+        return found
+
+    def _in_order(self, keys: list[str]) -> list[Along]:
+        left, found = dict.fromkeys(keys), []
+        while left:
+            ready = [k for k in left if not self._direct(k, own=True) & left.keys() - {k}]
+            if not ready:
+                raise Unrolled(f"the members of '{keys[0]}' define each other")
+            for key in ready:
+                left.pop(key)
+                found.append(Along(key, self.groups[key], self.parts[key]))
+        return found
