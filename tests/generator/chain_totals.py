@@ -1,4 +1,4 @@
-"""Dice for sums over all members inside expressions, and for rates of states in others' equations."""
+"""Dice for sums over all members inside expressions, and for rates of states in equations."""
 
 from __future__ import annotations
 
@@ -32,13 +32,17 @@ class Totalled(Bodies):
         self.begin()
         body = self.of(self.linear, lambda: self.smooth(1), lambda: f"i*({self.linear()})/N")
         if moving and self.chance(0.5):
-            body = self.of(f"{self.ref(True)}'", f"{self.ref(True)}'^2", f"{body}*{self.ref(True)}'")
+            body = self.of(
+                f"{self.ref(True)}'", f"{self.ref(True)}'^2", f"{body}*{self.ref(True)}'"
+            )
         return self.summed(body) or "0.3"
 
     def of_totals(self, moving: bool = False) -> str:
         form = self.dice.choice(OF_TOTALS)
         one = f"({self.a_total(moving)})"
-        other = self.of(one, lambda: f"({self.a_total(moving)})", *self.scalars, *self.members_named())
+        other = self.of(
+            one, lambda: f"({self.a_total(moving)})", *self.scalars, *self.members_named()
+        )
         return form.format(one, other)
 
     def members_named(self) -> list[str]:

@@ -114,7 +114,7 @@ observe reach = sqrt(1 + sum(dot(r[i], r[i])*up[i], i = 1..N)^2)
 observe rate_of = sum(r[i].x, i = 1..N)'
 event near: r[N].y - 0.1 either
 start a[i = 1..N] = 0.3*i
-"""# One member stands throughout a sum: in V, T, D, forces, outputs, sums of pairs.
+"""  # One member stands throughout a sum: in V, T, D, forces, outputs, sums of pairs.
 HUB = """
 model hub
 size N = 5

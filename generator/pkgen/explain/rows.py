@@ -16,8 +16,9 @@ from ..graph.differentiate import reachable
 from ..graph.graph import ZERO, Kind, Node, Op, Symbol
 from ..indices import indexed
 from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
-from ..middle.loops.indices import unlike_loops
+from ..middle.loops.indices import COUNTERS, unlike_loops
 from ..middle.loops.loops import LoopEquations
+from ..middle.loops.once import within
 from ..middle.loops.parts import Group, PairForce, PairPart, Part, Slot, Total
 from ..record import record
 
@@ -77,7 +78,10 @@ class Writer:
         self.j = next(letter for letter in ("j", "l", "o", "j_") if letter not in own)
         # A size that has the name of a loop variable of ours is known by another.
         sizes = {unlike_loops(size.name): size.name for size in e.model.sizes}
-        self._shown = sizes | {ROW: self.i, OTHER: self.j}
+        free = (letter for letter in "jklnopqrsuvw" if letter not in own)
+        self._shown = sizes | {ROW: self.i, OTHER: self.j} | dict(zip(COUNTERS, free, strict=False))
+        once = (x for item in (*e.defaults, *e.starts) for x in (*item.before, *item.each))
+        self._summed = [inner for x in once for inner in within(x)]
 
     def index(self, at: Affine) -> str:
         """`i+1`, `N-1`; of a row `i`, or a letter that the model leaves free."""
@@ -131,18 +135,27 @@ class Writer:
                 (f * sp.Symbol(self.index(variable(n))) for n, f in place.terms), place.constant
             )
         if slot.kind == "sum":
-            text = self.total(total := self.e.sums[int(slot.name)])
+            total = self.e.sums[int(slot.name)]
+            if not (total.parts or total.pairs):
+                return self._expression(total.constant, M)
+            text = self.total(total)
             several = len(total.parts) + len(total.pairs) + bool(total.constant) > 1
             return sp.Symbol(f"({text})" if several else text)
+        if slot.kind == "place":
+            return sp.Symbol(self._once(int(slot.name[5:-1])))
         name = self.inputs[int(slot.name)] if slot.kind == "input" else slot.name
         if slot.kind == "lambda":
             name = next(f"lambda_{x.name}" for x in self.e.bound if x.group.name == slot.name)
         primes, group = PRIMES.get(slot.kind, ""), self.groups.get(slot.name)
+        if slot.kind == "let":
+            name, primes = name.replace("'", ""), "'" * name.count("'")
+        elif slot.kind == "a":
+            primes = "'" if group.is_state else "''"
         if group is not None and group.is_turn:
             name, primes = group.shown, primes[1:]
         if slot.at is not None:
             place = slot.at.replaced({ROW: at})
-            if slot.kind in ("q", "v", "w", "d", "s"):
+            if slot.kind in ("q", "v", "w", "d", "s", "a"):
                 if slot.kind == "w" and group.is_carried:
                     return sp.Integer(0)  # L's row as it stands, of which nothing accelerates
                 place = self.home(group, place)
@@ -150,6 +163,15 @@ class Writer:
                     return sp.Integer(0)
             name = indexed(name, self.index(place))
         return sp.Symbol(name + primes)
+
+    def _once(self, k: int) -> str:
+        """A sum that is computed once."""
+        [found] = [x for x in self._summed if x.place == k]
+        ranges = (
+            f"{self.index(variable(v))} = {self.index(a)}..{self.index(b)}"
+            for v, a, b in found.ranges
+        )
+        return self.style.total(", ".join(ranges), self.text([(found.node, M)]))
 
     # -- members ------------------------------------------------------------------------------
 

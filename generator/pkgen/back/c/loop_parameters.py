@@ -88,8 +88,9 @@ def functions(
     fixed: Sequence[str] = (),
     summed: int = 0,
 ) -> str:
-    """`prepare` computes the `count` hoisted constants and the `fixed` totals; M is `factored` once,
-    and that or families of parameters are in a `block` of memory."""
+    """`prepare` computes the `count` hoisted constants and the `fixed` totals; M is `factored`
+    once, and that or families of parameters are in a `block` of memory. `summed` sums are computed
+    once, in starts and parameters."""
     params = f"struct {model}_params *p"
     defaults = [node for row in rows for node in row.default]
     follow = [node for row in rows if row.follows for node in row.default]

@@ -12,7 +12,7 @@ from ...middle.loops.loops import LoopEquations
 from ...middle.loops.parts import Slot
 from ...middle.loops.slots import Slots
 from .loops import Block, Places
-from .loops_plan import VECTORS, Plan, within
+from .loops_plan import Plan, within
 
 # "sum" and its number, "rate" and the state's name, "let" and the number of its pass.
 Key = tuple[str, str]
@@ -95,7 +95,7 @@ class Before:
         done: dict[Key, None] = {}
 
         def need(key: Key) -> None:
-            if key in done or key == ("sum", key[1]) and int(key[1]) in self.e.fixed:
+            if key in done or (key[0] == "sum" and int(key[1]) in self.e.fixed):
                 return
             for inner in self._below(self._blocks(key)):
                 if inner != key:  # of its own lower members
@@ -127,4 +127,8 @@ class Before:
     @property
     def fixed(self) -> list[str]:
         """The numbers of totals that `prepare` computes."""
-        return [key[4:] for key in self.plan.totals if key[:4] == "sum_" and int(key[4:]) in self.e.fixed]
+        return [
+            key[4:]
+            for key in self.plan.totals
+            if key[:4] == "sum_" and int(key[4:]) in self.e.fixed
+        ]

@@ -26,7 +26,7 @@ class Guarded:
 
 @dataclass
 class Summing:
-    """A sum that is computed once: its place, its ranges in C, a term, the sums in each of these."""
+    """A sum that is computed once: its place, its ranges in C, a term, and sums in each term."""
 
     place: str
     ranges: list[tuple[str, str, str]]

@@ -20,7 +20,10 @@ def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[
     if not e.facts.separable or e.scalars or e.model.inputs:
         return None
     nodes = [node for s in rows for block in s.blocks for node in block.nodes]
-    cells = [s.at for s in slots.below(*nodes) if s.kind == "q" and s.at is not None]
+    below = slots.below(*nodes)
+    if any(s.kind == "sum" and int(s.name) not in e.fixed for s in below):
+        return None
+    cells = [s.at for s in below if s.kind == "q" and s.at is not None]
     if not all(at.factor(ROW) for at in cells):
         return None  # one member is felt by all
     reach = max((abs(at.constant) for at in cells), default=0)

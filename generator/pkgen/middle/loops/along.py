@@ -1,6 +1,7 @@
-"""`let`s that are defined from their own lower members and that outputs alone have: no equation needs
-their derivatives, so that they may be made of anything. They are computed along their members
-before an output, each into memory, and so are their rates if an output has these.
+"""`let`s that are defined from their own lower members and that outputs alone have.
+
+No equation needs their derivatives, so that they may be made of anything. They are computed along
+their members before an output, each into memory, and so are their rates if an output has these.
 """
 
 from __future__ import annotations

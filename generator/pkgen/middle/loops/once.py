@@ -1,4 +1,4 @@
-"""Sums in what is computed once, a start or a parameter: `start q[i] = a[i] - sum(a[j], j = 1..N)/N`.
+"""Sums in what is computed once, a start or a parameter: `start q[i] = a[i] - sum(a[j], j = 1..N)`.
 
 Each is a loop of its own, as far outside as what it sums up allows: before the members of a
 statement, among what each of them has, or within another sum.
@@ -56,7 +56,9 @@ class Once:
         met, x.members = x.members, []
         node = x.scalar(expr.body, inside)
         over = [r for scope in reversed(self.scopes) for r in reversed(scope.ranges.values())]
-        self.limits += x.limits_of(None, {name: (lo, hi) for name, lo, hi in over if lo is not None})
+        self.limits += x.limits_of(
+            None, {name: (lo, hi) for name, lo, hi in over if lo is not None}
+        )
         x.members, self.scopes = met, outer
         place = x.slots.node("place", f"once[{x.summed}]")
         made = Summed(x.summed, tuple(ranges.values()), node, tuple(own.found))
@@ -85,13 +87,14 @@ def assigned(
         once, x.once = x.once, None
     limits += once.limits
     found = Assigned(name, order, lo, hi, node, once.before, once.each)
-    return found, [node, *(n for s in (*once.before, *once.each) for n in nodes_of(s))]
+    return found, [node, *(s.node for x in (*once.before, *once.each) for s in within(x))]
 
 
-def nodes_of(summed: Summed) -> Iterator[Node]:
-    yield summed.node
+def within(summed: Summed) -> Iterator[Summed]:
+    """A sum and those inside of it."""
+    yield summed
     for inner in summed.inside:
-        yield from nodes_of(inner)
+        yield from within(inner)
 
 
 def moving(slots: list[Slot]) -> bool:

@@ -36,9 +36,9 @@ class Slot:
     no coordinate has one), "d" (the rate of a coordinate, 0 of a given cell; of a carried value
     what the rates of coordinates make of it), "a" (its acceleration, 0 of a given cell, where that
     is an unknown; of a state its rate, of a given cell as well), "param", "size", "index", "input",
-    "sum" (the total of that number), "lambda" (of the rows of that key),
-    "p" (a momentum, in outputs), "let" (a member of what is computed for outputs alone), and "place", whose name is its text in C. `at` is the index of a
-    family's member.
+    "sum" (the total of that number), "lambda" (of the rows of that key), "p" (a momentum, in
+    outputs), "let" (a member of what is computed for outputs alone), and "place", whose name is
+    its text in C. `at` is the index of a family's member.
     """
 
     kind: str

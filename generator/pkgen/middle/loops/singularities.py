@@ -215,7 +215,9 @@ class _Singularities:
             for over, node in _ranged(found):
                 text = wording(self.g, node, name)
                 at = [end.text(shown).replace(" ", "") for end in over]
-                ranges = [f"{v} = {lo}..{hi}" for v, lo, hi in zip("ij", at[::2], at[1::2])]
+                ranges = [
+                    f"{v} = {lo}..{hi}" for v, lo, hi in zip("ij", at[::2], at[1::2], strict=False)
+                ]
                 parts.append(f"sum({', '.join([text, *ranges])})" if over else text)
             return parts[0] if len(parts) == 1 else f"({' + '.join(parts)})"
 

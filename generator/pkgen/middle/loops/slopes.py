@@ -80,7 +80,9 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
         p_q | derive.matrix(own, BY_PLACE),
         derive.matrix(pdot, BY_PLACE),
         derive.matrix(pdot, BY_RATE) | derive.matrix(pdot, BY_MORE),
-        None if e.solved or not e.bound else {name: x for (_, name), x in (pull.rows | pull.totals).items()},
+        None
+        if e.solved or not e.bound
+        else {name: x for (_, name), x in (pull.rows | pull.totals).items()},
     )
 
 
