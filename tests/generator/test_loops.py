@@ -63,8 +63,10 @@ def assert_start(unrolled, at):
 
 
 def assert_kernels(unrolled, at, state, what):
-    # Where a momentum depends on a state the unrolled code has p = v.
-    kernels = ("acceleration",) if at.of.equations.solved else VECTORS
+    # Where a momentum depends on a state the unrolled code has p = v, and under constraints their
+    # forces in f.
+    e = at.of.equations
+    kernels = ("acceleration",) if e.solved or e.bound else VECTORS
     for kernel, count in ((kernel, VECTORS[kernel]) for kernel in kernels):
         failed, expected = unrolled.call(kernel, *state)
         status, found = at.call(

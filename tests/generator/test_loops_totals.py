@@ -5,7 +5,8 @@ from __future__ import annotations
 import random
 
 import pytest
-from loop_harness import Looped, Unrolled
+from loop_harness import Looped, Unrolled, looped
+from pkgen.middle.loops.parts import Unrolled as CannotLoop
 from test_loops import assert_kernels, assert_start
 from total_models import RATES, TOTALS
 
@@ -25,3 +26,71 @@ def test_totals_equal_the_unrolled_code(name, tmp_path):
             q, v = ([dice.uniform(-1, 1) for _ in range(at.n)] for _ in range(2))
             u = [dice.uniform(-1, 1) for _ in written.program.equations.inputs]
             assert_kernels(written, at, (dice.uniform(0, 3), q, v, u), f"{name} N = {size}")
+
+
+FLAT = "model m\nsize N = 20\nparam m[i = 1..N] = i in (0, inf)\ncoord q[1..N], X\n"
+FLAT += "kinetic sum(q[i]'^2/2, i = 1..N) + X'^2\n"
+U = "state u[1..N]\nrate u[i = 1..N] = -u[i]\n"
+PAIRS = "sum(cos(q[i] - q[j]), i = 1..N-1, j = i+1..N)"
+
+
+@pytest.mark.parametrize(
+    ("statement", "expected"),
+    [
+        ("potential log(sum(q[i], i = 1..N))", ["sum(q[i], i = 1..N)"]),
+        ("potential 1/sum(q[i]^2 + X, i = 2..N)", ["sum(X + q[i]^2, i = 2..N)"]),
+        ("potential sqrt(X - sum(m[i], i = 1..N))", ["X - sum(m[i], i = 1..N)"]),
+        ("potential 1/(X + sum(1/q[i], i = 1..N))", ["q[i]", "X + sum(1/q[i], i = 1..N)"]),
+        ("potential sum(1/(q[i] - q[1]), i = 2..N)", ["q[i] - q[1]"]),
+        (f"force X = X/{PAIRS}", [PAIRS]),
+        (f"{U}force X = X/u[2]'", ["u[2]'"]),
+        # What cannot vanish, or rests.
+        ("potential log(1 + sum(q[i]^2, i = 1..N)) + sqrt(2 + sum(m[i]*q[i]^2, i = 1..N))", []),
+        ("potential sum(q[i]^2, i = 1..N)/sum(m[i]^3, i = 1..N)", []),
+    ],
+)
+def test_where_totals_vanish(statement, expected):
+    found = [singularity.name for singularity in looped(FLAT + statement + "\n").singularities]
+    assert found == expected
+
+
+@pytest.mark.parametrize(
+    ("statement", "true", "false"),
+    [
+        ("potential cos(sum(q[i], i = 1..N))", "conservative separable smooth", "affine"),
+        ("potential sum(q[i], i = 1..N)^2*t", "separable", "conservative autonomous"),
+        ("potential cos(sum(q[i]*sin(t), i = 1..N))", "separable", "conservative autonomous"),
+        ("potential sum(abs(q[i])^3, i = 1..N)^2", "conservative", "smooth"),
+        ("kinetic X'^2*cos(sum(q[i], i = 1..N))", "conservative", "separable mass_constant"),
+        ("kinetic X'^2*sum(m[i], i = 1..N)^2", "conservative separable mass_constant", ""),
+        (f"{U}potential sum(u[i], i = 1..N)^2*X", "", "conservative separable affine"),
+        ("force X = -sum(q[i]', i = 1..N)^2", "autonomous", "conservative separable linear_drag"),
+        ("dissipation sum(q[i]', i = 1..N)^2", "autonomous", "conservative separable variational"),
+        ("force X = sum(q[i], i = 1..N)^3", "separable", "conservative variational"),
+        (f"{U}force X = u[1]'", "autonomous", "separable conservative affine"),
+        ("potential sum(cos(q[i] - q[1]), i = 1..N)", "conservative separable", "affine"),
+    ],
+)
+def test_facts_of_totals(statement, true, false):
+    facts = looped(FLAT + statement + "\n").facts
+    assert all(getattr(facts, name) for name in true.split()), facts
+    assert not any(getattr(facts, name) for name in false.split()), facts
+
+
+@pytest.mark.parametrize(
+    ("statement", "reason"),
+    [
+        ("kinetic sum(q[i]', i = 1..N)^2", "M would be dense"),
+        ("kinetic sum((q[i]' - q[1]')^2, i = 1..N)", "M would be dense"),
+        ("potential cos(sum(cos(sum(q[j] - q[i], j = 1..N)), i = 1..N))", "depends on the index"),
+        ("potential abs(sum(q[i], i = 1..N))", "jumps"),
+        ("potential sum(abs(q[i]), i = 1..N)^2", "jumps"),
+        ("force X = sum(step(q[i]), i = 1..N)^2", "jumps"),
+        ("constraint c: X = cos(sum(q[i], i = 1..N))", "inside a function"),
+        ("state w, z\nrate w = z'\nrate z = X + w'", "in a circle"),
+    ],
+)
+def test_what_totals_cannot_be(statement, reason):
+    with pytest.raises(CannotLoop) as raised:
+        looped(FLAT + statement + "\n")
+    assert reason in str(raised.value)

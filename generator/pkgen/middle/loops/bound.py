@@ -64,11 +64,8 @@ def _values(
     """phi, J v + j0, the rate of that where nothing accelerates, and the sizes of the first two."""
     rate = x.derivative(node) if item.holonomic else node
     position = node if item.holonomic else ZERO
-    for slot in x.totals.below(rate, position):
-        if slot.kind == "a":
-            raise Unrolled(f"'{item.name}' has the rate of a state in it")
-        if slot.kind == "sum" and not x.totals.is_fixed(slot):
-            raise Unrolled(f"a sum stands inside a function in '{item.name}'")
+    if x.totals.moving(rate, position):
+        raise Unrolled(f"a sum stands inside a function in '{item.name}'")
     return position, rate, gather.coast(rate), sizes(x.graph, (position, rate))
 
 

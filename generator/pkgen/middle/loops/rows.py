@@ -44,7 +44,7 @@ class Gather:
     def lagrangian(self, term: Term, sign: int) -> None:
         """Adds sign * term to L."""
         body = signed(self.g, self.totals.body(term), sign)
-        self._check_own(body)
+        self.totals.check_rates(body)
         self.totals.felt(self.felt, term, body)
         if len(term.ranges) == 2:
             self.found.pairs.append(pair_force(self.x, term, body, False))
@@ -79,7 +79,6 @@ class Gather:
     def dissipation(self, term: Term) -> None:
         """Adds the force -dD/dv."""
         body = signed(self.g, self.totals.body(term), -1)
-        self._check_own(body)
         self.totals.felt(self.drag, term, body)
         if len(term.ranges) == 2:
             self.applied = True
@@ -94,10 +93,6 @@ class Gather:
         by = gradient(self.g, signed(self.g, body, -1), RATES)
         for name in self.bodies.scalars(body):
             self._enter(APPLIED, name, term, None, self._by(by, "v", name, None))
-
-    def _check_own(self, body: Node) -> None:
-        if any(slot.kind == "a" for slot in self.totals.below(body)):
-            raise Unrolled("an energy has the rate of a state in it")
 
     def felt_through(self) -> None:
         """Adds what L and D have of totals, once all terms are entered."""

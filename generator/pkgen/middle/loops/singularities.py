@@ -28,7 +28,7 @@ from .parts import Group, PairPart, Part, Total
 from .rows import Gather
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE] | BIT[Kind.TIME]
-_PRIMES = {"v": "'", "d": "'"}
+_PRIMES = {"v": "'", "d": "'", "a": "'"}  # of states
 _Over = tuple[Affine, ...]  # nothing; lo, hi; or lo, hi, first, last of pairs
 _Guarded = tuple[_Over, Node]
 

@@ -188,8 +188,6 @@ class Totals:
             assert self._terms[k], "what L and D have is made of terms"
             for term in self._terms[k]:
                 body = self.body(term)
-                if not drag and self.g.depends[body] & BIT[Kind.RATE]:
-                    raise Unrolled("L has rates of all members inside a function: M would be dense")
                 self.gather.of_total(term, slope, drag)
                 self.felt(found, term, body, slope)
 
@@ -198,6 +196,11 @@ class Totals:
         if len(term.ranges) == 2:
             return pair_body(self.x, term, self.gather.found.limits)
         return self.gather.bodies.at_row(term)
+
+    def check_rates(self, body: Node) -> None:
+        """That L has no totals of rates in it."""
+        if any(self._of_rates(int(s.name)) for s in self.below(body) if s.kind == "sum"):
+            raise Unrolled("L has rates of all members inside a function: M would be dense")
 
     def _of_rates(self, k: int) -> bool:
         nodes = self.nodes(*nodes_of(self.all[k]))
