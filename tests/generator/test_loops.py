@@ -94,7 +94,8 @@ def assert_kernels(unrolled, at, state, what):
 
 def assert_mass(unrolled, at, state, what):
     """The band, or the diagonal, has what M has; where M is diagonal all of it."""
-    if not at.of.equations.facts.mass_diagonal or at.of.equations.solved:
+    e = at.of.equations
+    if not e.facts.mass_diagonal or e.solved or e.bound:
         return
     n = at.n
     _, (whole,) = unrolled.call("mass", *state)
