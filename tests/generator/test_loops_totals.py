@@ -5,7 +5,9 @@ from __future__ import annotations
 import random
 
 import pytest
+from conftest import long_but
 from loop_harness import Looped, Unrolled, looped
+from pkgen.back.c.loops_lower import lower_loops
 from pkgen.middle.loops.parts import Unrolled as CannotLoop
 from test_loops import assert_kernels, assert_start
 from total_models import RATES, TOTALS
@@ -13,7 +15,7 @@ from total_models import RATES, TOTALS
 CASES = TOTALS | RATES
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", long_but({"swelling"}, CASES))
 def test_totals_equal_the_unrolled_code(name, tmp_path):
     text, sizes = CASES[name]
     loops = Looped(text, tmp_path / "loops")
@@ -75,6 +77,13 @@ def test_facts_of_totals(statement, true, false):
     facts = looped(FLAT + statement + "\n").facts
     assert all(getattr(facts, name) for name in true.split()), facts
     assert not any(getattr(facts, name) for name in false.split()), facts
+
+
+def test_no_fused_steps_where_members_feel_a_total():
+    for potential, fused in (("sum(q[i]^2, i = 1..N)", True), ("sum(q[i], i = 1..N)^2", False)):
+        e = looped(FLAT.replace(", X", "").replace(" + X'^2", "") + f"potential {potential}\n")
+        assert e.facts.separable
+        assert (lower_loops(e).context["stepper"] is not None) == fused
 
 
 @pytest.mark.parametrize(

@@ -133,12 +133,34 @@ start q[i = 0..N] = 0.1*i, y[i = 1..N] = sin(i)
 
 # The same without a chain in L.
 ALONE = SEEN.replace("x[i]'^2 + a[i]'^2", "a[i]'^2").replace("model seen", "model alone")
+# Accelerations in outputs: of members, of ends that are given, of what a total changes, in rates.
+PUSHED = """
+model pushed
+size N = 5
+coord q[1..N], X
+state u[1..N]
+fixed q[0] = 0.3*sin(t)
+free q[N+1]
+let e[i = 1..N] = q[i+1] - q[i-1]
+let z[1] = 0
+let z[i = 2..N] = z[i-1] + q[i]'*u[i]
+kinetic sum(q[i]'^2/2 + e[i]'^2/9, i = 1..N) + X'^2
+potential sum((q[i] - q[i-1])^2, i = 1..N) + cos(sum(q[i], i = 1..N)*X)
+rate u[i = 1..N] = q[i]' - u[i]
+observe first = q[1]'' + X''*q[0]''
+observe each[i = 1..N] = e[i]'' - u[i]'
+observe power = (sum(q[i]'^2, i = 1..N)*X)'
+observe bent = z[N]' + sum(q[i], i = 1..N)''
+event turns: X'' either
+start q[i = 1..N] = 0.2*i
+"""
 
 TOTALS = {
     "mean": (MEAN, (1, 2, 3, 6)),
-    "swelling": (SWELLING, (1, 2, 3, 7)),
+    "swelling": (SWELLING, (1, 2, 4)),
     "started": (STARTED, (1, 2, 3, 7)),
     "seen": (SEEN, (2, 3, 7)),
+    "pushed": (PUSHED, (2, 3, 7)),
     "hub": (HUB, (1, 2, 3, 7)),
     "alone": (ALONE, (2, 3, 7)),
 }

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 SHOWN_OPERATIONS = 300
 M = variable(ROW)
-PRIMES = {"v": "'", "w": "''", "d": "'"}
+PRIMES = {"v": "'", "w": "''", "d": "'", "acc": "''"}
 
 # The left side of a row, seen from the member given; None where it is not to be shown.
 Label = Callable[[Affine], str | None]
@@ -155,7 +155,7 @@ class Writer:
             name, primes = group.shown, primes[1:]
         if slot.at is not None:
             place = slot.at.replaced({ROW: at})
-            if slot.kind in ("q", "v", "w", "d", "s", "a"):
+            if slot.kind in ("q", "v", "w", "d", "s", "a", "acc"):
                 if slot.kind == "w" and group.is_carried:
                     return sp.Integer(0)  # L's row as it stands, of which nothing accelerates
                 place = self.home(group, place)

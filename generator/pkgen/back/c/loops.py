@@ -32,7 +32,7 @@ _OURS = (
     *("pivot", "diagonal", "absent", "corner", "kept"),
 )
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
-SUFFIXES = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc", "p": "_momentum"}
+SUFFIXES = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc", "acc": "_acc", "p": "_momentum"}
 CHUNK = 64  # members that are gone through at once
 BLOCK = 1024  # whose forces of bonds are kept: rows read them once they have left the store queue
 WIDEST_BOND = 8  # members between the ends of a bond whose force is computed once, a whole line
@@ -255,7 +255,7 @@ class Lowering(Hoisting):
             array = self.prefix + ("momentum" if slot.kind == "p" else "lambda")
             return Code(f"{array}(p)[{places.index(place)}]", (array, "p", *places.names_in(place)))
         array, needs = ("q" if slot.kind == "q" else "v",) * 2
-        if slot.kind == "a":
+        if slot.kind in ("a", "acc"):
             memory = "rated" if slot.name in self.states else "accelerated"
             array, needs = f"{self.prefix}{memory}(p)", self.prefix + memory
         inside = where in (INNER, PAIR)

@@ -14,7 +14,8 @@ from ...middle.loops.slots import Slots
 from .loops import Block, Places
 from .loops_plan import Plan, within
 
-# "sum" and its number, "rate" and the state's name, "let" and the number of its pass.
+# "sum" and its number, "rate" and the state's name, "let" and the number of its pass, or
+# "acceleration" of all.
 Key = tuple[str, str]
 STATE = "(p, t, q, v, u)"
 
@@ -80,10 +81,14 @@ class Before:
             return "sum", slot.name
         if slot.kind == "a" and slot.name in self.states:
             return "rate", slot.name
+        if slot.kind == "acc":
+            return "acceleration", ""
         return ("let", str(self.passes[slot.name])) if slot.kind == "let" else None
 
     def _blocks(self, key: Key) -> list[Block]:
         kind, name = key
+        if kind == "acceleration":
+            return []
         if kind == "sum":
             return self.plan.totals[f"sum_{name}"].blocks
         if kind == "let":
@@ -104,7 +109,7 @@ class Before:
 
         for key in self._below(blocks):
             need(key)
-        return list(done)
+        return sorted(done, key=lambda key: key[0] != "acceleration")
 
     # -- as text ------------------------------------------------------------------------------
 
@@ -119,6 +124,8 @@ class Before:
         for kind, k in found:
             if kind == "sum":
                 yield f"{self.place(k)} = {self.name}_total_sum_{k}{STATE};"
+            elif kind == "acceleration":
+                yield f"{self.name}_accelerate{STATE};"
             elif kind == "let":
                 yield f"{self.name}_along_{k}{STATE};"
             else:

@@ -11,7 +11,7 @@ from ...graph.graph import MINUS_ONE, ONE, ZERO, Node
 from ...graph.normal import WORK
 from ...graph.policies import linear
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import CELLS, Group, Part, Row
+from ...middle.loops.parts import REACHED, Group, Part, Row
 from ...middle.loops.slots import Slots
 from .loops import WIDEST_BOND
 
@@ -80,7 +80,7 @@ class Interior:
             nodes.append(self.g.sum(bulk))
         # Rates and accelerations of given cells have vanished from `inner`, their reach has not.
         ends = [part.node for row in rows for part in row.parts if part.node != part.inner]
-        for kinds, found in (((*CELLS, "a"), nodes), (("d", "w"), [*nodes, *ends])):
+        for kinds, found in ((REACHED, nodes), (("d", "w"), [*nodes, *ends])):
             for slot in (slot for node in found for slot in self.slots.below(node)):
                 if slot.kind in kinds and slot.at is not None:
                     other, shift = self.e.group(slot.name), slot.at.without(ROW)

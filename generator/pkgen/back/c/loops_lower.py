@@ -133,6 +133,7 @@ class _Context:
         # Of the system they have J^T lambda, or p = v and p' = a.
         own = {"force", "canonical"} if e.bound else {"canonical"} if e.solved else set()
         closed = plan.slopes_of is not None and plan.slopes_of.closed is not None
+        accelerates = any(slot.kind == "acc" for slot in e.slots)
         in_block = any(g.is_family for g in e.parameters)
         return {
             **frame(model, _told(e), set(system) - own, parameters, loops_tables.names(e)),
@@ -158,7 +159,7 @@ class _Context:
                 w.prepare,
                 factored=e.facts.mass_constant and not (diagonal or e.carried),
                 bound=bool(e.bound),
-                block=in_block or not diagonal or closed or bool(self._regions()),
+                block=in_block or not diagonal or closed or accelerates or bool(self._regions()),
                 fixed=self.before.fixed,
                 summed=e.summed,
             ),
@@ -203,6 +204,7 @@ class _Context:
                 "pivots": ("mass" if diagonal else "pivots") if e.pivots else "",
             },
             "before": self.before,
+            "accelerates": accelerates,
             "rated": [(self.places.ids[name], x) for name, x in plan.rates.items()],
             "along": plan.along,
             "regions": self._regions(),
@@ -263,7 +265,7 @@ class _Context:
         """Functions that read a cell wherever it lies: of q, v, w, d of each family."""
         places, used = self.places, {word for b in self.lowering.blocks for word in b.words}
         for g in self.e.families:
-            for kind, order in {"q": 0, "v": 1, "s": 0, "w": 2, "d": 3, "a": 3}.items():
+            for kind, order in {"q": 0, "v": 1, "s": 0, "w": 2, "d": 3, "a": 3, "acc": 2}.items():
                 name = f"{self.lowering.prefix}{kind}_{places.ids[g.name]}"
                 if name not in used:
                     continue

@@ -280,7 +280,9 @@ class LoopExpander(Indices):
             return self.slots.node("a", slot.name, slot.at)
         if slot.kind == "a":
             raise Unrolled("a rate of a state is derived again")
-        if slot.kind in ("v", "w", "d", "p"):
+        if slot.kind == "v" and self.watched and not self.carried:
+            return self.slots.node("acc", slot.name, slot.at)
+        if slot.kind in ("v", "w", "d", "p", "acc"):
             raise Unrolled("an output has an acceleration")
         return ZERO
 

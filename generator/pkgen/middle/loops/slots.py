@@ -17,7 +17,8 @@ _KINDS = {
     **dict.fromkeys(("v", "d"), Kind.RATE),
     **dict.fromkeys(("param", "size"), Kind.PARAMETER),
     **dict.fromkeys(
-        ("input", "index", "sum", "flux", "w", "a", "p", "place", "lambda", "let"), Kind.INPUT
+        ("input", "index", "sum", "flux", "w", "a", "p", "place", "lambda", "let", "acc"),
+        Kind.INPUT,
     ),
 }
 

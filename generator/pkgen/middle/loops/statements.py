@@ -126,7 +126,9 @@ def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
 
 def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node]]:
     """Values of fixed ends, with the derivatives that rows at the ends may ask for."""
-    rated = {s.name for s in x.slots.all if s.kind in ("v", "d", "w", "a") and s.at is not None}
+    rated = {
+        s.name for s in x.slots.all if s.kind in ("v", "d", "w", "a", "acc") and s.at is not None
+    }
     found = {}
     for group in x.coordinates.values():
         for at, end in group.ends:
@@ -134,6 +136,6 @@ def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node
                 continue
             value = x.given(group.name, at)
             rate = x.given_rate(group.name, at) if group.name in rated else ZERO
-            needed = any(s.kind == "w" and s.name == group.name for s in x.slots.all)
+            needed = any(s.kind in ("w", "acc") and s.name == group.name for s in x.slots.all)
             found[group.name, at] = (value, rate, x.derivative(rate) if needed else ZERO)
     return found
