@@ -45,6 +45,7 @@ PAIRS = "sum(cos(q[i] - q[j]), i = 1..N-1, j = i+1..N)"
         ("potential 1/(X + sum(1/q[i], i = 1..N))", ["q[i]", "X + sum(1/q[i], i = 1..N)"]),
         ("potential sum(1/(q[i] - q[1]), i = 2..N)", ["q[i] - q[1]"]),
         (f"force X = X/{PAIRS}", [PAIRS]),
+        ("input p\nforce X = 1/sum(p*m[i], i = 1..N)", ["sum(p*m[i], i = 1..N)"]),
         (f"{U}force X = X/u[2]'", ["u[2]'"]),
         # What cannot vanish, or rests.
         ("potential log(1 + sum(q[i]^2, i = 1..N)) + sqrt(2 + sum(m[i]*q[i]^2, i = 1..N))", []),
@@ -62,6 +63,8 @@ def test_where_totals_vanish(statement, expected):
         ("potential cos(sum(q[i], i = 1..N))", "conservative separable smooth", "affine"),
         ("potential sum(q[i], i = 1..N)^2*t", "separable", "conservative autonomous"),
         ("potential cos(sum(q[i]*sin(t), i = 1..N))", "separable", "conservative autonomous"),
+        ("potential X*cos(sum(m[i]*sin(t), i = 1..N))", "separable", "conservative autonomous"),
+        ("force X = sum(abs(q[i])^3, i = 1..N)^2", "separable", "smooth"),
         ("potential sum(abs(q[i])^3, i = 1..N)^2", "conservative", "smooth"),
         ("kinetic X'^2*cos(sum(q[i], i = 1..N))", "conservative", "separable mass_constant"),
         ("kinetic X'^2*sum(m[i], i = 1..N)^2", "conservative separable mass_constant", ""),
