@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import AbstractContextManager, nullcontext
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from ... import limits
 from ...graph.affine import LOOPS, Affine
@@ -19,14 +19,27 @@ from ..expand.names import BUILT_IN, Value, next_input
 from ..expand.terms import EXPAND
 from ..quantities import error, input_index
 from .indices import Indices, Loop, size_values
-from .parts import Group, Unrolled
+from .parts import Group, Slot, Unrolled
 from .rotations import Rotations
 from .slots import Slots
 
-if TYPE_CHECKING:
-    from .along import Alongside
-    from .once import Once
-    from .totals import Totals
+
+class Sums(Protocol):
+    """What makes the value of a sum inside an expression."""
+
+    def of(self, expr: Sum, loop: Loop) -> Node: ...
+
+
+class Totals(Sums, Protocol):
+    def rate(self, slot: Slot) -> Node: ...
+    def is_fixed(self, slot: Slot) -> bool: ...
+
+
+class Alongside(Protocol):
+    """What makes members of `let`s that outputs alone have."""
+
+    def member(self, name: str, index: Affine) -> Value: ...
+    def rate(self, slot: Slot) -> Node: ...
 
 
 class LoopExpander(Indices):
@@ -52,7 +65,7 @@ class LoopExpander(Indices):
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
         self.totals: Totals | None = None  # of sums inside expressions, once terms are gathered
         self.alongside: Alongside | None = None  # of `let`s that outputs alone have
-        self.once: Once | None = None  # of sums in what is computed once
+        self.once: Sums | None = None  # of sums in what is computed once
         self.summed = 0  # how many these are
         self.watched = False  # whether what is entered is an output, which no equation has
         self._defining: list[str] = []

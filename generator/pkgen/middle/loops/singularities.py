@@ -202,6 +202,8 @@ class _Singularities:
             slot = self.x.slots.all[symbol.index]
             if slot.kind == "index":
                 return shown[slot.name]
+            if slot.kind == "input":
+                return self.e.inputs[int(slot.name)].name
             if slot.kind == "sum":
                 return total(self.x.totals.all[int(slot.name)])
             at = None if slot.at is None else slot.at.text(shown).replace(" ", "")

@@ -9,24 +9,34 @@ order in which they can be computed.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from ...graph.affine import LOOPS, Affine
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, CONSTANT, ONE, ZERO, Kind, Node, Op
 from ...record import record
 from ...tree import Sum
+from .bodies import Bodies, Gathered
 from .expand import LoopExpander, around, independent
 from .indices import Loop
 from .pairs import pair_body
 from .parts import REACHED, PairPart, Part, Slot, Total, Unrolled
 from .terms import Term, terms
 
-if TYPE_CHECKING:
-    from .rows import Gather
-
 FELT = BIT[Kind.INPUT]  # the domain of a total's slot
 FIXED = ("param", "size", "index")
+
+
+class Gather(Protocol):
+    """What enters the terms of totals: that of rows.py."""
+
+    found: Gathered
+    bodies: Bodies
+
+    def total(self, found: list[tuple[Term, int]]) -> Total: ...
+    def with_(self, total: Total, term: Term, node: Node) -> Total: ...
+    def inner(self, node: Node) -> Node: ...
+    def of_total(self, term: Term, factor: Node, drag: bool) -> None: ...
 
 
 @record
