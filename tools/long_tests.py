@@ -32,6 +32,9 @@ RANDOM = (
     "test_redundant_rows_change_no_motion",
     "test_rows_of_loops_that_all_but_follow_from_others_are_told",
     "test_constraints_are_closed_by_their_multipliers",
+    "test_chains_that_are_tied_equal_the_unrolled_code",
+    "test_a_chain_whose_end_is_held_is_that_written_out",
+    "test_a_chain_of_bodies_that_turn_is_that_written_out",
 )
 
 

@@ -27,7 +27,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / x) for x in ("generator", "tests", "tests/generator")]
-from carried_models import links  # noqa: E402
+from carried_models import held, links, turned  # noqa: E402
 from chain_models import drawn  # noqa: E402
 from loop_runs import rope  # noqa: E402
 from pkgen.__main__ import main as command  # noqa: E402
@@ -69,7 +69,9 @@ METHODS = {
 }
 KINDS: dict[int, Callable[[random.Random], str]] = defaultdict(lambda: drawn) | {
     3: links,
+    5: held,
     7: rope,
+    9: turned,
     11: lambda dice: links(dice, states=True),
     15: lambda dice: made(dice, dice.randint(1, 4)).text,
 }
@@ -192,7 +194,10 @@ def scene(dice: random.Random, text: str) -> str:
     """One more statement: a swarm, a member that is held, a column, the accuracy asked for."""
     if dice.random() < 0.5:
         return ""
-    family, lo, hi = dice.choice(re.findall(r"([qxyz])\[([-\d]+)\.\.(N[-+\d]*)\](?=[,\n])", text))
+    families = re.findall(r"([qxyz])\[([-\d]+)\.\.(N[-+\d]*)\](?=[,\n])", text)
+    if not families:
+        return ""
+    family, lo, hi = dice.choice(families)
     first, last = f"{family}[{lo}]", f"{family}[{hi}]"
     tied = "constraint" in text
     lines = ["scene use"]

@@ -61,7 +61,8 @@ def _separable(structure: Facts) -> str:
 def _mass_of_loops(e: LoopEquations, proved: Facts) -> str:
     shape = "diagonal" if proved.mass_diagonal else "banded"
     if e.carried:
-        shape = "of a chain, eliminated from its last member to the first"
+        ways = ("eliminated from its last member to the first", "banded with what it carries")
+        shape = f"of a chain, {ways[e.extended]}"
     elif not (proved.mass_diagonal or e.mass.border or e.mass.corner or len(e.families) > 1):
         shape += f", {max(abs(shift) for _, _, shift in e.mass.entries)} beside the diagonal"
     if proved.mass_constant and not e.carried:

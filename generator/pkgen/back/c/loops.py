@@ -92,6 +92,8 @@ class Places:
         names = Names(frozenset())
         own = (*e.coordinates, *e.carried_groups)
         self.ids = {g.name: names.take(g.name) for g in own}  # as parts of names in C
+        # Of the rows that say what carried values are made of.
+        self.made = {g.name: names.take(f"of_{g.name}") for g in e.carried_groups}
         self.first: dict[str, Affine] = {}  # the flat index of each coordinate's first member
         total = Affine()
         for group in (*e.coordinates, *e.carried_groups):

@@ -57,7 +57,7 @@ class Before:
                 yield kernel, sets(plan.rows[kernel]) + totals(*whats.values()) + pairs
         mass = [x for key, x in plan.totals.items() if key.startswith("mass_")]
         rows = [*plan.rows.get("mass", ()), *plan.band]
-        if plan.chain:
+        if plan.chain and plan.chain.elimination:
             rows += [x.set for x in plan.chain.elimination.mass]
         yield "mass", sets(rows) + sets(mass)
         yield "acceleration", sets(plan.rows.get("acceleration", ())) + totals("force")

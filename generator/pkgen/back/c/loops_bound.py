@@ -45,10 +45,10 @@ def _ahead(e: LoopEquations, rows: Bound) -> int:
     return max(shift + _free(g, e, -1) for g, shift in _reach(e, rows))
 
 
-def shape_of(e: LoopEquations, places: Places) -> dict[str, Any]:
+def shape_of(e: LoopEquations, places: Places, made: tuple[Bound, ...]) -> dict[str, Any]:
     """C texts: how far rows of K reach, slots a place, the first places of families and of rows."""
-    names = [g.name for g in e.families]
-    banded = [rows for rows in e.bound if not rows.is_single]
+    names = [g.name for g in e.banded]
+    banded = [*made, *(rows for rows in e.bound if not rows.is_single)]
     slots = len(names) + len(banded)
     apart = [abs(shift * slots + names.index(b) - names.index(a)) for a, b, shift in e.mass.entries]
     for k, rows in enumerate(banded, len(names)):
@@ -58,13 +58,13 @@ def shape_of(e: LoopEquations, places: Places) -> dict[str, Any]:
             for g, shift in _reach(e, rows)
         ]
     index = places.index
-    first = [index(g.lo) for g in e.families]
+    first = [index(g.lo) for g in e.banded]
     first += [index(rows.group.lo + _ahead(e, rows)) for rows in banded]
     return {
         "width": max(apart, default=0),
         "slots": slots,
         "least": first,
-        "greatest": [index(g.hi) for g in e.families],
+        "greatest": [index(g.hi) for g in e.banded],
         "ring": [index(g.hi) for g in e.families if g.periodic],
         "whole": len(e.scalars) + sum(rows.is_single for rows in e.bound) + spares_of(e),
     }
@@ -73,30 +73,37 @@ def shape_of(e: LoopEquations, places: Places) -> dict[str, Any]:
 def spares_of(e: LoopEquations) -> int:
     """How many rows in the band may be regular by scalar coordinates alone."""
     felt = {name for rows in e.bound for name, shift in rows.entries if shift is None}
+    if e.extended and any(not rows.is_single for rows in e.bound):
+        of = (z for item in e.carried for piece in item.pieces for z in piece.by)
+        felt |= {z.name for z in of if z.at is None}
     return len(felt)
 
 
 def bound_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, Any]:
-    """What the templates see of constraints."""
-    if not e.bound:
-        none = ("bound", "banded_rows", "single_rows", "all_jacobian")
-        return dict.fromkeys(none, ()) | {"spares": 0}
+    """What the templates see of constraints, and of rows that say what is made of what."""
     index, rows = places.index, [_row(e, rows, places) for rows in e.bound]
-    banded = [x for x in rows if not x["single"]]
-    for k, x in enumerate(banded, len(e.families)):
+    made = [_row(e, rows, places) for rows in plan.made]
+    banded = [*made, *(x for x in rows if not x["single"])]
+    for k, x in enumerate(banded, len(e.banded)):
         x["slot"] = k
+        x["made"] = k < len(e.banded) + len(made)
     for k, x in enumerate((x for x in rows if x["single"]), len(e.scalars)):
         x["slot"] = k
     sizes = size_values(e.model)
     total = sum((x.group.count for x in e.bound), Affine())
     holonomic = sum((x.group.count for x in e.bound if x.holonomic), Affine())
-    return {
+    known = {
         "bound": rows,
+        "made": made,
         "spares": spares_of(e),
         "banded_rows": banded,
-        "single_rows": [x for x in rows if x["single"]],
-        "jacobian_sets": plan.jacobian,
         "all_jacobian": [*plan.jacobian.values(), *plan.border.values()],
+        "jacobian_sets": plan.jacobian,
+    }
+    if not e.bound:
+        return known | {"single_rows": (), "border_sets": {}, "bound_kernels": ()}
+    return known | {
+        "single_rows": [x for x in rows if x["single"]],
         "border_sets": {
             places.ids[name]: {"set": s, "rows": [x.group.name for x in singles(e, e.group(name))]}
             for name, s in plan.border.items()

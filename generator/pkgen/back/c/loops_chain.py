@@ -22,17 +22,20 @@ class Chain:
 
     def __init__(self, e: LoopEquations, places: Places, make: Builder):
         self.carrying = Carrying(e, places, make)
-        self.elimination = Elimination(self.carrying)
-        self.last = of_scalars(self.elimination)
+        self.elimination = None if e.extended else Elimination(self.carrying)
+        self.last = of_scalars(self.elimination) if self.elimination else None
 
     @property
     def operations(self) -> Iterator[str]:
         """What a place costs."""
         rows = [level.rows.inner for level in self.carrying.levels["force"]]
-        chain = self.elimination
-        solved = [chain.steps[False], chain.backs[False]]
-        solved += [rows.set.inner for rows in chain.mass]
+        chain, solved = self.elimination, []
+        if chain:
+            solved = [chain.steps[False], chain.backs[False]]
+            solved += [rows.set.inner for rows in chain.mass]
         for name, blocks in (("carried values", rows), ("elimination", solved)):
+            if not blocks:
+                continue
             total = sum((block.operations for block in blocks), Counter())
             yield f"{name}: {operations_text(total)} a member"
 
@@ -44,41 +47,52 @@ class Chain:
         for levels in of.levels.values():
             for level in levels:
                 yield from level.rows.blocks
-        for found in (of.gathered, of.moved, self.elimination.steps, self.elimination.backs):
+        for found in (of.gathered, of.moved):
             yield from found.values()
-        for rows in self.elimination.mass:
-            yield from rows.set.blocks
-        yield self.last
+        if self.elimination:
+            for found in (self.elimination.steps, self.elimination.backs):
+                yield from found.values()
+            for rows in self.elimination.mass:
+                yield from rows.set.blocks
+            yield self.last
 
 
 def chain_context(chain: Chain | None) -> dict[str, Any] | None:
     """What the templates see of it."""
     if chain is None:
         return None
-    of, last = chain.carrying, chain.elimination
+    of = chain.carrying
     e, index = of.e, of.places.index
     lows = [index(at) for at in of.low] or [index(g.lo) for g in of.groups.values()]
     return {
         "rows": [of.places.group(g) for g in of.groups.values()],
         "groups": [of.places.group(g) for g in e.carried_groups],
+        "coordinates": [k for k, g in enumerate(of.groups.values()) if not g.is_carried],
         "reach": of.reach,
         "low": list(dict.fromkeys(lows)) if of.low else [],
         "whole": index(of.places.whole),
         "count": index(of.places.whole - e.count),
         "slopes": len(of.slopes),
         "changes": len(of.changes),
-        "kept": len(last.kept),
-        "front": len(last.front),
-        "bulk": len(last.bulk),
         "levels": of.levels,
         "needs": NEEDS,
         "gathered": {low: x.statements for low, x in of.gathered.items()},
         "moved": {low: x.statements for low, x in of.moved.items()},
+        "solved": _solved(chain) if chain.elimination else None,
+    }
+
+
+def _solved(chain: Chain) -> dict[str, Any]:
+    """M a = f place by place."""
+    of, last = chain.carrying, chain.elimination
+    return {
+        "kept": len(last.kept),
+        "front": len(last.front),
+        "bulk": len(last.bulk),
         "steps": {low: x.statements for low, x in last.steps.items()},
         "backs": {low: x.statements for low, x in last.backs.items()},
         "last": chain.last.statements,
         "mass": last.mass,
-        "coordinates": last.coordinates,
         "pivots": max(len(last.coordinates), len(of.scalar)),
-        "corner": [f"mass_{a}_{b}" for a, b in e.mass.corner],
+        "corner": [f"mass_{a}_{b}" for a, b in of.e.mass.corner],
     }

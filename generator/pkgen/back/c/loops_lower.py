@@ -115,7 +115,8 @@ class _Context:
         alone = diagonal and not e.force.pairs
         fused = alone and "advance" in self.kernels
         acceleration = "direct" if alone else "divide" if diagonal else "solve"
-        acceleration = "carried" if e.carried else acceleration
+        acceleration = "carried" if e.carried and not e.extended else acceleration
+        constant = e.facts.mass_constant and not e.carried  # which have a memory
         inside = {
             kernel: {"name": kernel, "outputs": list(outputs), "whats": list(outputs.values())}
             for kernel, outputs in within(e).items()
@@ -157,7 +158,7 @@ class _Context:
                 self.starts,
                 w.hoisted_count,
                 w.prepare,
-                factored=e.facts.mass_constant and not (diagonal or e.carried),
+                factored=constant and not diagonal,
                 bound=bool(e.bound),
                 block=in_block or not diagonal or closed or accelerates or bool(self._regions()),
                 fixed=self.before.fixed,
@@ -175,13 +176,16 @@ class _Context:
             "rotations": list(loops_tables.rotations(e, self.places)),
             "groups": [group(g) for g in e.coordinates],
             "families": [group(g) for g in e.families],
+            "banded": [group(g) for g in e.banded],
+            "tied": bool(e.bound or e.extended),
+            "work": f"{model.name}_matrix(p)" if e.extended else "p->work_",
             "scalars": [group(g) for g in e.scalars],
             "limits": [self._limit(limit) for limit in e.limits],
             "readers": list(self._readers()),
             "row_sets": plan.rows,
             "band_sets": plan.band,
-            "entries": {ids[g.name]: [x for x, _ in entries(e, g, ids)] for g in e.families},
-            "band": None if diagonal or e.carried else self._band(),
+            "entries": {ids[g.name]: [x for x, _ in entries(e, g, ids)] for g in e.banded},
+            "band": self._band() if plan.band else None,
             "carried": chain,
             "inner": "whole_" if chain else "",
             "inner_vectors": list(inside.values()),
@@ -214,7 +218,7 @@ class _Context:
             "block": BLOCK,
             "widest": WIDEST_BOND,
             "acceleration": acceleration,
-            "constant_mass": e.facts.mass_constant,
+            "constant_mass": constant,
             "helpers": helpers(w.helpers),
             "float_too": w.work.constants.float_too,
             "operations": list(self._operations()),
@@ -285,7 +289,7 @@ class _Context:
         """The shape of M: cells interleaved by index, then scalar coordinates as a border."""
         e, ids = self.e, self.places.ids
         return {
-            **shape_of(e, self.places),
+            **shape_of(e, self.places, self.plan.made),
             "periodic": any(g.periodic for g in e.families),
             "corner": [
                 {"a": a, "b": b, "key": f"mass_{ids[a]}_{ids[b]}"} for a, b in e.mass.corner

@@ -13,6 +13,7 @@ from ...middle.loops.parts import Bound, Group, Part, Row, Slot, Total, Unrolled
 from ...middle.loops.slopes import Slopes, slopes_of
 from .loops import Block, M
 from .loops_chain import Chain
+from .loops_made import made_of
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
 
 TOTALS = ("energy", "lagrangian", "kinetic", "potential")
@@ -87,6 +88,7 @@ class Plan:
     pairs: dict[str, list[PairSet]] = field(default_factory=dict)
     singularities: list[TotalSet] = field(default_factory=list)
     chain: Chain | None = None
+    made: tuple[Bound, ...] = ()  # rows that say what carried values are made of
     jacobian: dict[str, RowSet] = field(default_factory=dict)  # of rows within the band
     border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family
     bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # and by rows
@@ -173,13 +175,17 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
                 )
                 for g in e.families
             ]
-    else:
+    if e.extended or not (e.carried or divides(e)):
         plan.band = [
             make.rows(
                 f"mass_{ids[g.name]}", g, [row for _, row in entries(e, g, ids)], ghosts=False
             )
-            for g in e.families
+            for g in e.banded
         ]
+    plan.made = made_of(e, make.places, make.interior.slots)
+    for rows in plan.made:
+        name = rows.group.name
+        plan.jacobian[name] = make.rows(f"jacobian_{name}", rows.group, [*rows.entries.values()])
     _plan_bound(e, make, plan)
     for k, item in enumerate(e.outputs):
         if item.lo is not None:
@@ -259,7 +265,7 @@ def _plan_bound(e: LoopEquations, make: Builder, plan: Plan) -> None:
         for scalar, of in rows.corner.items():
             name = f"jacobian_{own.name}_{make.places.ids[scalar]}"
             plan.totals[name] = make.total(name, of)
-    for g in e.families:
+    for g in e.banded:
         found = [rows.border[g.name] for rows in singles(e, g)]
         if found:
             plan.border[g.name] = make.rows(

@@ -15,8 +15,8 @@ from ...graph.graph import BIT, ZERO, Kind, Node
 from ..derive.impulses import arguments_of
 from .expand import LoopExpander
 from .loops import Limit
-from .pairs import STATE, M
-from .parts import Band, Carried, Piece, Slot, Unrolled
+from .pairs import ATTITUDES, STATE, M
+from .parts import CELLS, Band, Carried, Piece, Slot, Unrolled
 from .rows import Gather
 
 FRONT = 24  # what a place may share with those before it
@@ -64,7 +64,12 @@ def _piece(x: LoopExpander, gather: Gather, lo, hi, value: Node) -> Piece:
     coasting = gather.coast(rate)
     if arguments_of(g, [value, rate, coasting]):
         raise Unrolled("what a carried value is made of bends or jumps")
-    by = {x.slots.of(s): node for s, node in gradient(g, value, STATE).items() if node != ZERO}
+    slopes = gradient(g, value, STATE | ATTITUDES)
+    cells = dict.fromkeys(
+        (n, slot.at) for slot in x.slots.below(value) for n in x.rotations.moved(slot)
+    )
+    along = {Slot("q", *cell): x.rotations.slope(slopes, *cell, False) for cell in cells}
+    by = {slot: node for slot, node in along.items() if node != ZERO}
     own = [g.multiply(node, name("d" if z.at else "v", z.name, z.at)) for z, node in by.items()]
     return Piece(
         lo,
@@ -80,11 +85,11 @@ def _piece(x: LoopExpander, gather: Gather, lo, hi, value: Node) -> Piece:
 
 def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
     """That a slot is of a member at or before m that is there, or lies beyond a fixed end."""
-    if slot.kind in ("v", "s", "a"):
+    if slot.kind in ("v", "a") or (slot.kind == "s" and slot.name not in x.rotations.numbers):
         raise Unrolled(f"a carried value is made of the rate or the state '{slot.name}'")
     if slot.kind == "sum" and not x.totals.is_fixed(slot):
         raise Unrolled("a carried value is made of a sum over members")
-    if slot.kind != "q" or slot.at is None:
+    if slot.kind not in CELLS or slot.at is None:
         return
     distance, group = slot.at - M, x.coordinates[slot.name]
     if not distance.is_constant:
@@ -121,26 +126,23 @@ def _moves(x: LoopExpander, gather: Gather, piece: Piece) -> bool:
     return bool(depends) or inputs or any(z.name in gather.moving for z in piece.by)
 
 
-def check_chain(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> None:
-    """That M a = f can go from place to place, and that a place is not too large."""
-    if not carried:
-        return
+def by_places(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> bool:
+    """Whether M a = f can go from place to place, and a place has no large code; else carried
+    values are unknowns beside coordinates."""
     if x.model.constraints or x.model.rotations:
-        raise Unrolled("constraints or rotations stand beside carried values")
+        return False
     groups = x.coordinates
     mapped = {
         name
         for name, group in groups.items()
         if group.periodic or any(end.kind == "free" for _, end in group.ends)
     }
-    for own, other, shift in mass.entries:
-        if (own != other or shift) and {own, other} & mapped:
-            raise Unrolled(f"the inertia of '{own}' reaches across an end that is free or periodic")
+    if any({a, b} & mapped for a, b, shift in mass.entries if a != b or shift):
+        return False
     back = [shift for _, _, shift in mass.entries]
     back += [(z.at - M).constant for c in carried for p in c.pieces for z in p.by if z.at]
     families = [group for group in groups.values() if group.is_family]
-    if max(1, -min(back)) * len(families) + len(groups) - len(families) > FRONT:
-        raise Unrolled("so much stands beside carried values that a place would have large code")
+    return max(1, -min(back)) * len(families) + len(groups) - len(families) <= FRONT
 
 
 def nodes_of(carried: tuple[Carried, ...]) -> list[Node]:

@@ -12,7 +12,7 @@ from ..expand.names import entered
 from ..quantities import indexed, refuse_constant
 from .bodies import Gathered
 from .bound import bound_of
-from .carried import carried_of, check_chain, inert
+from .carried import by_places, carried_of, inert
 from .expand import LoopExpander
 from .facts import facts_of, own_nodes, total_nodes, vector_nodes
 from .indices import size_values
@@ -51,6 +51,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
     gather.felt_through()
     _forces(x, gather)
     _check_rates(x, gather)
+    bound = bound_of(x, gather)
     carried = carried_of(x, gather)
     negative = [(term, -1) for term, _ in found["potential"]]
     whole = [*found["kinetic"], *negative, *found["lagrangian"]]
@@ -64,10 +65,6 @@ def _derive(x: LoopExpander) -> LoopEquations:
     }
     mass = _band(gather.found)
     _check_inertia(x, mass, carried)
-    check_chain(x, mass, carried)
-    bound = bound_of(x, gather)
-    if bound and carried:
-        raise Unrolled("constraints stand beside a `let` defined by its own members")
     outputs = Outputs(x, gather, kinetic, potential, lagrangian, energy, vectors["momenta"])
     observed = outputs.observed()
     conserved = outputs.nodes(model.conserved)
@@ -101,6 +98,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         limits=_limits(x, gather.found.limits),
         wraps=gather.found.wraps,
         carried=carried,
+        extended=bool(carried) and not by_places(x, mass, carried),
         bound=bound,
         solved=_of_states(x, vectors["momenta"]),
     )

@@ -178,8 +178,6 @@ class LoopExpander(Indices):
         if name not in self.carried:
             if self.watched:
                 return self.alongside.member(name, index)
-            if self.model.rotations:
-                raise Unrolled(f"'{name}' is defined piece by piece, in a model with rotations")
             _, self.carried[name] = self.groups_of(name)
             self.coordinates |= {g.name: g for g in self.carried[name]}
         groups = self.carried[name]

@@ -123,6 +123,9 @@ class LoopEquations:
     singularities: tuple[LoopSingularity, ...] = ()
     pivots: bool = False  # those of M are singularities too, before the others
     carried: tuple[Carried, ...] = ()  # by level
+    # Whether the accelerations of carried values are unknowns of M a = f, with rows that say what
+    # they are made of; else they are eliminated place by place.
+    extended: bool = False
     bound: tuple[Bound, ...] = ()  # rows of constraints, the holonomic ones first
     # Whether implicit methods take p = v, p' = a: a momentum depends on a state, as of a body whose
     # inertia its attitude changes.
@@ -143,6 +146,11 @@ class LoopEquations:
     def rows(self) -> tuple[Group, ...]:
         """What has a row for each index where L is taken as it stands."""
         return (*self.families, *self.carried_groups)
+
+    @property
+    def banded(self) -> tuple[Group, ...]:
+        """What has a place in the band of M for each index, in this order."""
+        return (*self.carried_groups, *self.families) if self.extended else self.families
 
     @property
     def scalars(self) -> tuple[Group, ...]:

@@ -233,7 +233,7 @@ class Bound:
 
     @property
     def holonomic(self) -> bool:
-        return self.group.declared.holonomic
+        return isinstance(self.group.declared, Constraint) and self.group.declared.holonomic
 
     @property
     def is_single(self) -> bool:

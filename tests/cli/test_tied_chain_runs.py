@@ -1,0 +1,42 @@
+"""Runs of chains of `let`s beside constraints, rotations and ends that are coupled, kept as loops,
+beside the same with all members written out."""
+
+from __future__ import annotations
+
+import random
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import long_but
+from test_loops_features import both
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "generator"))
+from carried_models import held, turned
+
+__all__ = ["both"]
+METHODS = (("dop853", "--rtol", "1e-11"), ("rk4", "--step", "0.002"), ("gauss", "--rtol", "1e-11"))
+
+
+def compare(text: str, method: tuple[str, ...], both) -> None:
+    words = ("--until", 0.4, "--every", 0.1, "--method", *method)
+    (loops, told), (written, said) = both(text, *words)
+    assert len(loops) == len(written) == 5, text
+    for one, other in zip(loops, written, strict=True):
+        assert sorted(one) == pytest.approx(sorted(other), rel=1e-8, abs=1e-8), text
+    for key in ("residual", "constraint_drift"):
+        assert told.get(key) is None or told[key] == pytest.approx(said[key], abs=1e-10)
+
+
+@pytest.mark.parametrize("seed", long_but({0}, range(8)))
+def test_a_chain_whose_end_is_held_is_that_written_out(seed: int, both) -> None:
+    dice = random.Random(seed)
+    text = held(dice)
+    assert "lambda_" in text
+    compare(text, METHODS[seed % 3], both)
+
+
+@pytest.mark.parametrize("seed", long_but({0}, range(6)))
+def test_a_chain_of_bodies_that_turn_is_that_written_out(seed: int, both) -> None:
+    dice = random.Random(seed)
+    compare(turned(dice), METHODS[seed % 3], both)
