@@ -14,6 +14,7 @@ from pkgen.graph.graph import TooLarge
 from pkgen.source import ModelError
 from rotation_models import made
 from test_loops_bound import model as bound
+from total_models import HUB, MEAN, RATED, RATES, SWELLING
 
 DENSE = ("gravity", "spin", "field", "links")  # a sum over all members, a chain: no bands
 SHORT = ("cart", "uneven", "beside")
@@ -144,14 +145,14 @@ def order(unrolled, at, size: int) -> list[int]:
     return [[q.name for q in unrolled.program.equations.rates].index(name) for name in names]
 
 
-def at_random(unrolled, at, size: int, dice: random.Random):
+def at_random(unrolled, at, to: list[int], dice: random.Random):
     """A state, and the matrices of members written out there, in the order of loops."""
+    to = np.array(to)
     inputs = len(unrolled.program.equations.inputs)
     state = (
         dice.uniform(0, 3),
         *([dice.uniform(-1, 1) for _ in range(n)] for n in (at.n, at.n, inputs)),
     )
-    to = np.array(order(unrolled, at, size))
     t, q, v, u = state
     there = [np.empty(at.n) for _ in range(2)]
     for x, y in zip(there, (q, v), strict=True):
@@ -174,7 +175,11 @@ def closes(at) -> bool:
 
 def assert_closed(unrolled, at, size: int, dice: random.Random, text: str, scale: float) -> float:
     """That matrices with accelerations and multipliers for unknowns are those without."""
-    state, (M, p_q, pdot_q, pdot_v) = at_random(unrolled, at, size, dice)
+    return assert_newton(at, *at_random(unrolled, at, order(unrolled, at, size), dice), text, scale)
+
+
+def assert_newton(at, state, expected: list[np.ndarray], text: str, scale: float) -> float:
+    M, p_q, pdot_q, pdot_v = expected
     found = matrices(at, "slopes_closed", state, 1)
     _, more = matrices(at, "slopes_jacobian", state, 3)
     (alone,) = dense(at, "slopes_mass", state, 1)
@@ -184,6 +189,28 @@ def assert_closed(unrolled, at, size: int, dice: random.Random, text: str, scale
         off = np.abs(closed(found, more, h, k) - expected).max()
         assert off <= scale * np.abs(expected).max(), f"{text}N = {at.n}: {off}"
     return np.abs(pdot_q).max() + np.abs(pdot_v).max()
+
+
+FELT = {
+    "mean": [line for line in MEAN.splitlines() if "i+1..N)/N^2" not in line],
+    "hub": [line for line in HUB.splitlines() if "j = " not in line],
+    "swelling": SWELLING.splitlines(),
+    "rated": RATED.splitlines(),
+    "still": RATES["still"][0].splitlines(),
+}
+
+
+@pytest.mark.parametrize("name", long_but(["swelling"], FELT))
+def test_totals_are_unknowns(name: str, tmp_path) -> None:
+    """So are rates of states that others use."""
+    text = "\n".join(FELT[name]) + "\n"
+    loops = Looped(text, tmp_path / "loops")
+    for size in (1, 2, 4):
+        unrolled, at = Unrolled(text, size, tmp_path / f"n{size}"), loops.at(size)
+        place = list(range(at.n))
+        dice = random.Random(size)
+        state, expected = at_random(unrolled, at, place, dice)
+        assert_newton(at, state, expected, text, 1e-11)
 
 
 @pytest.mark.parametrize("seed", long_but([0], range(60)))
@@ -213,7 +240,7 @@ def test_rotations_have_bands(seed: int, tmp_path) -> None:
         if closes(at):
             assert assert_closed(unrolled, at, size, dice, text, 1e-11) > 0
             continue
-        state, expected = at_random(unrolled, at, size, dice)
+        state, expected = at_random(unrolled, at, order(unrolled, at, size), dice)
         found = [*dense(at, "slopes_mass", state, 1), *dense(at, "slopes_jacobian", state, 3)]
         for one, other in zip(found, expected, strict=True):
             assert one == pytest.approx(other.ravel(), rel=2e-13, abs=2e-13), f"{text} N = {size}"

@@ -65,6 +65,9 @@ class Before:
             observed = plan.observed.values() if kernel == "observe" else ()
             yield kernel, [block, *sets(observed)]
         yield "singularity", sets(plan.singularities)
+        for kernel in plan.slopes:
+            corner = [plan.totals[key] for *_, key in kernel.corner]
+            yield f"slopes_{kernel.name}", sets([*kernel.rows, *corner])
         for what in ("energy", "lagrangian", "kinetic", "potential"):
             if what in plan.totals:
                 yield what, plan.totals[what].blocks

@@ -133,7 +133,7 @@ class _Context:
         system = self._system_kernels()
         # Of the system they have J^T lambda, or p = v and p' = a.
         own = {"force", "canonical"} if e.bound else {"canonical"} if e.solved else set()
-        closed = plan.slopes_of is not None and plan.slopes_of.closed is not None
+        answered = plan.slopes_of is not None and plan.slopes_of.answered
         accelerates = any(slot.kind == "acc" for slot in e.slots)
         in_block = any(g.is_family for g in e.parameters)
         return {
@@ -160,7 +160,7 @@ class _Context:
                 w.prepare,
                 factored=constant and not diagonal,
                 bound=bool(e.bound),
-                block=in_block or not diagonal or closed or accelerates or bool(self._regions()),
+                block=in_block or not diagonal or answered or accelerates or bool(self._regions()),
                 fixed=self.before.fixed,
                 summed=e.summed,
             ),

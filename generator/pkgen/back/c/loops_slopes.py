@@ -12,7 +12,7 @@ from .loops_plan import Plan
 def slopes_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, Any]:
     slopes = plan.slopes_of
     if slopes is None:
-        return {"slopes": (), "closed": False, "pulled": False, "pull": ()}
+        return {"slopes": (), "closed": False, "answered": False, "pulled": False, "pull": ()}
     index = places.index
     unknowns = [
         places.group(g) | {"homed": kind != "lambda", "coordinate": kind == "v"}
@@ -22,6 +22,7 @@ def slopes_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, An
     return {
         "slopes": plan.slopes,
         "closed": slopes.closed is not None,
+        "answered": slopes.answered,
         "pulled": slopes.closed is not None and bool(plan.pull or e.solved),
         "reach": plan.reach,
         "unknowns": unknowns,

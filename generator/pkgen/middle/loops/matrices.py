@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 from typing import TypeVar
 
 from ...graph.affine import ROW, Affine, variable
@@ -14,14 +14,17 @@ from .parts import Part, Row, Total, Unrolled
 from .slots import Slots
 
 M = variable(ROW)
-Unknown = tuple[str, str]  # "v", "a" or "lambda", and of which family or scalar
+# "v", "a" or "lambda", and of which family or scalar; "sum" and the number of a total.
+Unknown = tuple[str, str]
 BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")  # slots; "d" is the rate of a cell that is not given
-BY_MORE = ("a", "lambda")
+BY_MORE = ("a", "lambda", "sum")
+BY_TOTALS = ("sum",)
 _OF = {**dict.fromkeys((*BY_PLACE, *BY_RATE), "v"), **{kind: kind for kind in BY_MORE}}
 _MASKS = {
     BY_PLACE: BIT[Kind.COORDINATE],
     BY_RATE: BIT[Kind.RATE] | BIT[Kind.STATE],
     BY_MORE: BIT[Kind.INPUT],
+    BY_TOTALS: BIT[Kind.INPUT],
 }
 _By = dict[tuple[Unknown, Affine | None], Node]
 K = TypeVar("K")
@@ -52,8 +55,9 @@ class Stated:
 
 
 class Derive:
-    def __init__(self, slots: Slots):
+    def __init__(self, slots: Slots, fixed: Container[int]):
         self.slots, self.g = slots, slots.graph
+        self.fixed = fixed  # totals of parameters, which are no unknowns
 
     def by(self, of: Stated) -> Callable[[tuple[str, ...]], Matrix]:
         return lambda kinds: self.matrix(of, kinds)
@@ -100,6 +104,8 @@ class Derive:
         found: _By = {}
         for symbol, slope in gradient(self.g, node, _MASKS[kinds]).items():
             slot = self.slots.of(symbol)
+            if slot is not None and slot.kind == "sum" and int(slot.name) in self.fixed:
+                continue
             if slope != ZERO and slot is not None and slot.kind in kinds:
                 key = (_OF[slot.kind], slot.name), slot.at
                 found[key] = self.g.add(found.get(key, ZERO), slope)

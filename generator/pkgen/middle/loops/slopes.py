@@ -5,6 +5,8 @@ Where forces of constraints or rates of states are in p', or the equations are s
 lambda are unknowns too then, with equations of their own, whose derivatives are a band again:
 
     M a - f - J^T lambda = 0,   (J v + j0)' = J a + what is there at a = 0 = 0
+
+So is each total that members feel, S - sum over members = 0.
 """
 
 from __future__ import annotations
@@ -14,9 +16,21 @@ from dataclasses import replace
 
 from ...graph.graph import ONE, ZERO, Node
 from ...record import record
-from .facts import vector_nodes
+from .facts import total_nodes, vector_nodes
 from .loops import LoopEquations
-from .matrices import BY_MORE, BY_PLACE, BY_RATE, Derive, K, M, Matrix, Stated, Unknown, seen_from
+from .matrices import (
+    BY_MORE,
+    BY_PLACE,
+    BY_RATE,
+    BY_TOTALS,
+    Derive,
+    K,
+    M,
+    Matrix,
+    Stated,
+    Unknown,
+    seen_from,
+)
 from .parts import Band, Bound, Group, Part, Row, Total, Unrolled, Vector
 from .slots import Slots
 
@@ -35,6 +49,12 @@ class Slopes:
     pull: dict[str, Row | Total] | None  # the forces of constraints, where p' has them
 
     @property
+    def answered(self) -> bool:
+        """Whether a and lambda are among the unknowns."""
+        unknowns = [*(unknown for unknown, _ in self.families), *self.scalars]
+        return any(kind in ("a", "lambda") for kind, _ in unknowns)
+
+    @property
     def all(self) -> tuple[Matrix, ...]:
         closed = (self.closed,) if self.closed else ()
         return self.mass, *closed, self.p_q, self.pdot_q, self.pdot_v
@@ -45,26 +65,29 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
     vectors = (e.momenta, e.pdot, e.force)
     nodes = [node for vector in vectors for node in vector_nodes(vector)]
     nodes += [part.node for row in e.mass.entries.values() for part in row.parts]
-    if any(slot.kind == "sum" and int(slot.name) not in e.fixed for slot in slots.below(*nodes)):
-        raise Unrolled(DENSE)
-    derive = Derive(slots)
+    totals = _totals(e, slots, nodes)
+    nodes += [node for k in totals for node in total_nodes([e.sums[k]])]
+    derive = Derive(slots, e.fixed)
     families = [(("v", g.name), g) for g in e.families]
     scalars = [("v", g.name) for g in e.scalars]
     used = {s.name for s in slots.below(*nodes) if s.kind == "a"}  # states whose rates others have
-    if not (e.bound or e.solved or used):
+    if not (e.bound or e.solved or used or totals):
         p, pdot = _of_vector(e.momenta, "v"), _of_vector(e.pdot, "v")
         found = [derive.matrix(p, BY_PLACE), *map(derive.by(pdot), (BY_PLACE, BY_RATE))]
         return Slopes(tuple(families), tuple(scalars), _symmetric(e.mass), None, *found, None)
-    families += [(("a", g.name), g) for g in e.families if not g.is_state or g.name in used]
-    families += [(("lambda", x.group.name), x.group) for x in e.bound if not x.is_single]
-    scalars += [("a", g.name) for g in e.scalars if not g.is_state or g.name in used]
-    scalars += [("lambda", x.group.name) for x in e.bound if x.is_single]
+    answered = bool(e.bound or e.solved or used)  # a and lambda are unknowns
+    if answered:
+        families += [(("a", g.name), g) for g in e.families if not g.is_state or g.name in used]
+        families += [(("lambda", x.group.name), x.group) for x in e.bound if not x.is_single]
+        scalars += [("a", g.name) for g in e.scalars if not g.is_state or g.name in used]
+        scalars += [("lambda", x.group.name) for x in e.bound if x.is_single]
+    scalars += [("sum", str(k)) for k in totals]
     motion = _Motion(e, slots, used)
     pull = motion.pull()
-    own = Stated(
-        motion.balance(pull) | motion.constraint_rows(),
-        motion.balances(pull) | motion.single_rows(),
-    )
+    own = Stated({}, motion.total_rows(totals))
+    if answered:
+        rows = motion.balance(pull) | motion.constraint_rows()
+        own = Stated(rows, motion.balances(pull) | motion.single_rows() | own.totals)
     if e.solved:
         mass, p_q = motion.unit(), _nothing()
         pdot = motion.accelerations()
@@ -72,6 +95,8 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
         mass, p_q = _symmetric(e.mass), derive.matrix(_of_vector(e.momenta, "v"), BY_PLACE)
         pdot = motion.with_pull(_of_vector(e.pdot, "v"), pull)
     closed = mass | derive.matrix(own, BY_RATE) | derive.matrix(own, BY_MORE)
+    if totals and not e.solved:
+        closed = closed | derive.matrix(_of_vector(e.momenta, "v"), BY_TOTALS)
     return Slopes(
         tuple(families),
         tuple(scalars),
@@ -84,6 +109,17 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
         if e.solved or not e.bound
         else {name: x for (_, name), x in (pull.rows | pull.totals).items()},
     )
+
+
+def _totals(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> list[int]:
+    """The totals below some nodes that change along a motion."""
+    found: set[int] = set()
+    while nodes:
+        below = {int(slot.name) for slot in slots.below(*nodes) if slot.kind == "sum"}
+        new = below - found - e.fixed
+        found |= new
+        nodes = total_nodes([e.sums[k] for k in new])
+    return sorted(found)
 
 
 def _of_vector(vector: Vector, kind: str) -> Stated:
@@ -224,6 +260,15 @@ class _Motion:
                 of = [Total(ZERO, self.times(x, self.a(n, 0))) for n, x in bound.border.items()]
                 of += [self.total_times(x, self.a(n)) for n, x in bound.corner.items()]
                 found["lambda", bound.group.name] = self.sum([bound.coasting, *of])
+        return found
+
+    def total_rows(self, totals: Iterable[int]) -> dict[Unknown, Total]:
+        """What a total is, less what it sums up."""
+        found = {}
+        for k in totals:
+            own, minus = self.slots.node("sum", str(k)), self.minus(self.e.sums[k])
+            constant = self.g.add(own, minus.constant)
+            found["sum", str(k)] = replace(minus, constant=constant)
         return found
 
     def accelerations(self) -> Stated:
