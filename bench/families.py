@@ -112,6 +112,33 @@ constraint joint[i = 1..N-1]: tail[i] = head[i+1]
 start x[i = 1..N] = (i - 0.5)*l
 start omega(R[i = 1..N]) = [1, 0, 0]
 """
+MAGNETS = """\
+coord q[1..N]
+let c = sum(cos(q[i]), i = 1..N)/N
+let s = sum(sin(q[i]), i = 1..N)/N
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential -0.75*N*(c^2 + s^2)
+start q[i = 1..N] = sin(3*i) - sum(sin(3*j), j = 1..N)/N
+"""
+ROCKETS = """\
+coord q[1..N]
+state m[1..N], f[1..N]
+kinetic sum((1 + m[i]^2)*q[i]'^2/2, i = 1..N)
+potential sum((q[i+1] - q[i])^2/2, i = 1..N-1)
+rate m[i = 1..N] = q[i] - m[i]
+rate f[i = 1..N] = -f[i] + m[i]'^2
+force q[i = 1..N] = f[i]'
+start q[i = 1..N] = sin(i), m[i = 1..N] = 0.5
+"""
+SEEN = (
+    FPUT
+    + """\
+let a[1] = q[1]
+let a[i = 2..N] = 0.99*a[i-1] + q[i]
+observe last = a[N]
+observe speed = a[N]'
+"""
+)
 MEMBERS = "k,q[1]\n" + "".join(f"{1 + k / 100},{k / 50}\n" for k in range(50))
 
 
@@ -151,6 +178,10 @@ CASES = (
         1,
         ("--method", "radau5", "--step", "0.05", "--record", "R[1],omega(R[N]),energy"),
     ),
+    Case("totals that members feel", MAGNETS, 100_000, 5),
+    Case("the same by gauss2", MAGNETS, 10_000, 5, ("--method", "gauss2", "--step", "0.05")),
+    Case("rates of states in forces", ROCKETS, 100_000, 2),
+    Case("lets of outputs alone", SEEN, 100_000, 20, (*TIGHT, "--record", "q[1],last,speed")),
     Case("an output for each index", f"{FPUT}observe d[i = 0..N] = q[i+1] - q[i]\n", 10_000, 20),
 )
 FEW = 20

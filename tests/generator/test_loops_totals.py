@@ -9,6 +9,7 @@ from conftest import long_but
 from loop_harness import Looped, Unrolled, looped
 from pkgen.back.c.loops_lower import lower_loops
 from pkgen.middle.loops.parts import Unrolled as CannotLoop
+from pkgen.source import ModelError
 from test_loops import assert_kernels, assert_start
 from total_models import RATES, TOTALS
 
@@ -87,6 +88,19 @@ def test_no_fused_steps_where_members_feel_a_total():
         e = looped(FLAT.replace(", X", "").replace(" + X'^2", "") + f"potential {potential}\n")
         assert e.facts.separable
         assert (lower_loops(e).context["stepper"] is not None) == fused
+
+
+def test_sums_that_are_the_same_for_all_members_count_once():
+    """Not for each, up to the limit of terms; and so are they computed."""
+    start = "start q[i = 1..N] = sin(i) - sum({}, j = 1..N)/N\n"
+    text = FLAT.replace("N = 20", "N = 1000000").replace("m[i = 1..N] = i", "m[i = 1..3] = i")
+    [made] = looped(text + start.format("sin(j)")).starts
+    assert len(made.before) == 1 and not made.each
+    [made] = looped(text.replace("1000000", "1000") + start.format("sin(i*j)")).starts
+    assert len(made.each) == 1 and not made.before
+    with pytest.raises(ModelError) as raised:
+        looped(text + start.format("sin(i*j)"))
+    assert "terms in nested sums" in raised.value.diagnostics[0].message
 
 
 @pytest.mark.parametrize(

@@ -120,7 +120,7 @@ class Calls(RotationCalls):
         return result
 
     def sum(self, expr: Sum, scope: Scope) -> Checked:
-        inner = self.indices.enter(expr.ranges, scope)
+        inner = self.indices.enter(expr.ranges, self.indices.around(expr, scope))
         if inner is None:
             raise Wrong
         body, facts = self.check(expr.body, inner)

@@ -12,11 +12,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from math import prod
 
 from ... import limits
 from ...indices import NotAnInteger, assignments, indexed, integer
 from ...source import Source, Span
-from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, within
+from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, Sum, names, within
 from ..words import CONSTANTS
 from .names import MOVING, Entry, Names, Report
 from .scope import PLACES, Interval, Loop, Scope
@@ -76,6 +77,16 @@ class Indices:
         return word.isdigit() or word in self.names.table or len(word) == 1
 
     # ranges
+
+    def around(self, expr: Sum, scope: Scope) -> Scope:
+        """The scope of a sum that is the same for some loops around it: these do not count."""
+        used = names(expr)
+        lengths = (
+            max(0, loop.interval[1] - loop.interval[0] + 1)
+            for loop in scope.loops
+            if loop.range.variable in used
+        )
+        return replace(scope, points=prod(lengths))
 
     def enter(self, ranges: tuple[Range, ...], scope: Scope) -> Scope | None:
         """The scope within some loops, or None after an error."""
