@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import math
 import random
 
 import pytest
@@ -56,6 +58,18 @@ PAIRS = "sum(cos(q[i] - q[j]), i = 1..N-1, j = i+1..N)"
 def test_where_totals_vanish(statement, expected):
     found = [singularity.name for singularity in looped(FLAT + statement + "\n").singularities]
     assert found == expected
+
+
+def test_a_total_that_vanishes_is_computed_where_it_is_watched(tmp_path):
+    text = FLAT + "potential log(sum(m[i]*q[i], i = 1..N)) + 1/sum(cos(q[i] - X), i = 2..N)\n"
+    at = Looped(text, tmp_path).at(4)
+    count = at.of.function("singularity_count", ctypes.c_size_t)(ctypes.byref(at.params))
+    for shift in (0.0, 0.3):  # not as it was before
+        q = [0.1 + shift, 0.2, -0.3, 0.5 * shift, 0.7]
+        _, (found,) = at.call("singularity", 0, q, [0.0] * 5, (), (count,))
+        here = sum((i + 1) * x for i, x in enumerate(q[:4]))
+        near = sum(math.cos(x - q[4]) for x in q[1:4])
+        assert sorted(found) == pytest.approx(sorted([here, near]), rel=1e-14)
 
 
 @pytest.mark.parametrize(

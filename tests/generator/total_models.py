@@ -154,6 +154,29 @@ observe bent = z[N]' + sum(q[i], i = 1..N)''
 event turns: X'' either
 start q[i = 1..N] = 0.2*i
 """
+# Totals of a chain of links: of places, in its inertia, beside a state that its rate has.
+HUNG = """
+model hung
+size N = 5
+coord q[1..N], X
+state u[1..N]
+let x[0] = X
+let y[0] = 0.1*t
+let x[i = 1..N] = x[i-1] + sin(q[i])
+let y[i = 1..N] = y[i-1] - cos(q[i])
+let c = sum(x[i]*i, i = 1..N)/sum(i, i = 1..N)
+let far[1] = y[1]
+let far[i = 2..N] = far[i-1]*u[i] + x[i]
+kinetic sum((x[i]'^2 + y[i]'^2)*(2 + sin(c))/2, i = 1..N) + X'^2
+kinetic sum(u[i]^2*q[i]'^2, i = 1..N)
+potential sum(y[i], i = 1..N)*cos(c) + sum((x[i] - x[N])^2 + q[i]^2, i = 1..N)/9
+dissipation c'^2 + sum(x[i]'^2, i = 1..N)/9
+force X = -c' + u[1]'
+rate u[i = 1..N] = c - u[i] + X'
+observe middle = c + far[N]'
+observe energy_too = energy*c
+start q[i = 1..N] = 0.1*i
+"""
 
 TOTALS = {
     "mean": (MEAN, (1, 2, 3, 6)),
@@ -161,6 +184,7 @@ TOTALS = {
     "started": (STARTED, (1, 2, 3, 7)),
     "seen": (SEEN, (2, 3, 7)),
     "pushed": (PUSHED, (2, 3, 7)),
+    "hung": (HUNG, (2, 3, 6)),
     "hub": (HUB, (1, 2, 3, 7)),
     "alone": (ALONE, (2, 3, 7)),
 }
