@@ -26,6 +26,7 @@ def test_totals_equal_the_unrolled_code(name, tmp_path):
         written, at, dice = Unrolled(text, size, tmp_path / f"n{size}"), loops.at(size), None
         dice = random.Random(size)
         assert at.n == len(written.program.equations.coordinates)
+        at.restless = True
         assert_start(written, at)
         for _ in range(4):
             q, v = ([dice.uniform(-1, 1) for _ in range(at.n)] for _ in range(2))
@@ -70,6 +71,18 @@ def test_a_total_that_vanishes_is_computed_where_it_is_watched(tmp_path):
         here = sum((i + 1) * x for i, x in enumerate(q[:4]))
         near = sum(math.cos(x - q[4]) for x in q[1:4])
         assert sorted(found) == pytest.approx(sorted([here, near]), rel=1e-14)
+
+
+def test_pivots_know_the_totals_of_their_own_state(tmp_path):
+    at = Looped(TOTALS["hung"][0], tmp_path, ("-O0",)).at(4)
+    count = at.of.function("singularity_count", ctypes.c_size_t)(ctypes.byref(at.params))
+    q, v = ([math.cos(k * i) for i in range(at.n)] for k in (2, 3))
+    found = []
+    for restless in (False, True):
+        at.call("acceleration", 0.3, q, v, (), (at.n,), ctypes.c_int)
+        at.restless = restless
+        found.append(at.call("singularity", 0.3, q, v, (), (count,))[1])
+    assert found[0] == found[1] and any(x not in (0, 1) for x in found[0])
 
 
 @pytest.mark.parametrize(
