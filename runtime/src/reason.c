@@ -59,6 +59,12 @@ static int no_convergence(const struct pk_integrator *it, char *text, size_t siz
         return pk_say(it, text, size,
                       "%s: that of the rates from the momenta, after a correction of %.3g", what,
                       detail);
+    if (it->problem.system->families.diagonal && (it->method->traits & PK_HOLONOMIC))
+        return pk_say(it, text, size,
+                      "%s: the one by M, after a correction of %.3g of the rates; it converges for "
+                      "short steps alone, and families kept as loops have no other: take a step "
+                      "shorter than %.6g, or gauss2",
+                      what, detail, h);
     return pk_say(it, text, size,
                   "%s: the fixed-point one, after a correction of %.3g of the rates; it "
                   "converges for short steps alone: use Newton's%s or a step shorter than %.6g",
@@ -129,11 +135,12 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             "%s needs a smooth system; %s changes where %s vanishes: make steps by "
                             "pk_events_step(), which ends them there",
                             it->method->name, system->name, system->switches.names[0].name);
-        if (system->families.count && (it->method->traits & PK_HOLONOMIC))
+        if (system->families.n_sizes && (it->method->traits & PK_HOLONOMIC) &&
+            pk_missing_kernel(system, it->method))
             return snprintf(
                 text, size,
-                "%s needs M whole; %s keeps its families as loops: take gauss4 or dop853, "
-                "or fewer members, which are written out",
+                "%s needs M, which %s, a chain of lets, solves link by link: take dop853, or fewer "
+                "members, which are written out",
                 it->method->name, system->name);
         if (system->families.count && !system->families.jacobian &&
             (it->method->traits & PK_JACOBIANS))

@@ -126,7 +126,7 @@ def apart(one: list[list[float]], other: list[list[float]]) -> float:
 # What one side alone may refuse; the other's rows say nothing then.
 LOOPS_LACK = (
     "are no band",
-    "M whole",
+    "link by link",
     "the derivatives of the acceleration",
     "that is separable",
     "that is smooth",

@@ -1390,6 +1390,12 @@ static void fput_sys_range(const void *params, enum pk_range_of of, size_t k,
     }
 }
 
+static void fput_sys_mass(const void *p, pk_real t, const pk_real *q, const pk_real *v,
+                          const pk_real *u, pk_real *out)
+{
+    fput_mass((const struct fput_params *)p, t, q, v, u, out);
+}
+
 static void fput_sys_pattern(const void *params, struct pk_pattern *pattern)
 {
     fput_slopes_pattern((const struct fput_params *)params, &pattern->rows, &pattern->width,
@@ -1453,7 +1459,7 @@ const struct pk_system fput_system = {
     .families = {.count = fput_sys_count, .n_sizes = 1, .sizes = fput_size_names,
         .set_sizes = fput_sys_sizes, .block_size = fput_sys_block_size, .attach = fput_sys_attach,
         .n_coordinates = 1, .range = fput_sys_range, .advance = fput_sys_advance,
-        .pattern = fput_sys_pattern, .place = fput_sys_slopes_place, .mass = fput_sys_slopes_mass,
-        .jacobian = fput_sys_slopes_jacobian},
+        .diagonal = fput_sys_mass, .pattern = fput_sys_pattern, .place = fput_sys_slopes_place,
+        .mass = fput_sys_slopes_mass, .jacobian = fput_sys_slopes_jacobian},
 };
 #endif

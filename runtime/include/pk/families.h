@@ -11,13 +11,14 @@
 
 PK_BEGIN
 
-size_t pk_erk_size(const struct pk_method *method, size_t n); /* the slopes of all stages */
+/* The slopes of all stages. */
+size_t pk_erk_size(const struct pk_method *method, const struct pk_problem *problem, size_t n);
 enum pk_status pk_erk_step(struct pk_integrator *it, pk_real limit);
 
 enum pk_status pk_splitting_init(struct pk_integrator *it);
 enum pk_status pk_splitting_step(struct pk_integrator *it, pk_real limit);
 
-size_t pk_embedded_size(const struct pk_method *method, size_t n);
+size_t pk_embedded_size(const struct pk_method *method, const struct pk_problem *problem, size_t n);
 enum pk_status pk_embedded_init(struct pk_integrator *it);
 enum pk_status pk_embedded_step(struct pk_integrator *it, pk_real limit);
 enum pk_status pk_embedded_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);

@@ -39,6 +39,7 @@ enum pk_trait {
 };
 
 struct pk_integrator;
+struct pk_problem;
 struct pk_keep;
 
 struct pk_method {
@@ -53,10 +54,8 @@ struct pk_method {
     const struct pk_method *formula; /* the method of a fixed step that an adaptive one varies, for
                                         pk/limits.h; NULL: itself */
 
-    /* Number of pk_real of work for n degrees of freedom; NULL: 0. */
-    size_t (*size)(const struct pk_method *method, size_t n);
-    /* Instead of it, where that depends on the pattern of derivatives. */
-    size_t (*pattern_size)(const struct pk_method *method, size_t n, struct pk_pattern pattern);
+    /* Number of pk_real of work for a problem of n degrees of freedom; NULL: what splitting needs. */
+    size_t (*size)(const struct pk_method *method, const struct pk_problem *problem, size_t n);
     enum pk_status (*init)(struct pk_integrator *it); /* NULL: nothing */
     /* One step into it->own->next, to it->own->next_t, not past `limit`. Must leave it->own->state
      * alone. */

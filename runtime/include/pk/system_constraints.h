@@ -33,9 +33,10 @@ struct pk_part_constraints {
     size_t (*count)(const void *params, int holonomic); /* NULL: n, n_holonomic */
     size_t n_declared;
     pk_kernel *rates;    /* J v + j0 */
-    pk_kernel *diagonal; /* of M */
     void (*spread)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *x, pk_real *out); /* |J| x */
+    void (*pull)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                 const pk_real *u, const pk_real *x, pk_real *out); /* out += J^T x */
     /* [M J^T; J 0] factored in the memory of params, with all rows or those of positions, as
      * acceleration() fails; of each row the pivot, and what that is without other rows. Then
      * M d - J^T mu = f, J d = r; f NULL: 0. Where a row had no pivot, shares(): x with x J = 0, 1 of

@@ -65,6 +65,12 @@ struct pk_part_families {
      * Uncompensated. NULL: there is none. */
     void (*advance)(const void *params, int stages, const pk_real *kick, const pk_real *drift,
                     pk_real t, pk_real h, unsigned long steps, pk_real *q, pk_real *v);
+    /* For what solves by M: its diagonal; and where it is more, and there are no constraints, whose
+     * factor() has it: M factored in the memory of params, as acceleration() fails, and M d = f. */
+    pk_kernel *diagonal;
+    int (*factor)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
+                  const pk_real *u);
+    void (*solve)(const void *params, const pk_real *f, pk_real *d);
     /* M, and what pk_system.jacobian has, of a pattern; NULL: there are none. place() is the
      * coordinate that has place i, negative where there is none: M is 1 there. Where p' has
      * multipliers or accelerations in it, its derivatives are dense; these are unknowns too then,

@@ -89,6 +89,13 @@ static inline void pk_dexp_inverse(const pk_real *theta, const pk_real *omega, p
         out[i] = omega[i] + one[i] / 2 + weight * two[i];
 }
 
+/* The numbers of a vector or a quaternion that are `step` apart. */
+static inline void pk_gather(pk_real *to, const pk_real *from, size_t count, size_t step)
+{
+    for (size_t k = 0; k < count; k++)
+        to[k] = from[k * step];
+}
+
 /* Scales Q to length 1 where its norm is off by more than a few roundings, and clears its
  * compensations `low` (NULL: there are none), which belong to what Q was. Entries are `stride`
  * apart. 1 where Q was scaled, 0 where it was well; -1, and Q is left as it is, where no direction

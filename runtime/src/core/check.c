@@ -67,19 +67,21 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
         int there;
     } kernels[] = {
         {"constraint_jacobian", c ? ~0u : 0, system->constraints.jacobian || loops},
+        {"mass", c && loops ? PK_HOLONOMIC : 0, system->constraints.pull != NULL},
         {"residual_scale", c ? ~0u : 0, system->constraints.scale != NULL},
         {"constraint", c && system->constraints.n_holonomic ? ~0u : 0,
          system->constraints.values != NULL},
         {"redundant", system->constraints.n_redundant ? ~0u : 0,
          system->constraints.redundant != NULL},
-        {"inertia", c && !loops ? ~0u : own, system->inertia != NULL},
+        {"inertia", loops ? 0 : c ? ~0u : own, system->inertia != NULL},
         {"unconstrained", own, system->unconstrained != NULL},
         {"acceleration", ~0u, system->acceleration != NULL},
-        {"canonical", PK_JACOBIANS | plain, system->canonical != NULL},
+        {"canonical", PK_JACOBIANS, system->canonical != NULL},
+        {"canonical", plain, system->canonical || system->unconstrained},
         {"jacobian", PK_JACOBIANS, system->jacobian || system->families.jacobian},
         {"fast", method->needs & PK_FAST ? ~0u : 0, system->fast != NULL},
         {"linear", PK_LINEAR, system->linear != NULL},
-        {"mass", PK_LINEAR | plain, system->mass != NULL},
+        {"mass", PK_LINEAR | plain, system->mass || system->families.diagonal},
         {"mass", PK_JACOBIANS, system->mass || system->families.mass},
     };
     for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)

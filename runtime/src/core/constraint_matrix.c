@@ -73,7 +73,7 @@ int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real 
 {
     const struct pk_system *system = w->system; /* without either, `mass` is the inertia */
     if (!w->whole) {
-        system->constraints.diagonal(w->params, w->t, q, v, w->u, w->M);
+        system->families.diagonal(w->params, w->t, q, v, w->u, w->M);
         for (size_t k = 0; k < w->m; k++) /* factored with the rows, but they are weighed by it */
             if (!(w->M[k] > 0))
                 return PK_FAILED(PK_FAILURE_MASS, k);
@@ -101,20 +101,35 @@ void pk_project_terms(struct pk_projection *w, const pk_real *q, const pk_real *
     w->system->constraints.scale(w->params, w->t, q, v, w->u, w->phi_size, w->rate_size);
 }
 
+void pk_project_spread(const struct pk_projection *w, const pk_real *q, const pk_real *v,
+                       const pk_real *J, size_t rows, const pk_real *x, pk_real *out)
+{
+    if (!w->whole)
+        w->system->constraints.spread(w->params, w->t, q, v, w->u, x, out);
+    for (size_t i = 0; i < rows && w->whole; i++) {
+        out[i] = 0;
+        for (size_t k = 0; k < w->m; k++)
+            out[i] += pk_abs(J[i * w->n + k]) * x[k];
+    }
+}
+
+void pk_project_pull(const struct pk_projection *w, const pk_real *q, const pk_real *v,
+                     const pk_real *J, size_t rows, const pk_real *x, pk_real *out)
+{
+    memset(out, 0, w->m * sizeof *out);
+    if (!w->whole)
+        w->system->constraints.pull(w->params, w->t, q, v, w->u, x, out);
+    for (size_t i = 0; i < rows && w->whole; i++)
+        for (size_t k = 0; k < w->m; k++)
+            out[k] += J[i * w->n + k] * x[i];
+}
+
 void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real *v,
                        const pk_real *J, size_t rows, pk_real *out)
 {
     for (size_t k = 0; k < w->m; k++)
         w->d[k] = 1 / PK_F(sqrt)(pk_project_mass(w, k));
-    if (!w->whole) {
-        w->system->constraints.spread(w->params, w->t, q, v, w->u, w->d, out);
-        return;
-    }
-    for (size_t i = 0; i < rows; i++) {
-        out[i] = 0;
-        for (size_t k = 0; k < w->m; k++)
-            out[i] += pk_abs(J[i * w->n + k]) * w->d[k];
-    }
+    pk_project_spread(w, q, v, J, rows, w->d, out);
 }
 
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row)

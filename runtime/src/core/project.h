@@ -60,6 +60,11 @@ static inline pk_real pk_project_mass(const struct pk_projection *w, size_t k)
 {
     return w->whole ? pk_ldl_diagonal(w->M, w->m, k) : w->M[k];
 }
+/* out = |J| x, a number a row, and out = J^T x, m numbers, of J as of pk_project_slopes(). */
+void pk_project_spread(const struct pk_projection *w, const pk_real *q, const pk_real *v,
+                       const pk_real *J, size_t rows, const pk_real *x, pk_real *out);
+void pk_project_pull(const struct pk_projection *w, const pk_real *q, const pk_real *v,
+                     const pk_real *J, size_t rows, const pk_real *x, pk_real *out);
 void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real *v,
                        const pk_real *J, size_t rows, pk_real *out);
 #define PK_NEAR PK_C(0.2) /* sigma, below which it is watched to fall; of fixed steps twice that */

@@ -40,7 +40,7 @@ static inline int pk_splitting_ends(const struct pk_splitting *table)
     return last > 0 || last < 0;
 }
 /* Numbers that it takes, where the system is not separable; 0 of any other. */
-size_t pk_splitting_size(const struct pk_system *system, const struct pk_method *method, size_t n);
+size_t pk_splitting_size(const struct pk_method *method, const struct pk_problem *problem, size_t n);
 size_t pk_linear_drag_size(const struct pk_splitting *table, size_t n);
 enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_splitting *table);
 /* Those of an explicit Runge-Kutta method, adaptive or not. */
@@ -52,7 +52,7 @@ const pk_real *pk_embedded_acceleration(struct pk_integrator *it, int end);
 /* R(z) = sum c_k z^k, the step of u' = u; s + 1 numbers. Returns s. */
 int pk_tableau_polynomial(const struct pk_tableau *table, pk_real *coefficient);
 
-size_t pk_gauss_size(const struct pk_method *method, size_t n, struct pk_pattern pattern);
+size_t pk_gauss_size(const struct pk_method *method, const struct pk_problem *problem, size_t n);
 enum pk_status pk_gauss_init(struct pk_integrator *it);
 
 #endif

@@ -58,10 +58,10 @@ static struct work parts(const struct pk_integrator *it)
     return w;
 }
 
-static size_t size(const struct pk_method *method, size_t n)
+static size_t size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     struct work w;
-    (void)method;
+    (void)method, (void)problem;
     return lay_out(&w, n, NULL);
 }
 

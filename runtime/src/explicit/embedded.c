@@ -24,9 +24,10 @@ static struct pk_embedded_work parts_of(struct pk_integrator *it)
     return pk_embedded_parts(it, table_of(it->method), it->n, pk_first_order(it));
 }
 
-size_t pk_embedded_size(const struct pk_method *method, size_t n)
+size_t pk_embedded_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     const struct pk_tableau *table = table_of(method);
+    (void)problem;
     const int rows = table->stages + 1 + table->extra + 1 + pk_embedded_dense_rows(table);
     return (size_t)rows * 2 * n + 2;
 }

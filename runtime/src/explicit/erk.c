@@ -5,9 +5,10 @@
 #include <pk/families.h>
 #include <pk/step/erk.h>
 
-size_t pk_erk_size(const struct pk_method *method, size_t n)
+size_t pk_erk_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     const struct pk_tableau *table = (const struct pk_tableau *)method->table;
+    (void)problem;
     return (size_t)table->stages * 2 * n;
 }
 

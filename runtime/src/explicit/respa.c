@@ -31,10 +31,10 @@ static size_t lay_out(struct work *w, size_t n, pk_real *base)
     return PK_LAY_OUT(base, slots);
 }
 
-static size_t respa_size(const struct pk_method *method, size_t n)
+static size_t respa_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     struct work w;
-    (void)method;
+    (void)method, (void)problem;
     return lay_out(&w, n, NULL);
 }
 

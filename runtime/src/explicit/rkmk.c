@@ -26,12 +26,6 @@ static struct pk_turning turning(const struct pk_integrator *it, size_t r)
     return at;
 }
 
-static void gather(pk_real *to, const pk_real *from, size_t count, size_t step)
-{
-    for (size_t k = 0; k < count; k++)
-        to[k] = from[k * step];
-}
-
 /* Slopes k hold theta' in place of Q'. theta of h sum a_j k_j. */
 static void rotation_vector(const struct pk_integrator *it, const pk_real *a, int count,
                             struct pk_turning at, pk_real *theta)
@@ -46,7 +40,7 @@ static void added_by(const struct pk_integrator *it, const pk_real *a, int count
                      struct pk_turning at, pk_real *added)
 {
     pk_real Q[4], theta[3];
-    gather(Q, it->own->state + at.number, 4, at.step);
+    pk_gather(Q, it->own->state + at.number, 4, at.step);
     rotation_vector(it, a, count, at, theta);
     pk_exponential_added(Q, theta, added);
 }
@@ -83,7 +77,7 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
             const struct pk_turning to = turning(it, r);
             pk_real theta[3], omega[3], slope[4] = {0};
             rotation_vector(it, table->a + i * (i - 1) / 2, i, to, theta);
-            gather(omega, at + to.rate, 3, to.step);
+            pk_gather(omega, at + to.rate, 3, to.step);
             pk_dexp_inverse(theta, omega, slope);
             for (size_t j = 0; j < 4; j++)
                 k[to.number + j * to.step] = slope[j];

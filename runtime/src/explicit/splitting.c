@@ -23,10 +23,10 @@ const struct pk_splitting *pk_splitting_table(const struct pk_method *method)
     return method->step == pk_splitting_step ? (const struct pk_splitting *)method->table : NULL;
 }
 
-size_t pk_splitting_size(const struct pk_system *system, const struct pk_method *method, size_t n)
+size_t pk_splitting_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     const struct pk_splitting *table = pk_splitting_table(method);
-    return table && !(system->facts & PK_SEPARABLE) ? pk_linear_drag_size(table, n) : 0;
+    return table && !(problem->system->facts & PK_SEPARABLE) ? pk_linear_drag_size(table, n) : 0;
 }
 
 PK_METHODS_SPLITTING(PK_DEFINE_METHOD, PK_FAMILY_SPLITTING)

@@ -51,10 +51,10 @@ static size_t lay_out(struct work *w, size_t n, pk_real *base)
     return PK_LAY_OUT(base, slots);
 }
 
-static size_t exponential_size(const struct pk_method *method, size_t n)
+static size_t exponential_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     struct work w;
-    (void)method;
+    (void)method, (void)problem;
     return n > PK_EXPONENTIAL_MOST ? 0 : lay_out(&w, n, NULL);
 }
 

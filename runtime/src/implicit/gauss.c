@@ -162,7 +162,7 @@ enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w
     return PK_DONE;
 }
 
-#define COLLOCATION(of)                                                                      \
-    .needs = PK_NEEDS_COLLOCATION, .table = &pk_##of##_table, .pattern_size = pk_gauss_size, \
+#define COLLOCATION(of)                                                              \
+    .needs = PK_NEEDS_COLLOCATION, .table = &pk_##of##_table, .size = pk_gauss_size, \
     .init = pk_gauss_init, .step = gauss_step, .equations = pk_gauss_equations
 PK_METHODS_COLLOCATION(PK_DEFINE_METHOD, COLLOCATION)

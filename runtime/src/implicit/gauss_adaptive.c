@@ -7,9 +7,9 @@
 
 #include <pk/step/gauss.h>
 
-static size_t size(const struct pk_method *method, size_t n)
+static size_t size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
-    (void)method;
+    (void)method, (void)problem;
     return pk_gauss_lanes_size(n) + pk_gauss_dense_size(n);
 }
 

@@ -51,10 +51,11 @@ static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
     return size;
 }
 
-size_t pk_gauss_size(const struct pk_method *method, size_t n, struct pk_pattern pattern)
+size_t pk_gauss_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
-    struct pk_gauss_work w = {
-        .table = (const struct pk_gauss *)method->table, .n = n, .pattern = pattern};
+    struct pk_gauss_work w = {.table = (const struct pk_gauss *)method->table,
+                              .n = n,
+                              .pattern = pk_system_pattern(problem->system, problem->params)};
     return lay_out(&w, NULL);
 }
 

@@ -50,10 +50,11 @@ static struct pk_radau_parts parts_of(const struct pk_integrator *it, const stru
     return r;
 }
 
-static size_t size(const struct pk_method *method, size_t n, struct pk_pattern pattern)
+static size_t size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     struct pk_radau_parts r;
-    return pk_gauss_size(method, n, pattern) + lay_out(&r, n, pattern, NULL);
+    const struct pk_pattern pattern = pk_system_pattern(problem->system, problem->params);
+    return pk_gauss_size(method, problem, n) + lay_out(&r, n, pattern, NULL);
 }
 
 static enum pk_status init(struct pk_integrator *it)
@@ -222,5 +223,5 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
 
 #define RADAU(of)                                                                   \
     .needs = PK_NEEDS_RADAU, .table = &pk_##of##_table, .formula = &pk_method_##of, \
-    .pattern_size = size, .init = init, .step = step, .equations = pk_gauss_equations
+    .size = size, .init = init, .step = step, .equations = pk_gauss_equations
 PK_METHODS_RADAU(PK_DEFINE_METHOD, RADAU)

@@ -30,9 +30,7 @@ struct pk_options pk_options_default(void)
 
 static size_t work_size(const struct pk_problem *problem, const struct pk_method *method, size_t n)
 {
-    if (method->pattern_size)
-        return method->pattern_size(method, n, pk_system_pattern(problem->system, problem->params));
-    return method->size ? method->size(method, n) : pk_splitting_size(problem->system, method, n);
+    return (method->size ? method->size : pk_splitting_size)(method, problem, n);
 }
 
 /* Lays out what lies behind `own`, for n coordinates; counts alone where base is NULL. */

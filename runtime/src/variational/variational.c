@@ -46,33 +46,35 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
 {
     const int ends = w->table->ends;
     const pk_real half = w->h / 2;
-    for (size_t k = 0; k < w->m; k++) {
-        w->spare[k] = 0; /* the constraints' kick */
-        for (size_t i = 0; i < w->c; i++)
-            w->spare[k] += w->J[i * w->n + k] * w->kick[i];
-    }
     for (size_t k = 0; k < w->rotation; k++) {
         const pk_real force = ends ? half * (w->f[k] + w->f_end[k]) : w->h * w->f[k];
-        p[k] = pk_sum(p[k], w->spare[k] + force, &low[k]);
+        p[k] = pk_sum(p[k], w->pull[k] + force, &low[k]);
     }
-    for (size_t k = w->rotation; k < w->m; k += 3) {
-        const pk_real *omega = w->V + k, yy = w->h * w->h * pk_dot3(omega, omega) / 16;
+    for (size_t r = 0; r < w->turned; r++) {
+        const struct pk_turning at = pk_variational_turning(w, r);
+        pk_real omega[3], Pi[3], Pi_end[3];
+        pk_gather(omega, w->V + at.rate, 3, at.step);
+        pk_gather(Pi, w->p + at.rate, 3, at.step);
+        pk_gather(Pi_end, w->p_end + at.rate, 3, at.step);
+        const pk_real yy = w->h * w->h * pk_dot3(omega, omega) / 16;
         const pk_real weight = w->h / 2 / (1 + yy); /* C C: (1 - yy, 2 y)/(1 + yy) */
         const pk_real back[3] = {-weight * omega[0], -weight * omega[1], -weight * omega[2]};
         const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
         pk_real G[3], G_end[3], before[3], turned[3], torque[3];
-        pk_cross(w->p + k, omega, G);
-        pk_cross(w->p_end + k, omega, G_end);
+        pk_cross(Pi, omega, G);
+        pk_cross(Pi_end, omega, G_end);
         for (size_t i = 0; i < 3; i++) {
-            G[i] = w->f[k + i] - G[i];
-            G_end[i] = w->f_end[k + i] - G_end[i];
-            before[i] = p[k + i] + low[k + i] + w->spare[k + i] + (ends ? half * G[i] : 0);
+            const size_t k = at.rate + i * at.step;
+            G[i] = w->f[k] - G[i];
+            G_end[i] = w->f_end[k] - G_end[i];
+            before[i] = p[k] + low[k] + w->pull[k] + (ends ? half * G[i] : 0);
         }
         pk_turn_added((1 - yy) / (1 + yy), back, before, turned);
         pk_cayley_turn(y, -1, G, torque);
         for (size_t i = 0; i < 3; i++) {
+            const size_t k = at.rate + i * at.step;
             const pk_real force = ends ? half * (G[i] + G_end[i]) : w->h * torque[i];
-            p[k + i] = pk_sum(p[k + i], w->spare[k + i] + force + turned[i], &low[k + i]);
+            p[k] = pk_sum(p[k], w->pull[k] + force + turned[i], &low[k]);
         }
     }
 }
@@ -98,10 +100,11 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     pk_real *q = pk_part(w->to, n, PK_Q), *v = pk_part(w->to, n, PK_V);
     pk_real *p = pk_part(w->to, n, PK_P), *low_p = pk_part(w->to, n, PK_LOW_X);
     guess(it, w, v);
-    if (!(it->own->flags & PK_HAVE_A)) { /* here: that M and the forces are of this state */
+    const int known = it->own->flags & PK_HAVE_A; /* here: that M and the forces are of this state */
+    if (!known)
         pk_variational_momenta(it, w->t, q, v, w->spare, w->f_start);
+    if (!known || !w->whole) /* [M J^T; J 0] is in memory of the system, where others write too */
         PK_TRY(pk_variational_mass(it, w, w->t, q, v));
-    }
     it->own->flags &= ~PK_HAVE_A;
     PK_TRY(pk_variational_solve(it, w));
     add_momenta(w, p, low_p);
@@ -113,9 +116,11 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     memcpy(pk_part(w->to, n, PK_LOW_Q), w->low_q, n * sizeof *q);
     memcpy(v + w->m, w->v_end + w->m, (n - w->m) * sizeof *v);
     memcpy(low_p + w->m, w->low_v + w->m, (n - w->m) * sizeof *v);
-    for (size_t k = w->m; k < w->states; k += 4)
-        if (pk_normalise(v + k, low_p + k, 1) < 0)
+    for (size_t r = 0; r < w->turned; r++) {
+        const struct pk_turning at = pk_variational_turning(w, r);
+        if (pk_normalise(v + at.number, low_p + at.number, at.step) < 0)
             return PK_NOT_FINITE;
+    }
     memcpy(p + w->m, v + w->m, (n - w->m) * sizeof *v);
     if (!pk_all_finite(q, w->rotation) || !pk_all_finite(p, n))
         return PK_NOT_FINITE;

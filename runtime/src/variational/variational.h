@@ -40,31 +40,46 @@ struct pk_variational_work {
     pk_real *f_start;               /* forces where this part begins */
     pk_real *q_at, *v_at;           /* the middle; of ends, the start by V */
     pk_real *q_end, *v_end, *low_q, *low_v; /* the end and its low parts */
-    pk_real *kick, *root, *spare;           /* mu; roots of the diagonal of M */
+    pk_real *kick, *pull, *root, *spare;    /* mu, J^T mu; roots of the diagonal of M */
     pk_real *last_V, *last_h;               /* of the part before, for the guess; 1 number */
     pk_real *kept, *kept_kick, *slope; /* of a shorter step: V, kick, how V goes on from there */
     pk_real *pivot, *A_pivot;          /* of lu; of at.A in the step */
-    /* n by n: J at the start; the matrix of Newton's method, factored. */
+    /* n by n: J at the start; the matrix of Newton's method, factored. Not of families, which are
+     * solved by M, or [M J^T; J 0] where there are rows, in the memory of the system. */
     pk_real *J, *lu;
+    int whole;
 };
+
+/* Where rotation r is among rates. */
+static inline struct pk_turning pk_variational_turning(const struct pk_variational_work *w,
+                                                       size_t r)
+{
+    return pk_system_turning(w->at.system, w->at.params, r);
+}
 
 /* Where all that stands in it->own->work. */
 struct pk_variational_work pk_variational_parts(const struct pk_integrator *it);
+size_t pk_variational_size(const struct pk_method *method, const struct pk_problem *problem,
+                           size_t n);
 /* n each: p and dp/dt of L alone at a state; of quaternions and states themselves and their rates.
  */
-size_t pk_variational_size(const struct pk_method *method, size_t n);
 void pk_variational_momenta(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                             pk_real *p, pk_real *pdot);
-/* M there, factored into w->at.M, m by m, and w->root; PK_SINGULAR_MASS, PK_NOT_FINITE. */
+/* M there, factored, of families under constraints with their rows, and w->root; PK_SINGULAR_MASS,
+ * PK_NOT_FINITE, PK_NO_PROJECTION. x = M^-1 x by it, of such families as far as rows let it move. */
 enum pk_status pk_variational_mass(struct pk_integrator *it, struct pk_variational_work *w,
                                    pk_real t, const pk_real *q, const pk_real *v);
+/* Of M that is there, the rows: their residuals, and J M^-1 J^T factored. */
+enum pk_status pk_variational_rows(struct pk_integrator *it, struct pk_variational_work *w,
+                                   const pk_real *q, const pk_real *v);
+void pk_variational_by_mass(const struct pk_variational_work *w, pk_real *x);
 /* The end of the step by V, and its middle. */
 void pk_variational_reach(struct pk_variational_work *w);
 /* Momenta and forces by V, at the middle, or at the start and at the end; whether they are finite.
  */
 int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work *w);
 /* r(V), n numbers, of what pk_variational_evaluate() left; 0 of quaternions. */
-void pk_variational_residual(const struct pk_variational_work *w, pk_real *r);
+void pk_variational_residual(const struct pk_variational_work *w, pk_real *out);
 /* The largest of w->scale. */
 pk_real pk_variational_most(const struct pk_variational_work *w);
 /* w->dV, which holds r(V), becomes the correction of V, and w->kick is corrected: by M, or by

@@ -18,29 +18,30 @@ static pk_real fastest(const struct pk_variational_work *w, const pk_real *v, co
     return most;
 }
 
-/* Onto J v + j0 = 0: what is left of it before, beside its terms. A row may be of rates that are
- * rounding alone, as those across the axle of a body that spins: the fastest tells what that is. */
-static pk_real tangent(struct pk_variational_work *w, const pk_real *q, pk_real most, pk_real *v,
-                       pk_real *p, pk_real *low_p)
+/* What is left of J v + j0 beside its terms. A row may be of rates that are rounding alone, as those
+ * across the axle of a body that spins: the fastest tells what that is. */
+static pk_real turned(struct pk_variational_work *w, const pk_real *q, pk_real most,
+                      const pk_real *v)
 {
     struct pk_projection *at = &w->at;
-    pk_real worst = 0;
+    pk_real worst = 0, *all = at->mu;
     pk_project_rows(at, q, v);
     pk_project_terms(at, q, v);
-    for (size_t i = 0; i < w->c; i++) {
-        pk_real all = 0;
-        for (size_t k = 0; k < w->m; k++)
-            all += pk_abs(at->J[i * w->n + k]) / w->root[k];
-        worst = pk_max(worst, pk_abs(at->rate[i]) / pk_max(at->rate_size[i], all * most));
-        at->mu[i] = at->rate[i];
-    }
-    pk_ldl_solve(at->A, w->c, at->mu);
+    pk_project_slopes(at, q, v, at->J, w->c, all);
     for (size_t i = 0; i < w->c; i++)
-        for (size_t k = 0; k < w->m; k++) {
-            v[k] -= at->mu[i] * at->W[i * w->m + k];
-            p[k] = pk_sum(p[k], -at->mu[i] * at->J[i * w->n + k], &low_p[k]);
-        }
+        worst = pk_max(worst, pk_abs(at->rate[i]) / pk_max(at->rate_size[i], all[i] * most));
     return worst;
+}
+
+/* v += d, and p += J^T mu of these rows' force. */
+static void correct(struct pk_variational_work *w, const pk_real *q, const pk_real *d, pk_real sign,
+                    pk_real *v, pk_real *p, pk_real *low_p)
+{
+    pk_project_pull(&w->at, q, v, w->at.J, w->c, w->at.mu, w->spare);
+    for (size_t k = 0; k < w->m; k++) {
+        v[k] += sign * d[k];
+        p[k] = pk_sum(p[k], sign * w->spare[k], &low_p[k]);
+    }
 }
 
 /* M at the end, and J M^-1 J^T there. */
@@ -50,12 +51,26 @@ static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_w
     PK_TRY(pk_variational_mass(it, w, w->end, q, v));
     if (!w->c)
         return PK_DONE;
-    pk_project_rows(&w->at, q, v);
-    const size_t singular = pk_project_factor(&w->at, w->c, q, v);
-    it->where = singular ? singular - 1 : 0;
-    if (!singular)
-        pk_project_seen(it, &w->at);
-    return singular ? PK_NO_PROJECTION : PK_DONE;
+    if (w->whole)
+        PK_TRY(pk_variational_rows(it, w, q, v));
+    pk_project_seen(it, &w->at);
+    return PK_DONE;
+}
+
+/* Of families under constraints: M d - J^T mu = p - p(v), J d = -(J v + j0) at once. */
+static pk_real both(struct pk_variational_work *w, const pk_real *q, pk_real *v, pk_real *p,
+                    pk_real *low_p)
+{
+    struct pk_projection *at = &w->at;
+    pk_real left = turned(w, q, fastest(w, v, p), v), most;
+    for (size_t i = 0; i < w->c; i++)
+        at->mu[i] = -at->rate[i];
+    at->system->constraints.solve(at->params, w->dV, at->mu, w->dV, at->mu);
+    correct(w, q, w->dV, 1, v, p, low_p);
+    most = fastest(w, v, p);
+    for (size_t k = 0; k < w->m; k++)
+        left = pk_max(left, pk_abs(w->dV[k]) * w->root[k] / most);
+    return left;
 }
 
 enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variational_work *w,
@@ -73,15 +88,22 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
         left = 0;
         for (size_t k = 0; k < w->m; k++)
             w->dV[k] = p[k] - w->p[k];
-        pk_ldl_solve(w->at.M, w->m, w->dV);
-        for (size_t k = 0; k < w->m; k++) {
-            v[k] += w->dV[k];
-            left = pk_max(left, pk_abs(w->dV[k]) * w->root[k]);
+        if (w->c && !w->whole) {
+            left = both(w, q, v, p, low_p);
+        } else {
+            pk_variational_by_mass(w, w->dV);
+            for (size_t k = 0; k < w->m; k++) {
+                v[k] += w->dV[k];
+                left = pk_max(left, pk_abs(w->dV[k]) * w->root[k]);
+            }
+            const pk_real most = fastest(w, v, p);
+            left /= most;
+            if (w->c) {
+                left = pk_max(left, turned(w, q, most, v));
+                pk_project_solve(&w->at, w->c, w->at.rate);
+                correct(w, q, w->at.d, -1, v, p, low_p);
+            }
         }
-        const pk_real most = fastest(w, v, p);
-        left /= most;
-        if (w->c)
-            left = pk_max(left, tangent(w, q, most, v, p, low_p));
         if (left <= SMALL)
             return pk_all_finite(v, w->m) ? PK_DONE : PK_NOT_FINITE;
     }

@@ -21,18 +21,20 @@ void pk_variational_reach(struct pk_variational_work *w)
         w->q_at[k] += half * w->V[k];
     }
     for (size_t r = 0; r < w->turned; r++) {
-        const size_t at = w->m + 4 * r;
-        const pk_real *omega = w->V + w->rotation + 3 * r;
+        const struct pk_turning at = pk_variational_turning(w, r);
+        pk_real Q[4], omega[3], added[4], middle[4];
+        pk_gather(Q, v + at.number, 4, at.step);
+        pk_gather(omega, w->V + at.rate, 3, at.step);
         const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
         const pk_real yy = pk_dot3(y, y), weight = 2 / (1 + yy);
         const pk_real u[3] = {weight * y[0], weight * y[1], weight * y[2]};
-        pk_real added[4];
-        pk_quaternion_times(v + at, -weight * yy, u, added);
-        for (size_t i = 0; i < 4; i++)
-            w->v_end[at + i] = pk_sum(v[at + i], added[i], &w->low_v[at + i]);
-        pk_quaternion_times(v + at, 1, y, w->v_at + at);
-        for (size_t i = 0; i < 4; i++)
-            w->v_at[at + i] /= PK_F(sqrt)(1 + yy);
+        pk_quaternion_times(Q, -weight * yy, u, added);
+        pk_quaternion_times(Q, 1, y, middle);
+        for (size_t i = 0; i < 4; i++) {
+            const size_t k = at.number + i * at.step;
+            w->v_end[k] = pk_sum(Q[i], added[i], &w->low_v[k]);
+            w->v_at[k] = middle[i] / PK_F(sqrt)(1 + yy);
+        }
     }
     for (size_t k = w->states; k < n; k++) {
         w->v_end[k] = pk_sum(v[k], w->h * w->V[k], &w->low_v[k]);
@@ -59,38 +61,37 @@ int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work
 /* Of p0 with the kick. */
 static pk_real start(const struct pk_variational_work *w, size_t k)
 {
-    pk_real p = pk_part(w->to, w->n, PK_P)[k];
-    for (size_t i = 0; i < w->c; i++)
-        p += w->J[i * w->n + k] * w->kick[i];
-    return p;
+    return pk_part(w->to, w->n, PK_P)[k] + w->pull[k];
 }
 
-void pk_variational_residual(const struct pk_variational_work *w, pk_real *r)
+void pk_variational_residual(const struct pk_variational_work *w, pk_real *out)
 {
     const int ends = w->table->ends;
     const pk_real half = w->h / 2;
     for (size_t k = 0; k < w->rotation; k++) {
         const pk_real p = ends ? (w->p[k] + w->p_end[k]) / 2 : w->p[k];
-        r[k] = (p - start(w, k)) - half * w->f[k];
+        out[k] = (p - start(w, k)) - half * w->f[k];
     }
-    for (size_t k = w->rotation; k < w->m; k += 3) {
-        const pk_real *omega = w->V + k;
+    for (size_t r = 0; r < w->turned; r++) {
+        const struct pk_turning at = pk_variational_turning(w, r);
+        pk_real omega[3], Pi[3], G[3], P[3], across[3];
+        pk_gather(omega, w->V + at.rate, 3, at.step);
+        pk_gather(Pi, w->p + at.rate, 3, at.step);
         const pk_real y[3] = {w->h * omega[0] / 4, w->h * omega[1] / 4, w->h * omega[2] / 4};
-        pk_real G[3], P[3], across[3];
-        pk_cross(w->p + k, omega, G);
+        pk_cross(Pi, omega, G);
         for (size_t i = 0; i < 3; i++) {
-            G[i] = w->f[k + i] - G[i];
-            P[i] = start(w, k + i) + (ends ? half * G[i] : 0);
+            const size_t k = at.rate + i * at.step;
+            G[i] = w->f[k] - G[i];
+            P[i] = start(w, k) + (ends ? half * G[i] : 0);
+            Pi[i] = ends ? (Pi[i] + w->p_end[k]) / 2 : Pi[i];
         }
         pk_cayley_turn(y, -1, P, P);
         pk_cross(y, G, across);
         for (size_t i = 0; i < 3; i++) {
-            const pk_real Pi = ends ? (w->p[k + i] + w->p_end[k + i]) / 2 : w->p[k + i];
-            r[k + i] = (Pi - P[i]) + pk_dot3(y, y) * Pi;
-            if (!ends)
-                r[k + i] -= half * (G[i] - across[i]);
+            const pk_real torque = ends ? 0 : half * (G[i] - across[i]);
+            out[at.rate + i * at.step] = (Pi[i] - P[i]) + pk_dot3(y, y) * Pi[i] - torque;
         }
     }
     for (size_t k = w->m; k < w->n; k++)
-        r[k] = k < w->states ? 0 : w->V[k] - (ends ? (w->f[k] + w->f_end[k]) / 2 : w->f[k]);
+        out[k] = k < w->states ? 0 : w->V[k] - (ends ? (w->f[k] + w->f_end[k]) / 2 : w->f[k]);
 }

@@ -23,7 +23,7 @@ static size_t place(const struct pk_variational_work *w, size_t i)
 static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
 {
     if (!newton) {
-        pk_ldl_solve(w->at.M, w->m, x);
+        pk_variational_by_mass(w, x);
         return;
     }
     for (size_t i = w->m; i < unknowns(w); i++)
@@ -127,6 +127,17 @@ static int constrain(struct pk_variational_work *w, int newton)
     return w->h < 0 && c % 2 ? -sign : sign;
 }
 
+/* Of families, by [M J^T; J 0] at the start: J at the end is that, but for what a step changes. */
+static void constrain_by_mass(const struct pk_variational_work *w)
+{
+    pk_real *mu = w->at.mu;
+    for (size_t i = 0; i < w->c; i++)
+        mu[i] = -w->at.phi[i] / w->h;
+    w->at.system->constraints.solve(w->at.params, w->dV, mu, w->dV, mu);
+    for (size_t i = 0; i < w->c; i++)
+        w->kick[i] += mu[i];
+}
+
 int pk_variational_correction(struct pk_integrator *it, struct pk_variational_work *w, int newton)
 {
     int sign = newton ? differences(it, w) : 1;
@@ -134,7 +145,11 @@ int pk_variational_correction(struct pk_integrator *it, struct pk_variational_wo
         return 0;
     for (size_t k = 0; k < w->n; k++)
         w->dV[k] = -w->dV[k];
-    solve(w, newton, w->dV);
     it->count.iterations++;
+    if (w->c && !w->whole) {
+        constrain_by_mass(w);
+        return sign;
+    }
+    solve(w, newton, w->dV);
     return w->c ? sign * constrain(w, newton) : sign;
 }

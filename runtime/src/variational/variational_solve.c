@@ -27,29 +27,34 @@ enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, PATIENCE = 12 };
 #define ROUND PK_C(4.0)
 #define STALLED (PK_C(1024.0) * PK_EPS)
 
-/* How far number k moves in a step, or the attitude that it turns: its components mix. */
-static pk_real moved(const struct pk_variational_work *w, size_t k)
+/* How far numbers move in a step, or the attitudes that they turn: their components mix. */
+static void set_moved(const struct pk_variational_work *w, pk_real *moved)
 {
-    if (k < w->rotation)
-        return pk_abs(w->h * w->V[k]);
-    const pk_real *turn = w->V + k - (k - w->rotation) % 3;
-    return pk_abs(w->h) * (pk_abs(turn[0]) + pk_abs(turn[1]) + pk_abs(turn[2]));
+    for (size_t k = 0; k < w->rotation; k++)
+        moved[k] = pk_abs(w->h * w->V[k]);
+    for (size_t r = 0; r < w->turned; r++) {
+        const struct pk_turning at = pk_variational_turning(w, r);
+        pk_real turn[3];
+        pk_gather(turn, w->V + at.rate, 3, at.step);
+        for (size_t i = 0; i < 3; i++)
+            moved[at.rate + i * at.step] =
+                pk_abs(w->h) * (pk_abs(turn[0]) + pk_abs(turn[1]) + pk_abs(turn[2]));
+    }
 }
 
 /* phi at the end, in units of the rounding of its terms and of q1 = q0 + h V; J there. */
 static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
 {
     struct pk_projection *at = &w->at;
-    pk_real worst = 0;
+    pk_real worst = 0, *size = at->mu;
     at->t = w->end;
     at->u = pk_eval_input(it, w->end);
     pk_project_rows(at, w->q_end, w->v_end);
     pk_project_terms(at, w->q_end, w->v_end);
+    set_moved(w, w->spare);
+    pk_project_spread(at, w->q_end, w->v_end, at->J, w->c, w->spare, size);
     for (size_t i = 0; i < w->c; i++) {
-        pk_real size = at->phi_size[i] + PK_TINY;
-        for (size_t k = 0; k < w->m; k++)
-            size += pk_abs(at->J[i * w->n + k]) * moved(w, k);
-        const pk_real ratio = pk_abs(at->phi[i]) / (PK_EPS * size);
+        const pk_real ratio = pk_abs(at->phi[i]) / (PK_EPS * (at->phi_size[i] + PK_TINY + size[i]));
         worst = ratio <= worst ? worst : ratio; /* what is no number gets through */
     }
     return worst;
@@ -71,7 +76,12 @@ static void set_scale(struct pk_variational_work *w)
         const pk_real sum = pk_max(pk_abs(p[k]), pk_abs(w->h * w->f[k]));
         w->scale[k] = pk_max(w->scale[k], sum / (w->root[k] * w->root[k]));
     }
-    for (size_t i = 0; i < w->c; i++) {
+    if (w->c && !w->whole) { /* by the way that is shortest in the metric of M */
+        w->at.system->constraints.solve(w->at.params, NULL, w->at.phi_size, w->spare, w->at.mu);
+        for (size_t k = 0; k < w->m; k++)
+            w->scale[k] = pk_max(w->scale[k], pk_abs(w->spare[k] / w->h));
+    }
+    for (size_t i = 0; i < w->c && w->whole; i++) {
         const pk_real *J = w->at.J + i * w->n;
         pk_real all = PK_TINY;
         for (size_t k = 0; k < w->m; k++)
@@ -110,6 +120,15 @@ static pk_real corrected(const struct pk_variational_work *w, pk_real share)
     return size;
 }
 
+/* J^T mu at the start, of the kick. */
+static void pull(struct pk_integrator *it, struct pk_variational_work *w)
+{
+    w->at.t = w->t;
+    w->at.u = pk_eval_input(it, w->t);
+    pk_project_pull(&w->at, pk_part(w->to, w->n, PK_Q), pk_part(w->to, w->n, PK_V), w->J, w->c,
+                    w->kick, w->pull);
+}
+
 /* 1 where it converged. *sign: of the determinant of Newton's last matrix. */
 static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int newton, int *sign)
 {
@@ -120,6 +139,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
     int small = 0, idle = 0;
     w->worst = 0;
     for (int count = 0; count <= most && idle < PATIENCE; count++) {
+        pull(it, w);
         if (!pk_variational_evaluate(it, w))
             return 0;
         pk_variational_residual(w, w->dV);
@@ -167,7 +187,7 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
         w->kept[k] = k < w->m ? v[k] : k < w->states ? 0 : w->f_start[k];
         w->slope[k] = k < w->m ? h / 2 * w->f_start[k] : 0;
     }
-    pk_ldl_solve(w->at.M, w->m, w->slope);
+    pk_variational_by_mass(w, w->slope);
     memset(w->kept_kick, 0, bytes);
     while (made < 1) {
         const pk_real next = made + part < 1 ? made + part : 1;
@@ -206,7 +226,7 @@ static int is_gentle(struct pk_variational_work *w)
         const pk_real d = w->table->ends ? w->p_end[k] - w->p[k] : w->h * (w->f[k] - w->f_start[k]);
         w->dV[k] = k < w->m ? d / 2 : 0;
     }
-    pk_ldl_solve(w->at.M, w->m, w->dV);
+    pk_variational_by_mass(w, w->dV);
     for (size_t k = 0; k < w->m; k++)
         if (!(pk_abs(w->dV[k]) <= GENTLE * w->scale[k]))
             return 0;
@@ -216,14 +236,14 @@ static int is_gentle(struct pk_variational_work *w)
 enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variational_work *w)
 {
     int sign = 1;
-    if (w->c)
+    if (w->c && w->whole)
         it->problem.system->constraints.jacobian(
             it->problem.params, w->t, pk_part(w->to, w->n, PK_Q), pk_part(w->to, w->n, PK_V),
             pk_eval_input(it, w->t), w->J, w->at.rate);
     const int converged = iterate(it, w, 0, &sign);
     if (converged && sign > 0 && w->worst <= FAST && is_gentle(w))
         return PK_DONE;
-    if (it->options.iteration != PK_FIXED_POINT)
+    if (w->whole && it->options.iteration != PK_FIXED_POINT)
         return follow(it, w);
     it->where = PK_BY_FIXED_POINT;
     return PK_NO_CONVERGENCE;

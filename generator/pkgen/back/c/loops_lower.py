@@ -195,7 +195,8 @@ class _Context:
             "totals": plan.totals,
             "pairs": plan.pairs,
             "vectors": kernels,
-            "with_mass": "mass" in self.kernels,
+            "with_mass": {"mass", "inertia"} & self.kernels,
+            "with_inertia": e.bound or ("inertia" in self.kernels and not e.carried),
             "with_canonical": "canonical" in self.kernels,
             "with_multipliers": self.with_multipliers,
             "scalar_kernels": [k for k in TOTALS if k in plan.totals],
@@ -255,7 +256,7 @@ class _Context:
             name: {"name": name, "result": KERNELS[name].result, "given": ()}
             | {"outputs": [{"name": output} for output in found[name]]}
             for name in KERNELS
-            if name in found and name not in ("mass", "jacobian")
+            if name in found and name not in ("mass", "jacobian", "inertia")
         }
 
     def _there(self, kernel: str) -> bool:

@@ -122,7 +122,7 @@ def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
     watched = {"momenta"} if watches_momenta(e) else set()
     if e.carried:
         return frozenset(named if wanted is None else named & wanted | {"force"} | watched)
-    named |= {"mass", "jacobian", "advance"}
+    named |= {"mass", "inertia", "jacobian", "advance"}
     if wanted is None:
         return frozenset(named)
     alone = divides(e) and not e.force.pairs  # a row of the acceleration is made by itself

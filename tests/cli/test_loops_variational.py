@@ -1,0 +1,79 @@
+"""Variational steps of families kept as loops, solved by M and rows of constraints in their bands.
+Beside the same steps of members written out, whose matrices are whole."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+from conftest import rows
+from loop_runs import bodies, rope
+from rotation_models import made
+from test_loops_features import both  # noqa: F401 (a fixture)
+
+MADE = {
+    "rope": (rope, (0, 1, 2, 3, 4, 6, 9, 10)),
+    "bodies": (bodies, (0, 2, 4, 5, 6, 7)),
+    "spins": (lambda dice: made(dice, 3).text, range(8)),
+}
+METHODS = ("rattle", "lie_midpoint", "rattle4", "lie_midpoint6")
+QUICK = {("rope", 3), ("spins", 1)}
+CASES = [
+    pytest.param(name, seed, METHODS[(seed + k) % 4], marks=[] if quick else pytest.mark.long)
+    for k, (name, (_, seeds)) in enumerate(MADE.items())
+    for seed in seeds
+    for quick in [(name, seed) in QUICK]
+]
+
+
+@pytest.mark.parametrize(("name", "seed", "method"), CASES)
+def test_steps_are_those_of_members_written_out(
+    name: str,
+    seed: int,
+    method: str,
+    both,  # noqa: F811
+) -> None:
+    text = MADE[name][0](random.Random(seed))
+    words = ("--until", 0.4, "--every", 0.1, "--method", method, "--step", 0.02)
+    (loops, _), (written, _) = both(text, *words, "--max-seconds", 60)
+    assert len(loops) == len(written) == 5
+    for one, other in zip(loops, written, strict=True):
+        # Rotations stand one behind the other if written out.
+        assert sorted(one) == pytest.approx(sorted(other), rel=1e-10, abs=1e-10), text
+    assert loops[0][1:] != loops[-1][1:]
+
+
+ROPE = """\
+model rope
+size N = 40
+param l = 1/N in (0, inf)
+coord x[1..N], y[1..N]
+fixed x[0] = 0, y[0] = 0
+kinetic sum(l*(x[i]'^2 + y[i]'^2)/2, i = 1..N)
+potential sum(l*9.81*y[i], i = 1..N)
+constraint rod[i = 1..N]: (x[i] - x[i-1])^2 + (y[i] - y[i-1])^2 = l^2
+start x[i = 1..N] = i*l*cos(1), y[i = 1..N] = -i*l*sin(1)
+"""
+
+
+def test_a_long_rope_keeps_its_energy_and_rods_by_rattle_alone(pkgen, tmp_path: Path) -> None:
+    """Order 2, and no drift: of rk2 at the same step the energy leaves."""
+    model = tmp_path / "rope.lag"
+    model.write_text(ROPE)
+
+    def drift(method: str, step: float) -> float:
+        how = ("--method", method, "--step", step, "--until", 2, "--every", 0.1)
+        found = rows(pkgen, model, *how, "--record", "energy")
+        return max(abs(row["energy"] - found[0]["energy"]) for row in found)
+
+    coarse, fine = drift("rattle", 2e-3), drift("rattle", 1e-3)
+    assert 3 < coarse / fine < 5
+    assert 0 < coarse < drift("rk2", 2e-3) / 100
+
+
+def test_a_step_that_is_too_long_says_what_to_do(pkgen, tmp_path: Path) -> None:
+    model = tmp_path / "rope.lag"
+    model.write_text(ROPE)
+    done = pkgen("run", model, "--method", "rattle", "--step", 0.3, "--until", 3)
+    assert done.returncode == 4 and "or gauss2" in done.stderr, done.stderr
