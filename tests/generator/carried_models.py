@@ -105,9 +105,9 @@ EACH = (
 BEYOND = ("free q\n", "free q[0]\nfixed q[N+1] = 0.2*t\n", "periodic q\n")
 
 
-def tied_links(dice: random.Random) -> str:
+def tied_links(dice: random.Random, tied: bool = True) -> str:
     """A chain with rows of constraints, and with inertia across ends that are free or periodic;
-    at least one of these. r is a family beside it, w an input that is in every row."""
+    at least one of these where it is to be `tied`. r is a family beside it, w an input that is in every row."""
     text = links(dice).replace("model links", "model tied").replace("r[", "o[")
     start = text.index("start ")
     text, start = text[:start], text[start:]
@@ -132,6 +132,7 @@ def tied_links(dice: random.Random) -> str:
     rows += [dice.choice(others)] * (dice.random() < 0.6)
     if not (rows or across):
         rows = [ROWS[0]]
+    rows = rows if tied else []
     for row in rows:
         text += row.format(x=_Place(place["x"]), y=_Place(place["y"])) + "\n"
     if rows:

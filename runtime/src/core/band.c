@@ -223,7 +223,7 @@ static struct pk_ldl lower(const struct pk_band *b)
                            b->corner};
 }
 
-size_t pk_band_ldl_factor(const struct pk_band *b)
+size_t pk_band_ldl_factor(const struct pk_band *b, const pk_real *place)
 {
     if (!b->rows)
         return pk_ldl_factor(b->corner, b->border);
@@ -231,7 +231,8 @@ size_t pk_band_ldl_factor(const struct pk_band *b)
     for (ptrdiff_t i = 0; i < A.rows + A.border; i++) {
         pk_real *diagonal = pk_ldl_entry(&A, i, i), added;
         const pk_real pivot = pk_ldl_pivot(&A, i, &added);
-        if (!(pivot > PK_PIVOT_MIN * *diagonal) || !(pivot > 0) || !pk_finite(pivot))
+        const int row = place && place[i] < 0 && pivot < 0;
+        if (!pk_finite(pivot) || !(row || (pivot > PK_PIVOT_MIN * *diagonal && pivot > 0)))
             return 1 + (size_t)i;
         *diagonal = 1 / pivot;
     }

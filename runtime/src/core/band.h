@@ -44,8 +44,9 @@ int pk_band_factor(const struct pk_band *band);
 /* x = A^-1 x of what is factored. */
 void pk_band_solve(const struct pk_band *band, pk_real *x);
 /* A = L D L^T in place, A symmetric: what is above the diagonal is not read, nor `right`. 0, or
- * 1 + i where pivot i is not positive, as of pk_ldl_factor(). */
-size_t pk_band_ldl_factor(const struct pk_band *band);
+ * 1 + i where pivot i is not positive, as of pk_ldl_factor(); where place[i] < 0 (NULL: nowhere) it
+ * may be negative, of a row that is no coordinate's. */
+size_t pk_band_ldl_factor(const struct pk_band *band, const pk_real *place);
 void pk_band_ldl_solve(const struct pk_band *band, pk_real *x);
 
 #endif

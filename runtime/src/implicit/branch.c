@@ -164,16 +164,15 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
     return pk_gauss_residual(it, w) && (off < STRAIGHT * most || off <= PK_GAUSS_ROUND);
 }
 
-/* M at the stages, of w->jacobian, must be positive definite: at the ends it is seen anyway. */
+/* M at the stages must be positive definite: at the ends it is seen anyway. */
 static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss_work *w)
 {
     const size_t n = it->n;
     for (size_t i = 0; i < w->s; i++) {
-        pk_gauss_mass_alone(w, w->jacobian + i * 4 * w->nn, w->M);
+        const pk_real t = it->t + w->c[i] * it->own->h;
+        pk_gauss_mass(it, t, w->Q + i * n, w->V + i * n, w->M);
         const int failed = pk_gauss_mass_factor(w, w->M);
         if (failed) {
-            const pk_real t = it->t + w->c[i] * it->own->h;
-            pk_eval_input(it, t);
             return pk_eval_failed(it, t, w->Q + i * n, w->V + i * n, failed);
         }
     }

@@ -123,8 +123,6 @@ int pk_gauss_small(const struct pk_gauss_work *w);
  * factored, x by coordinates. */
 int pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M);
 void pk_gauss_mass_solve(const struct pk_gauss_work *w, pk_real *M, pk_real *x);
-/* M of derivatives J, which may have more; see `closed` of struct pk_part_families. */
-void pk_gauss_mass_alone(const struct pk_gauss_work *w, const pk_real *J, pk_real *M);
 /* A matrix whose inverse is no less than |M^-1|, entry by entry, where it is positive definite:
  * A. M. Ostrowski, Comment. Math. Helv. 10 (1937) 69. */
 void pk_gauss_compare(const struct pk_gauss_work *w, pk_real *M);

@@ -72,28 +72,19 @@ void pk_gauss_solve_with(const struct pk_gauss_work *w, pk_real *A, const pk_rea
     pk_gauss_to_coordinates(w, 1, of_y, y);
 }
 
-void pk_gauss_mass_alone(const struct pk_gauss_work *w, const pk_real *J, pk_real *M)
-{
-    const struct pk_band A = pk_gauss_band(w, M);
-    memcpy(M, J, w->nn * sizeof *M);
-    for (size_t i = 0; i < w->places && w->closed; i++)
-        for (size_t j = i < A.rows && i > A.below ? i - A.below : 0; j <= i; j++)
-            if (w->place[i] < 0 || w->place[j] < 0) {
-                pk_real *x = pk_band_entry(&A, i, j), *y = pk_band_entry(&A, j, i);
-                *x = *y = i == j;
-            }
-}
-
 int pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M)
 {
     const struct pk_band band = pk_gauss_band(w, M);
     for (size_t i = 1; i < w->places && w->pattern.dense && w->places < w->n; i++)
         memmove(M + i * w->places, M + i * w->n, w->places * sizeof *M); /* shorter rows */
-    const size_t failed = pk_band_ldl_factor(&band);
-    if (!failed)
+    size_t at = pk_band_ldl_factor(&band, w->pattern.dense ? NULL : w->place);
+    if (!at--)
         return 0;
-    return PK_FAILED(PK_FAILURE_MASS,
-                     w->pattern.dense ? failed - 1 : pk_index(w->place[failed - 1], w->n));
+    while (!w->pattern.dense && at && w->place[at] < 0) /* of what it moves */
+        at--;
+    return PK_FAILED(PK_FAILURE_MASS, w->pattern.dense     ? at
+                                      : w->place[at] < 0 ? 0
+                                                         : pk_index(w->place[at], w->n));
 }
 
 void pk_gauss_mass_solve(const struct pk_gauss_work *w, pk_real *M, pk_real *x)

@@ -141,9 +141,11 @@ class Places:
 
     def carried(self, kind: str, name: str, at: Affine) -> tuple[str, Affine]:
         """The array in which a carried value is, its rate or acceleration, and where there: of
-        kind "w" and "d" both lie behind the rates, which follow q."""
+        kind "w" and "d" both lie behind the rates, which follow q, and then what hangs on it."""
         place, own = self.flat(name, at), self.equations.count
         behind = {"w": self.whole.times(2), "d": self.whole.times(3) - own}
+        behind["hung_p"] = self.whole.times(4) - own.times(2)
+        behind["hung_f"] = self.whole.times(5) - own.times(3)
         return ("q", place - own + behind[kind]) if kind in behind else (kind, place)
 
     def member(self, name: str, at: Affine | None) -> str:

@@ -201,7 +201,11 @@ class Carrying:
 
     # -- back to what they are made of ----------------------------------------------------------
 
-    def _gathered(self, low: bool, moving: bool) -> Block:
+    def hung(self, low: bool) -> Block:
+        """The same, with what has gathered at a place's own carried values."""
+        return self._gathered(low, True, own=True)
+
+    def _gathered(self, low: bool, moving: bool, own: bool = False) -> Block:
         """What a place adds to lower ones; with `moving` of dL/dq and momenta, which go over to
         dL/dq as well, since rates are made of coordinates too."""
         known: dict[str, Node] = {}
@@ -216,17 +220,17 @@ class Carrying:
 
         for item in reversed(self.e.carried):
             name = item.group.name
-            own = (0, self.number[name])
+            cell = (0, self.number[name])
             slopes = list(self.slope(name, low))
             changes = dict(self.slope(name, low, change=True))
-            force, momentum = value(self.cell(own)), value(self.cell(own, "pushes"))
+            force, momentum = value(self.cell(cell)), value(self.cell(cell, "pushes"))
             for at, slope in slopes:
                 terms = [self.g.multiply(slope, force)]
                 if moving:
                     terms.append(self.g.multiply(changes[at], momentum))
                     add(self.cell(at, "pushes"), self.g.multiply(slope, momentum))
                 add(self.cell(at), *terms)
-        kept = [text for text in changed if not self._is_carried_now(text)]
+        kept = [text for text in changed if own or not self._is_carried_now(text)]
         return Block([Target(STORE, text, (known[text],)) for text in kept], INNER)
 
     def _is_carried_now(self, text: str) -> bool:

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from ...middle.loops.loops import LoopEquations
-from .loops import Block, Places
+from ...middle.loops.parts import Group
+from .loops import Block, M, Places
 from .loops_carried import Carrying
 from .loops_elimination import Elimination, of_scalars
 from .loops_sets import Builder
@@ -20,10 +21,11 @@ NEEDS = {"force": "force", "momenta": "force", "gradient": "motion", "canonical"
 class Chain:
     """Of one model; the graph may grow."""
 
-    def __init__(self, e: LoopEquations, places: Places, make: Builder):
+    def __init__(self, e: LoopEquations, places: Places, make: Builder, hung: bool):
         self.carrying = Carrying(e, places, make)
         self.elimination = None if e.extended else Elimination(self.carrying)
         self.last = of_scalars(self.elimination) if self.elimination else None
+        self.hung = {low: self.carrying.hung(low) for low in (False, True)} if hung else {}
 
     @property
     def operations(self) -> Iterator[str]:
@@ -47,7 +49,7 @@ class Chain:
         for levels in of.levels.values():
             for level in levels:
                 yield from level.rows.blocks
-        for found in (of.gathered, of.moved):
+        for found in (of.gathered, of.moved, self.hung):
             yield from found.values()
         if self.elimination:
             for found in (self.elimination.steps, self.elimination.backs):
@@ -66,7 +68,7 @@ def chain_context(chain: Chain | None) -> dict[str, Any] | None:
     lows = [index(at) for at in of.low] or [index(g.lo) for g in of.groups.values()]
     return {
         "rows": [of.places.group(g) for g in of.groups.values()],
-        "groups": [of.places.group(g) for g in e.carried_groups],
+        "groups": [_group(of, g) for g in e.carried_groups],
         "coordinates": [k for k, g in enumerate(of.groups.values()) if not g.is_carried],
         "reach": of.reach,
         "low": list(dict.fromkeys(lows)) if of.low else [],
@@ -78,8 +80,17 @@ def chain_context(chain: Chain | None) -> dict[str, Any] | None:
         "needs": NEEDS,
         "gathered": {low: x.statements for low, x in of.gathered.items()},
         "moved": {low: x.statements for low, x in of.moved.items()},
+        "hung": {low: x.statements for low, x in chain.hung.items()},
         "solved": _solved(chain) if chain.elimination else None,
     }
+
+
+def _group(of: Carrying, g: Group) -> dict[str, Any]:
+    """With its number at a place, and where what hangs on it is kept."""
+    found = of.places.group(g) | {"number": of.number[g.name]}
+    for kind in ("hung_p", "hung_f"):
+        found[kind] = of.places.index(of.places.carried(kind, g.name, M)[1])
+    return found
 
 
 def _solved(chain: Chain) -> dict[str, Any]:

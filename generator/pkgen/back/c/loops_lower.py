@@ -129,6 +129,7 @@ class _Context:
         ]
         main = plan.band or plan.rows["force" if "force" in plan.rows else "acceleration"]
         chain = chain_context(plan.chain)
+        homed = {ids[g.name] for g in e.families}
         parameters = [loops_tables.parameter(e, self.places, k) for k in range(len(e.parameters))]
         system = self._system_kernels()
         # Of the system they have J^T lambda, or p = v and p' = a.
@@ -228,7 +229,12 @@ class _Context:
             "stepper": stepper(e, plan, self.places, self.slots) if fused else None,
             "wraps": any(g.periodic for g in e.families),
             "homes": [
-                s.group for s in main if plan.band or plan.slopes or s.ghosts or s.group["periodic"]
+                s.group
+                for s in main
+                if plan.band
+                or (plan.slopes and s.group["name"] in homed)
+                or s.ghosts
+                or s.group["periodic"]
             ],
         }
 

@@ -15,37 +15,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...graph.graph import ONE, Node
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import Bound, Carried, Group, Part, Row, Slot
+from ...middle.loops.parts import Bound, Carried, Group, Row
+from ...middle.loops.slopes_carried import made
 from ...middle.loops.slots import Slots
-from .loops import M, Places
+from .loops import Places
 
 
 def made_of(e: LoopEquations, places: Places, slots: Slots) -> tuple[Bound, ...]:
-    """C by carried value, itself first; by level, as they are computed."""
-    return tuple(_row(e, item, places, slots) for item in e.carried) if e.extended else ()
+    """C by carried value; by level, as they are computed."""
+    return tuple(_row(e, item, places, slots) for item in e.carried)
 
 
 def _row(e: LoopEquations, item: Carried, places: Places, slots: Slots) -> Bound:
-    own = item.group
-    declared = replace(own.declared, name=places.made[own.name])
-    carried = [g.name for g in e.carried_groups]
-
-    def part(lo, hi, node: Node) -> Part:
-        return Part(lo, hi, node, slots.inside(node, carried))
-
-    entries: dict[tuple[str, int | None], Row] = {
-        (own.name, 0): Row(tuple(part(p.lo, p.hi, ONE) for p in item.pieces))
-    }
-    for slot in dict.fromkeys(z for piece in item.pieces for z in piece.by):
-        slopes = [(p, p.by[slot]) for p in item.pieces if slot in p.by]
-        parts = tuple(part(p.lo, p.hi, slots.graph.negate(node)) for p, node in slopes)
-        entries[slot.name, _shift(slot)] = Row(parts)
-    nothing = Row()
-    group = Group(declared, own.lo, own.hi)
-    return Bound("", group, nothing, nothing, nothing, (nothing, nothing), entries)
-
-
-def _shift(slot: Slot) -> int | None:
-    return None if slot.at is None else (slot.at - M).constant
+    own, nothing = item.group, Row()
+    group = Group(replace(own.declared, name=places.made[own.name]), own.lo, own.hi)
+    sizes = nothing, nothing
+    return Bound("", group, nothing, nothing, nothing, sizes, made(e, slots, item))

@@ -121,6 +121,8 @@ def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
     named = {*VECTORS, *(k for k in TOTALS if getattr(e, k) is not None)}
     watched = {"momenta"} if watches_momenta(e) else set()
     if e.carried:
+        named |= {"jacobian"}
+        watched |= {"canonical"} if wanted is None or "jacobian" in wanted else set()
         return frozenset(named if wanted is None else named & wanted | {"force"} | watched)
     named |= {"mass", "inertia", "jacobian", "advance"}
     if wanted is None:
@@ -165,7 +167,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
         for g in e.scalars:
             total(f"{what}_{ids[g.name]}", getattr(e, what).totals[g.name])
     if e.carried:
-        plan.chain = Chain(e, make.places, make)
+        plan.chain = Chain(e, make.places, make, "jacobian" in kernels)
     elif divides(e):
         plan.rows["mass"] = [make.rows(f"mass_{ids[g.name]}", g, [_own(e, g)]) for g in e.families]
         if not e.force.pairs:
@@ -182,10 +184,8 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
             )
             for g in e.banded
         ]
-    plan.made = made_of(e, make.places, make.interior.slots)
-    for rows in plan.made:
-        name = rows.group.name
-        plan.jacobian[name] = make.rows(f"jacobian_{name}", rows.group, [*rows.entries.values()])
+    if e.extended:
+        _plan_made(e, make, plan)
     _plan_bound(e, make, plan)
     for k, item in enumerate(e.outputs):
         if item.lo is not None:
@@ -197,7 +197,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
     for what in TOTALS:
         if what in kernels:
             total(what, getattr(e, what))
-    if "jacobian" in kernels and not e.carried:
+    if "jacobian" in kernels:
         _plan_slopes(e, make, plan, total)
     plan.singularities = [
         make.total(f"singularity_{k}", singularity.terms, as_derived=True)
@@ -256,6 +256,13 @@ def _rates(e: LoopEquations, make: Builder, g: Group) -> Rates:
     return Rates(make.places.group(g), rows, total, [make.pair(pair) for pair in pairs])
 
 
+def _plan_made(e: LoopEquations, make: Builder, plan: Plan) -> None:
+    plan.made = made_of(e, make.places, make.interior.slots)
+    for rows in plan.made:
+        name = rows.group.name
+        plan.jacobian[name] = make.rows(f"jacobian_{name}", rows.group, [*rows.entries.values()])
+
+
 def _plan_bound(e: LoopEquations, make: Builder, plan: Plan) -> None:
     for rows in e.bound:
         own = rows.group
@@ -293,6 +300,8 @@ def _plan_slopes(e: LoopEquations, make: Builder, plan: Plan, total: Any) -> Non
     except Unrolled:
         return
     plan.slopes_of = slopes
+    if e.carried and not e.extended:
+        _plan_made(e, make, plan)
     plan.reach = _reach(slopes)
     families = [unknown for unknown, _ in slopes.families]
     scalar = {unknown: f"places + {k}" for k, unknown in enumerate(slopes.scalars)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Callable, Iterable
 from typing import TypeVar
 
 from ...graph.affine import ROW, Affine, variable
@@ -14,16 +14,18 @@ from .parts import Part, Row, Total, Unrolled
 from .slots import Slots
 
 M = variable(ROW)
-# "v", "a" or "lambda", and of which family or scalar; "sum" and the number of a total.
+# "v" or the kind of what else there is, and of which family or scalar; "sum" and the number of a
+# total.
 Unknown = tuple[str, str]
 BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")  # slots; "d" is the rate of a cell that is not given
-BY_MORE = ("a", "lambda", "sum")
+BY_MORE = ("a", "lambda", "sum", "hung_p", "hung_f")  # and all of carried values
 BY_TOTALS = ("sum",)
 _OF = {**dict.fromkeys((*BY_PLACE, *BY_RATE), "v"), **{kind: kind for kind in BY_MORE}}
+_OF_CARRIED = {"q": "place", **dict.fromkeys(BY_RATE, "rate"), **{kind: kind for kind in BY_MORE}}
 _MASKS = {
     BY_PLACE: BIT[Kind.COORDINATE],
     BY_RATE: BIT[Kind.RATE] | BIT[Kind.STATE],
-    BY_MORE: BIT[Kind.INPUT],
+    BY_MORE: BIT[Kind.INPUT] | BIT[Kind.COORDINATE] | BIT[Kind.RATE],
     BY_TOTALS: BIT[Kind.INPUT],
 }
 _By = dict[tuple[Unknown, Affine | None], Node]
@@ -55,8 +57,8 @@ class Stated:
 
 
 class Derive:
-    def __init__(self, slots: Slots, fixed: Container[int]):
-        self.slots, self.g = slots, slots.graph
+    def __init__(self, slots: Slots, fixed: frozenset[int], carried: frozenset[str] = frozenset()):
+        self.slots, self.g, self.carried = slots, slots.graph, carried
         self.fixed = fixed  # totals of parameters, which are no unknowns
 
     def by(self, of: Stated) -> Callable[[tuple[str, ...]], Matrix]:
@@ -104,10 +106,13 @@ class Derive:
         found: _By = {}
         for symbol, slope in gradient(self.g, node, _MASKS[kinds]).items():
             slot = self.slots.of(symbol)
-            if slot is not None and slot.kind == "sum" and int(slot.name) in self.fixed:
+            if slope == ZERO or slot is None:
                 continue
-            if slope != ZERO and slot is not None and slot.kind in kinds:
-                key = (_OF[slot.kind], slot.name), slot.at
+            if slot.kind == "sum" and int(slot.name) in self.fixed:
+                continue
+            own = slot.name in self.carried
+            if kinds == BY_MORE if own else slot.kind in kinds:
+                key = ((_OF_CARRIED if own else _OF)[slot.kind], slot.name), slot.at
                 found[key] = self.g.add(found.get(key, ZERO), slope)
         return found
 

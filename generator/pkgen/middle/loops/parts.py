@@ -36,7 +36,8 @@ class Slot:
     no coordinate has one), "d" (the rate of a coordinate, 0 of a given cell; of a carried value
     what the rates of coordinates make of it), "a" (its acceleration, 0 of a given cell, where that
     is an unknown; of a state its rate, of a given cell as well), "param", "size", "index", "input",
-    "sum" (the total of that number), "lambda" (of the rows of that key), "p" (a momentum, in
+    "sum" (the total of that number), "lambda" (of the rows of that key), "hung_p" and "hung_f" (of
+    a carried value, the momenta and forces that go over to what it is made of), "p" (a momentum, in
     outputs), "let" (a member of what is computed for outputs alone), "acc" (there, an acceleration,
     of a given cell as well), and "place", whose name is its text in C. `at` is the index of a
     family's member.

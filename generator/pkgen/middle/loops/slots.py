@@ -20,6 +20,7 @@ _KINDS = {
         ("input", "index", "sum", "flux", "w", "a", "p", "place", "lambda", "let", "acc"),
         Kind.INPUT,
     ),
+    **dict.fromkeys(("hung_p", "hung_f"), Kind.INPUT),
 }
 
 
