@@ -35,6 +35,8 @@ RANDOM = (
     "test_chains_that_are_tied_equal_the_unrolled_code",
     "test_a_chain_whose_end_is_held_is_that_written_out",
     "test_a_chain_of_bodies_that_turn_is_that_written_out",
+    "test_implicit_methods_of_chains_are_those_written_out",
+    "test_bands_of_chains_are_the_dense_matrices",
 )
 
 

@@ -12,7 +12,7 @@ from conftest import long_but
 from test_loops_features import both
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "generator"))
-from carried_models import held, turned
+from carried_models import held, links, turned
 
 __all__ = ["both"]
 METHODS = (("dop853", "--rtol", "1e-11"), ("rk4", "--step", "0.002"), ("gauss", "--rtol", "1e-11"))
@@ -40,3 +40,27 @@ def test_a_chain_whose_end_is_held_is_that_written_out(seed: int, both) -> None:
 def test_a_chain_of_bodies_that_turn_is_that_written_out(seed: int, both) -> None:
     dice = random.Random(seed)
     compare(turned(dice), METHODS[seed % 3], both)
+
+
+IMPLICIT = (
+    ("gauss2", "--step", "0.02"),
+    ("radau5", "--step", "0.02"),
+    ("lobatto3", "--step", "0.02"),
+    ("radau", "--rtol", "1e-11"),
+    ("gauss8", "--step", "0.1"),
+)
+
+
+@pytest.mark.parametrize("seed", long_but({3}, range(10)))
+def test_implicit_methods_of_chains_are_those_written_out(seed: int, both) -> None:
+    dice = random.Random(seed)
+    text = links(dice, states=seed % 3 == 2)
+    while "j = i+1..N" in text:  # of which the derivatives are dense
+        text = links(dice)
+    method = IMPLICIT[seed % 5]
+    more = ("--set", "push=0.3") if "input push" in text else ()
+    words = ("--until", 0.4, "--every", 0.1, "--method", *method, *more)
+    (loops, told), (written, _) = both(text, *words)
+    assert told["jacobians"] > 0
+    for one, other in zip(loops, written, strict=True):
+        assert one == pytest.approx(other, rel=1e-8, abs=1e-8), text

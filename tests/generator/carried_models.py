@@ -107,7 +107,8 @@ BEYOND = ("free q\n", "free q[0]\nfixed q[N+1] = 0.2*t\n", "periodic q\n")
 
 def tied_links(dice: random.Random, tied: bool = True) -> str:
     """A chain with rows of constraints, and with inertia across ends that are free or periodic;
-    at least one of these where it is to be `tied`. r is a family beside it, w an input that is in every row."""
+    at least one of these where it is to be `tied`. r is a family beside it, w an input that is in
+    every row."""
     text = links(dice).replace("model links", "model tied").replace("r[", "o[")
     start = text.index("start ")
     text, start = text[:start], text[start:]

@@ -10,10 +10,10 @@ import pytest
 from carried_models import links, tied_links
 from conftest import long_but
 from loop_harness import Looped, Unrolled
-from test_loops_slopes import at_random, closed, matrices
+from test_loops_slopes import at_random, closed, matrices, order
 
 
-@pytest.mark.parametrize("seed", long_but({1}, range(40)))
+@pytest.mark.parametrize("seed", long_but({0}, range(40)))
 def test_bands_of_chains_are_the_dense_matrices(seed: int, tmp_path) -> None:
     dice = random.Random(seed)
     text = tied_links(dice, False) if seed % 4 == 3 else links(dice, seed % 4 == 2)
@@ -22,9 +22,9 @@ def test_bands_of_chains_are_the_dense_matrices(seed: int, tmp_path) -> None:
         assert not hasattr(loops.library, f"{loops.name}_slopes_pattern")
         return
     largest = 0.0
-    for size in (2, 5)[: 1 + (seed != 1)]:
+    for size in (5, 2)[: 1 + (seed > 0)]:
         unrolled, at = Unrolled(text, size, tmp_path / f"n{size}"), loops.at(size)
-        state, (M, p_q, pdot_q, pdot_v) = at_random(unrolled, at, size, dice)
+        state, (M, p_q, pdot_q, pdot_v) = at_random(unrolled, at, order(unrolled, at, size), dice)
         nothing = [np.zeros((1, 1))] * 3
         alone = closed(matrices(at, "slopes_mass", state, 1), nothing, 0, 0)
         assert np.abs(alone - M).max() <= 1e-12 * np.abs(M).max(), text

@@ -72,8 +72,9 @@ struct pk_part_families {
                   const pk_real *u);
     void (*solve)(const void *params, const pk_real *f, pk_real *d);
     /* M, and what pk_system.jacobian has, of a pattern; NULL: there are none. place() is the
-     * coordinate that has place i, negative where there is none: M is 1 there. Where p' has
-     * multipliers or accelerations in it, its derivatives are dense; these are unknowns too then,
+     * coordinate that has place i, negative where there is none: M is 1 there, or it has rows that
+     * say how rates depend on each other. Where p' has multipliers or accelerations in it, or both
+     * depend on what is made of many members, derivatives are dense; these are unknowns too then,
      * places that are no coordinates, and `closed` has M and the derivatives of the equations for
      * them by rates and by themselves. */
     void (*pattern)(const void *params, struct pk_pattern *pattern);
