@@ -146,7 +146,7 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
             (it->method->traits & PK_JACOBIANS))
             return snprintf(text, size,
                             "%s needs Jacobians, and those of %s, whose families are loops, are no "
-                            "band: sums over all members, chains of lets; take dop853",
+                            "band: sums over pairs, lets beside constraints; take dop853",
                             it->method->name, system->name);
         if (!system->linear && (it->method->traits & PK_LINEAR))
             return snprintf(text, size, "%s needs the derivatives of the acceleration; %s has none",
