@@ -123,12 +123,12 @@ def test_heat_is_conducted_by_steps_as_long_as_one_likes(pkgen, tmp_path: Path) 
     assert json.loads(done.stdout)["report"]["steps"] == 6
 
 
-def test_sums_over_all_are_refused(pkgen) -> None:
+def test_sums_over_pairs_are_refused(pkgen) -> None:
     done = pkgen(
         "run", "models/particles/n_body.lag", "--size", "N=40", "--method", "radau", "--until", 1
     )
     assert done.returncode == 4
-    assert "are no band: sums over all" in done.stderr
+    assert "are no band: sums over pairs" in done.stderr
 
 
 LIMIT = 1 << 30  # bytes of address space: of 20,000 numbers a matrix of each with each takes 3.2e9
