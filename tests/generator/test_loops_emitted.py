@@ -15,13 +15,15 @@ from pkgen.compiler import compile_model
 from pkgen.source import Source
 from rotation_models import made
 from test_loops_bound import model as bound
+from total_models import RATES, TOTALS
 
 MORE = {
     "tied": bound(random.Random(5)),
     "spins": made(random.Random(3), 3).text,
     "bodies": bodies(random.Random(1)) + "observe up[i = 1..N] = (R[i]*[0, 0, 1]).z\n",
 }
-TEXTS = MORE | {name: text for name, (text, _) in MODELS.items()}
+TEXTS = MORE | {name: text for name, (text, _) in (MODELS | TOTALS | RATES).items()}
+FELT = ("mean", "started", "seen", "pushed", "hung")  # sums, and what is computed before rows
 
 
 def emitted(text: str, directory, sizes=None) -> str:
@@ -37,7 +39,7 @@ def emitted(text: str, directory, sizes=None) -> str:
     "name",
     long_but(
         {"ring", "paired", "cart", "links", "bodies"},
-        ["ring", "paired", "cart", "wheel", "spin", "lattice", "links", *MORE],
+        ["ring", "paired", "cart", "wheel", "spin", "lattice", "links", "rated", *FELT, *MORE],
     ),
 )
 def test_clean_in_every_type(name, compiler, scalar, tmp_path):
@@ -82,6 +84,12 @@ int main(void)
 """
 
 MASS = "NAME_mass"
+HAVE_ONE_MORE = ("seen", "pushed", "hung")  # member at least
+OBSERVE = """
+            double *g = malloc((n + 9) * sizeof *g);
+            NAME_observe(&p, 0, q, v, u, g);
+            free(g);
+        """
 SINGULARITY = """{
             double *g = malloc(NAME_singularity_count(&p) * sizeof *g);
             NAME_singularity(&p, 0, q, v, u, g);
@@ -91,12 +99,15 @@ SINGULARITY = """{
 
 @pytest.mark.parametrize(
     "name",
-    long_but({"ring", "links"}, ["fput", "ring", "paired", "beam", "wheel", "cart", "links"]),
+    long_but(
+        {"ring", "links"},
+        ["fput", "ring", "paired", "beam", "wheel", "cart", "links", "rated", *FELT],
+    ),
 )
 def test_sound_under_sanitizers(name, tmp_path):
-    model = emitted(MODELS[name][0], tmp_path)
-    text = USE
-    if name == "links":  # which has no kernel of M
+    model = emitted(TEXTS[name], tmp_path)
+    text = USE if name not in HAVE_ONE_MORE else USE.replace("{1, 2,", "{2, 2,")
+    if name in ("links", "seen", "hung"):  # which has no kernel of M
         text = text.replace("NAME_mass_size(&p)", "n").replace(MASS, "NAME_gradient")
     text = text.replace("NAME", model)
     more = {
@@ -105,6 +116,8 @@ def test_sound_under_sanitizers(name, tmp_path):
         "cart": SINGULARITY,
         "links": SINGULARITY,
     }
+    more |= dict.fromkeys(("mean", "hung"), SINGULARITY)
+    more |= dict.fromkeys(FELT, f"{{{OBSERVE}}}{more.get(name, '')}")
     text = text.replace("ADVANCE", more.get(name, "").replace("NAME", model))
     (tmp_path / "use.c").write_text(text)
     flags = ["-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -124,7 +137,7 @@ def test_code_does_not_grow_with_the_size(tmp_path):
 
 
 def test_lines_fit(tmp_path):
-    for name in ("ring", "paired", "cart", "links", *MORE):
+    for name in ("ring", "paired", "cart", "links", "rated", *FELT, *MORE):
         model = emitted(TEXTS[name], tmp_path)
         for suffix in "ch":
             for line in (tmp_path / f"{model}.{suffix}").read_text().splitlines():

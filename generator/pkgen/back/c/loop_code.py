@@ -25,6 +25,7 @@ from .tree import (
     Node,
     Return,
     Scope,
+    Text,
     rendered,
 )
 
@@ -223,22 +224,22 @@ class LoopCode:
 
     def rate_function(self, key: str, x: Rates) -> str:
         """Writes the rates of a state where rows find them."""
-        body: list[Node] = [Declare("pk_real *const", "out", f"{self.name}_rated(p)")]
-        found, rows = "", ""
         if x.rows:
             found, store = self.row_functions(x.rows), [f"out[{x.group['cell']}] = r[0];"]
-            rows = self.row_loop(x.rows, store, store)
+            rows: Node = Text(self.row_loop(x.rows, store, store))
         else:
-            signature = f"static pk_real {self.name}_total_rate_{key}({self.ARGS})"
-            found = self.total_function(x.total, signature)
-            total = f"{self.name}_total_rate_{key}({STATE})"
-            rows = f"    out[{x.group['first']}] = {total};\n"
-        rows += "".join(self.pair_loop(pair, "out") for pair in x.pairs)
-        head = "".join(f"{line}\n" for line in rendered(body))
-        return (
-            f"{found}/* The rates of {x.group['shown']}, which others have in them. */\n"
-            f"static void {self.name}_rate_{key}({self.ARGS})\n{{\n{head}\n{rows}}}\n"
-        )
+            own = f"{self.name}_total_rate_{key}"
+            found = self.total_function(x.total, f"static pk_real {own}({self.ARGS})")
+            rows = Assign(f"out[{x.group['first']}]", f"{own}({STATE})")
+        body = [
+            Declare("pk_real *const", "out", f"{self.name}_rated(p)"),
+            Blank(),
+            rows,
+            *(Text(self.pair_loop(pair, "out")) for pair in x.pairs),
+        ]
+        says = f"The rates of {x.group['shown']}, which others have in them."
+        signature = f"static void {self.name}_rate_{key}({self.ARGS})"
+        return found + Function(signature, body, says).text
 
     # -- totals and pairs ---------------------------------------------------------------------
 
