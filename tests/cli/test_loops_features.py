@@ -279,3 +279,52 @@ def test_forces_that_bend_stay_loops_and_those_that_jump_do_not(
     text = "model m\nsize N = 20\ncoord q[1..N]\nkinetic sum(q[i]'^2/2, i = 1..N)\n"
     made = compile_model(Source("m.lag", f"{text}potential sum({potential}, i = 1..N)\n"))
     assert made.looped == looped
+
+
+ONE = """\
+model chain
+size N = 40
+param w[i = 1..N] = i
+param z[i = 3..3] = i/2
+param y[i = N..N] = i + w[i]
+coord q[1..N]
+fixed q[0] = 0
+kinetic sum(1.5*q[i]'^2/2, i = 1..N)
+potential sum((q[i] - q[i-1])^2/2, i = 1..N)
+start q[i = 3..3] = i + w[i] + sum(w[j]*i, j = 1..i)
+start q[i = N..N] = 2*i + w[i]
+start q[i = 5..5]' = i
+force q[i = 7..7] = i + w[i]
+observe a[i = 4..4] = i*q[i-1]
+observe b = z[3] + y[N]
+"""
+
+
+def test_an_index_of_one_member_is_that_member(both) -> None:
+    """A scene that holds one of two members makes such ranges too."""
+    words = ("--until", 1e-3, "--every", 1e-3, "--record", "q[3],q[7]',q[40],q[5]',a[4],b")
+    (loops, _), (written, _) = both(ONE, *words)
+    assert written[0][1:] == [24, 0, 120, 5, 96, 81.5]
+    for one, other in zip(loops, written, strict=True):
+        assert one == pytest.approx(other, rel=1e-12)
+
+
+DRIVEN = """\
+model driven
+size N = 6
+coord q[1..N+1]
+fixed q[0] = 0
+let a[0] = 0.2*t
+let a[i = 1..N+1] = a[i-1]*(1 + 0.1*sin(q[i])) + q[i]
+let b[0] = 0
+let b[i = 1..N+1] = sin(b[i-1]) + a[i-1]/(2 + b[i-1]^2)
+kinetic sum(3*q[i]'^2/4, i = 1..N+1) + sum((q[i]' - b[i+1]')^2/9, i = 0..N)
+"""
+
+
+def test_what_is_carried_moves_by_another_value_s_lower_members(both) -> None:
+    """Of b, which is met first, only through a: h is then no longer T + V."""
+    (loops, _), (written, _) = both(DRIVEN, "--until", 1, "--every", 0.5, "--record", "energy,q[3]")
+    for one, other in zip(loops, written, strict=True):
+        assert one == pytest.approx(other, rel=1e-9)
+    assert loops[0][1] != loops[-1][1]

@@ -184,8 +184,8 @@ static void first_iterate(void)
         for (int i = 0; i < 2; i++) {
             struct fixture *one = i ? &d : &f;
             fixture_set(one, rows[k].system);
-            memcpy(one->q0, rows[k].q, sizeof one->q0);
-            memcpy(one->v0, rows[k].v, sizeof one->v0);
+            memcpy(one->q0, rows[k].q, sizeof rows[k].q);
+            memcpy(one->v0, rows[k].v, sizeof rows[k].v);
             one->options.rtol = one->options.atol = i ? 1e-13 : rows[k].tol;
             CU_ASSERT_FATAL(fixture_init(one, i ? "dop853" : "gauss") == PK_DONE);
             CU_ASSERT(pk_integrator_to(&one->it, rows[k].t) == PK_DONE);

@@ -34,9 +34,8 @@ def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
                 found = [_piece(x, gather, lo, hi, value[k]) for lo, hi, value in values]
                 pieces[group.name] = tuple(found)
     levels = _levels(pieces)
-    for name in sorted(pieces, key=lambda name: levels[name]):
-        if any(_moves(x, gather, piece) for piece in pieces[name]):
-            gather.moving.add(name)
+    for _ in pieces:  # a value moves by another one's lower members too, whatever their order
+        gather.moving |= {n for n, own in pieces.items() if any(_moves(x, gather, p) for p in own)}
     groups = x.coordinates
     found = [Carried(groups[name], pieces[name], levels[name]) for name in pieces]
     return tuple(sorted(found, key=lambda item: item.level))

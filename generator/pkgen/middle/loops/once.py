@@ -80,6 +80,8 @@ def assigned(
 ) -> tuple[Assigned, list[Node]]:
     """What a statement gives its members, and all nodes in it."""
     lo, hi, loop = over
+    if lo is not None and lo == hi:  # one member, which is written without a loop
+        loop = {name: lo if at == variable(ROW) else at for name, at in loop.items()}
     x.once = Once(x, lo, hi, loop)
     try:
         node = x.plain(expr, loop)
