@@ -43,13 +43,13 @@ PAIRS = "sum(cos(q[i] - q[j]), i = 1..N-1, j = i+1..N)"
 @pytest.mark.parametrize(
     ("statement", "expected"),
     [
-        ("potential log(sum(q[i], i = 1..N))", ["sum(q[i], i = 1..N)"]),
-        ("potential 1/sum(q[i]^2 + X, i = 2..N)", ["sum(X + q[i]^2, i = 2..N)"]),
-        ("potential sqrt(X - sum(m[i], i = 1..N))", ["X - sum(m[i], i = 1..N)"]),
-        ("potential 1/(X + sum(1/q[i], i = 1..N))", ["q[i]", "X + sum(1/q[i], i = 1..N)"]),
+        ("potential log(sum(q[i], i = 1..N))", ["sum(q[k], k = 1..N)"]),
+        ("potential 1/sum(q[i]^2 + X, i = 2..N)", ["sum(X + q[k]^2, k = 2..N)"]),
+        ("potential sqrt(X - sum(m[i], i = 1..N))", ["X - sum(m[k], k = 1..N)"]),
+        ("potential 1/(X + sum(1/q[i], i = 1..N))", ["q[i]", "X + sum(1/q[k], k = 1..N)"]),
         ("potential sum(1/(q[i] - q[1]), i = 2..N)", ["q[i] - q[1]"]),
-        (f"force X = X/{PAIRS}", [PAIRS]),
-        ("input p\nforce X = 1/sum(p*m[i], i = 1..N)", ["sum(p*m[i], i = 1..N)"]),
+        (f"force X = X/{PAIRS}", ["sum(cos(q[k] - q[l]), k = 1..N-1, l = k+1..N)"]),
+        ("input p\nforce X = 1/sum(p*m[i], i = 1..N)", ["sum(p*m[k], k = 1..N)"]),
         (f"{U}force X = X/u[2]'", ["u[2]'"]),
         # What cannot vanish, or rests.
         ("potential log(1 + sum(q[i]^2, i = 1..N)) + sqrt(2 + sum(m[i]*q[i]^2, i = 1..N))", []),

@@ -11,7 +11,7 @@ it with ranges of their own: then all pivots, as the acceleration finds them, ar
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from ...graph.affine import OTHER, ROW, Affine
 from ...graph.collect import settled
@@ -193,8 +193,12 @@ class _Singularities:
         return Total(ZERO, (), (PairPart(*over, node),))
 
     def _text(self, node: Node) -> str:
+        """With the letters i and j, for which a run puts in its member's; sums have k and l."""
+        return wording(self.g, about(self.g, node), self._name({ROW: "i", OTHER: "j"}))
+
+    def _name(self, letters: dict[str, str]) -> Callable[[Symbol], str]:
         sizes = {unlike_loops(size.name): size.name for size in self.e.model.sizes}
-        shown = sizes | {ROW: "i", OTHER: "j"}
+        shown = sizes | letters
 
         def name(symbol: Symbol) -> str:
             if symbol.kind is Kind.TIME:
@@ -205,25 +209,24 @@ class _Singularities:
             if slot.kind == "input":
                 return self.e.inputs[int(slot.name)].name
             if slot.kind == "sum":
-                return total(self.x.totals.all[int(slot.name)])
+                return self._total(self.x.totals.all[int(slot.name)], sizes)
             at = None if slot.at is None else slot.at.text(shown).replace(" ", "")
             group = self.x.coordinates.get(slot.name)
             if group is not None and group.is_turn:
                 return indexed(group.shown, at)
             return indexed(slot.name, at) + _PRIMES.get(slot.kind, "")
 
-        def total(found: Total) -> str:
-            parts = []
-            for over, node in _ranged(found):
-                text = wording(self.g, node, name)
-                at = [end.text(shown).replace(" ", "") for end in over]
-                ranges = [
-                    f"{v} = {lo}..{hi}" for v, lo, hi in zip("ij", at[::2], at[1::2], strict=False)
-                ]
-                parts.append(f"sum({', '.join([text, *ranges])})" if over else text)
-            return parts[0] if len(parts) == 1 else f"({' + '.join(parts)})"
+        return name
 
-        return wording(self.g, about(self.g, node), name)
+    def _total(self, found: Total, sizes: dict[str, str]) -> str:
+        letters, parts = {ROW: "k", OTHER: "l"}, []
+        for over, node in _ranged(found):
+            text = wording(self.g, node, self._name(letters))
+            at = [end.text(sizes | letters).replace(" ", "") for end in over]
+            ends = zip("kl", at[::2], at[1::2], strict=False)
+            ranges = [f"{letter} = {lo}..{hi}" for letter, lo, hi in ends]
+            parts.append(f"sum({', '.join([text, *ranges])})" if over else text)
+        return parts[0] if len(parts) == 1 else f"({' + '.join(parts)})"
 
 
 def _ranged(total: Total) -> Iterator[_Guarded]:
