@@ -190,3 +190,34 @@ def test_an_index_has_a_letter_that_the_model_leaves_free():
     said = explain(compile_model(Source("model.lag", text)))
     assert "V = sum(k*q[k]^2/(2*i), k = 1..m)" in said
     assert "f[q[k]] = -k*q[k]/i   for k = 1..m" in said and "m degrees of freedom" in said
+
+
+FELT = """\
+model felt
+size N = 30
+param b[i = 1..N] = i - sum(k, k = 1..N)/N
+coord q[1..N]
+state u[1..N]
+let c = sum(q[i], i = 1..N)/N
+let a[0] = 0
+let a[i = 1..N] = a[i-1] + c*q[i]
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential cos(c) + sum(b[i]*q[i]^2, i = 1..N)
+rate u[i = 1..N] = q[i] - u[i]
+force q[i = 1..N] = u[i]'
+observe last = a[N]' + q[1]''
+"""
+
+
+def test_sums_and_what_outputs_have_of_each_member_are_shown():
+    said = explain(compile_model(Source("model.lag", FELT)))
+    for line in (
+        "  b[1..N] = i - sum(j, j = 1..N)/N",
+        "  f[q[i]] = -2*b[i]*q[i] + u[i]' + sin(sum(q[i], i = 1..N)/N)/N   for i = 1..N",
+        "  u[i]' = q[i] - u[i]   for i = 1..N",
+        "Made along the members, for outputs alone",
+        "  a[0] = 0",
+        "  a[i] = a[i-1] + q[i]*sum(q[i], i = 1..N)/N   for i = 1..N",
+        "  last = a[N]' + q[1]''",
+    ):
+        assert line in said.splitlines(), said

@@ -37,6 +37,7 @@ def contents(compilation: Compilation) -> Contents:
                 "Constraints   0 =, J their derivatives by the rates",
                 map(str, constraint_lines(write)),
             ),
+            ("Made along the members, for outputs alone", map(str, along_lines(write))),
         ],
         outputs=[*_outputs(write)],
         families=[
@@ -137,6 +138,17 @@ def _equations(write: Writer) -> Iterator[str]:
     if write.e.carried:
         yield f"where {carried_says(write)}:"
         yield from (f"  {line}" for line in carried_lines(write))
+
+
+def along_lines(write: Writer) -> list[EquationLine]:
+    """What outputs alone have of each member, but for its rates."""
+    found = []
+    for item in (item for together in write.e.along for item in together):
+        for part in item.parts if "'" not in item.name else ():
+            left = indexed(item.name, write.index(part.lo if part.lo == part.hi else M))
+            over = "" if part.lo == part.hi else write.span(part.lo, part.hi)
+            found.append(EquationLine(left, write.text([(part.node, M)]), over))
+    return found
 
 
 def carried_says(write: Writer) -> str:

@@ -59,7 +59,7 @@ class Alongside:
                 parts.append(Part(lo, hi, node))
         x.members = met
         for group, parts in zip(groups, found, strict=True):
-            self.parts[group.name] = tuple(part for part in parts if part.node != ZERO)
+            self.parts[group.name] = tuple(parts)
 
     # -- in which order -----------------------------------------------------------------------
 
