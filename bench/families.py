@@ -153,16 +153,6 @@ constraint across: x[N] = cos(c)
 constraint up: y[N] = 0
 start q[i = 1..N] = c*tanh(50*(i - (N + 1)/2))
 """
-HUNG = """\
-param l = 1/N
-rotation R[1..N]
-let r[0] = [0, 0, 0]
-let r[i = 1..N] = r[i-1] + R[i]*[0, 0.1*l, -l]
-kinetic sum(l/2*(r[i].x'^2 + r[i].y'^2 + r[i].z'^2), i = 1..N)
-kinetic sum(l^3*(omega(R[i]).x^2/20 + omega(R[i]).y^2/24 + omega(R[i]).z^2/30), i = 1..N)
-potential sum(9.81*l*r[i].z, i = 1..N)
-start omega(R[i = 1..N]) = [1, 0.2, 0]
-"""
 MEMBERS = "k,q[1]\n" + "".join(f"{1 + k / 100},{k / 50}\n" for k in range(50))
 
 
@@ -207,13 +197,6 @@ CASES = (
     Case("rates of states in forces", ROCKETS, 100_000, 2),
     Case("lets of outputs alone", SEEN, 100_000, 20, (*TIGHT, "--record", "q[1],last,speed")),
     Case("chains whose ends are held", HELD, 1000, 0.01),
-    Case(
-        "chains of bodies that turn",
-        HUNG,
-        1000,
-        0.001,
-        (*TIGHT, "--record", "R[1],omega(R[N]),energy"),
-    ),
     Case("gauss2 of chains of links", LINKS, 100, 0.05, ("--method", "gauss2", "--step", "0.002")),
     Case("an output for each index", f"{FPUT}observe d[i = 0..N] = q[i+1] - q[i]\n", 10_000, 20),
 )

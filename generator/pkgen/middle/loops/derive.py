@@ -100,7 +100,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         carried=carried,
         extended=bool(carried) and not by_places(x, mass, carried),
         bound=bound,
-        solved=_of_states(x, vectors["momenta"]),
+        solved=_of_states(x, vectors["momenta"], carried),
     )
     _check_points(x, result)
     _check_jumps(x, result)
@@ -166,10 +166,11 @@ def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
     )
 
 
-def _of_states(x: LoopExpander, momenta: Vector) -> bool:
+def _of_states(x: LoopExpander, momenta: Vector, carried: tuple[Carried, ...]) -> bool:
     """Whether a momentum of a coordinate depends on a state."""
     own = [g.name for g in x.coordinates.values() if g.is_state]
-    nodes = vector_nodes(momenta, frozenset(own))
+    nodes = vector_nodes(momenta, frozenset(own))  # which go over to what moves carried values
+    nodes += [n for item in carried for piece in item.pieces for n in piece.by.values()]
     return any(slot.kind == "s" for slot in x.totals.below(*nodes))
 
 
