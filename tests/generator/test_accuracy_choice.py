@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import pytest
+from pkgen.analysis.chart.measure import Program
 from pkgen.analysis.choose import lines, parts, record, reference, search
 from pkgen.analysis.choose.candidates import Candidate
 from pkgen.analysis.choose.choice import Choice
@@ -15,7 +16,10 @@ from pkgen.analysis.choose.reference import Check, Task
 from pkgen.analysis.choose.search import Found
 from pkgen.analysis.choose.trials import Trial
 from pkgen.analysis.choose.whole import Whole
+from pkgen.compiler import compile_model
+from pkgen.run.build import build_library
 from pkgen.run.settings import NOTHING, Settings, Shown
+from pkgen.source import Source
 from test_accuracy_search import ADAPTIVE, method, trial
 
 GAUSS = Candidate(method("gauss", 16, "adaptive"), "land", "")
@@ -242,3 +246,32 @@ def test_a_part_starts_as_the_whole_does_by_its_own_numbers() -> None:
     assert alone.start_q == ((0, 0.2), (1, 0.4)) and alone.start_v == ((1, 4.0),)
     assert alone.parameters == whole.parameters
     assert [(c.kind, c.index) for c in alone.show] == [("q", 1), ("v", 2), ("v", 0)]
+
+
+MEMBERS = """\
+model chain
+size N = 20
+param k = 2
+param m[i = 1..N] = 1 + i/2 in (0, inf)
+param w[i = 3..3] = k*i
+coord x[1..N]
+kinetic sum(m[i]/2*x[i]'^2, i = 1..N)
+potential sum(k*x[i]^2/2, i = 1..N) + w[3]*x[1]
+start x[i = 1..N] = 0.1*i
+"""
+
+
+@pytest.mark.parametrize("size", [20, 3])
+def test_the_same_doubles_are_given_to_more_digits(size: int) -> None:
+    """Of loops each member of a family, of members written out each as a parameter."""
+    compilation = compile_model(Source("chain.lag", MEMBERS), sizes={"N": size}, unroll=16)
+    program = build_library(compilation.files, "chain")
+    moved = (1, 1, 7.0) if compilation.looped else None
+    settings = replace(SETTINGS, parameters=((0, 3.0),), members=(moved,) if moved else ())
+    first = Program(program, settings)
+    given = first.given()
+    assert Program(program, given).start == first.start
+    assert compilation.looped == (size == 20) == bool(given.members)
+    values = [*given.parameters, *(x[::2] for x in given.members)]
+    assert (0, 3.0) in values and len(values) == size + 2
+    assert 9.0 in [x for _, x in values] and (not moved or moved in given.members)

@@ -111,6 +111,12 @@ void settings_tell(struct pk_run *run, FILE *file)
     struct json j = {.file = file};
     json_open(&j, NULL, '{');
     json_parameters_known(&j, s->system, s->params);
+    json_open(&j, "families", '['); /* members of each that is declared; 0: it is none */
+    for (size_t i = 0; i < s->system->n_parameters; i++) {
+        const struct pk_range range = pk_system_range(s->system, s->params, PK_OF_PARAMETER, i);
+        json_real(&j, NULL, range.is_family ? (pk_real)range.count : 0);
+    }
+    json_close(&j, ']');
     json_numbers(&j, "q", s->q, pk_system_coordinates(s->system, s->params));
     json_numbers(&j, "v", s->v, s->n);
     json_close(&j, '}');

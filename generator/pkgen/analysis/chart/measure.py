@@ -58,9 +58,13 @@ class Program:
     def given(self) -> Settings:
         """The settings with every parameter and start written out, as doubles."""
         found = self.start
+        numbers = map(float, found["parameters"])
+        lengths = [int(n) for n in found["families"]]  # 0: a parameter that is none
+        given = [[(i, k, next(numbers)) for k in range(max(n, 1))] for i, n in enumerate(lengths)]
         return replace(
             self.settings,
-            parameters=tuple(enumerate(map(float, found["parameters"]))),
+            parameters=tuple((i, x) for [(i, _, x), *_] in given if not lengths[i]),
+            members=tuple(x for of in given for x in of if lengths[x[0]]),
             start_q=tuple(enumerate(map(float, found["q"]))),
             start_v=tuple(enumerate(map(float, found["v"]))),
         )
