@@ -228,10 +228,6 @@ UNROLLED = {
     "throughout": (_CARRIED.format("a[1]"), "a[1] throughout"),
     "rates": (_CARRIED.format("a[i]'").replace("x[i]'^2", "x[i]^2"), "made of the rate"),
     "bends": (_CARRIED.format("abs(a[i])"), "bends or jumps"),
-    "across": (
-        _CARRIED.format("a[i]") + "free a[0]\nkinetic sum((a[i]' - a[i-1]')^2, i = 1..N)\n",
-        "across an end that is free or periodic",
-    ),
     "beyond": (
         _CARRIED.format("a[i-1]").replace("fixed a[N+1] = 0", "free a[0]"),
         "reaches a[i - 1] beyond an end of 'a' that is free or periodic",
