@@ -88,7 +88,7 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
     if (it->where >= it->own->n_singularities)
         return pk_say(it, text, size, "%s", pk_status_text(it->status));
     const struct pk_singularity *singularity =
-        &system->singularities.table[pk_system_singularity(system, params, it->where).singularity];
+        &system->singularities.table[pk_system_singularity(system, params, it->where).which];
     char name[128];
     pk_system_singularity_name(system, params, it->where, name, sizeof name);
     const int removable = singularity->kind == PK_SINGULARITY_DIVISOR &&
@@ -130,11 +130,13 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                 "the rates of %s jump where one of its switches vanishes: make steps by "
                 "pk_events_step(), which does what follows there",
                 system->name);
-        if (pk_sides_missing(it))
+        if (pk_sides_missing(it)) {
+            pk_system_switch_name(system, it->problem.params, 0, name, sizeof name);
             return snprintf(text, size,
                             "%s needs a smooth system; %s changes where %s vanishes: make steps by "
                             "pk_events_step(), which ends them there",
-                            it->method->name, system->name, system->switches.names[0].name);
+                            it->method->name, system->name, name);
+        }
         if (system->families.n_sizes && (it->method->traits & PK_HOLONOMIC) &&
             pk_missing_kernel(system, it->method))
             return snprintf(
@@ -204,12 +206,12 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                       "from there the motion does not: make the steps shorter%s",
                       what, t, (double)it->detail, name, words(it)->step_or_rtol);
     case PK_SLIDING:
+        pk_system_switch_name(system, it->problem.params, it->where, name, sizeof name);
         return pk_say(it, text, size,
                       "the motion stays on %s = 0: on either side of it the equations lead "
                       "back to it, and what follows they do not say; a smooth function in place "
                       "of the jump, such as tanh, does",
-                      it->where < system->switches.n ? system->switches.names[it->where].name
-                                                     : "x");
+                      name);
     case PK_NO_IMPULSE:
         return pk_impulse_reason(it, text, size);
     case PK_OFF_CONSTRAINTS:
@@ -250,11 +252,14 @@ int pk_integrator_reason(const struct pk_integrator *it, char *text, size_t size
                             system->events.table[it->event - 1].what.name, t);
         return snprintf(text, size, "%s at t = %.17g", what, t);
     case PK_NOT_FINITE:
-        if (it->event > system->events.n)
+        if (it->event > system->events.n) {
+            const size_t k = it->event - 1 - system->events.n;
+            pk_system_switch_name(system, it->problem.params, k, name, sizeof name);
             return snprintf(text, size,
                             "%s, at whose zeros the equations change, is not finite at "
                             "t = %.17g",
-                            system->switches.names[it->event - 1 - system->events.n].name, t);
+                            name, t);
+        }
         if (it->event)
             return snprintf(text, size, "the function of event %s is not finite at t = %.17g",
                             system->events.table[it->event - 1].what.name, t);

@@ -31,6 +31,18 @@ BENDS = (
     "max({} - 0.2, 0)^1.5",
     "clamp({}, -0.3, 0.4)^2",
 )
+JOLTS = (  # of a member itself and of members near it
+    "sign({rate})",
+    "sign({rate} - {}')",
+    "step({own} - {})",
+    "step({own} - 0.2)*cos({})",
+    "step({own} - {} + 0.1)*({own} - {})",
+    "sign({rate} - 0.3)*(1 + {own}^2)",
+    "step(t - 0.02*i)*sin({own})",
+    "sign({own}*{} - 0.05)",
+    "abs({rate})*sign({own})",
+    "sign(2*{rate} - 0.1)*step({own})",
+)
 JUMPS = ("abs({})", "max({}, 0)", "step({})", "sign({})", "step({} - 0.1)*({})^2")
 
 

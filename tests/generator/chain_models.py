@@ -8,12 +8,16 @@ from __future__ import annotations
 
 import random
 
-from chain_bodies import SMOOTH, TIMES, Family, shifted, upto
+from chain_bodies import JOLTS, SMOOTH, TIMES, Family, shifted, upto
 from chain_totals import Totalled
 
 
 class Draw(Totalled):
-    """One model, statement by statement."""
+    """One model, statement by statement; forces and rates jump where it `jolts`."""
+
+    def __init__(self, dice: random.Random, size: int | None = None, jolts: bool = False) -> None:
+        super().__init__(dice, size)
+        self.jolts = jolts
 
     def made(self) -> None:
         self.bends, self.jumps = self.chance(0.12), self.chance(0.05)
@@ -192,6 +196,28 @@ class Draw(Totalled):
                 self.lines.append(f"force {f.name}[i = {over}] = {body}")
         if set(self.scalars) & {"X"} and self.chance(0.3):
             self.lines.append(f"force X = -0.1*X' + {self.of(*TIMES)}")
+        for _ in range(self.of(1, 1, 2, 3) if self.jolts else 0):
+            self.jolt()
+
+    def jolt(self) -> None:
+        """A force that jumps: friction, contacts, a force that is switched on or goes along."""
+        f = self.dice.choice(self.families)
+        self.begin()
+        own = self.member(f, 0)
+        sized = self.of("0.3", "k/5", self.factor)
+        if set(self.scalars) & {"X"} and self.chance(0.15):
+            felt = self.of("sign(X')", f"step({f.name}[{upto(f.hi)}] - X)", "step(t - 0.2)")
+            self.lines.append(
+                f"force X = {sized if '[' not in sized and 'i' not in sized else 'k'}*{felt}"
+            )
+            return
+        what = self.dice.choice(JOLTS)
+        what = what.replace("{own}", own).replace("{rate}", own + "'")
+        while "{}" in what:
+            what = what.replace("{}", self.ref(True), 1)
+        over = self.over(f.lo, f.hi)
+        if over:
+            self.lines.append(f"force {f.name}[i = {over}] = {sized}*{what}")
 
     def rates(self) -> None:
         near = self.of("(u[i]^2)", "sin(u[i])", "cos(t)", "s")
@@ -210,6 +236,8 @@ class Draw(Totalled):
         ]
         if self.total:
             felt.append("S/N")
+        if self.jolts:
+            self.lines[-1] += self.of(" - step(u[i] - 0.1)/3", " + sign(u[i])/9", "")
         self.lines.append(f"rate s = -s + {self.of(*felt)}")
 
     def constraints(self) -> None:
@@ -285,7 +313,7 @@ class Draw(Totalled):
         return "\n".join(self.lines) + "\n"
 
 
-def drawn(dice: random.Random, size: int | None = None) -> str:
-    draw = Draw(dice, size)
+def drawn(dice: random.Random, size: int | None = None, jolts: bool = False) -> str:
+    draw = Draw(dice, size, jolts)
     draw.made()
     return draw.text

@@ -59,6 +59,7 @@ double fixture_order(const struct pk_system *system, const struct pk_method *met
 
 void add_tables(void);
 void add_switches(void);
+void add_switch_families(void);
 void add_order(void);
 void add_gauss(void);
 void add_dense(void);

@@ -210,6 +210,7 @@ int main(int argc, char **argv)
     add_events_within();
     add_events_found();
     add_switches();
+    add_switch_families();
     add_variation();
     add_chaos();
     add_spectrum();

@@ -49,10 +49,10 @@ static void singularity(const void *p, double t, const double *q, const double *
     }
 }
 
-static void place(const void *p, size_t k, struct pk_singularity_place *at)
+static void place(const void *p, size_t k, struct pk_place *at)
 {
     (void)p;
-    *at = (struct pk_singularity_place){0, (ptrdiff_t)k + 1, 0};
+    *at = (struct pk_place){0, (ptrdiff_t)k + 1, 0};
 }
 
 static const struct pk_singularity line_singularity[] = {
@@ -203,10 +203,10 @@ static size_t one(const void *p)
     return 1;
 }
 
-static void seven(const void *p, size_t k, struct pk_singularity_place *at)
+static void seven(const void *p, size_t k, struct pk_place *at)
 {
     (void)p, (void)k;
-    *at = (struct pk_singularity_place){0, 7, 11};
+    *at = (struct pk_place){0, 7, 11};
 }
 
 static void named(void)

@@ -92,12 +92,19 @@ def shortened(text: str) -> str:
 
 
 def _smooth(equations: Equations | LoopEquations, structure: Facts) -> str:
-    if structure.smooth or isinstance(equations, LoopEquations) or not equations.switches:
+    if structure.smooth or not equations.switches:
         return _yes(structure.smooth, "", "abs, min, max or step: take small steps at kinks")
-    names = [switch.quantity.name for switch in equations.switches]
+    if isinstance(equations, LoopEquations):
+        names = [switch.name for switch in equations.switches]
+    else:
+        names = [switch.quantity.name for switch in equations.switches]
     shown = names if len(names) <= SHOWN else [*names[:2], "...", names[-1], f"({len(names)})"]
     said = f"between zeros of {', '.join(shown)}, which a run locates"
-    return said if structure.switched else f"no: roots of what bends; {said}"
+    if structure.switched:
+        return said
+    if isinstance(equations, LoopEquations):
+        return f"no: kinks, at which small steps are to be taken; {said}"
+    return f"no: roots of what bends; {said}"
 
 
 def _impulses(equations: Equations) -> str:

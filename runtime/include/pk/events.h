@@ -95,11 +95,13 @@ struct pk_events {
     int by_ends;       /* looked at by the quintic all the same */
     pk_real from;      /* time where the step began */
     pk_real at, width; /* the window that is looked at, from there */
-    pk_real *q0, *v0, *bend, *trial, *u, *g, *ends, *list;
+    pk_real *q0, *v0, *bend, *trial, *u, *g, *ends, *list, *at_near, *at_last;
     struct pk_shape *shapes;
     int cut; /* the step ends at an event or a switch in it */
-    size_t listed;
-    void *params; /* with sides: */
+    size_t listed, most_listed;
+    pk_real near; /* behind the first switch in the list; nothing is listed from there on */
+    pk_real near_known, last; /* where the values at_near and at_last are true ones; -1: nowhere */
+    void *params;             /* with sides: */
     pk_real *sides;
     pk_real *fresh; /* flags: zero at the start of the step, so that its side is a guess */
     int again;      /* a guess was wrong; step again */

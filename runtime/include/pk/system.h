@@ -260,18 +260,38 @@ static inline size_t pk_system_singularity_count(const struct pk_system *system,
 }
 
 /* Which singularity value number k is of. */
-static inline struct pk_singularity_place pk_system_singularity(const struct pk_system *system,
+static inline struct pk_place pk_system_singularity(const struct pk_system *system,
                                                                 const void *params, size_t k)
 {
-    struct pk_singularity_place place = {k, 0, 0};
+    struct pk_place place = {k, 0, 0};
     if (system->singularities.place)
         system->singularities.place(params, k, &place);
+    return place;
+}
+
+/* How many switches there are. */
+static inline size_t pk_system_switch_count(const struct pk_system *system, const void *params)
+{
+    return system->switches.count ? system->switches.count(params) : system->switches.n;
+}
+
+/* Which expression switch number k is of, and of which member. */
+static inline struct pk_place pk_system_switch(const struct pk_system *system, const void *params,
+                                               size_t k)
+{
+    struct pk_place place = {k, 0, 0};
+    if (system->switches.place)
+        system->switches.place(params, k, &place);
     return place;
 }
 
 /* Its name with i and j in brackets as numbers: "x[8] - x[7]". */
 int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k,
                                char *text, size_t size);
+
+/* The same of switch number k: "q[8]'". "x": there is no such switch. */
+int pk_system_switch_name(const struct pk_system *system, const void *params, size_t k, char *text,
+                          size_t size);
 
 /* The name of output i. Of both the length is returned as snprintf() does. */
 int pk_system_output_name(const struct pk_system *system, const void *params, size_t i, char *text,

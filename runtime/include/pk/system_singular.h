@@ -22,10 +22,10 @@ struct pk_singularity {
     enum pk_singularity_kind kind;
 };
 
-/* Of a family kept as loops a singularity is one for each member i, or for each pair of i and j,
- * which stand in its name: "x[i+1] - x[i]". */
-struct pk_singularity_place {
-    size_t singularity; /* in the table */
+/* Of a family kept as loops a singularity, or a switch, is one for each member i, or for each pair
+ * of i and j, which stand in its name: "x[i+1] - x[i]". */
+struct pk_place {
+    size_t which; /* in the table */
     ptrdiff_t i, j;
 };
 
@@ -37,7 +37,7 @@ struct pk_part_singularities {
     const struct pk_singularity *table;
     pk_kernel *values;
     size_t (*count)(const void *params);
-    void (*place)(const void *params, size_t k, struct pk_singularity_place *place);
+    void (*place)(const void *params, size_t k, struct pk_place *place);
 };
 
 /* What `event` declares: a zero of a function of the state, crossed in a direction. */
@@ -62,7 +62,8 @@ enum pk_impulse { PK_IMPULSE_ENERGY = 1, PK_IMPULSE_ROLLING = 2 };
  * whatever s is; 0, the default, takes the side of s. With all sides given the equations are smooth
  * (PK_SWITCHED). Switches within a root or a power that is no integer are not held, since beyond
  * their zeros these have no value. The sides are n pk_real from the byte `sides` of the params on;
- * see pk/events.h, which sets them in a copy.
+ * see pk/events.h, which sets them in a copy. Of families kept as loops `count` says how many there
+ * are, `place` of which expression and member number k is, and at that byte is a pointer to them.
  *
  * Of each switch whether rates may jump there, for L or a row of constraints does: bits of enum
  * pk_impulse; `impulses` NULL: nowhere. Then there are `slopes`, which writes ds/dq (n by the
@@ -75,6 +76,8 @@ struct pk_part_switches {
     pk_kernel *values;
     const unsigned char *impulses;
     pk_kernel_2 *slopes;
+    size_t (*count)(const void *params); /* NULL: n */
+    void (*place)(const void *params, size_t k, struct pk_place *place);
 };
 
 /* Marks: u of exp(u) and the like in the equations, which are constant, zero or huge where u is

@@ -118,7 +118,7 @@ int diagnose_kink(struct pk_run *run, const pk_real *from, const pk_real *to)
     enum { PLACES = 64 };
     const struct pk_system *system = run->problem.system;
     const struct settings *s = &run->settings;
-    const size_t n = s->n, m = system->switches.n;
+    const size_t n = s->n, m = pk_system_switch_count(system, s->params);
     if (system->facts & PK_SMOOTH || m == 0)
         return !(system->facts & PK_SMOOTH);
     pk_real *q = memory_take(&run->memory, 2 * n + 2 * m, sizeof *q), *v = q + n;

@@ -12,7 +12,9 @@ static void switched(void *context, const struct pk_events *events)
 {
     struct pk_run *run = context;
     const struct moment now = moment_of(events);
-    observe_crossing(run, run->problem.system->events.n + events->which, &now);
+    const struct pk_system *system = run->problem.system;
+    const size_t which = pk_system_switch(system, run->problem.params, events->which).which;
+    observe_crossing(run, system->events.n + which, &now);
     run_due(run, events->t);
 }
 
@@ -33,7 +35,11 @@ static int found(void *context, const struct pk_events *events)
 
 static void doubtful(void *context, const struct pk_events *events)
 {
-    struct crossed *crossed = &((struct pk_run *)context)->crossed[events->which];
+    struct pk_run *run = context;
+    const struct pk_system *system = run->problem.system;
+    const size_t n = system->events.n, k = events->which;
+    const size_t which = k < n ? k : n + pk_system_switch(system, run->problem.params, k - n).which;
+    struct crossed *crossed = &run->crossed[which];
     if (crossed->doubts++ == 0)
         crossed->doubtful_t = events->t;
 }

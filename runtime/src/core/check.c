@@ -47,9 +47,10 @@ int pk_sides_missing(const struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     if (!system->switches.impulses && !(it->method->needs & ~system->facts & PK_SMOOTH))
         return 0;
-    const char *const params = (const char *)it->problem.params;
-    const pk_real *side = (const pk_real *)(const void *)(params + system->switches.sides);
-    for (size_t k = 0; k < system->switches.n; k++)
+    const void *const at = (const char *)it->problem.params + system->switches.sides;
+    const pk_real *side = system->switches.count ? *(pk_real *const *)at : (const pk_real *)at;
+    const size_t count = pk_system_switch_count(system, it->problem.params);
+    for (size_t k = 0; k < count; k++)
         if (!(side[k] > 0) && !(side[k] < 0))
             return 1;
     return 0;

@@ -46,8 +46,7 @@ int pk_system_output_name(const struct pk_system *system, const void *params, si
 }
 
 /* "[i+1]" and "[j-2]" as numbers; where it ends, or NULL if it is none of these. */
-static const char *index_of(const char *text, const struct pk_singularity_place *place,
-                            ptrdiff_t *index)
+static const char *index_of(const char *text, const struct pk_place *place, ptrdiff_t *index)
 {
     ptrdiff_t number = 0;
     if (text[0] != '[' || (text[1] != 'i' && text[1] != 'j'))
@@ -61,20 +60,36 @@ static const char *index_of(const char *text, const struct pk_singularity_place 
     return *text == ']' ? text + 1 : NULL;
 }
 
-int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k,
-                               char *text, size_t size)
+/* A name with the indices of a place in it, if that has any. */
+static int placed(const char *from, const struct pk_place *place, char *text, size_t size)
 {
-    const struct pk_singularity_place place = pk_system_singularity(system, params, k);
-    const char *from = system->singularities.table[place.singularity].what.name;
     size_t at = 0;
     if (size)
         *text = 0;
     while (*from && at < size) {
         ptrdiff_t index = 0;
-        const char *end = system->singularities.place ? index_of(from, &place, &index) : NULL;
+        const char *end = place ? index_of(from, place, &index) : NULL;
         at += (size_t)(end ? snprintf(text + at, size - at, "[%td]", index)
                            : snprintf(text + at, size - at, "%c", *from));
         from = end ? end : from + 1;
     }
     return (int)at;
+}
+
+int pk_system_singularity_name(const struct pk_system *system, const void *params, size_t k,
+                               char *text, size_t size)
+{
+    const struct pk_place place = pk_system_singularity(system, params, k);
+    return placed(system->singularities.table[place.which].what.name,
+                  system->singularities.place ? &place : NULL, text, size);
+}
+
+int pk_system_switch_name(const struct pk_system *system, const void *params, size_t k, char *text,
+                          size_t size)
+{
+    if (k >= pk_system_switch_count(system, params))
+        return snprintf(text, size, "x");
+    const struct pk_place place = pk_system_switch(system, params, k);
+    return placed(system->switches.names[place.which].name, system->switches.place ? &place : NULL,
+                  text, size);
 }

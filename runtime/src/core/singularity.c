@@ -65,7 +65,7 @@ static enum pk_status go_on(struct pk_integrator *it, int known)
 static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when, int bounded)
 {
     const struct pk_system *system = it->problem.system;
-    const size_t singularity = pk_system_singularity(system, it->problem.params, which).singularity;
+    const size_t singularity = pk_system_singularity(system, it->problem.params, which).which;
     it->where = which;
     it->detail = when;
     it->own->condition = bounded ? PK_C(1.0) : PK_INFINITY;

@@ -60,13 +60,35 @@ static void append(struct along *a, pk_real x, pk_real g)
     a->g[a->count++] = g;
 }
 
-/* The true value at x, unless it is there already. */
+/* The true values of all functions at x, of which others want theirs too: those of the last such
+ * x, or those where the first switch in the list has been crossed. */
+static enum pk_status shared(struct along *a, pk_real x, int first, pk_real *y)
+{
+    struct pk_events *e = a->e;
+    pk_real *const known = first ? e->at_near : e->at_last;
+    pk_real *const at = first ? &e->near_known : &e->last;
+    if (x < *at || x > *at) {
+        *at = -1;
+        PK_TRY(truth(a, x, y));
+        if (!(x < pk_abs(a->it->t - e->from)))
+            return PK_DONE;
+        memcpy(known, pk_events_sample(e, PK_MOST_SAMPLES + 1), pk_events_count(e) * sizeof *known);
+        *at = x;
+    }
+    *y = known[a->k];
+    return pk_finite(*y) ? PK_DONE : pk_events_not_finite(a->it, a->k);
+}
+
+/* The true value at x, unless it is there already. What is behind the first switch does not come to
+ * pass: the last value is that there. */
 static enum pk_status settle(struct along *a, pk_real x)
 {
+    const int behind = x > a->e->near;
     pk_real g;
+    x = behind ? a->e->near : x;
     if (!(x > a->x[a->count - 1]))
         return PK_DONE;
-    PK_TRY(truth(a, x, &g));
+    PK_TRY(shared(a, x, behind, &g));
     append(a, x, g);
     return PK_DONE;
 }
@@ -215,6 +237,8 @@ static enum pk_status nodes(struct along *a)
     a->count = 0;
     append(a, shape->last_x, shape->last_g);
     for (int j = 0; shape->crosses && j < shape->order; j++) {
+        if (pk_events_node(e, j * stride) > e->near)
+            break;
         const pk_real left = pk_events_sample(e, j * stride)[a->k];
         const pk_real right = pk_events_sample(e, (j + 1) * stride)[a->k];
         if (!pk_finite(left) || !pk_finite(right))
@@ -242,11 +266,17 @@ static void enlist(struct pk_events *e, const struct along *a, pk_real x, int di
     const int limit = a->k < e->n_events && events[a->k].stop > 1; /* backwards in t as well */
     const int asked = (a->k < e->n_events ? events[a->k].direction : 0) *
                       (limit ? a->it->own->direction : 1);
-    size_t at = PK_EVENT_ENTRY * e->listed++;
-    if (asked && asked != direction) {
-        e->listed--;
+    if ((asked && asked != direction) || x > e->near)
         return;
+    const pk_real near = x + pk_events_width(e, a->it);
+    if (a->k >= e->n_events && near < e->near) {
+        e->near = near;
+        while (e->listed && e->list[PK_EVENT_ENTRY * (e->listed - 1)] > e->near)
+            e->listed--;
     }
+    if (e->listed == e->most_listed)
+        return;
+    size_t at = PK_EVENT_ENTRY * e->listed++;
     for (; at > 0 && e->list[at - PK_EVENT_ENTRY] > x; at -= PK_EVENT_ENTRY)
         memcpy(e->list + at, e->list + at - PK_EVENT_ENTRY, PK_EVENT_ENTRY * sizeof *e->list);
     e->list[at] = x;

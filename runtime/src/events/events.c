@@ -21,21 +21,29 @@ static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_
 {
     const struct pk_system *system = problem->system;
     const size_t n = pk_system_count(system, problem->params),
-                 m = system->events.n + system->switches.n;
-    pk_real *shapes, *params;
+                 switches = pk_system_switch_count(system, problem->params),
+                 m = system->events.n + switches;
+    const size_t list = PK_MOST_NODES * system->events.n + PK_MOST_TOGETHER * switches;
+    pk_real *shapes, *params, *sides;
     /* clang-format off */
     const struct pk_slot slots[] = {
         {&shapes, (m * sizeof(struct pk_shape) + sizeof(pk_real) - 1) / sizeof(pk_real)},
         {&e->q0, n}, {&e->v0, n}, {&e->bend, 2 * n}, {&e->trial, 2 * n}, {&e->u, system->n_inputs},
         {&e->g, m * (PK_MOST_SAMPLES + 2)}, {&e->ends, 2 * m},
-        {&e->list, m * PK_EVENT_ENTRY * PK_MOST_NODES},
-        {&e->held, system->events.n}, {&e->off, system->events.n}, {&e->fresh, system->switches.n},
+        {&e->list, PK_EVENT_ENTRY * list}, {&e->at_near, m}, {&e->at_last, m},
+        {&e->held, system->events.n}, {&e->off, system->events.n}, {&e->fresh, switches},
         {&e->room, pk_impulse_size(system, n)},
-        {&params, system->switches.n ? pk_params_reals(system) : 0}};
+        {&params, switches ? pk_params_reals(system) : 0},
+        {&sides, system->switches.count ? switches : 0}};
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     e->shapes = (struct pk_shape *)(void *)shapes;
-    e->params = system->switches.n ? params : NULL;
+    e->params = switches ? params : NULL;
+    e->most_listed = list;
+    if (base && switches)
+        e->sides = system->switches.count
+                       ? sides
+                       : (pk_real *)(void *)((char *)params + system->switches.sides);
     return size * sizeof *base;
 }
 
@@ -61,7 +69,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     options.max_steps = 0;
     events->n = it->n;
     events->n_events = problem->system->events.n;
-    events->n_switches = problem->system->switches.n;
+    events->n_switches = pk_system_switch_count(problem->system, problem->params);
     if (pk_events_count(events) == 0)
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
@@ -70,16 +78,18 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     pk_real *const own_block = (pk_real *)block + scout / sizeof(pk_real);
     memset(own_block, 0, lay_out(events, problem, own_block));
     if (events->n_switches) {
-        events->sides =
-            (pk_real *)(void *)((char *)events->params + problem->system->switches.sides);
         memcpy(events->params, own.params, problem->system->params_size);
+        if (problem->system->switches.count) {
+            void *const at = (char *)events->params + problem->system->switches.sides;
+            memcpy(at, &events->sides, sizeof events->sides);
+        }
         own.params = events->params;
     }
     return pk_integrator_init(&events->scout, problem, it->method, &options, it->t, it->q, it->v,
                               block, scout);
 }
 
-/* The parameters, which stand last, are those of the caller but for the sides. */
+/* The parameters, which stand last but for sides, are those of the caller but for these. */
 enum pk_status pk_events_keep(struct pk_events *e, struct pk_keep *k)
 {
     struct pk_events shape;
@@ -87,9 +97,10 @@ enum pk_status pk_events_keep(struct pk_events *e, struct pk_keep *k)
         return PK_DONE;
     const struct pk_problem *problem = &e->scout.problem;
     const size_t params = e->n_switches ? pk_params_reals(problem->system) * sizeof(pk_real) : 0;
+    const size_t apart = problem->system->switches.count ? e->n_switches * sizeof *e->sides : 0;
     pk_keep_same(k, e->n_events);
     pk_keep_same(k, e->n_switches);
-    pk_keep(k, e->shapes, lay_out(&shape, problem, NULL) - params);
+    pk_keep(k, e->shapes, lay_out(&shape, problem, NULL) - params - apart);
     pk_keep(k, e->sides, e->n_switches * sizeof *e->sides);
     pk_keep(k, &e->doubts, sizeof e->doubts);
     pk_keep(k, &e->count, sizeof e->count);

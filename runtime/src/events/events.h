@@ -10,6 +10,9 @@
  * from where the step began, which event, direction. */
 enum { PK_MOST_SAMPLES = 16, PK_MOST_NODES = 4 * PK_MOST_SAMPLES, PK_EVENT_ENTRY = 3 };
 
+/* Crossings of a switch in the list: none behind the first one of all, where the step is to end. */
+enum { PK_MOST_TOGETHER = 4 };
+
 /* Of a look by less than the method's own interpolant: how much farther from zero than it varies. */
 #define PK_CLEAR_OF PK_C(2.0)
 

@@ -196,6 +196,48 @@ static void doubt(struct pk_events *e, const struct pk_integrator *it)
     }
 }
 
+/* Which switch seems to cross first in the window: what crosses behind it is then not looked for. */
+static size_t foremost(const struct pk_events *e)
+{
+    size_t first = pk_events_count(e);
+    pk_real least = PK_INFINITY;
+    for (size_t k = e->n_events; k < pk_events_count(e); k++) {
+        const int stride = SAMPLES / (e->shapes[k].order ? e->shapes[k].order : 1);
+        for (int j = 0; e->shapes[k].crosses && j < SAMPLES; j += stride) {
+            const pk_real l = pk_events_sample(e, j)[k], r = pk_events_sample(e, j + stride)[k];
+            const pk_real from = pk_events_node(e, j), to = pk_events_node(e, j + stride);
+            if (!(from < least))
+                break;
+            if (!(l < 0 && r >= 0) && !(l > 0 && r <= 0))
+                continue;
+            const pk_real x = from + (to - from) * (l / (l - r));
+            if (x < least) {
+                least = x;
+                first = k;
+            }
+            break;
+        }
+    }
+    return first;
+}
+
+/* All that is crossed in the window, into the list. */
+static enum pk_status seek(struct pk_events *e, struct pk_integrator *it)
+{
+    const size_t first = foremost(e), m = pk_events_count(e);
+    e->listed = 0;
+    e->near = PK_INFINITY;
+    e->near_known = e->last = -1;
+    for (size_t k = 0; k < e->n_events; k++)
+        PK_TRY(pk_events_seek(e, it, k));
+    if (first < m)
+        PK_TRY(pk_events_seek(e, it, first));
+    for (size_t k = e->n_events; k < m; k++)
+        if (k != first)
+            PK_TRY(pk_events_seek(e, it, k));
+    return PK_DONE;
+}
+
 enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = pk_abs(it->t - e->from);
@@ -224,9 +266,7 @@ enum pk_status pk_events_look(struct pk_events *e, struct pk_integrator *it)
         }
         if (!clear)
             doubt(e, it);
-        e->listed = 0;
-        for (size_t k = 0; k < pk_events_count(e); k++)
-            PK_TRY(pk_events_seek(e, it, k));
+        PK_TRY(seek(e, it));
         if (pk_events_report(e, it) != PK_DONE || e->again || e->cut)
             return it->status;
         part++;

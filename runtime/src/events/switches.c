@@ -22,7 +22,9 @@ void pk_switches_enter(struct pk_events *e, struct pk_integrator *it)
     const struct pk_system *system = it->problem.system;
     if (e->n_switches == 0)
         return;
-    const size_t bytes = e->n_switches * sizeof *e->sides, behind = system->switches.sides + bytes;
+    const size_t bytes = system->switches.count ? sizeof e->sides
+                                                : e->n_switches * sizeof *e->sides;
+    const size_t behind = system->switches.sides + bytes;
     char *const copy = (char *)e->params;
     const char *const given = (const char *)it->problem.params;
     memcpy(copy, given, system->switches.sides);

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from ...graph.affine import LOOPS, OTHER, ROW, Affine
@@ -89,6 +89,8 @@ class Places:
         self.size_texts = {
             unlike_loops(name): f"p->{c_name}" for name, c_name in self.sizes.items()
         } | {name: f"at_{name[1:]}" for name in COUNTERS}
+        for k in range(len(e.switches)):  # the indices of the first and the last member of each
+            self.size_texts |= {f"least{k}'": f"p->side_lo_[{k}]", f"most{k}'": f"p->side_hi_[{k}]"}
         names = Names(frozenset())
         own = (*e.coordinates, *e.carried_groups)
         self.ids = {g.name: names.take(g.name) for g in own}  # as parts of names in C
@@ -194,8 +196,11 @@ class Lowering(Hoisting):
         libm: bool,
         blocks: list[Block],
         kept: set[str],
+        sides: Mapping[Node, tuple[Symbol, int]],
     ):
         super().__init__(equations.graph, equations.model.name, libm)
+        for call, (side, sign) in sides.items():
+            self.work.side(call, side, sign)
         self.kept = kept  # totals that lie in memory
         self.states = {g.name for g in equations.states}
         self.equations, self.places, self.blocks = equations, places, blocks
@@ -251,6 +256,8 @@ class Lowering(Hoisting):
             return variable(flux_place(int(slot.name), -slot.at.constant))
         if slot.kind == "place":
             return variable(slot.name)
+        if slot.kind == "side":
+            return self._side(slot, where)
         if slot.name in self.carried:
             array, place = places.carried(slot.kind, slot.name, slot.at)
             return Code(f"{array}[{places.index(place)}]", (array, *places.names_in(place)))
@@ -271,12 +278,24 @@ class Lowering(Hoisting):
         text = f"{reader}(p, t, {array}, u, {places.index(slot.at)})"
         return Code(text, (reader, needs, "p", "t", "u", *index))
 
+    def _side(self, slot: Slot, where: str) -> Code:
+        """Of a member that a switch has for sure, where no end is near, it is read at once."""
+        at = slot.at or Affine()
+        names = ("p", *self.places.names_in(at))
+        if where == INNER and at.factor(ROW):
+            place = f"p->side_at_[{slot.name}] + {self.places.index(at)}"
+            return Code(f"p->side_[{place}]", names)
+        reader = f"{self.prefix}side"
+        return Code(f"{reader}(p, {slot.name}, {self.places.index(at)})", (reader, *names))
+
     def _local(self, slot: Slot) -> str:
         if slot not in self._names:
             if slot.kind == "input":
                 wish = local_wish(self.inputs[int(slot.name)])
             elif slot.kind == "sum":
                 wish = f"sum_{slot.name}"
+            elif slot.kind == "side":
+                wish = f"side_{slot.name}{_place(slot.at)}"
             elif slot.kind == "index":
                 wish = f"real_{self.places.size_texts.get(slot.name, slot.name)}"
             elif slot.kind == "place":

@@ -35,7 +35,8 @@ class Before:
         self.name = e.model.name
         self.states = {g.name for g in e.states}
         self.passes = {item.name: k for k, found in enumerate(e.along) for item in found}
-        inside = [*plan.blocks, *(b for x in plan.singularities for b in x.blocks)]
+        watched = (*plan.singularities, *plan.switches)
+        inside = [*plan.blocks, *(b for x in watched for b in x.blocks)]
         self.kept = {k for kind, k in self._below(inside) if kind == "sum"}
         self.kept |= {str(k) for k in e.fixed}
         self.of = {name: self._needed(blocks) for name, blocks in self._functions(outputs)}
@@ -65,6 +66,7 @@ class Before:
             observed = plan.observed.values() if kernel == "observe" else ()
             yield kernel, [block, *sets(observed)]
         yield "singularity", sets(plan.singularities)
+        yield "switching", sets(plan.switches)
         for kernel in plan.slopes:
             corner = [plan.totals[key] for *_, key in kernel.corner]
             yield f"slopes_{kernel.name}", sets([*kernel.rows, *corner])

@@ -35,6 +35,8 @@ from .loops_sets import Assignment, Builder, Summing
 from .loops_singular import described
 from .loops_slopes import slopes_context
 from .loops_steps import stepper
+from .loops_switches import described as switches
+from .loops_switches import sides
 from .program import LoopProgram, operations_text
 from .render import frame, pasted
 
@@ -81,7 +83,11 @@ class _Context:
             *(block for found in self.plan.singularities for block in found.blocks),
         ]
         self.before = Before(e, self.places, self.plan, self.slots, self.outputs)
-        self.lowering = Lowering(e, self.places, libm, blocks, self.before.kept)
+        blocks += [block for found in self.plan.switches for block in found.blocks]
+        held = [node for block in blocks if block.where != FIXED for node in block.nodes]
+        decided = sides(e, self.slots, held)
+        self.e = e = replace(e, slots=tuple(self.slots.all))
+        self.lowering = Lowering(e, self.places, libm, blocks, self.before.kept, decided)
 
     def _observed(self) -> Iterator[Target]:
         """Of outputs that there are once."""
@@ -161,7 +167,11 @@ class _Context:
                 w.prepare,
                 factored=constant and not diagonal,
                 bound=bool(e.bound),
-                block=in_block or not diagonal or answered or accelerates or bool(self._regions()),
+                block=in_block
+                or not diagonal
+                or answered
+                or accelerates
+                or bool(self._regions() or e.switches),
                 fixed=self.before.fixed,
                 summed=e.summed,
             ),
@@ -214,6 +224,8 @@ class _Context:
             "rated": [(self.places.ids[name], x) for name, x in plan.rates.items()],
             "along": plan.along,
             "regions": self._regions(),
+            "switches": list(switches(e, self.places)),
+            "switch_sets": plan.switches,
             "with_lambda": any(slot.kind == "lambda" for slot in e.slots),
             "with_momenta": watches_momenta(e),
             "chunk": CHUNK,
@@ -257,6 +269,7 @@ class _Context:
         e, out = self.e, ("out",)
         found = {"acceleration": ("a",)} | {k: VECTORS.get(k, ()) for k in self.kernels}
         found |= {"singularity": out} if e.singularities or e.pivots else {}
+        found |= {"switching": out} if e.switches else {}
         found |= {k: out for k in self.outputs if self._there(k)}
         return {
             name: {"name": name, "result": KERNELS[name].result, "given": ()}

@@ -15,6 +15,7 @@ from .loops import Block, M
 from .loops_chain import Chain
 from .loops_made import made_of
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
+from .loops_switches import terms
 
 TOTALS = ("energy", "lagrangian", "kinetic", "potential")
 # Kernels that write a value for each coordinate: outputs, and what they are.
@@ -87,6 +88,7 @@ class Plan:
     totals: dict[str, TotalSet] = field(default_factory=dict)
     pairs: dict[str, list[PairSet]] = field(default_factory=dict)
     singularities: list[TotalSet] = field(default_factory=list)
+    switches: list[TotalSet] = field(default_factory=list)
     chain: Chain | None = None
     made: tuple[Bound, ...] = ()  # rows that say what carried values are made of
     jacobian: dict[str, RowSet] = field(default_factory=dict)  # of rows within the band
@@ -202,6 +204,9 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
     plan.singularities = [
         make.total(f"singularity_{k}", singularity.terms, as_derived=True)
         for k, singularity in enumerate(e.singularities)
+    ]
+    plan.switches = [
+        make.total(f"switch_{k}", of, as_derived=True) for k, of in enumerate(terms(e))
     ]
     for kernel, what in PAIRED.items():
         if kernel in kernels:

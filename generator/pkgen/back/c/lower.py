@@ -100,7 +100,7 @@ class _Lowering(Hoisting):
         positions = () if c is None else c.positions
         decided = sides(equations.graph, equations.switches, positions)
         for call, (switch, sign) in decided.items():
-            self.work.side(call, switch, sign)
+            self.work.side(call, Symbol(SIDE, switch), sign)
         self.fields, self.parameter_names = _fields(equations)
         self.parameters = dict(zip(numbers, self.parameter_names, strict=True))
         self.symbols = _local_names(equations)

@@ -31,16 +31,16 @@ class Workspace(Tables):
         super().__init__(graph)
         self._known = graph.tables()
         self.sides: dict[Node, Node] = {}  # of calls that a switch decides: the side
-        self._side_leaves: dict[int, Node] = {}
+        self._side_leaves: dict[Symbol, Node] = {}
         self.constants = Constants(self)
 
-    def side(self, call: Node, switch: int, sign: int) -> None:
+    def side(self, call: Node, switch: Symbol, sign: int) -> None:
         """Has a call decided by the side of a switch, or by the other one."""
         if switch not in self._side_leaves:
             leaf = self._side_leaves[switch] = len(self.op)
             self.op.append(Op.SYMBOL)
             self.args.append(())
-            self.data.append(Symbol(SIDE, switch))
+            self.data.append(switch)
             self.fixed.append(False)
         leaf = self._side_leaves[switch]
         self.sides[call] = leaf if sign > 0 else self.multiply(MINUS_ONE, leaf)

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...graph.graph import ZERO
 from ...model import Model
 from ...source import Diagnostic, ModelError
-from ..derive.impulses import Across, arguments_of
 from ..expand.names import entered
 from ..quantities import indexed, refuse_constant
 from .bodies import Gathered
 from .bound import bound_of
 from .carried import by_places, carried_of, inert
 from .expand import LoopExpander
-from .facts import facts_of, own_nodes, total_nodes, vector_nodes
+from .facts import facts_of, own_nodes, vector_nodes
 from .indices import size_values
 from .loops import Limit, LoopEquations
 from .parts import Band, Carried, Row, Unrolled, Vector
 from .rows import Gather
 from .singularities import singularities_of
 from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of
+from .switches import switches_of
 from .terms import Term, terms
 
 
@@ -95,7 +94,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
         defaults=defaults,
         bounds=bounds_of(x),
         starts=starts,
-        limits=_limits(x, gather.found.limits),
+        limits=(),
         wraps=gather.found.wraps,
         carried=carried,
         extended=bool(carried) and not by_places(x, mass, carried),
@@ -103,8 +102,11 @@ def _derive(x: LoopExpander) -> LoopEquations:
         solved=_of_states(x, vectors["momenta"], carried),
     )
     _check_points(x, result)
-    _check_jumps(x, result)
-    result = replace(result, facts=facts_of(x, gather, result))
+    switches, whole = switches_of(x, result, gather.found.limits)
+    facts = facts_of(x, gather, result)
+    facts = replace(facts, switched=whole and not facts.smooth)
+    limits = _limits(x, gather.found.limits)
+    result = replace(result, switches=switches, facts=facts, limits=limits)
     singularities, pivots = singularities_of(x, gather, result)
     if not model.coordinates:
         result = replace(result, kinetic=None, potential=None, lagrangian=None, energy=None)
@@ -221,27 +223,6 @@ def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
         kept[limit] = None
     plain = {limit.needs for limit in kept if limit.unless is None}
     return tuple(k for k in kept if k.unless is None or k.needs not in plain)
-
-
-def _check_jumps(x: LoopExpander, result: LoopEquations) -> None:
-    """Nobody locates the switches of loops: what jumps, rates or their rates, is not for them."""
-    within = x.totals.nodes
-    ends = [node for values in result.given.values() for node in values[:2]]
-    if arguments_of(x.graph, ends):
-        raise Unrolled("the motion of a fixed end bends or jumps")
-    if arguments_of(x.graph, [node for rows in result.bound for node in rows.nodes]):
-        raise Unrolled("a constraint bends or jumps")
-    bodies = within(*total_nodes([result.lagrangian]), *(node for node, _ in x.primes))
-    across = None
-    kinds = {
-        "L jumps at a step, so that rates do": bodies,
-        "a force or a rate jumps": within(*vector_nodes(result.force)),
-    }
-    for why, nodes in kinds.items():
-        for argument in arguments_of(x.graph, nodes):
-            across = across or Across(x.graph)
-            if any(across.jump(node, argument) != ZERO for node in nodes):
-                raise Unrolled(why)
 
 
 def _check_points(x: LoopExpander, result: LoopEquations) -> None:

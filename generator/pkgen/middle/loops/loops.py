@@ -88,6 +88,18 @@ class LoopSingularity:
 
 
 @record
+class LoopSwitch:
+    """The equations are smooth on either side of the zeros of an expression, which has a value for
+    each index m of the `ranges`, of () one alone. See switches.py and equations.Switch."""
+
+    name: str  # the expression in i
+    node: Node
+    inner: Node  # the same away from the ends
+    ranges: tuple[tuple[Affine, ...], ...]
+    held: bool
+
+
+@record
 class LoopEquations:
     model: Model
     graph: Graph
@@ -121,6 +133,7 @@ class LoopEquations:
     summed: int = 0  # how many sums are computed once, in starts and parameters
     facts: Facts | None = None
     singularities: tuple[LoopSingularity, ...] = ()
+    switches: tuple[LoopSwitch, ...] = ()
     pivots: bool = False  # those of M are singularities too, before the others
     carried: tuple[Carried, ...] = ()  # by level
     # Whether the accelerations of carried values are unknowns of M a = f, with rows that say what

@@ -39,8 +39,8 @@ class Slot:
     "sum" (the total of that number), "lambda" (of the rows of that key), "hung_p" and "hung_f" (of
     a carried value, the momenta and forces that go over to what it is made of), "p" (a momentum, in
     outputs), "let" (a member of what is computed for outputs alone), "acc" (there, an acceleration,
-    of a given cell as well), and "place", whose name is its text in C. `at` is the index of a
-    family's member.
+    of a given cell as well), "side" (of the switch of that number), and "place", whose name is its
+    text in C. `at` is the index of a family's member.
     """
 
     kind: str

@@ -20,6 +20,7 @@ from ...graph.ranges import INF, Range, Ranges
 from ...graph.wording import wording
 from ...indices import indexed
 from ..points.singularities import COORDINATES, DIVISOR, about, dangerous, squared, zeros
+from ..quantities import input_quantities
 from .expand import LoopExpander
 from .indices import unlike_loops
 from .loops import LoopEquations, LoopSingularity
@@ -29,8 +30,8 @@ from .rows import Gather
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE] | BIT[Kind.TIME]
 _PRIMES = {"v": "'", "d": "'", "a": "'"}  # of states
-_Over = tuple[Affine, ...]  # nothing; lo, hi; or lo, hi, first, last of pairs
-_Guarded = tuple[_Over, Node]
+Over = tuple[Affine, ...]  # nothing; lo, hi; or lo, hi, first, last of pairs
+_Guarded = tuple[Over, Node]
 
 
 def singularities_of(
@@ -51,11 +52,11 @@ class _Singularities:
     def found(self) -> tuple[tuple[LoopSingularity, ...], bool]:
         charts, pivots = self._charts()
         motions: dict[_Guarded, str] = {}
-        for over, output in self._outputs():
+        for over, output in outputs_of(self.x, self.e):
             for base, use in dangerous(self.g, self.ranges, [output]):
                 for node, _ in zeros(self.g, self.ranges, base):
                     found = self._canonical(over, node)
-                    if self._moves(node) and (found not in motions or use == DIVISOR):
+                    if moves(self.x, node) and (found not in motions or use == DIVISOR):
                         motions[found] = use
         kept = dict.fromkeys(charts, COORDINATES)
         kept |= {found: use for found, use in motions.items() if found not in kept}
@@ -63,7 +64,7 @@ class _Singularities:
         for root in roots:  # r, not r^2 too
             kept.pop(root, None)
         singularities = [
-            LoopSingularity(self._text(node), kept[over, node], self._terms(over, node))
+            LoopSingularity(shown(self.x, node), kept[over, node], self._terms(over, node))
             for over, node in self._distinct(kept)
         ]
         return tuple(singularities), pivots
@@ -91,36 +92,6 @@ class _Singularities:
 
     # -- where they are found -----------------------------------------------------------------
 
-    def _outputs(self) -> Iterator[tuple[_Over, Node]]:
-        """Whatever the acceleration computes, with the range of its index."""
-        nodes = []
-        for over, node in self._rows():
-            nodes.append(node)
-            yield over, node
-        for slot in self.x.totals.below(*nodes):
-            if slot.kind == "sum":
-                yield from _ranged(self.x.totals.all[int(slot.name)])
-
-    def _rows(self) -> Iterator[tuple[_Over, Node]]:
-        e = self.e
-        rows = [*e.force.rows.values(), *e.mass.entries.values(), *e.mass.border.values()]
-        totals = [*e.force.totals.values(), *e.mass.corner.values()]
-        for part in (part for item in (*rows, *totals) for part in item.parts):
-            yield (part.lo, part.hi), part.node
-        for bound in e.bound:
-            yield from bound.ranged
-        for total in totals:
-            yield (), total.constant
-        for nodes in e.given.values():
-            yield from (((), node) for node in nodes)
-        for piece in (piece for item in e.carried for piece in item.pieces):
-            for node in (piece.rate, *piece.by.values()):
-                yield (piece.lo, piece.hi), node
-        for pair in e.force.pairs:
-            over = (pair.lo, pair.hi, pair.first, pair.last)
-            for _, node in (*pair.by_row, *pair.by_other, *pair.by_scalar):
-                yield over, node
-
     def _charts(self) -> tuple[dict[_Guarded, None], bool]:
         """The factors of a diagonal M's entries that may vanish; and whether its pivots are to be
         watched as they are."""
@@ -138,7 +109,7 @@ class _Singularities:
                 continue
             over, node = entry
             for factor, _ in zeros(self.g, self.ranges, node):
-                if self._moves(factor):
+                if moves(self.x, factor):
                     found[self._canonical(over, factor)] = None
         return found, pivots
 
@@ -167,13 +138,7 @@ class _Singularities:
 
     # -- what they are ------------------------------------------------------------------------
 
-    def _moves(self, node: Node) -> bool:
-        moving = ("input", "w", "a")
-        return bool(self.x.totals.depends(node) & MOVES) or any(
-            slot.kind in moving for slot in self.x.totals.below(node)
-        )
-
-    def _canonical(self, over: _Over, node: Node) -> _Guarded:
+    def _canonical(self, over: Over, node: Node) -> _Guarded:
         """The same with i the least index in it: rows see a body from each of its members."""
         slots = self.x.slots.below(node)
         members = [s.at for s in slots if s.at is not None and s.at.factor(ROW)]
@@ -185,48 +150,92 @@ class _Singularities:
         lo, hi = over
         return (lo + least, hi + least), self.x.slots.shifted(node, -least)
 
-    def _terms(self, over: _Over, node: Node) -> Total:
+    def _terms(self, over: Over, node: Node) -> Total:
         if not over:
             return Total(node)
         if len(over) == 2:
             return Total(ZERO, (Part(*over, node, self.gather.inner(node)),))
         return Total(ZERO, (), (PairPart(*over, node),))
 
-    def _text(self, node: Node) -> str:
-        """With the letters i and j, for which a run puts in its member's; sums have k and l."""
-        return wording(self.g, about(self.g, node), self._name({ROW: "i", OTHER: "j"}))
 
-    def _name(self, letters: dict[str, str]) -> Callable[[Symbol], str]:
-        sizes = {unlike_loops(size.name): size.name for size in self.e.model.sizes}
-        shown = sizes | letters
+def outputs_of(x: LoopExpander, e: LoopEquations) -> Iterator[tuple[Over, Node]]:
+    """Whatever the acceleration computes, with the range of its index."""
+    nodes = []
+    for over, node in _rows(e):
+        nodes.append(node)
+        yield over, node
+    for slot in x.totals.below(*nodes):
+        if slot.kind == "sum":
+            yield from _ranged(x.totals.all[int(slot.name)])
 
-        def name(symbol: Symbol) -> str:
-            if symbol.kind is Kind.TIME:
-                return "t"
-            slot = self.x.slots.all[symbol.index]
-            if slot.kind == "index":
-                return shown[slot.name]
-            if slot.kind == "input":
-                return self.e.inputs[int(slot.name)].name
-            if slot.kind == "sum":
-                return self._total(self.x.totals.all[int(slot.name)], sizes)
-            at = None if slot.at is None else slot.at.text(shown).replace(" ", "")
-            group = self.x.coordinates.get(slot.name)
-            if group is not None and group.is_turn:
-                return indexed(group.shown, at)
-            return indexed(slot.name, at) + _PRIMES.get(slot.kind, "")
 
-        return name
+def _rows(e: LoopEquations) -> Iterator[tuple[Over, Node]]:
+    rows = [*e.force.rows.values(), *e.mass.entries.values(), *e.mass.border.values()]
+    totals = [*e.force.totals.values(), *e.mass.corner.values()]
+    for part in (part for item in (*rows, *totals) for part in item.parts):
+        yield (part.lo, part.hi), part.node
+    for bound in e.bound:
+        yield from bound.ranged
+    for total in totals:
+        yield (), total.constant
+    for nodes in e.given.values():
+        yield from (((), node) for node in nodes)
+    for piece in (piece for item in e.carried for piece in item.pieces):
+        for node in (piece.rate, *piece.by.values()):
+            yield (piece.lo, piece.hi), node
+    for pair in e.force.pairs:
+        over = (pair.lo, pair.hi, pair.first, pair.last)
+        for _, node in (*pair.by_row, *pair.by_other, *pair.by_scalar):
+            yield over, node
 
-    def _total(self, found: Total, sizes: dict[str, str]) -> str:
-        letters, parts = {ROW: "k", OTHER: "l"}, []
-        for over, node in _ranged(found):
-            text = wording(self.g, node, self._name(letters))
-            at = [end.text(sizes | letters).replace(" ", "") for end in over]
-            ends = zip("kl", at[::2], at[1::2], strict=False)
-            ranges = [f"{letter} = {lo}..{hi}" for letter, lo, hi in ends]
-            parts.append(f"sum({', '.join([text, *ranges])})" if over else text)
-        return parts[0] if len(parts) == 1 else f"({' + '.join(parts)})"
+
+def moves(x: LoopExpander, node: Node) -> bool:
+    """Whether an expression changes along a motion."""
+    moving = ("input", "w", "a")
+    return bool(x.totals.depends(node) & MOVES) or any(
+        slot.kind in moving for slot in x.totals.below(node)
+    )
+
+
+def shown(x: LoopExpander, node: Node) -> str:
+    """An expression about members as text, with the letters i and j, for which a run puts in its
+    member's; sums have k and l."""
+    return wording(x.graph, about(x.graph, node), _name(x, {ROW: "i", OTHER: "j"}))
+
+
+def _name(x: LoopExpander, letters: dict[str, str]) -> Callable[[Symbol], str]:
+    names = {unlike_loops(size.name): size.name for size in x.model.sizes} | letters
+    inputs = input_quantities(x.model, x.orders)
+
+    def name(symbol: Symbol) -> str:
+        if symbol.kind is Kind.TIME:
+            return "t"
+        slot = x.slots.all[symbol.index]
+        if slot.kind == "index":
+            return names[slot.name]
+        if slot.kind == "input":
+            return inputs[int(slot.name)].name
+        if slot.kind == "sum":
+            return _total(x, x.totals.all[int(slot.name)])
+        at = None if slot.at is None else slot.at.text(names).replace(" ", "")
+        group = x.coordinates.get(slot.name)
+        if group is not None and group.is_turn:
+            return indexed(group.shown, at)
+        return indexed(slot.name, at) + _PRIMES.get(slot.kind, "")
+
+    return name
+
+
+def _total(x: LoopExpander, found: Total) -> str:
+    letters, parts = {ROW: "k", OTHER: "l"}, []
+    names = {unlike_loops(size.name): size.name for size in x.model.sizes} | letters
+    for over, node in _ranged(found):
+        text = wording(x.graph, node, _name(x, letters))
+        at = [end.text(names).replace(" ", "") for end in over]
+        ends = zip("kl", at[::2], at[1::2], strict=False)
+        ranges = [f"{letter} = {lo}..{hi}" for letter, lo, hi in ends]
+        parts.append(f"sum({', '.join([text, *ranges])})" if over else text)
+    return parts[0] if len(parts) == 1 else f"({' + '.join(parts)})"
 
 
 def _ranged(total: Total) -> Iterator[_Guarded]:

@@ -17,7 +17,7 @@ _KINDS = {
     **dict.fromkeys(("v", "d"), Kind.RATE),
     **dict.fromkeys(("param", "size"), Kind.PARAMETER),
     **dict.fromkeys(
-        ("input", "index", "sum", "flux", "w", "a", "p", "place", "lambda", "let", "acc"),
+        ("input", "index", "sum", "flux", "w", "a", "p", "place", "lambda", "let", "acc", "side"),
         Kind.INPUT,
     ),
     **dict.fromkeys(("hung_p", "hung_f"), Kind.INPUT),

@@ -1,0 +1,60 @@
+"""Switches of families kept as loops: which call has the side of which member, and their tables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from ...graph.affine import ROW, Affine
+from ...graph.differentiate import reachable
+from ...graph.graph import VARIABLE, ZERO, Node, Symbol
+from ...middle.derive.switches import Surfaces, argument_of, free
+from ...middle.loops.loops import LoopEquations
+from ...middle.loops.parts import Part, Total
+from ...middle.loops.slots import Slots
+from ...middle.loops.switches import Members
+from .loops import Places
+
+
+def terms(e: LoopEquations) -> Iterator[Total]:
+    """The values of each: of members, from the least index of its ranges to the greatest."""
+    for k, x in enumerate(e.switches):
+        if x.ranges[0]:
+            lo, hi = (Affine(0, ((f"{which}{k}'", 1),)) for which in ("least", "most"))
+            yield Total(ZERO, (Part(lo, hi, x.node, x.inner),))
+        else:
+            yield Total(x.node)
+
+
+def sides(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> dict[Node, tuple[Symbol, int]]:
+    """Of each call that is held: the side that decides it, a slot, and 1 or -1 as its own argument
+    has that sign or the other. The graph may grow."""
+    found: dict[Node, tuple[Symbol, int]] = {}
+    if not e.switches:
+        return found
+    g, roots = slots.graph, [*nodes]
+    members, surfaces = Members(g, slots), Surfaces(g)
+    known = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(e.switches)}
+    loose = free(g, roots)
+    for call in reachable(g, roots, VARIABLE):
+        argument = argument_of(g, call)
+        if argument == ZERO or call in loose:
+            continue
+        node, at = members(argument)
+        surface, sign = surfaces(node)
+        if surface in known:
+            k, side = known[surface]
+            own = slots.node("side", str(k), at if e.switches[k].ranges[0] else None)
+            found[call] = g.data[own], sign * side
+    return found
+
+
+def described(e: LoopEquations, places: Places) -> Iterator[dict[str, Any]]:
+    """What the tables say of each."""
+    for x in e.switches:
+        ranges = [r or (Affine(), Affine()) for r in x.ranges]
+        yield {
+            "name": x.name,
+            "ranges": [tuple(map(places.index, r)) for r in ranges],
+            "text": ", ".join(" .. ".join(at.text({ROW: "i"}) for at in r) for r in x.ranges if r),
+        }

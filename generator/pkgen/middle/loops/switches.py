@@ -1,0 +1,252 @@
+"""Switches of families kept as loops: where a force or a rate of each member jumps.
+
+What is a switch is said in derive/switches.py; here one is a family with a value for each member
+that its body is about, as singularities of loops are. Two bodies that see the same argument, from
+one member or from another, have one switch. Beyond an end an argument may stand still, q[0]' of a
+fixed one say: there is none then, and the call is what it is.
+
+Kinks alone are no switches here: a chain has as many of them as members, each of which would end
+steps, and an error that is controlled sees them. But where an argument has a jump, all that bends
+with it is held with it.
+
+What jumps in a sum over pairs, in L or in a constraint is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...graph.affine import LOOPS, OTHER, ROW, Affine, extremes
+from ...graph.differentiate import reachable
+from ...graph.graph import VARIABLE, ZERO, Graph, Node
+from ..derive.impulses import Across, arguments_of
+from ..derive.switches import Surfaces, argument_of, free
+from .expand import LoopExpander
+from .facts import total_nodes, vector_nodes
+from .indices import size_values
+from .loops import Limit, LoopEquations, LoopSwitch
+from .parts import Slot, Unrolled
+from .singularities import Over, moves, outputs_of, shown
+from .slots import Slots
+
+_PAIRS = "a force or a rate jumps in a sum over pairs"
+
+
+class Members:
+    """Which member an expression is about, and what it is as one about member m."""
+
+    def __init__(self, g: Graph, slots: Slots):
+        self.g, self.slots = g, slots
+
+    def __call__(self, node: Node) -> tuple[Node, Affine | None]:
+        """The same about m, and the index that it has there; None: it is about no member.
+        A body that has both members of a pair is as it is, about both of them."""
+        slots = self.slots.below(node)
+        found = [slot.at for slot in slots if slot.at is not None]
+        loops = _loops(slots)
+        if len(loops) > 1:
+            return node, None
+        if loops:
+            [name] = loops
+            own = Affine(0, ((name, 1),))
+            shifts = [(at - own).constant for at in found if (at - own).is_constant]
+            least = own + min(shifts, default=0)
+        elif found and all((at - found[0]).is_constant for at in found):
+            least = min(found, key=lambda at: (at - found[0]).constant)
+        else:
+            return node, None
+        return self.about(node, least), least
+
+    def about(self, node: Node, at: Affine) -> Node:
+        """What stands at index `at` is at m."""
+        own = Affine(0, ((ROW, 1),))
+        name = next((v for v in (ROW, OTHER) if at.factor(v)), None)
+        back = own - at.without(name or "")  # what a loop's variable is
+
+        def swap(slot: Slot) -> Node | None:
+            if slot.kind == "index":
+                return self._number(back)
+            if slot.at is None:
+                return None
+            if name is None:
+                there = slot.at - at + own
+            elif slot.at.factor(name):
+                there = slot.at.replaced({name: back})
+            else:
+                return None
+            return self.slots.node(slot.kind, slot.name, there)
+
+        return self.slots.swapped(node, swap)
+
+    def _number(self, at: Affine) -> Node:
+        g = self.g
+        total = g.number(at.constant)
+        for name, factor in at.terms:
+            kind = "index" if name == ROW else "size"
+            total = g.add(total, g.multiply(g.number(factor), self.slots.node(kind, name)))
+        return total
+
+    def has_both(self, node: Node) -> bool:
+        return len(_loops(self.slots.below(node))) > 1
+
+
+def _loops(slots: list[Slot]) -> set[str]:
+    """The variables of loops that stand in indices, or by themselves."""
+    found = {v for s in slots if s.at is not None for v in LOOPS if s.at.factor(v)}
+    return found | {s.name for s in slots if s.kind == "index"}
+
+
+def switches_of(
+    x: LoopExpander, e: LoopEquations, limits: list[Limit]
+) -> tuple[tuple[LoopSwitch, ...], bool]:
+    """Those of the equations, and whether these are smooth between their zeros; adds what sizes
+    must fulfil. Raises Unrolled where one is not for loops."""
+    found = _Switches(x, e, limits)
+    return tuple(found.all()), found.whole
+
+
+class _Switches:
+    def __init__(self, x: LoopExpander, e: LoopEquations, limits: list[Limit]):
+        self.x, self.e, self.g, self.limits = x, e, x.graph, limits
+        self.members = Members(x.graph, x.slots)
+        self.whole = False
+
+    def all(self) -> Iterator[LoopSwitch]:
+        x, e, g = self.x, self.e, self.g
+        ends = [node for values in e.given.values() for node in values[:2]]
+        if arguments_of(g, ends):
+            raise Unrolled("the motion of a fixed end bends or jumps")
+        if arguments_of(g, [node for rows in e.bound for node in rows.nodes]):
+            raise Unrolled("a constraint bends or jumps")
+        within = x.totals.nodes
+        bodies = within(*total_nodes([e.lagrangian]), *(node for node, _ in x.primes))
+        if self._jumping(bodies):
+            raise Unrolled("L jumps at a step, so that rates do")
+        jumping = self._jumping(within(*vector_nodes(e.force)))
+        if not jumping:
+            return
+        surfaces = Surfaces(g)
+        keys: dict[object, Node] = {}
+        for argument in jumping:
+            if self.members.has_both(argument):
+                raise Unrolled("a force or a rate jumps in a sum over pairs")
+            node, _ = self.members(argument)
+            keys.setdefault(surfaces(node)[0], node)
+        ranges, loose = self._ranges(surfaces, keys)
+        self.whole &= not loose
+        for key, node in keys.items():
+            kept = [r for r in (self._moving(node, over) for over in ranges[key]) if r is not None]
+            if kept:
+                self._keep_apart(node)
+                inner = x.slots.inside(node, [group.name for group in e.carried_groups])
+                yield LoopSwitch(shown(x, node), node, inner, tuple(kept), key not in loose)
+
+    def _ranges(
+        self, surfaces: Surfaces, keys: dict[object, Node]
+    ) -> tuple[dict[object, dict[Over, None]], set[object]]:
+        """The indices that each is about; and those that are not held in some call."""
+        g, outputs = self.g, list(outputs_of(self.x, self.e))
+        ranges: dict[object, dict[Over, None]] = {key: {} for key in keys}
+        escaped = free(g, [node for _, node in outputs])
+        self.whole, loose = True, set()
+        for over, output in outputs:
+            for call in reachable(g, [output], VARIABLE):
+                argument = argument_of(g, call)
+                if argument == ZERO or not moves(self.x, argument):
+                    continue
+                node, at = self.members(argument)
+                key = surfaces(node)[0]
+                if key not in ranges:
+                    self.whole = False
+                    continue
+                ranges[key][self._range(over, at)] = None
+                if call in escaped:
+                    loose.add(key)
+        return ranges, loose
+
+    def _jumping(self, nodes: list[Node]) -> list[Node]:
+        """The arguments that move, at whose zeros one of these is not proved to be continuous."""
+        found = [a for a in arguments_of(self.g, nodes) if moves(self.x, a)]
+        if not found:
+            return []
+        across = Across(self.g)
+        return [a for a in found if any(across.jump(node, a) != ZERO for node in nodes)]
+
+    def _range(self, over: Over, at: Affine | None) -> Over:
+        """The indices that it is about, where its body goes over those."""
+        if at is None:
+            return ()
+        if len(over) == 4:
+            lo, hi, first, last = over
+            return extremes(at, {OTHER: (first, last), ROW: (lo, hi)})
+        return extremes(at, {ROW: over}) if over else (at, at)
+
+    # -- ends ---------------------------------------------------------------------------------
+
+    def _moving(self, node: Node, over: Over) -> Over | None:
+        """The range but for members at its ends where the argument stands still; None: there are
+        none."""
+        if not over:
+            return over
+        lo, hi = over
+        still = self._still(node)
+        while lo in still:
+            lo = lo + 1
+        while hi in still:
+            hi = hi - 1
+        if (hi - lo).is_constant and (hi - lo).constant < 0:
+            return None
+        sizes = size_values(self.x.model)
+        for at in still:
+            apart = [lo - at - 1, at - hi - 1]  # one of them not negative: it is outside
+            if any(d.is_constant and d.constant >= 0 for d in apart):
+                continue
+            met = [d for d in apart if d.value(sizes) >= 0]
+            if not met:
+                raise Unrolled("what a force jumps with stands still at a member amid others")
+            self.limits.append(Limit(met[0], hi - lo))
+        return lo, hi
+
+    def _still(self, node: Node) -> set[Affine]:
+        """Where it is no more than parameters, since given members stand in it."""
+        x, found = self.x, set()
+        slots = [s for s in x.slots.below(node) if s.name in x.coordinates and s.at is not None]
+        own = Affine(0, ((ROW, 1),))
+        for slot in slots:
+            for end, _ in x.coordinates[slot.name].ends:
+                if slot.at.factor(ROW):
+                    found.add(end - (slot.at - own).constant)
+        return {at for at in found if not moves(x, self._beyond(node, at))}
+
+    def _beyond(self, node: Node, at: Affine) -> Node:
+        """The argument at an index, with what given members are."""
+        x = self.x
+
+        def swap(slot: Slot) -> Node | None:
+            group = x.coordinates.get(slot.name)
+            if group is None or slot.at is None:
+                return None
+            place = slot.at.replaced({ROW: at})
+            for end, given in group.ends:
+                if end != place:
+                    continue
+                if given.kind == "free":
+                    home = group.lo if end == group.lo - 1 else group.hi
+                    return x.slots.node(slot.kind, slot.name, home)
+                order = {"q": 0, "s": 0, "v": 1, "a": 1, "w": 2}.get(slot.kind)
+                return ZERO if order is None else self.e.given[slot.name, end][order]
+            return x.slots.node(slot.kind, slot.name, place)
+
+        return x.slots.swapped(node, swap)
+
+    def _keep_apart(self, node: Node) -> None:
+        """Families so long that no two places in it are one member."""
+        x = self.x
+        places: dict[str, list[int]] = {}
+        for slot in x.slots.below(node):
+            if slot.name in x.coordinates and slot.at is not None and slot.at.factor(ROW):
+                places.setdefault(slot.name, []).append(slot.at.constant)
+        for name, shifts in places.items():
+            length = max(shifts) - min(shifts)
+            if length:
+                self.limits.append(Limit(x.coordinates[name].count - 1 - length, None))
