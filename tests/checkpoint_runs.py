@@ -46,6 +46,9 @@ MODELS = {
     "chain": "size N = 40\ncoord q[1..N]\nfixed q[0] = 0, q[N+1] = 0\n"
     "kinetic sum(q[i]'^2/2, i = 1..N)\n"
     "potential sum((q[i+1] - q[i])^2/2 + (q[i+1] - q[i])^4/4, i = 0..N)\nstart q[3] = 1\n",
+    "walled": "size N = 20\ncoord q[1..N]\nfixed q[0] = 0, q[N+1] = 0\n"
+    "kinetic sum(q[i]'^2/2, i = 1..N)\npotential sum((q[i+1] - q[i])^2/2 + q[i], i = 0..N)\n"
+    "force q[i = 1..N] = 3*step(-q[i] - 0.2)\nstart q[i = 1..N] = sin(i)/2\n",
 }  # fmt: skip
 BLOCKS = """model blocks
 coord a, b

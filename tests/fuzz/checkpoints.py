@@ -39,6 +39,7 @@ RUNS = (
     ("affine", "exponential"),
     ("linear", "boris4"),
     ("chain", "verlet"),
+    ("walled", "gauss2 dop853"),
 )
 NUMBERS = [
     *(struct.pack("=d", x) for x in (float("nan"), float("inf"), -1e300, 1e300, 5e-324, -0.5)),

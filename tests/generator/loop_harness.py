@@ -59,6 +59,11 @@ class Looped:
             ("work_", ctypes.c_void_p),
             ("failed_", ctypes.c_int),
         ]
+        switches = len(self.equations.switches)
+        if switches:
+            fields.append(("side_", ctypes.POINTER(ctypes.c_double)))
+            places = ctypes.c_ssize_t * switches
+            fields += [(name, places) for name in ("side_lo_", "side_hi_", "side_at_")]
         self.struct = type("Params", (ctypes.Structure,), {"_fields_": fields})
 
     def function(self, name: str, result: object = None):

@@ -27,16 +27,16 @@ PK_BEGIN
  * loaded at run time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 81u
+#define PK_ABI 85u
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 82u
+#define PK_ABI 86u
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 83u
+#define PK_ABI 87u
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 80u
+#define PK_ABI 84u
 #endif
 extern const char PK_SCALAR[];
 

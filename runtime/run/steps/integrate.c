@@ -26,7 +26,7 @@ static enum pk_status many(struct pk_run *run, pk_real end)
 static int fused(const struct pk_run *run)
 {
     const struct pk_system *system = run->problem.system;
-    return system->families.advance && run_fixed(run) && !system->events.n;
+    return system->families.advance && run_fixed(run) && !system->events.n && !system->switches.n;
 }
 
 static int step(struct pk_run *run)
