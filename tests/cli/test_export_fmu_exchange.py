@@ -17,6 +17,15 @@ event low: x - (1 [m]) falling stop
 event turns: x' either
 start x = 1, x' = -1
 """
+CHAIN = """model chain
+size N = 20
+coord q[1..N]
+fixed q[0] = 0
+kinetic sum(q[i]'^2/2, i = 1..N)
+potential sum((q[i] - q[i-1])^2/2, i = 1..N)
+force q[i = 1..N] = -step(q[i])
+start q[i = 1..N] = -1
+"""
 WALL = "model wall\ncoord x\nkinetic x'^2/2\npotential step(x - 1)\nstart x' = 2\n"
 
 
@@ -67,6 +76,23 @@ def test_sides_of_switches_are_held_between_events(roof) -> None:
     roof.go([0, -1], 2)
     event(roof)
     assert rates(roof) == [-1, 2]  # upon the switch: the side that there was
+
+
+def test_each_member_of_a_family_has_its_side(unit) -> None:
+    chain = Unit(unit(CHAIN), FMU3Model).start()
+    found = (np.ctypeslib.ctypes.c_double * 40)()
+
+    def acceleration() -> list[float]:
+        chain.fmu.getContinuousStateDerivatives(found, 40)
+        return list(found)[20:]
+
+    chain.go([-1.0] * 20 + [0.0] * 20)
+    event(chain)
+    assert acceleration() == [1] + [0] * 19
+    chain.go([-1.0] * 4 + [1] + [-1.0] * 15 + [0.0] * 20, 1)
+    assert acceleration()[3:6] == [2, -4, 2]
+    event(chain)
+    assert acceleration()[3:6] == [2, -5, 2]
 
 
 def test_where_rates_jump_is_an_error(unit) -> None:

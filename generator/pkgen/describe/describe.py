@@ -11,6 +11,7 @@ from ..compiler import Compilation
 from ..front.check.scene_numbers import Values, WrongValue
 from ..indices import hidden, parted
 from ..methods import Method, known, provides
+from ..middle.loops.switches import switch_count
 from ..middle.quantities import single_rotations
 from ..model import Model, Parameter, Scene
 from ..run import named
@@ -168,7 +169,8 @@ def _whole(compilation: Compilation) -> bool:
 
 def _switches(compilation: Compilation) -> int:
     """Arguments of step, abs and the like at whose zeros the equations change."""
-    return 0 if compilation.looped else len(compilation.equations.switches)
+    e = compilation.equations
+    return switch_count(e) if compilation.looped else len(e.switches)
 
 
 def _number(row: list[float], k: int) -> float | None:

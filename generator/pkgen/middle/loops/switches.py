@@ -105,6 +105,16 @@ def switches_of(
     return tuple(found.all()), found.whole
 
 
+def switch_count(e: LoopEquations) -> int:
+    """How many there are at the sizes that stand in the model."""
+    sizes, total = size_values(e.model), 0
+    for x in e.switches:
+        ends = [[at.value(sizes) for at in over] for over in x.ranges]
+        ends = [over or [0, 0] for over in ends if not over or over[0] <= over[1]]
+        total += max(hi for _, hi in ends) - min(lo for lo, _ in ends) + 1 if ends else 0
+    return total
+
+
 class _Switches:
     def __init__(self, x: LoopExpander, e: LoopEquations, limits: list[Limit]):
         self.x, self.e, self.g, self.limits = x, e, x.graph, limits

@@ -124,7 +124,6 @@ struct unit *unit_new(const char *name, const char *token, int co_simulation)
     unit->n_inputs = s->n_inputs;
     unit->n_outputs = s->n_observed;
     unit->n_events = s->events.n;
-    unit->n_switches = s->switches.n;
     unit->name = (char *)malloc(strlen(name) + 1);
     if (!unit->name || !make_params(unit)) {
         unit_free(unit);
@@ -132,6 +131,7 @@ struct unit *unit_new(const char *name, const char *token, int co_simulation)
     }
     strcpy(unit->name, name);
     unit->n = pk_system_count(s, unit->params);
+    unit->n_switches = pk_system_switch_count(s, unit->params);
     unit->n_q = pk_system_coordinates(s, unit->params);
     unit->n_x = unit->n_q + unit->n;
     unit->n_all = lay_out(unit, NULL);
@@ -249,9 +249,11 @@ static enum unit_status apply(struct unit *unit)
 
 void unit_hold_sides(struct unit *unit)
 {
-    if (unit->n_switches)
-        memcpy((char *)unit->held + unit->system->switches.sides, unit->sides,
-               unit->n_switches * sizeof *unit->sides);
+    char *const place = (char *)unit->held + unit->system->switches.sides;
+    if (unit->n_switches && unit->system->switches.count)
+        memcpy(place, &unit->sides, sizeof unit->sides);
+    else if (unit->n_switches)
+        memcpy(place, unit->sides, unit->n_switches * sizeof *unit->sides);
 }
 
 enum unit_status unit_refresh(struct unit *unit)
