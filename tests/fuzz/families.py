@@ -158,7 +158,7 @@ def compared(folder: Path, words: tuple[str, ...], error: float) -> str:
     if code == 0 and (off := apart(mine, theirs)) > error:
         return f"rows differ by {off:.1e}"
     # A scene that asks for less is reduced: what it lacks has no switches.
-    if "--scene" not in words and (off := jumps_apart(told, report, said, heard, code, error)):
+    if "--method" in words and (off := jumps_apart(told, report, said, heard, code, error)):
         return off
     if code == 4:
         return ""
