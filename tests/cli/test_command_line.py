@@ -71,11 +71,17 @@ def test_help_of_a_command_and_of_all() -> None:
 
 RUN = ("check", "fmt", "help", "explain", "describe", "compile", "run", "methods", "build", "show")
 RUN += ("film", "plot")  # the others take minutes
+FLIPS = ("models/double_pendulum.lag", "--plan", "models/flips_grid.toml", "-o", "flips")
 
 
 @pytest.mark.parametrize("name", long_but(RUN[:3], RUN))
 def test_examples_run(name: str, tmp_path: Path) -> None:
     shutil.copytree(ROOT / "models", tmp_path / "models")
+    if name in ("show", "plot"):  # a sweep that has been made
+        plan = tmp_path / "models/flips_grid.toml"
+        plan.write_text(plan.read_text().replace("240", "6"))
+        made = run_pkgen("sweep", *FLIPS, cwd=tmp_path)
+        assert made.returncode == 0, made.stderr
     for example in examples(name):
         command, _, given = example.partition(" < ")
         words = shlex.split(command)[1:]

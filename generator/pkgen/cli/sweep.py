@@ -14,7 +14,7 @@ from . import arguments as shared
 from .compilation import compile_within_limits
 
 EXAMPLES = """
-pkgen sweep models/double_pendulum.lag --plan plan.toml -o flips
+pkgen sweep models/double_pendulum.lag --plan models/flips.toml -o flips
 pkgen sweep --resume flips
 pkgen sweep --status flips
 """
