@@ -77,3 +77,32 @@ def test_a_step_that_is_too_long_says_what_to_do(pkgen, tmp_path: Path) -> None:
     model.write_text(ROPE)
     done = pkgen("run", model, "--method", "rattle", "--step", 0.3, "--until", 3)
     assert done.returncode == 4 and "or gauss2" in done.stderr, done.stderr
+
+
+GROWING = """\
+model growing
+size N = {size}
+coord q[1..N]
+fixed q[0] = 0.3
+state u[1..N]
+kinetic sum((1 + u[i]^2/4)*q[i]'^2, i = 1..N)
+potential sum((q[i] - q[i-1])^2/2, i = 1..N)
+rate u[i = 1..N] = -u[i]^3 + sin(q[i])
+start q[i = 1..N] = 0.6*sin(i), q[i = 1..N]' = cos(i)/2, u[i = 1..N] = cos(i)
+"""
+
+
+@pytest.mark.parametrize("method", ["rattle", "lie_midpoint"])
+def test_momenta_that_depend_on_states_are_stepped_as_they_are(method: str, both) -> None:  # noqa: F811
+    """Both ways by (p, p'), not by (v, a), and of order 2."""
+    words = ("--until", 1, "--every", 1, "--record", "q[1],q[3]'")
+    found = {}
+    for step in (0.04, 0.02):
+        (loops, _), (written, _) = both(
+            GROWING.format(size=3), *words, "--method", method, "--step", step
+        )
+        assert loops[-1] == pytest.approx(written[-1], rel=1e-12)
+        found[step] = loops[-1][1:]
+    (exact, _), _ = both(GROWING.format(size=3), *words, "--method", "dop853", "--rtol", 1e-12)
+    off = [max(abs(a - b) for a, b in zip(x, exact[-1][1:], strict=True)) for x in found.values()]
+    assert 3.5 < off[0] / off[1] < 4.5

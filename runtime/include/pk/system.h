@@ -160,8 +160,9 @@ struct pk_system {
                    const pk_real *u, const pk_real *a, pk_real *r_q, pk_real *r_v, pk_real *r_t);
     /* canonical() without J^T lambda: p = dL/dv (of quaternions and first-order variables: the
      * numbers themselves) and pdot (their rates); and dp/dv of that p. Models with
-     * rotations, constraints or impulses have both, since their mass() may be the unit matrix (the
-     * model has solved M a = f itself), and canonical() then does not give the momenta. */
+     * rotations, constraints, impulses or momenta that depend on states have both, since their
+     * mass() may be the unit matrix (the model has solved M a = f itself), and canonical() then
+     * does not give the momenta. */
     pk_kernel_2 *unconstrained;
     pk_kernel *inertia;
     pk_kernel *fast; /* the acceleration by what the model names fast; NULL: nothing is */

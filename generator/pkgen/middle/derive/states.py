@@ -60,8 +60,8 @@ def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
 def as_rates(
     e: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Equations, Structure]:
-    """Equations of coordinates alone, of which the last ones' rates are the states; and what C has
-    of rotations and constraints, with or without states: `unconstrained`, `inertia`, `terms`.
+    """Equations of coordinates alone, of which the last ones' rates are the states; and of
+    rotations, constraints and momenta that depend on states `unconstrained`, `inertia`, `terms`.
     Matrices are n + count square then, of so many states. Every call is of equations that are not
     so yet."""
     if not e.states and not e.attitudes:
@@ -88,7 +88,7 @@ def as_rates(
         jacobians = jacobians_of(g, motion, lagrangian=False)
     single = ("lagrangian", "energy", "written", "kinetic", "potential")
     nodes = {field: getattr(e, field) for field in single if getattr(e, field) is not None}
-    own = _unconstrained(g, e, there, rates)
+    own = _unconstrained(g, e, there, rates, solved)
     constraints = _constraints(e.constraints, there, count)
     unseen = (Quantity(f"integral of {q.name}", "", "of no use: v has the state") for q in e.states)
     whole = replace(
@@ -167,9 +167,12 @@ def _with_unit(mass: Matrix, count: int) -> Matrix:
     return (*((*row, *none) for row in mass), *((ZERO,) * n + row for row in _unit(count)))
 
 
-def _unconstrained(g: Graph, e: Equations, there, rates: Row) -> tuple[Row, Row] | None:
-    """p and pdot without the forces of constraints, where there are rotations or constraints."""
-    if not e.quaternions and e.constraints is None and not e.jolted:
+def _unconstrained(
+    g: Graph, e: Equations, there, rates: Row, solved: bool = False
+) -> tuple[Row, Row] | None:
+    """p and pdot without the forces of constraints, where there are rotations or constraints, or
+    where `canonical` has p = v, since a momentum depends on a state."""
+    if not solved and not e.quaternions and e.constraints is None and not e.jolted:
         return None
     pdot = e.pdot if e.constraints is None else e.constraints.free_pdot
     n, count = len(e.coordinates), len(rates)
