@@ -75,7 +75,7 @@ model still
 size N = 6
 coord q[1..N], r[1..N]
 let x[0] = 0
-let x[i = 1..N] = x[i-1] + t^2*q[i]
+let x[i = 1..N] = t^2*q[i]
 kinetic sum(q[i]'^2 + r[i]'^2, i = 1..N)
 potential sum(x[i]^2 + q[i]^2, i = 1..N)
 constraint tie[i = 1..N]: r[i] = sin(q[i])
