@@ -328,3 +328,25 @@ def test_what_is_carried_moves_by_another_value_s_lower_members(both) -> None:
     for one, other in zip(loops, written, strict=True):
         assert one == pytest.approx(other, rel=1e-9)
     assert loops[0][1] != loops[-1][1]
+
+
+RING = """\
+model ring
+size N = 6
+coord q[0..N-1], x[1..N]
+periodic q
+free x[0]
+fixed x[N+1] = 0
+kinetic sum(q[i]'^2, i = 0..N-1) + sum((x[i]' - q[i]')^2/2, i = 0..N+1)
+potential sum(x[i], i = 1..N)
+"""
+
+
+def test_inertia_beside_a_free_end_lies_in_the_band(both) -> None:
+    """x[0] is x[1], a place farther from q[0]."""
+    for method in ("rk4", "gauss2"):
+        words = ("--until", 0.4, "--every", 0.2, "--method", method, "--step", 0.1)
+        (loops, _), (written, _) = both(RING, *words)
+        for one, other in zip(loops, written, strict=True):
+            assert one == pytest.approx(other, rel=1e-12, abs=1e-14)
+        assert loops[0][1:] != loops[-1][1:]

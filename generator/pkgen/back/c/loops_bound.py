@@ -17,7 +17,7 @@ from ...middle.loops.indices import size_values
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.parts import Bound, Group
 from .loops import Places
-from .loops_plan import BOUND, Plan, singles
+from .loops_plan import BOUND, Plan, apart, singles
 
 SAYS = {
     "constraint": "phi, which the rows of positions keep at 0",
@@ -50,10 +50,11 @@ def shape_of(e: LoopEquations, places: Places, made: tuple[Bound, ...]) -> dict[
     names = [g.name for g in e.banded]
     banded = [*made, *(rows for rows in e.bound if not rows.is_single)]
     slots = len(names) + len(banded)
-    apart = [abs(shift * slots + names.index(b) - names.index(a)) for a, b, shift in e.mass.entries]
+    of = {name: (e.group(name), k) for k, name in enumerate(names)}
+    found = [apart(of[a], of[b], shift, slots) for a, b, shift in e.mass.entries]
     for k, rows in enumerate(banded, len(names)):
         ahead = _ahead(e, rows)
-        apart += [
+        found += [
             (ahead - shift + _free(g, e, 1)) * slots + k - names.index(g.name)
             for g, shift in _reach(e, rows)
         ]
@@ -61,7 +62,7 @@ def shape_of(e: LoopEquations, places: Places, made: tuple[Bound, ...]) -> dict[
     first = [index(g.lo) for g in e.banded]
     first += [index(rows.group.lo + _ahead(e, rows)) for rows in banded]
     return {
-        "width": max(apart, default=0),
+        "width": max(found, default=0),
         "slots": slots,
         "least": first,
         "greatest": [index(g.hi) for g in e.banded],

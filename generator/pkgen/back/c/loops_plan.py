@@ -346,12 +346,17 @@ def _reach(slopes: Slopes) -> int:
     found = [0]
     for matrix in slopes.all:
         for a, b, shift in matrix.entries:
-            apart = abs(shift * len(of) + at[b] - at[a])
-            # A member beyond a free end has the place of another one; so have both, or one alone.
-            alike = (of[a].lo, of[a].hi, _free(of[a])) == (of[b].lo, of[b].hi, _free(of[b]))
-            free = _free(of[a]) or _free(of[b])
-            found.append(apart if alike or not free else apart + len(of))
+            found.append(apart((of[a], at[a]), (of[b], at[b]), shift, len(of)))
     return max(found)
+
+
+def apart(a: tuple[Group, int], b: tuple[Group, int], shift: int, slots: int) -> int:
+    """How many places two entries lie apart at most, of families and their slots at each index."""
+    (own, i), (other, j) = a, b
+    distance = abs(shift * slots + j - i)
+    # A member beyond a free end has the place of another one; so have both, or one alone.
+    alike = (own.lo, own.hi, _free(own)) == (other.lo, other.hi, _free(other))
+    return distance + slots * bool((_free(own) or _free(other)) and not alike)
 
 
 def _free(g: Group) -> tuple[Affine, ...]:
