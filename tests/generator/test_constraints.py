@@ -317,3 +317,9 @@ def test_a_row_at_rest_but_for_rounding_ends_no_run_that_looks_for_events(tmp_pa
     (tmp_path / "rail.lag").write_text(RAIL)
     rows = pkgen.load(str(tmp_path / "rail.lag")).run(until=1, at="c", method=method)
     assert abs(rows["t"][-1] - 0.8536497397) < 1e-8
+
+
+def test_inertia_by_an_input_is_not_asked_for_at_the_start() -> None:
+    text = "model rod\ninput push\ncoord x, y\nkinetic (1 + push^2)*(x'^2 + y'^2)/2\n"
+    text += "constraint rod: x^2 + y^2 = 1\nstart x = 1\n"
+    assert compile_model(Source("rod.lag", text)).equations.constraints

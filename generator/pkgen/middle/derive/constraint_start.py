@@ -83,7 +83,8 @@ def _start(
     unit, far, fast = {}, 0.0, 0.0
     for rate, slope in gradient(g, lagrangian, BIT[Kind.RATE]).items():
         own = gradient(g, slope, BIT[Kind.RATE]).get(rate, ZERO)
-        (inertia,) = evaluate(g, [own], values)
+        unknown = g.depends[own] & BIT[Kind.INPUT]  # what an input is, a run says
+        (inertia,) = (0.0,) if unknown else evaluate(g, [own], values)
         unit[rate] = math.sqrt(inertia) if 0 < inertia < math.inf else 1.0
         i = g.data[rate].index
         place = 1.0 if i in turning else abs(values[Symbol(Kind.COORDINATE, i)])
