@@ -136,8 +136,8 @@ LOOPS_LACK = (
 WRITTEN_LACKS = ("too large", "limit")
 
 
-def compared(folder: Path, words: tuple[str, ...], error: float) -> str:
-    """Empty, or how the two differ."""
+def compared(folder: Path, words: tuple[str, ...], error: float, bends: bool = False) -> str:
+    """Empty, or how the two differ. Steps end where it bends of what is written out alone."""
     (code, mine, told, said), (their_code, theirs, report, heard) = both(folder, *words)
     if code != their_code:
         if any(x in said for x in LOOPS_LACK) or any(x in heard for x in WRITTEN_LACKS):
@@ -158,7 +158,7 @@ def compared(folder: Path, words: tuple[str, ...], error: float) -> str:
     if code == 0 and (off := apart(mine, theirs)) > error:
         return f"rows differ by {off:.1e}"
     # A scene that asks for less is reduced: what it lacks has no switches.
-    if "--method" in words and (off := jumps_apart(told, report, said, heard, code, error)):
+    if "--method" in words and (off := jumps_apart(told, report, said, heard, code, error, bends)):
         return off
     if code == 4:
         return ""
@@ -171,15 +171,19 @@ def compared(folder: Path, words: tuple[str, ...], error: float) -> str:
     return ""
 
 
-def jumps_apart(told: dict, report: dict, said: str, heard: str, code: int, error: float) -> str:
+def jumps_apart(
+    told: dict, report: dict, said: str, heard: str, code: int, error: float, bends: bool
+) -> str:
     """Of switches: that steps end at the same ones at the same times, and slide on the same one."""
     times = [
         sorted(t for x in found.get("switches", []) for t in x.get("times", []))
         for found in (told, report)
     ]
+    near = max(1e-6, 10 * error)
+    if bends and times[1]:
+        times[1] = [min(times[1], key=lambda t, own=own: abs(t - own)) for own in times[0]]
     if not (times[0] and times[1]):
         return "" if times[0] == times[1] else f"switches at {times[0]}, written out {times[1]}"
-    near = max(1e-6, 10 * error)
     slid = code == 4 and told.get("status") == "PK_SLIDING"
     if slid and "the motion" in said and name_of(said) != name_of(heard):
         return f"slides: {said[:300]} | {heard[:300]}"
@@ -284,7 +288,7 @@ def judged(seed: int, folder: Path) -> tuple[str, str]:
     bends = any(word in text for word in ("max(", "min(", "abs(", "clamp("))  # no steps end there
     for words, error in ways(dice, text, folder):
         error = max(error, 3e-3) if bends else error
-        wrong = compared(folder, words, error)
+        wrong = compared(folder, words, error, bends)
         if wrong:
             return "DIFFER", f"{' '.join(words[2:])}: {wrong}"
     return "agree", ""
