@@ -37,16 +37,15 @@ static int right_hand_side(double t, const double *y, double *dy, void *context)
     struct pk_integrator *it = (struct pk_integrator *)context;
     struct foreign *f = (struct foreign *)it->own->extra;
     const struct pk_problem *problem = &it->problem;
+    const double *v = y + it->n_q;
     pk_eval_input(it, t);
     it->count.evaluations++;
-    memcpy(dy, y + it->n, it->n * sizeof *y);
-    for (size_t i = pk_system_coordinates(problem->system, problem->params); i < it->n; i++)
-        dy[i] = 0; /* the integral of a state, which nobody sees and no error is to be of */
+    memcpy(dy, v, it->n_q * sizeof *y);
     const int failed =
-        problem->system->acceleration(problem->params, t, y, y + it->n, it->own->u, dy + it->n);
+        problem->system->acceleration(problem->params, t, y, v, it->own->u, dy + it->n_q);
     if (failed) {
-        f->status = pk_eval_failed(it, t, y, y + it->n, failed);
-    } else if (!pk_all_finite(dy, 2 * it->n)) {
+        f->status = pk_eval_failed(it, t, y, v, failed);
+    } else if (!pk_all_finite(dy, it->n_q + it->n)) {
         f->status = PK_NOT_FINITE;
     } else {
         return GSL_SUCCESS;
@@ -59,20 +58,20 @@ static int jacobian(double t, const double *y, double *df_dy, double *df_dt, voi
 {
     struct pk_integrator *it = (struct pk_integrator *)context;
     struct foreign *f = (struct foreign *)it->own->extra;
-    const size_t n = it->n, m = 2 * n;
+    const size_t n_q = it->n_q, n = it->n, m = n_q + n;
     double *a = f->linear, *a_q = a + n, *a_v = a_q + n * n, *rest = a_v + n * n;
-    f->status = pk_eval_linear(it, t, y, y + n, a, a_q, a_v, df_dt + n, rest);
+    f->status = pk_eval_linear(it, t, y, y + n_q, a, a_q, a_v, df_dt + n_q, rest);
     if (f->status < 0) {
         pk_trouble(it, f->status, t);
         return GSL_FAILURE;
     }
     memset(df_dy, 0, m * m * sizeof *df_dy);
-    memset(df_dt, 0, n * sizeof *df_dt);
+    memset(df_dt, 0, n_q * sizeof *df_dt);
     for (size_t i = 0; i < n; i++) {
-        df_dy[i * m + n + i] = i <
-                               n - pk_system_first_order(it->problem.system, it->problem.params);
-        memcpy(df_dy + (n + i) * m, a_q + i * n, n * sizeof *a_q);
-        memcpy(df_dy + (n + i) * m + n, a_v + i * n, n * sizeof *a_v);
+        if (i < n_q)
+            df_dy[i * m + n_q + i] = 1;
+        memcpy(df_dy + (n_q + i) * m, a_q + i * n, n_q * sizeof *a_q);
+        memcpy(df_dy + (n_q + i) * m + n_q, a_v + i * n, n * sizeof *a_v);
     }
     return GSL_SUCCESS;
 }
@@ -162,7 +161,7 @@ static enum pk_status init(struct pk_integrator *it)
             return PK_NO_MEMORY;
     }
     f->system.function = right_hand_side;
-    f->system.dimension = 2 * it->n;
+    f->system.dimension = it->n_q + it->n;
     f->system.params = it;
     f->h = it->options.h;
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
@@ -207,9 +206,10 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     const double round = 10 * DBL_EPSILON * (t > 0 ? t : -t) + DBL_MIN;
     const double least = it->options.h_min > round ? it->options.h_min : round;
 
+    const size_t bytes = (it->n_q + it->n) * sizeof *it->own->next;
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     const unsigned long rejected = f->driver->e->failed_steps;
-    memcpy(it->own->next, it->own->state, 2 * it->n * sizeof *it->own->next);
+    memcpy(it->own->next, it->own->state, bytes);
     f->status = PK_DONE;
     enum pk_status status = PK_DONE;
     const double planned = h;
@@ -218,7 +218,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
                                                    &f->system, &t, limit, &h, it->own->next);
         if (!failed)
             break;
-        memcpy(it->own->next, it->own->state, 2 * it->n * sizeof *it->own->next);
+        memcpy(it->own->next, it->own->state, bytes);
         t = it->t;
         gsl_odeiv2_step_reset(f->driver->s);
         h *= 0.2;

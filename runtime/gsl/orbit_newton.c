@@ -36,7 +36,7 @@ int pk_orbit_advance(struct closing *x, const double *y, double h, size_t steps)
             if (pk_integrator_step(it, until + h) < 0)
                 return 0;
     }
-    memcpy(x->end, it->q, x->n * sizeof *x->end);
+    memcpy(x->end, it->q, it->n_q * sizeof *x->end);
     memcpy(x->end + x->n, it->v, x->n * sizeof *x->end);
     return 1;
 }

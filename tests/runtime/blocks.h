@@ -83,7 +83,7 @@ static inline void look(struct trace *to, struct pk_integrator *it)
     note(to, it->status);
     note(to, it->t);
     note(to, (double)it->count.evaluations);
-    note_all(to, it->q, n);
+    note_all(to, it->q, it->n_q);
     note_all(to, it->v, n);
     note_all(to, it->p, n);
     for (int k = 1; it->status >= 0 && it->method->dense && k <= 3; k++) {
@@ -91,7 +91,7 @@ static inline void look(struct trace *to, struct pk_integrator *it)
         const double t = k == 3 ? it->t : it->last_t + k * (it->t - it->last_t) / 3;
         const enum pk_status status = pk_integrator_dense(it, t, q, v);
         note(to, status);
-        note_all(to, q, status < 0 ? 0 : n);
+        note_all(to, q, status < 0 ? 0 : it->n_q);
         note_all(to, v, status < 0 ? 0 : n);
     }
 }

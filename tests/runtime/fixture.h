@@ -102,6 +102,7 @@ void add_unread(void);
 void add_apart(void);
 void add_least_action(void);
 void add_states(void);
+void add_states_between(void);
 void add_rotation(void);
 void add_rotation_beside(void);
 void add_constraint(void);

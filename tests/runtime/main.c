@@ -222,6 +222,7 @@ int main(int argc, char **argv)
     add_apart();
     add_least_action();
     add_states();
+    add_states_between();
     add_rotation();
     add_rotation_beside();
     add_constraint();

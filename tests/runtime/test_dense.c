@@ -10,7 +10,7 @@
 static void stage_polynomial(struct fixture *f, double t, double *q, double *v)
 {
     const size_t n = f->it.n;
-    const struct pk_gauss_lanes w = pk_gauss_lanes(&f->it, n, f->it.own->work);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(&f->it, f->it.n_q, n, f->it.own->work);
     const double h = *w.h, x = (t - f->it.last_t) / h - 1;
     for (size_t i = 0; i < n; i++) {
         const double *c = w.poly + i * PK_GAUSS_S;

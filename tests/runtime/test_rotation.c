@@ -271,7 +271,7 @@ static void compensated(void)
         long double worst = 0;
         for (int i = 1; i <= 4; i++) {
             CU_ASSERT_FATAL(pk_integrator_step(&f.it, 1) == PK_DONE);
-            const double *low = pk_part(f.it.own->state, f.it.n, PK_LOW_X);
+            const double *low = pk_state(&f.it, PK_LOW_X);
             worst = fmaxl(worst, fabsl((long double)f.it.v[3] + low[3] - cosl(h * i / 2)));
             worst = fmaxl(worst, fabsl((long double)f.it.v[4] + low[4] - sinl(h * i / 2)));
         }

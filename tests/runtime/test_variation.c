@@ -22,14 +22,20 @@ static struct pk_options one_step(const struct pk_method *method, double h)
 static void map(const struct pk_problem *problem, const struct pk_method *method, double h,
                 const double *from, double *to)
 {
-    const size_t n = problem->system->n;
+    const size_t n = problem->system->n, n_q = n - problem->system->n_first_order;
     const struct pk_options options = one_step(method, h);
     struct pk_integrator it;
-    CU_ASSERT_FATAL(pk_integrator_init(&it, problem, method, &options, 0, from, from + n, block,
+    CU_ASSERT_FATAL(pk_integrator_init(&it, problem, method, &options, 0, from, from + n_q, block,
                                        sizeof block) == PK_DONE);
     CU_ASSERT_FATAL(pk_integrator_to(&it, 2 * h) == PK_DONE);
-    memcpy(to, it.q, n * sizeof *to);
-    memcpy(to + n, it.v, n * sizeof *to);
+    memcpy(to, it.q, n_q * sizeof *to);
+    memcpy(to + n_q, it.v, n * sizeof *to);
+}
+
+/* Number i of (q, v) of displacement j. */
+static double *displaced(const struct pk_variation *w, double *Q, double *V, size_t j, size_t i)
+{
+    return i < w->n_q ? Q + (1 + j) * w->n_q + i : V + pk_variation_place(w, 1 + j, i - w->n_q);
 }
 
 /* max over columns of |displacement - difference of fourth order|, and the largest displacement. */
@@ -37,22 +43,24 @@ static double missed(const struct pk_system *system, const struct pk_method *met
                      double *size)
 {
     static struct pk_variation variation;
-    const size_t n = system->n, m = 2 * n;
+    const size_t n = system->n, n_q = n - system->n_first_order, m = n_q + n;
     const double e = 2e-3;
     struct test_params params;
-    double x[4], worst = 0;
+    double x[4], q[2], v[2], worst = 0;
     system->defaults(&params);
-    system->start(&params, x, x + n);
+    system->start(&params, q, v);
+    memcpy(x, q, n_q * sizeof *x);
+    memcpy(x + n_q, v, n * sizeof *x);
     const struct pk_problem problem = {.system = system, .params = &params};
     CU_ASSERT_FATAL(pk_variation_init(&variation, &problem, m, more, sizeof more) == PK_DONE);
     CU_ASSERT(variation.system.n == n * (1 + m));
     CU_ASSERT(pk_variation_integrator_size(&problem, m, method) ==
               pk_integrator_size(&variation.problem, method));
     double Q[10] = {0}, V[10] = {0};
-    memcpy(Q, x, n * sizeof *Q);
-    memcpy(V, x + n, n * sizeof *V);
+    memcpy(Q, q, n_q * sizeof *Q);
+    pk_variation_put(&variation, v, 0, V);
     for (size_t j = 0; j < m; j++)
-        (j < n ? Q : V)[(1 + j) * n + j % n] = 1;
+        *displaced(&variation, Q, V, j, j) = 1;
     struct pk_integrator it;
     const struct pk_options options = one_step(method, h);
     CU_ASSERT_FATAL(pk_integrator_size(&variation.problem, method) <= sizeof block);
@@ -61,7 +69,7 @@ static double missed(const struct pk_system *system, const struct pk_method *met
     CU_ASSERT_FATAL(pk_integrator_to(&it, 2 * h) == PK_DONE);
     /* radau halves a step where its iteration, without second derivatives, is slow. */
     CU_ASSERT(it.count.steps == 2 || strcmp(method->name, "radau") == 0);
-    memcpy(Q, it.q, (1 + m) * n * sizeof *Q);
+    memcpy(Q, it.q, (1 + m) * n_q * sizeof *Q);
     memcpy(V, it.v, (1 + m) * n * sizeof *V);
     for (size_t j = 0; j < m; j++) {
         static const double at[] = {-2, -1, 1, 2}, w[] = {1, -8, 8, -1};
@@ -75,7 +83,7 @@ static double missed(const struct pk_system *system, const struct pk_method *met
                 sum[i] += w[k] * to[i] / (12 * e);
         }
         for (size_t i = 0; i < m; i++) {
-            const double d = (i < n ? Q : V)[(1 + j) * n + i % n];
+            const double d = *displaced(&variation, Q, V, j, i);
             worst = fmax(worst, fabs(d - sum[i]));
             *size = fmax(*size, fabs(d - (i == j ? 1 : 0)));
         }
@@ -101,10 +109,11 @@ static void straight_on(const void *params, double t, const double *q, const dou
 
 static void derivative_of_steps(void)
 {
-    struct pk_system systems[] = {double_pendulum_system, relativistic_system, pendulum_system};
+    struct pk_system systems[] = {double_pendulum_system, relativistic_system, pendulum_system,
+                                  maxwell_system, brusselator_system};
     double worst = 0;
     for (size_t i = 0; pk_method_at(i); i++)
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 5; k++) {
             const struct pk_method *method = pk_method_at(i);
             double size = 0;
             if (method->needs & (~systems[k].facts | PK_FAST) || follows_the_motion(method))

@@ -38,7 +38,9 @@ struct pk_abreast_lane {
 /* For the runtime alone: functions of events and switches along steps. */
 struct pk_screen {
     size_t functions;
-    pk_real *a0, *a1, *bends, *trial, *g, *one;
+    pk_real *a0, *a1, *a_between, *bends, *trial, *g, *one;
+    unsigned long long (*members)(struct pk_block *b, const pk_real *q, const pk_real *v,
+                                  pk_real *a);
     void (*values)(const struct pk_block *b, const pk_real *q, const pk_real *v, pk_real *g);
 };
 

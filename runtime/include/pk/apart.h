@@ -18,7 +18,8 @@
 
 PK_BEGIN
 
-/* A block: its own system, and where its coordinates, system->n, are in those of the whole. */
+/* A block: its own system, and where its coordinates and states, system->n, are in those of the
+ * whole. */
 struct pk_part {
     const struct pk_system *system;
     const size_t *coordinates;

@@ -41,8 +41,8 @@ struct pk_ensemble {
     size_t rows;
     const pk_real *t;
 
-    /* Results, the caller's memory: q[(i * rows + row) * n], the same for v; and of each member how
-     * many rows there are, its last valid time, and why it ended. */
+    /* Results, the caller's memory: q[(i * rows + row) * n], the same for v, of which
+     * the first of q are the coordinates and the rest is left alone; and of each member how many rows there are, its last valid time, and why it ended. */
     pk_real *q, *v;
     size_t *done;
     pk_real *last_t;

@@ -88,14 +88,16 @@ struct pk_events {
 
     /* For the runtime alone. */
     struct pk_integrator scout;
-    size_t n, n_events, n_switches;
+    size_t n_q, n, n_events, n_switches;
     int proposes;      /* the method's own dense output does, */
     int dense;         /* and is as accurate as its steps */
     int by_steps;      /* no interpolant of this step is worth anything */
     int by_ends;       /* looked at by the quintic all the same */
     pk_real from;      /* time where the step began */
     pk_real at, width; /* the window that is looked at, from there */
-    pk_real *q0, *v0, *bend, *trial, *u, *g, *ends, *list, *at_near, *at_last;
+    pk_real *q0, *v0, *trial, *trial_v, *u, *g, *ends, *list, *at_near, *at_last;
+    pk_real *a0, *a1, *a_between; /* accelerations at the ends of the step, and at a quarter */
+    pk_real *bend; /* what the cubics lack: of coordinates at both ends, then of states */
     struct pk_shape *shapes;
     int cut; /* the step ends at an event or a switch in it */
     size_t listed, most_listed;

@@ -13,8 +13,8 @@
  * Steps are written over
  *
  *     PK_STEPPER(x)                   x with a name of its own in this file
- *     PK_STEPPER_N(it)                degrees of freedom
- *     PK_STEPPER_FIRST_ORDER(it)           how many of them, the last ones, are states
+ *     PK_STEPPER_N(it)                rates and states
+ *     PK_STEPPER_COORDINATES(it)      coordinates, whose rates are the first of these
  *     PK_STEPPER_INPUT(it, t)         the inputs at t
  *     PK_STEPPER_ACCELERATION(it, t, q, v, u, a)    0, or 1 + the coordinate that failed
  *     PK_STEPPER_LANES(it, t, q, v, u, a)           the bits of lanes that failed
@@ -28,12 +28,13 @@
 #define PK_MODEL_FIRST_ORDER 0
 #endif
 #ifndef PK_STEPPER
-#define PK_STEPPER_FIRST_ORDER(it) ((void)(it), (size_t)PK_MODEL_FIRST_ORDER)
 #define PK_STEPPER(x) PK_MODEL(step_##x)
 #ifdef PK_MODEL_N
 #define PK_STEPPER_N(it) PK_MODEL_N(it)
+#define PK_STEPPER_COORDINATES(it) ((it)->n_q)
 #else
 #define PK_STEPPER_N(it) ((void)(it), (size_t)PK_MODEL(N))
+#define PK_STEPPER_COORDINATES(it) ((void)(it), (size_t)PK_MODEL(N) - PK_MODEL_FIRST_ORDER)
 #endif
 #define PK_STEPPER_INPUT(it, t) (PK_MODEL(INPUTS) ? pk_eval_input(it, t) : (it)->own->u)
 #define PK_STEPPER_ACCELERATION(it, t, q, v, u, a) \
@@ -48,6 +49,7 @@
 #endif
 #define PK_BLOCK_LANES(b) ((void)(b), (size_t)PK_INLINE_LANES)
 #define PK_BLOCK_N(b) ((void)(b), (size_t)PK_MODEL(N))
+#define PK_BLOCK_COORDINATES(b) ((void)(b), (size_t)PK_MODEL(N) - PK_MODEL_FIRST_ORDER)
 #define PK_BLOCK_MEMBERS(b, q, v, a) PK_STEPPER(members)((b)->P, (b)->t, q, v, (b)->u, a)
 
 #define PK_INLINED_STEP(method, call)                                                  \
@@ -151,21 +153,22 @@ static unsigned long long PK_STEPPER(block_members)(struct pk_block *b, const pk
 static void PK_STEPPER(block_values)(const struct pk_block *b, const pk_real *q, const pk_real *v,
                                      pk_real *PK_RESTRICT g)
 {
-    const size_t n = PK_BLOCK_N(b), W = PK_BLOCK_LANES(b), m = PK_MODEL(INPUTS);
+    const size_t n_q = PK_BLOCK_COORDINATES(b), n = PK_BLOCK_N(b), W = PK_BLOCK_LANES(b);
+    const size_t m = PK_MODEL(INPUTS);
     for (size_t l = 0; l < W; l++) {
         const struct PK_MODEL(params) *p = (const struct PK_MODEL(params) *)b->params[l];
         pk_real x[2 * PK_MODEL(N)], u[PK_MODEL(INPUTS) + 1], y[PK_MODEL_EVENTS + PK_MODEL_SWITCHES];
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = 0; i < n_q; i++)
             x[i] = q[i * W + l];
-            x[n + i] = v[i * W + l];
-        }
+        for (size_t i = 0; i < n; i++)
+            x[n_q + i] = v[i * W + l];
         for (size_t i = 0; i < m; i++)
             u[i] = b->u[i * W + l];
 #ifndef PK_MODEL_EVENTS_UNKNOWN
-        PK_MODEL(event)(p, b->t[l], x, x + n, u, y);
+        PK_MODEL(event)(p, b->t[l], x, x + n_q, u, y);
 #endif
 #ifndef PK_MODEL_SWITCHES_UNKNOWN
-        PK_MODEL(switching)(p, b->t[l], x, x + n, u, y + PK_MODEL_EVENTS);
+        PK_MODEL(switching)(p, b->t[l], x, x + n_q, u, y + PK_MODEL_EVENTS);
 #endif
         for (size_t i = 0; i < PK_MODEL_EVENTS + PK_MODEL_SWITCHES; i++)
             g[i * W + l] = y[i];

@@ -7,9 +7,9 @@
  *     pk_integrator_init(&it, &problem, method, &options, t0, q0, v0, block, size);
  *     status = pk_integrator_to(&it, 10);                      it.t, it.q, it.v
  *
- * t, q, v, p are in SI units, or in the model's own if it has none; q0, v0, it.q, it.v, it.p
- * hold n numbers each, in the order of system->coordinates. They point into the block; a
- * step moves them elsewhere in it, so read them from `it` after each.
+ * t, q, v, p are in SI units, or in the model's own if it has none; q0 and it.q hold n_q numbers,
+ * the coordinates; v0, it.v and it.p hold n, their rates and behind them the states. They point
+ * into the block; a step moves them elsewhere in it, so read them from `it` after each.
  *
  * No function allocates, prints or exits (a method of pk/gsl.h allocates in init, and
  * pk_integrator_free() gives that back). A step that fails leaves t, q, v and p as they were.
@@ -95,12 +95,12 @@ struct pk_integrator_private;
 struct pk_integrator {
     pk_real t;
     const pk_real *q, *v, *p;
-    size_t n;       /* numbers in each of q, v and p */
+    size_t n_q, n;  /* numbers in q, and in each of v and p */
     pk_real last_t; /* start of the last step made; it ended at t */
     struct pk_counters count;
     struct pk_passed_over passed_over;
     enum pk_status status; /* of the last call; pk_integrator_reason() says it in words, from */
-    size_t where;          /* which coordinate, parameter or constraint it is about, */
+    size_t where;          /* which coordinate or state, parameter or constraint it is about, */
     pk_real detail;        /* a number that belongs to it, */
     size_t event;          /* and 1 + which event, 0: none; see pk/events.h */
     struct pk_problem problem;
@@ -147,7 +147,7 @@ int pk_integrator_is_at(const struct pk_integrator *it, pk_real t);
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps);
 /* Steps until t == t_end exactly, forward or backward. */
 enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end);
-/* The motion at t inside the last step, by the method's own interpolant, into n numbers each.
+/* The motion at t inside the last step, by the method's own interpolant, into n_q and n numbers.
  * PK_BAD_ARGUMENT for another t or method; a failure leaves the state as it is. */
 enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 /* The motion at t inside the last step, as exactly as the method steps: `side`, an integrator of

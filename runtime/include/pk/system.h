@@ -1,14 +1,23 @@
 /* The one contract between generated C and the runtime: a mechanical system as a table of
  * kernels and facts. pkgen emits `const struct pk_system NAME_system` behind PK_RUNTIME.
  *
- * The equations, for coordinates q in R^n, rates v = q', time t, inputs u and parameters:
+ * A state is n_q coordinates q and n numbers v: the rates of the coordinates, then what has a rate of
+ * its own. With time t, inputs u and parameters
+ *
+ *     q' = v[0 .. n_q)
+ *     v' = a(t, q, v, u)      v = [rates of q | body rates of rotations | their quaternions | states]
+ *
+ * of which the last four are blocks of one vector, for methods, step control, dense output and
+ * whatever else looks at a state: a quaternion's part of a is Q (0, omega)/2, linear in the body
+ * rates, that of a state x is g in x' = g(t, q, v, x). Of the rates of q and the body rates
  *
  *     p    = dL/dv                        momenta
  *     p'   = dL/dq + Q - dD/dv            pdot: Q generalized forces, D the Rayleigh function
  *     M a  = f                            M = dp/dv,  f = pdot - (dp/dq) v - dp/dt
  *     h    = v.p - L                      energy
  *
- * Matrices are n by n, row-major: M[i*n + j]. Arrays never alias. Units are SI. Kernels are
+ * and of all others p is the number itself, M 1 and f its rate. Matrices are n by n, row-major:
+ * M[i*n + j]; derivatives by q are 0 in columns of what is no coordinate. Arrays never alias. Units are SI. Kernels are
  * reentrant and allocate nothing. `params` is the model's own struct NAME_params.
  */
 #ifndef PK_SYSTEM_H
@@ -27,16 +36,16 @@ PK_BEGIN
  * loaded at run time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 85u
+#define PK_ABI 89u
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 86u
+#define PK_ABI 90u
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 87u
+#define PK_ABI 91u
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 84u
+#define PK_ABI 88u
 #endif
 extern const char PK_SCALAR[];
 
@@ -104,15 +113,13 @@ struct pk_system {
     const char *name;
     const char *source_hash; /* SHA-256 of the model's text, in hexadecimal */
     unsigned facts;          /* of enum pk_fact */
-    size_t n;                /* degrees of freedom; of families see pk_system_count() */
+    size_t n;                /* numbers of v; of families see pk_system_count() */
     size_t n_parameters, n_inputs, n_observed, n_conserved;
     size_t params_size; /* sizeof (struct NAME_params) */
 
-    /* First-order variables x' = g(t, q, v, x): v[i] = x and a[i] = g of the last n_first_order
-     * degrees of freedom, whose names are those of the rates there. Their q is the integral of x,
-     * on which nothing depends: it is shown nowhere and controls no step. They have no
-     * momenta. The Lagrangian and the energy take them as given functions of time; energy is NULL
-     * in a model without coordinates. */
+    /* First-order variables, n - n_q: the last ones of v, which are no rates of coordinates. Their
+     * names are those of the rates there. The Lagrangian and the energy take them as given
+     * functions of time; energy is NULL in a model without coordinates. */
     size_t n_first_order;
     /* So many of the last ones no rate depends on, not their own either: quadratures. Newton's
      * equations are of the others. 0 of families kept as loops. */
@@ -188,7 +195,7 @@ struct pk_system {
     struct pk_part_particles particles;
 };
 
-/* Degrees of freedom. */
+/* Numbers of v. */
 static inline size_t pk_system_count(const struct pk_system *system, const void *params)
 {
     return system->families.count ? system->families.count(params) : system->n;
@@ -199,14 +206,14 @@ static inline size_t pk_system_outputs(const struct pk_system *system, const voi
     return system->families.outputs ? system->families.outputs(params) : system->n_observed;
 }
 
-/* Of these the last ones, whose rates are the first-order variables. */
+/* Of these the last ones, which are first-order variables. */
 static inline size_t pk_system_first_order(const struct pk_system *system, const void *params)
 {
     return system->families.first_order ? system->families.first_order(params)
                                         : system->n_first_order;
 }
 
-/* Coordinates, which come before the integrals of the first-order variables. */
+/* Coordinates, n_q. */
 static inline size_t pk_system_coordinates(const struct pk_system *system, const void *params)
 {
     return pk_system_count(system, params) - pk_system_first_order(system, params);

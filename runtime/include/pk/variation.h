@@ -3,7 +3,8 @@
  *
  *     Q = (q, dq_1, dq_2, ...),   V = (v, dv_1, dv_2, ...)
  *
- * whose equations are those of q and their linearisation along it, the variational equations
+ * where in V the rates of all coordinates come before the states of all, and whose equations are
+ * those of q and their linearisation along it, the variational equations
  *
  *     M a = f(q, v, t),   M da = (dr/dq) dq + (dr/dv) dv,   r = f - M a with a held,
  *
@@ -31,8 +32,8 @@ struct pk_variation {
     struct pk_problem problem; /* to be integrated; refers to this struct, which must not move */
     struct pk_problem of;      /* the motion's own */
     struct pk_system system;
-    size_t n, columns;
-    pk_real *work;
+    size_t n_q, n, columns;
+    pk_real *work, *v, *a, *b; /* v, a, b: n each, behind what kernels write */
 };
 
 /* Bytes of the block that init wants, aligned for pk_real; 0 if the system is of another PK_ABI. */
@@ -45,6 +46,11 @@ size_t pk_variation_integrator_size(const struct pk_problem *of, size_t columns,
  * block. */
 enum pk_status pk_variation_init(struct pk_variation *variation, const struct pk_problem *of,
                                  size_t columns, void *block, size_t block_size);
+/* Where number i of v, k = 0, or of dv_k is in V; all n from there, and there. */
+size_t pk_variation_place(const struct pk_variation *variation, size_t k, size_t i);
+void pk_variation_take(const struct pk_variation *variation, const pk_real *V, size_t k,
+                       pk_real *v);
+void pk_variation_put(const struct pk_variation *variation, const pk_real *v, size_t k, pk_real *V);
 
 PK_END
 

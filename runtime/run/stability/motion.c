@@ -155,7 +155,7 @@ void stability_cover(struct pk_stability *s)
     for (size_t k = 0; it && k < MOST_RECORDS && it->t < s->settings->until; k++) {
         if (pk_integrator_step(it, s->settings->until) < 0)
             break;
-        stretch(low, high, it->q, n);
+        stretch(low, high, it->q, m);
         stretch(low + n, high + n, it->v, n);
     }
     stability_end(s, it);

@@ -76,8 +76,8 @@ static double part_of(const struct pk_stability *s, size_t k, const double *weig
 {
     double place = 0, rate = 0;
     for (size_t i = 0; i < s->n; i++) {
-        place += weights[i] * (q[i] - s->settings->q[i]);
-        rate += weights[i] * (v[i] - s->settings->v[i]);
+        place += weights[i] * stability_apart(s, q, v, i);
+        rate += i < s->coordinates ? weights[i] * (v[i] - s->settings->v[i]) : 0;
     }
     return hypot(place, rate / s->modes[k].frequency);
 }

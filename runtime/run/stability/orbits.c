@@ -57,7 +57,7 @@ int stability_returns(struct pk_stability *s, const struct pk_stability_question
         if (pk_integrator_to(it, until * k / SAMPLES) < 0)
             break;
         double *to = k == SAMPLES ? from : now;
-        memcpy(to, it->q, n * sizeof *to);
+        memcpy(to, it->q, it->n_q * sizeof *to);
         memcpy(to + n, it->v, n * sizeof *to);
         const double d = k == SAMPLES ? 0 : apart(s, of, from, now);
         if (before > last && d >= last && last < NEAR && last < most / 3)
@@ -107,12 +107,10 @@ int stability_beside(struct pk_stability *s, const struct pk_stability_question 
         second = pk_integrator_step(b, limit);
         if (status < 0 || second < 0)
             break;
-        for (size_t i = 0; i < n; i++) {
-            y[i] = a->q[i];
-            y[n + i] = a->v[i];
-            other[i] = b->q[i];
-            other[n + i] = b->v[i];
-        }
+        memcpy(y, a->q, a->n_q * sizeof *y);
+        memcpy(y + n, a->v, n * sizeof *y);
+        memcpy(other, b->q, b->n_q * sizeof *y);
+        memcpy(other + n, b->v, n * sizeof *y);
         most = fmax(most, apart(s, of, y, other));
     }
     json_text(&s->out, "status", pk_status_name(status < 0 ? status : second));

@@ -54,7 +54,7 @@ int stability_fastest(struct pk_stability *s, const struct pk_stability_question
             }
             if (step % stride == 0) {
                 double *at = states + count++ * wide;
-                memcpy(at, it->q, n * sizeof *at);
+                memcpy(at, it->q, it->n_q * sizeof *at);
                 memcpy(at + n, it->v, n * sizeof *at);
                 at[2 * n] = it->t;
             }

@@ -61,7 +61,7 @@ void stability_keep(struct pk_stability *s, const double *q, const double *v)
         return; /* what is known of the motion ends before */
     s->states = memory_room(&s->run->memory, s->states, s->n_records, &s->states_room,
                             2 * n * sizeof *s->states);
-    memcpy(s->states + s->n_states * 2 * n, q, n * sizeof *q);
+    memcpy(s->states + s->n_states * 2 * n, q, s->coordinates * sizeof *q);
     memcpy(s->states + s->n_states * 2 * n + n, v, n * sizeof *v);
     s->n_states++;
 }

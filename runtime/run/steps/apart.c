@@ -63,6 +63,7 @@ static void look(struct pk_run *run)
     struct pk_integrator *it = &run->it;
     it->problem = run->problem;
     it->method = run->settings.method;
+    it->n_q = pk_system_coordinates(run->problem.system, run->problem.params);
     it->n = run->settings.n;
     it->t = a->t;
     it->q = a->q;

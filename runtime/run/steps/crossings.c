@@ -53,7 +53,8 @@ enum pk_run_code crossings_begin(struct pk_run *run)
         return PK_RUN_DONE;
     struct memory *memory = &run->memory;
     run->crossed = memory_take(memory, all, sizeof *run->crossed);
-    run->event_values = memory_take(memory, 2 * m + 2 * run->it.n, sizeof *run->event_values);
+    run->event_values =
+        memory_take(memory, 2 * m + run->it.n_q + run->it.n, sizeof *run->event_values);
     for (size_t k = 0; k < all; k++)
         run->crossed[k].t = memory_take(memory, WATCH_TIMES, sizeof(pk_real));
     const enum pk_status status =
@@ -75,7 +76,7 @@ enum pk_run_code crossings_begin(struct pk_run *run)
 static void note_leaving(struct pk_run *run)
 {
     const struct pk_system *system = run->problem.system;
-    const size_t n = run->it.n, m = system->events.n;
+    const size_t n_q = run->it.n_q, n = run->it.n, m = system->events.n;
     const pk_real t = run->it.t, *u = run->settings.u;
     pk_real *g = run->event_values, *moved = g + m, *x = moved + m;
     int all = 1;
@@ -83,13 +84,13 @@ static void note_leaving(struct pk_run *run)
         all &= run->crossed[k].leaves;
     if (all) /* or there are switches alone */
         return;
-    memcpy(x, run->it.q, n * sizeof *x);
-    memcpy(x + n, run->it.v, n * sizeof *x);
-    system->events.values(run->settings.params, t, x, x + n, u, g);
-    for (size_t i = 0; i < 2 * n; i++) {
+    memcpy(x, run->it.q, n_q * sizeof *x);
+    memcpy(x + n_q, run->it.v, n * sizeof *x);
+    system->events.values(run->settings.params, t, x, x + n_q, u, g);
+    for (size_t i = 0; i < n_q + n; i++) {
         const pk_real was = x[i], part = PK_C(1e-4);
         x[i] += part * was;
-        system->events.values(run->settings.params, t, x, x + n, u, moved);
+        system->events.values(run->settings.params, t, x, x + n_q, u, moved);
         x[i] = was;
         for (size_t k = 0; k < m; k++)
             run->crossed[k].parts =

@@ -92,7 +92,7 @@ enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_rea
 /* 1 + a row that is what rounding of q leaves of 0, or 0. */
 static size_t nothing(struct pk_projection *w, const pk_real *q, const pk_real *v, pk_real *near)
 {
-    for (size_t k = 0; k < w->n; k++)
+    for (size_t k = 0; k < w->rotation; k++)
         near[k] = q[k] * (1 + 64 * PK_EPS);
     w->system->constraints.jacobian(w->params, w->t, near, v, w->u, w->W, w->mu);
     size_t found = 0;
@@ -109,7 +109,7 @@ static size_t nothing(struct pk_projection *w, const pk_real *q, const pk_real *
 
 enum pk_status pk_project_start(struct pk_integrator *it)
 {
-    pk_real *q = pk_part(it->own->state, it->n, PK_Q), *v = pk_part(it->own->state, it->n, PK_V);
+    pk_real *q = pk_state(it, PK_Q), *v = pk_state(it, PK_V);
     int moved;
     if (!it->own->project)
         return PK_DONE;

@@ -15,16 +15,16 @@
 #define LITTLE PK_C(1e-4) /* of the time left, for the slope of sigma */
 #define TURN PK_C(0.3)    /* of its way: more between its ends than rates tell is no motion */
 
-static size_t lay_out(struct pk_passage_parts *x, size_t n, pk_real *base)
+static size_t lay_out(struct pk_passage_parts *x, size_t n_q, size_t n, pk_real *base)
 {
     pk_real *is = NULL;
     const struct pk_slot slots[] = {{&is, PK_REALS_OF(struct pk_passage)},
-                                    {&x->q, n},
+                                    {&x->q, n_q},
                                     {&x->v, n},
-                                    {&x->Q, PK_PASSAGE_STAGES * n},
+                                    {&x->Q, PK_PASSAGE_STAGES * n_q},
                                     {&x->V, PK_PASSAGE_STAGES * n},
                                     {&x->A, PK_PASSAGE_STAGES * n},
-                                    {&x->q_here, n},
+                                    {&x->q_here, n_q},
                                     {&x->v_here, n},
                                     {&x->a_here, n}};
     const size_t size = PK_LAY_OUT(base, slots);
@@ -32,16 +32,16 @@ static size_t lay_out(struct pk_passage_parts *x, size_t n, pk_real *base)
     return size;
 }
 
-size_t pk_passage_size(const struct pk_system *system, size_t n)
+size_t pk_passage_size(const struct pk_system *system, size_t n_q, size_t n)
 {
     struct pk_passage_parts x;
-    return system->constraints.n ? lay_out(&x, n, NULL) : 0;
+    return system->constraints.n ? lay_out(&x, n_q, n, NULL) : 0;
 }
 
 struct pk_passage_parts pk_passage_parts(const struct pk_integrator *it)
 {
     struct pk_passage_parts x;
-    lay_out(&x, it->n, it->own->passage);
+    lay_out(&x, it->n_q, it->n, it->own->passage);
     if (pk_index(x.is->stages, PK_PASSAGE_STAGES + 1))
         pk_gauss_nodes((int)pk_index(x.is->stages, PK_PASSAGE_STAGES + 1), x.c, x.b);
     return x;
@@ -98,13 +98,12 @@ int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q
 static enum pk_status aim(struct pk_integrator *it, const struct pk_passage_parts *x, pk_real left)
 {
     struct pk_passage *is = x->is;
-    const size_t n = it->n;
     const pk_real little = LITTLE * left;
     PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, x->a_here));
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < it->n_q; i++)
         x->q_here[i] = it->q[i] + little * it->v[i];
+    for (size_t i = 0; i < it->n; i++)
         x->v_here[i] = it->v[i] + little * x->a_here[i];
-    }
     const pk_real then = pk_passage_sigma(it, it->t + little, x->q_here, x->v_here);
     is->falls = then < is->sigma;
     is->at = it->t + is->sigma * little / (is->sigma - then);
@@ -196,7 +195,7 @@ enum pk_status pk_passage_judge(struct pk_integrator *it)
     if (it->method->traits & PK_ADAPTIVE || !(is->sigma < PK_FAR || it->own->seen & PK_SEEN_DIPS))
         return PK_DONE;
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
-    const pk_real *q = it->own->next, *v = pk_part(it->own->next, it->n, PK_V);
+    const pk_real *q = it->own->next, *v = pk_next(it, PK_V);
     const pk_real h = it->own->next_t - it->t;
     pk_real off = 0, way = pk_max(PK_TINY, pk_project_rest(it, &w, q) * pk_abs(h));
     for (size_t k = 0; k < w.rotation; k++) {

@@ -40,16 +40,19 @@ static void weights(const struct pk_passage_parts *x, pk_real to, pk_real *w)
 }
 
 /* Where the stages lead. */
-static void along(const struct pk_passage_parts *x, size_t n, pk_real to, pk_real *q, pk_real *v)
+static void along(const struct pk_integrator *it, const struct pk_passage_parts *x, pk_real to,
+                  pk_real *q, pk_real *v)
 {
+    const size_t n = it->n, stages = pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
     pk_real w[PK_PASSAGE_STAGES];
     weights(x, to, w);
-    for (size_t i = 0; i < n; i++) {
-        q[i] = x->q[i], v[i] = x->v[i];
-        for (size_t j = 0; j < pk_index(x->is->stages, PK_PASSAGE_STAGES + 1); j++) {
+    memcpy(q, x->q, it->n_q * sizeof *q);
+    memcpy(v, x->v, n * sizeof *v);
+    for (size_t j = 0; j < stages; j++) {
+        for (size_t i = 0; i < it->n_q; i++)
             q[i] += w[j] * x->V[j * n + i];
+        for (size_t i = 0; i < n; i++)
             v[i] += w[j] * x->A[j * n + i];
-        }
     }
 }
 
@@ -72,7 +75,7 @@ static enum pk_status put(struct pk_integrator *it, const struct pk_passage_part
 {
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     int moved;
-    memcpy(x->q_here, q, it->n * sizeof *q);
+    memcpy(x->q_here, q, it->n_q * sizeof *q);
     memcpy(x->v_here, v, it->n * sizeof *v);
     PK_TRY(pk_project(it, t, q, v, NULL, NULL, &moved));
     *off = pk_max(*off, beside(&w, q, x->q_here, q, x->q, w.rotation));
@@ -83,14 +86,13 @@ static enum pk_status put(struct pk_integrator *it, const struct pk_passage_part
 void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct pk_passage_parts x = pk_passage_parts(it);
-    const size_t n = it->n;
     const pk_real next_t = it->own->next_t;
     pk_real off = 0;
-    along(&x, n, (t - x.is->t) / x.is->h, q, v);
+    along(it, &x, (t - x.is->t) / x.is->h, q, v);
     const int apart = !pk_constraint_singular(it, t, q, v);
     it->own->next_t = it->t;
     if (apart && (put(it, &x, t, q, v, &off) < 0 || !(off < SURE)))
-        along(&x, n, (t - x.is->t) / x.is->h, q, v);
+        along(it, &x, (t - x.is->t) / x.is->h, q, v);
     it->own->next_t = next_t;
 }
 
@@ -116,9 +118,9 @@ static void choose(struct pk_passage_parts *x)
 static enum pk_status solve(struct pk_integrator *it, struct pk_passage_parts *x, pk_real *off)
 {
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
-    const size_t n = it->n, s = pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
+    const size_t n_q = it->n_q, n = it->n, s = pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
     pk_real before = PK_INFINITY;
-    memcpy(x->q, it->q, n * sizeof *x->q);
+    memcpy(x->q, it->q, n_q * sizeof *x->q);
     memcpy(x->v, it->v, n * sizeof *x->v);
     PK_TRY(pk_eval_acceleration(it, it->t, it->q, it->v, x->A));
     for (size_t j = 0; j < s; j++) {
@@ -131,8 +133,8 @@ static enum pk_status solve(struct pk_integrator *it, struct pk_passage_parts *x
         *off = 0;
         for (size_t j = 0; j < s; j++) {
             const pk_real t = x->is->t + x->c[j] * x->is->h;
-            pk_real *q = x->Q + j * n, *v = pk_part(it->own->next, n, PK_V);
-            along(x, n, x->c[j], q, v);
+            pk_real *q = x->Q + j * n_q, *v = pk_next(it, PK_V);
+            along(it, x, x->c[j], q, v);
             PK_TRY(put(it, x, t, q, v, off));
             changed = pk_max(changed, beside(&w, v, x->V + j * n, v, NULL, w.m));
             memcpy(x->V + j * n, v, n * sizeof *v);
@@ -150,8 +152,8 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
     struct pk_passage_parts x = pk_passage_parts(it);
     const size_t n = it->n;
     const pk_real t = it->own->next_t, end = x.is->t + x.is->h;
-    pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V), off = 0;
-    memset(it->own->next, 0, PK_PARTS * n * sizeof *q);
+    pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), off = 0;
+    memset(it->own->next, 0, pk_before(it->n_q, n, PK_PARTS) * sizeof *q);
     it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
     if (!(x.is->passing > 0)) {
         it->own->next_t = it->t; /* no step's end: its error is not judged as one */
@@ -161,7 +163,7 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
         if (status < 0 || !(off < SURE))
             return pk_because(it, PK_NO_PROJECTION, pk_passage_told(it), x.is->at);
     }
-    along(&x, n, (t - x.is->t) / x.is->h, q, v);
+    along(it, &x, (t - x.is->t) / x.is->h, q, v);
     x.is->passing = pk_abs(end - t) > PK_C(1e-9) * pk_abs(x.is->h);
     if (!(x.is->passing > 0)) {
         it->own->next_t = it->t;
@@ -173,6 +175,6 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
     }
     it->own->crossed = 1;
     if (it->p)
-        pk_eval_canonical(it, t, q, v, pk_part(it->own->next, n, PK_P), it->own->project + n);
+        pk_eval_canonical(it, t, q, v, pk_next(it, PK_P), it->own->project + n);
     return PK_DONE;
 }

@@ -114,7 +114,7 @@ static pk_real beside_tolerances(const struct pk_integrator *it, const pk_real *
 static int beyond_way(const struct pk_integrator *it, const struct pk_projection *w)
 {
     const pk_real h = it->own->next_t - it->t;
-    const pk_real *ends[2] = {it->v, pk_part(it->own->next, it->n, PK_V)};
+    const pk_real *ends[2] = {it->v, pk_next(it, PK_V)};
     pk_real longest = PK_TINY, back = 0;
     for (size_t i = 0; i < w->h; i++)
         back += w->mu[i] * w->phi[i];
@@ -137,18 +137,19 @@ static int beyond_way(const struct pk_integrator *it, const struct pk_projection
 
 /* Of a first correction: whether it is too long for the error of a step. */
 static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
-               const pk_real *q, const pk_real *y, size_t first, size_t count)
+               const pk_real *q, const pk_real *y, int of_rates)
 {
+    const size_t count = of_rates ? w->m : w->rotation;
     const int repeats = it->own->atol && pk_repeats(it); /* of those that advance() tries again */
     pk_real most = 0;
     if (!(ratio > NOTICED) || !(it->own->next_t > it->t || it->own->next_t < it->t))
         return 0;
     if (!repeats)
-        return first == 0 && beyond_way(it, w);
-    for (size_t k = 0; first && k < count; k++)
+        return !of_rates && beyond_way(it, w);
+    for (size_t k = 0; of_rates && k < count; k++)
         most = pk_max(most, PK_F(sqrt)(pk_project_mass(w, k)) * pk_abs(w->d[k]));
-    return !(first && most <= pk_project_rest(it, w, q)) &&
-           beside_tolerances(it, w->d, y, first, count) > 1;
+    return !(of_rates && most <= pk_project_rest(it, w, q)) &&
+           beside_tolerances(it, w->d, y, of_rates ? it->n_q : 0, count) > 1;
 }
 
 /* Positions, or then rates, whose J is there; it depends on no rates, so that one correction of these
@@ -176,9 +177,7 @@ static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w,
             which = singular - 1;
         else if (!done)
             pk_project_solve(w, rows, residual);
-        if (done || singular ||
-            (!count && (of_rates ? off(it, w, ratio, q, v, it->n, w->m)
-                                 : off(it, w, ratio, q, q, 0, w->rotation))))
+        if (done || singular || (!count && off(it, w, ratio, q, of_rates ? v : q, of_rates)))
             return pk_because(it, PK_NO_PROJECTION, where + which, residual[which]);
         if (of_rates) {
             pk_project_seen(it, w);
@@ -222,9 +221,8 @@ enum pk_status pk_project(struct pk_integrator *it, pk_real t, pk_real *q, pk_re
 enum pk_status pk_project_step(struct pk_integrator *it)
 {
     const size_t n = it->n;
-    pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
-    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q),
-            *low_v = pk_part(it->own->next, n, PK_LOW_X);
+    pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
+    pk_real *low_q = pk_next(it, PK_LOW_Q), *low_v = pk_next(it, PK_LOW_X);
     int moved = 0;
     if (!it->own->project)
         return PK_DONE;
@@ -233,8 +231,7 @@ enum pk_status pk_project_step(struct pk_integrator *it)
     PK_TRY(pk_project_redundant(it, it->own->next_t, q, v, PK_NO_PROJECTION));
     if (!moved || !it->p)
         return PK_DONE;
-    pk_eval_canonical(it, it->own->next_t, q, v, pk_part(it->own->next, n, PK_P),
-                      it->own->project + n);
+    pk_eval_canonical(it, it->own->next_t, q, v, pk_next(it, PK_P), it->own->project + n);
     memset(low_v, 0, n * sizeof *low_v);
     return PK_DONE;
 }

@@ -31,11 +31,17 @@ void pk_ahead_all(struct pk_integrator *it)
 void pk_ahead_take(struct pk_integrator *it, int part, int parts)
 {
     const struct pk_ahead *a = it->own->ahead;
-    const size_t first = (size_t)part * it->n;
-    copy(a, it->own->next + first, a->next + first * a->lanes, (size_t)parts * it->n);
+    const size_t first = pk_before(it->n_q, it->n, part);
+    const size_t count = pk_before(it->n_q, it->n, part + parts) - first;
+    copy(a, it->own->next + first, a->next + first * a->lanes, count);
 }
 
 void pk_ahead_slopes(struct pk_integrator *it, pk_real *to, int stages)
 {
-    copy(it->own->ahead, to, it->own->ahead->slopes, (size_t)stages * 2 * it->n);
+    const struct pk_ahead *a = it->own->ahead;
+    const size_t n_q = it->n_q, n = it->n;
+    for (size_t i = 0; i < (size_t)stages; i++, to += n_q + n) { /* as pk_block_reals() has them */
+        copy(a, to, a->slopes + 2 * i * n * a->lanes, n_q);
+        copy(a, to + n_q, a->slopes + (2 * i + 1) * n * a->lanes, n);
+    }
 }

@@ -25,7 +25,7 @@ static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *p
     w->n = n, w->c = c, w->r = r, w->whole = !system->constraints.factor;
     w->inertia = 0;
     w->h = pk_system_rows(system, params, 1);
-    w->rotation = n - pk_system_first_order(system, params);
+    w->rotation = pk_system_coordinates(system, params);
     w->m = w->rotation + 3 * pk_system_rotations(system, params);
     w->d = take(base, &used, 2 * n);
     w->M = take(base, &used, w->whole ? n * n : n);

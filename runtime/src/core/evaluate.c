@@ -78,7 +78,7 @@ enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real
                               const pk_real *v, int failed)
 {
     /* A state that has run away makes M no number: that is the cause to name. */
-    if (!pk_all_finite(q, it->n) || !pk_all_finite(v, it->n))
+    if (!pk_all_finite(q, it->n_q) || !pk_all_finite(v, it->n))
         return PK_NOT_FINITE;
     it->where = (size_t)PK_FAILURE_AT(failed);
     it->detail = t;
@@ -94,14 +94,14 @@ unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, con
     const struct pk_system *system = it->problem.system;
     if (system->lanes)
         return system->lanes(it->problem.params, t, q, v, u, a);
-    const size_t n = it->n, m = system->n_inputs;
-    pk_real *q1 = it->own->lane, *v1 = q1 + n, *a1 = v1 + n, *u1 = a1 + n;
+    const size_t n_q = it->n_q, n = it->n, m = system->n_inputs;
+    pk_real *q1 = it->own->lane, *v1 = q1 + n_q, *a1 = v1 + n, *u1 = a1 + n;
     unsigned long long failed = 0;
     for (size_t l = 0; l < PK_LANES; l++) {
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = 0; i < n_q; i++)
             q1[i] = q[i * PK_LANES + l];
+        for (size_t i = 0; i < n; i++)
             v1[i] = v[i * PK_LANES + l];
-        }
         for (size_t i = 0; i < m; i++)
             u1[i] = u[i * PK_LANES + l];
         if (system->acceleration(it->problem.params, t[l], q1, v1, u1, a1))
@@ -123,14 +123,15 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
 pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real share,
                       pk_real limit)
 {
-    const size_t n = it->n, seen = n - pk_first_order(it);
+    const size_t n_q = it->n_q, n = it->n;
     const pk_real span = pk_abs(limit - it->t);
     pk_real d0 = 0, d1 = 0;
     for (size_t i = 0; i < n; i++) {
-        const pk_real q = it->q[i], of_q = pk_scale_shown(pk_tolerance(it, i, q, q));
-        const pk_real v = it->v[i], of_v = pk_scale_shown(pk_tolerance(it, n + i, v, v));
-        d0 += v / of_v * (v / of_v) + (i < seen ? q / of_q * (q / of_q) : 0);
-        d1 += a[i] / of_v * (a[i] / of_v) + (i < seen ? v / of_q * (v / of_q) : 0);
+        const pk_real q = i < n_q ? it->q[i] : 0;
+        const pk_real of_q = i < n_q ? pk_scale_shown(pk_tolerance(it, i, q, q)) : PK_INFINITY;
+        const pk_real v = it->v[i], of_v = pk_scale_shown(pk_tolerance(it, n_q + i, v, v));
+        d0 += v / of_v * (v / of_v) + q / of_q * (q / of_q);
+        d1 += a[i] / of_v * (a[i] / of_v) + v / of_q * (v / of_q);
     }
     pk_real h = d0 > PK_C(1e-10) && d1 > PK_C(1e-10) ? share * PK_F(sqrt)(d0 / d1) : 0;
     if (!(h > 0) || !pk_finite(h)) /* atol = 0 at a start from rest: y'/scale is infinite */
@@ -143,10 +144,10 @@ pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real 
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
 {
     const pk_real near = PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);
-    pk_real *q = pk_part(it->own->next, it->n, PK_Q), *a = pk_part(it->own->next, it->n, PK_A);
+    pk_real *q = pk_next(it, PK_Q), *a = pk_next(it, PK_A);
     if (it->own->trouble == PK_DONE || !(pk_abs(it->own->trouble_t - it->t) <= near)) {
         it->own->trouble_t = it->t + (pk_real)it->own->direction * near;
-        for (size_t i = 0; i < it->n; i++)
+        for (size_t i = 0; i < it->n_q; i++)
             q[i] = it->q[i] + (pk_real)it->own->direction * near * it->v[i];
         if (pk_eval_acceleration(it, it->own->trouble_t, q, it->v, a) != PK_SINGULAR_MASS) {
             it->detail = h;

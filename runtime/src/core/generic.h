@@ -10,7 +10,7 @@
 
 #define PK_STEPPER(x) generic_##x
 #define PK_STEPPER_N(it) ((it)->n)
-#define PK_STEPPER_FIRST_ORDER(it) pk_first_order(it)
+#define PK_STEPPER_COORDINATES(it) ((it)->n_q)
 #define PK_STEPPER_ACCELERATION(it, t, q, v, u, a) \
     (it)->problem.system->acceleration((it)->problem.params, t, q, v, u, a)
 #define PK_STEPPER_INPUT(it, t) pk_eval_input(it, t)

@@ -43,10 +43,10 @@ static inline void pk_exchange(struct pk_integrator *it)
     pk_real *const left_behind = it->own->state;
     it->own->state = it->own->next;
     it->own->next = left_behind;
-    it->q = pk_part(it->own->state, it->n, PK_Q);
-    it->v = pk_part(it->own->state, it->n, PK_V);
+    it->q = pk_state(it, PK_Q);
+    it->v = pk_state(it, PK_V);
     if (it->p)
-        it->p = pk_part(it->own->state, it->n, PK_P);
+        it->p = pk_state(it, PK_P);
 }
 
 /* The same, left to the caller to be that of `it`; and a number that belongs to it. */
@@ -58,10 +58,10 @@ static inline enum pk_status pk_because(struct pk_integrator *it, enum pk_status
     return status;
 }
 
-/* How many of the coordinates, the last ones, are integrals of first-order variables. */
-static inline size_t pk_first_order(const struct pk_integrator *it)
+/* How many numbers q has. */
+static inline size_t pk_coordinates_of(const struct pk_problem *problem)
 {
-    return pk_system_first_order(it->problem.system, it->problem.params);
+    return pk_system_coordinates(problem->system, problem->params);
 }
 
 /* Whether a step can be made again shorter, by it->own->h: GSL's methods keep a length of their own.
@@ -134,7 +134,8 @@ void pk_eval_canonical(struct pk_integrator *it, pk_real t, const pk_real *q, co
 
 /* Absolute tolerances, it->own->atol: numbers needed; at a start; after a step. Before each attempt
  * at one pk_scale_attempt() (pk/step/state.h). */
-size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n);
+size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n_q,
+                     size_t n);
 void pk_scale_start(struct pk_integrator *it);
 void pk_scale_step(struct pk_integrator *it);
 /* After an underflow: coordinates that never moved but accelerate at t + h get that motion as their
@@ -145,7 +146,7 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h);
 /* Where the equations end: what system->singularities.table says, watched from step to step.
  * Numbers needed; at a start; whether a singularity is zero there; after a trial step, which is
  * still it->own->next; and after one that failed, whether a singularity is its cause. */
-size_t pk_singularity_size(size_t n_singularities, size_t n);
+size_t pk_singularity_size(size_t n_singularities, size_t n_q, size_t n);
 void pk_singularity_start(struct pk_integrator *it);
 enum pk_status pk_singularity_here(struct pk_integrator *it);
 enum pk_status pk_singularity_step(struct pk_integrator *it);
@@ -154,13 +155,17 @@ enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status sta
 /* Forces that may be shorter than a step (marks.c): numbers needed; the limit of a trial step;
  * whether it passes over too much, and is to be made again up to a nearer one; that it becomes the
  * state. */
-size_t pk_marks_size(const struct pk_system *system, size_t n);
+size_t pk_marks_size(const struct pk_system *system, size_t n_q, size_t n);
 pk_real pk_marks_limit(const struct pk_integrator *it, pk_real limit);
 int pk_marks_reject(struct pk_integrator *it);
 void pk_marks_accept(struct pk_integrator *it);
+/* q, v and the rates of v at the end of a step. */
+struct pk_knot {
+    const pk_real *q, *v, *a;
+};
 /* The cubic of Hermite through q and v at the ends of a step of length h, and its derivative, at x
- * of 0 .. 1. */
-void pk_hermite(size_t n, pk_real h, const pk_real *q0, const pk_real *v0, const pk_real *q1,
-                const pk_real *v1, pk_real x, pk_real *q, pk_real *v);
+ * of 0 .. 1; of states the cubic through them and their rates. */
+void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, struct pk_knot to,
+                pk_real x, pk_real *q, pk_real *v);
 
 #endif

@@ -18,39 +18,84 @@
 #define SLOW (MOST / 128) /* by that in a fixed step: the next few are not looked at */
 enum { FEW = 4, MOST_WINDOWS = 4096, SKIPPED = 7 };
 
-size_t pk_marks_size(const struct pk_system *system, size_t n)
+/* Behind four values of each mark. */
+struct between {
+    pk_real *q, *v, *u, *a0, *a1; /* a0, a1: at the ends of the step */
+};
+
+static size_t lay_out(struct between *b, const struct pk_system *system, size_t n_q, size_t n,
+                      pk_real *base)
 {
-    return system->marks.n ? 4 * system->marks.n + 2 * n + system->n_inputs : 0;
+    const struct pk_slot slots[] = {
+        {&b->q, n_q}, {&b->v, n}, {&b->u, system->n_inputs}, {&b->a0, n}, {&b->a1, n}};
+    return PK_LAY_OUT(base, slots);
 }
 
-void pk_hermite(size_t n, pk_real h, const pk_real *q0, const pk_real *v0, const pk_real *q1,
-                const pk_real *v1, pk_real x, pk_real *q, pk_real *v)
+size_t pk_marks_size(const struct pk_system *system, size_t n_q, size_t n)
 {
+    struct between b;
+    return system->marks.n ? 4 * system->marks.n + lay_out(&b, system, n_q, n, NULL) : 0;
+}
+
+static struct between between(const struct pk_integrator *it)
+{
+    const struct pk_system *system = it->problem.system;
+    struct between b;
+    lay_out(&b, system, it->n_q, it->n, it->own->marks + 4 * system->marks.n);
+    return b;
+}
+
+/* The rates of states at the ends, or where there are none those of a straight line. */
+static void look_at_ends(struct pk_integrator *it)
+{
+    const struct between b = between(it);
+    const size_t where = it->where;
+    const pk_real detail = it->detail, h = it->own->next_t - it->t;
+    const pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
+    if (it->n == it->n_q || (pk_eval_acceleration(it, it->t, it->q, it->v, b.a0) >= 0 &&
+                             pk_eval_acceleration(it, it->own->next_t, q, v, b.a1) >= 0))
+        return;
+    for (size_t i = 0; i < it->n; i++)
+        b.a0[i] = b.a1[i] = (v[i] - it->v[i]) / h;
+    it->where = where;
+    it->detail = detail;
+}
+
+void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, struct pk_knot to,
+                pk_real x, pk_real *q, pk_real *v)
+{
+    const pk_real *q0 = from.q, *v0 = from.v, *q1 = to.q, *v1 = to.v;
     const pk_real y = 1 - x;
     const pk_real h01 = x * x * (3 - 2 * x), h10 = x * y * y * h, h11 = -x * x * y * h;
     const pk_real slope = 6 * x * y / h, d10 = y * (1 - 3 * x), d11 = x * (3 * x - 2);
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < it->n_q; i++) {
         const pk_real rise = q1[i] - q0[i];
         q[i] = q0[i] + h01 * rise + h10 * v0[i] + h11 * v1[i];
         v[i] = slope * rise + d10 * v0[i] + d11 * v1[i];
     }
+    for (size_t i = it->n_q; i < it->n; i++)
+        v[i] = v0[i] + h01 * (v1[i] - v0[i]) + h10 * from.a[i] + h11 * to.a[i];
 }
 
 /* All u at x of the trial step, 0 .. 1. */
 static void values(const struct pk_integrator *it, pk_real x, pk_real *u)
 {
     const struct pk_system *system = it->problem.system;
-    const size_t n = it->n;
-    const pk_real *q0 = it->q, *v0 = it->v, *q1 = it->own->next,
-                  *v1 = pk_part(it->own->next, n, PK_V);
+    const struct between b = between(it);
+    const struct pk_knot from = {it->q, it->v, b.a0};
+    const struct pk_knot to = {pk_next(it, PK_Q), pk_next(it, PK_V), b.a1};
     const pk_real h = it->own->next_t - it->t, t = x < 1 ? it->t + x * h : it->own->next_t;
-    pk_real *q = it->own->marks + 4 * system->marks.n, *v = q + n, *input = v + n;
+    const struct pk_knot at = {x > 0 && x < 1 ? b.q
+                               : x > 0        ? to.q
+                                              : from.q,
+                               x > 0 && x < 1 ? b.v
+                               : x > 0        ? to.v
+                                              : from.v,
+                               NULL};
     if (x > 0 && x < 1)
-        pk_hermite(n, h, q0, v0, q1, v1, x, q, v);
-    else
-        memcpy(q, x > 0 ? q1 : q0, n * sizeof *q), memcpy(v, x > 0 ? v1 : v0, n * sizeof *v);
-    pk_input(&it->problem, t, input);
-    system->marks.values(it->problem.params, t, q, v, input, u);
+        pk_hermite(it, h, from, to, x, b.q, b.v);
+    pk_input(&it->problem, t, b.u);
+    system->marks.values(it->problem.params, t, at.q, at.v, b.u, u);
 }
 
 static pk_real at(const struct pk_integrator *it, size_t k, pk_real x)
@@ -141,6 +186,7 @@ int pk_marks_reject(struct pk_integrator *it)
     if (it->own->range <= MOST / 4 &&
         h <= 3 * it->own->calm) /* nearly always, but for short forces */
         return 0;
+    look_at_ends(it);
     values(it, warped(PK_C(0.5)), middle);
     for (size_t k = 0; k < m; k++) {
         const struct window w = window(begin[k], middle[k], end[k]);

@@ -13,7 +13,7 @@ struct pk_projection {
     const void *params;
     const pk_real *u;
     pk_real t;
-    size_t n, m, c, h, rotation; /* rotation: where body rates begin */
+    size_t n, m, c, h, rotation; /* rotation: coordinates, where body rates begin */
     int whole;                   /* whether the matrices are here: not of families kept as loops */
     pk_real *M;                  /* m by m, factored; else its diagonal */
     pk_real *J, *W, *A;          /* J; M^-1 of each row of it; J M^-1 J^T, factored */
@@ -115,7 +115,7 @@ enum pk_status pk_project_redundant(struct pk_integrator *it, pk_real t, const p
 /* Through positions where rows depend on each other for an instant: numbers needed; at a start, and
  * after each step; whether the next step is to be made here, and then it->own->next_t; that step,
  * into it->own->next; and the motion within it. */
-size_t pk_passage_size(const struct pk_system *system, size_t n);
+size_t pk_passage_size(const struct pk_system *system, size_t n_q, size_t n);
 void pk_passage_forget(struct pk_integrator *it);
 void pk_passage_note(struct pk_integrator *it);
 /* Of the step in it->own->next, by a fixed step: whether it may have turned into another branch. */

@@ -16,7 +16,7 @@ int pk_scale_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
     const struct pk_system *system = it->problem.system;
     const pk_real *u = pk_eval_input(it, t);
     it->count.evaluations++;
-    return !system->acceleration(it->problem.params, t, q, q + it->n, u, a) &&
+    return !system->acceleration(it->problem.params, t, q, q + it->n_q, u, a) &&
            pk_all_finite(a, it->n);
 }
 
@@ -71,7 +71,7 @@ static void look_at_momenta(struct pk_integrator *it)
 static void shake(const struct pk_integrator *it, pk_real share, unsigned long random,
                   pk_real *state)
 {
-    for (size_t i = 0; i < 2 * it->n; i++) {
+    for (size_t i = 0; i < it->n_q + it->n; i++) {
         random = (random * 1103515245ul + 12345ul) & 0x7ffffffful;
         state[i] *= 1 + (random & 0x40000000ul ? share : -share);
     }
@@ -85,7 +85,7 @@ static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real
     pk_real *moved = part(it, MOVED), *other = part(it, BESIDE);
     memset(noise, 0, n * sizeof *noise);
     for (int k = 0; k <= SAMPLES; k++) {
-        memcpy(moved, it->own->state, 2 * n * sizeof *moved);
+        memcpy(moved, it->own->state, (it->n_q + n) * sizeof *moved);
         shake(it, aside, 54321, moved);
         shake(it, k ? ROUNDING : 0, 12345ul * (unsigned long)k, moved);
         const pk_real t = it->t * (1 + aside) * (1 + (k ? ROUNDING : 0));

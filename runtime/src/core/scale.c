@@ -17,74 +17,85 @@
 #define SHARE PK_C(1e-6)
 #define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
 #define LONGER PK_C(4.0)
+#define LEAST_SCALE PK_F(sqrt)(PK_TINY) /* of what has shown none */
 enum {
     OFTEN = 64
 }; /* steps between two looks at rounding, or fewer once they are so much longer */
 
-size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n)
+size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n_q,
+                     size_t n)
 {
     const struct pk_pattern p = pk_system_pattern(problem->system, problem->params);
     const size_t banded = pk_pattern_numbers(&p) + 2 * (p.rows + p.border);
     const size_t matrix = method->traits & PK_JACOBIANS ? (p.dense ? n * n : banded) : 0;
-    return method->traits & PK_ADAPTIVE ? PARTS * n + matrix : 0;
+    return method->traits & PK_ADAPTIVE ? parts_before(n_q, n, PARTS) + matrix : 0;
 }
 
-/* The first of the same unit, of a table with an entry a declared name; what stands behind these
- * names, the columns of variational equations, is for itself. */
-static void group(const struct pk_integrator *it, const struct pk_quantity *table, size_t base,
-                  pk_real *to)
+/* Where number i of copy c is, of `one` in each of them: of all those that move come first. */
+static size_t place(size_t i, size_t c, size_t moving, size_t one, size_t copies)
+{
+    return i < moving ? c * moving + i : copies * moving + c * (one - moving) + i - moving;
+}
+
+/* The first of the same unit of `count`, of a table with an entry a declared name; variational
+ * equations have several copies of what is named, each for itself (pk_variation_place()). */
+static void group(const struct pk_integrator *it, const struct pk_quantity *table, size_t count,
+                  size_t base, pk_real *to)
 {
     const struct pk_system *system = it->problem.system;
     const size_t declared = system->families.n_coordinates ? system->families.n_coordinates
                                                            : system->n;
-    for (size_t k = 0; !table && k < it->n; k++)
+    size_t names = 0, first = 0, i = 0;
+    for (size_t k = 0; !table && k < count; k++)
         to[k] = (pk_real)base;
-    size_t first = 0, i = 0;
-    for (size_t k = 0; table && k < declared && i < it->n; k++) {
+    for (size_t k = 0; k < declared; k++)
+        names += pk_system_range(system, it->problem.params, PK_OF_COORDINATE, k).count;
+    const size_t copies = it->n / names, one = count / copies, moving = it->n_q / copies;
+    for (size_t k = 0; table && k < declared && i < one; k++) {
         const size_t members =
             pk_system_range(system, it->problem.params, PK_OF_COORDINATE, k).count;
         first = 0;
         for (size_t j = 0; j < k && strcmp(table[j].unit, table[k].unit) != 0; j++)
             first += pk_system_range(system, it->problem.params, PK_OF_COORDINATE, j).count;
-        for (size_t m = 0; m < members && i < it->n; m++)
-            to[i++] = (pk_real)(base + first);
+        for (size_t m = 0; m < members && i < one; m++, i++)
+            for (size_t c = 0; c < copies; c++) {
+                const size_t at = place(i, c, moving, one, copies);
+                to[at] = (pk_real)(base + place(first, c, moving, one, copies));
+            }
     }
-    const size_t names = i;
-    for (; table && i < it->n; i++)
-        to[i] = to[i - names] + (pk_real)names;
 }
 
 static void note(const struct pk_integrator *it)
 {
     pk_real *most = part(it, MOST);
-    for (size_t i = 0; i < 2 * it->n; i++)
+    for (size_t i = 0; i < it->n_q + it->n; i++)
         most[i] = pk_max(most[i], pk_abs(it->own->state[i]));
 }
 
 static void follow(const struct pk_integrator *it)
 {
-    const size_t n = it->n;
+    const size_t m = it->n_q + it->n;
     const pk_real *most = part(it, MOST), *of = part(it, GROUP);
     pk_real *own = part(it, OWN), *all = part(it, MOVED);
-    memset(all, 0, 2 * n * sizeof *all);
-    for (size_t i = 0; i < 2 * n; i++)
-        all[pk_index(of[i], 2 * n)] = pk_max(all[pk_index(of[i], 2 * n)], most[i]);
-    for (size_t i = 0; i < 2 * n; i++)
-        own[i] = it->options.rtol * pk_max(most[i], SHARE * all[pk_index(of[i], 2 * n)]) +
-                 PK_F(sqrt)(PK_TINY);
+    memset(all, 0, m * sizeof *all);
+    for (size_t i = 0; i < m; i++)
+        all[pk_index(of[i], m)] = pk_max(all[pk_index(of[i], m)], most[i]);
+    for (size_t i = 0; i < m; i++)
+        own[i] = it->options.rtol * pk_max(most[i], SHARE * all[pk_index(of[i], m)]) + LEAST_SCALE;
 }
 
 void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
 {
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     if (!it->own->atol || it->options.atol >= 0)
         return;
     const pk_real *own = part(it, OWN), *noise = part(it, NOISE), *by_p = part(it, BY_P);
     h = pk_abs(h);
     for (size_t i = 0; i < n; i++) {
         const pk_real of_v = h * noise[i] + by_p[i];
-        it->own->atol[i] = own[i] + h * of_v;
-        it->own->atol[n + i] = own[n + i] + of_v;
+        if (i < n_q)
+            it->own->atol[i] = own[i] + h * of_v;
+        it->own->atol[n_q + i] = own[n_q + i] + of_v;
     }
     /* As rates move coordinates, body rates turn quaternions. */
     const struct pk_system *system = it->problem.system;
@@ -93,7 +104,7 @@ void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
         pk_real of_rate = 0;
         for (size_t k = 0, i = at.rate; k < 3; k++, i += at.step)
             of_rate = pk_max(of_rate, h * noise[i] + by_p[i]);
-        for (size_t k = 0, i = n + at.number; k < 4; k++, i += at.step)
+        for (size_t k = 0, i = n_q + at.number; k < 4; k++, i += at.step)
             it->own->atol[i] += h * of_rate / 2;
     }
 }
@@ -103,8 +114,8 @@ static pk_real while_it_falls(const struct pk_integrator *it)
     const pk_real *most = part(it, MOST), *noise = part(it, NOISE), *a = part(it, A);
     pk_real h = 0;
     for (size_t i = 0; i < it->n; i++) {
-        const pk_real v = most[it->n + i], size = pk_abs(a[i]);
-        const pk_real x = v > 0 ? v / size : PK_F(sqrt)(most[i] / size);
+        const pk_real v = most[it->n_q + i], size = pk_abs(a[i]);
+        const pk_real x = v > 0 ? v / size : i < it->n_q ? PK_F(sqrt)(most[i] / size) : 0;
         if (size > noise[i] && x > 0 && pk_finite(x) && !(h > 0 && h < x))
             h = x;
     }
@@ -112,39 +123,40 @@ static pk_real while_it_falls(const struct pk_integrator *it)
 }
 
 /* A coordinate at zero gets as its scale the way it goes in the least first step. A rate at rest
- * gets the speed of a fall through the coordinate's scale. */
+ * gets the speed of a fall through the coordinate's scale, and a state as if it had one. */
 void pk_scale_start(struct pk_integrator *it)
 {
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     if (!it->own->atol)
         return;
     if (it->options.atol >= 0) {
-        for (size_t i = 0; i < 2 * n; i++)
+        for (size_t i = 0; i < n_q + n; i++)
             it->own->atol[i] = it->options.atol;
         return;
     }
-    if (!(*part(it, GROUP + 1) > 0)) {
-        group(it, it->problem.system->coordinates, 0, part(it, GROUP));
-        group(it, it->problem.system->rates, n, part(it, GROUP + 1));
+    const pk_real *of = part(it, GROUP) + n_q;
+    if (!(*of > 0)) {
+        group(it, it->problem.system->coordinates, n_q, 0, part(it, GROUP));
+        group(it, it->problem.system->rates, n, n_q, part(it, GROUP) + n_q);
     }
     note(it);
     pk_scale_look(it);
     follow(it);
     const pk_real *a = part(it, A), ahead = LEAST * pk_abs(it->t), first = while_it_falls(it);
-    pk_real *own = part(it, OWN), *fall = part(it, MOVED) + n;
-    const pk_real *of = part(it, GROUP + 1);
-    for (size_t i = 0; i < n; i++)
+    pk_real *own = part(it, OWN), *fall = part(it, MOVED) + n_q;
+    for (size_t i = 0; i < n_q; i++)
         own[i] = pk_max(own[i], it->options.rtol * ahead * pk_abs(it->v[i]));
     pk_scale_attempt(it, first);
     for (size_t i = 0; i < n && it->count.steps == 0; i++) {
-        const pk_real x = PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) * it->own->atol[i]);
-        const size_t shared = pk_index(of[i] - (pk_real)n, n);
+        const pk_real through = i < n_q ? it->own->atol[i] : LEAST_SCALE;
+        const pk_real x = PK_F(sqrt)(it->options.rtol * pk_abs(a[i]) * through);
+        const size_t shared = pk_index(of[i] - (pk_real)n_q, n);
         if (pk_finite(x))
-            own[n + i] = pk_max(own[n + i], x);
-        fall[shared] = i == shared ? own[n + i] : pk_max(fall[shared], own[n + i]);
+            own[n_q + i] = pk_max(own[n_q + i], x);
+        fall[shared] = i == shared ? own[n_q + i] : pk_max(fall[shared], own[n_q + i]);
     }
     for (size_t i = 0; i < n && it->count.steps == 0; i++)
-        own[n + i] = pk_max(own[n + i], SHARE * fall[pk_index(of[i] - (pk_real)n, n)]);
+        own[n_q + i] = pk_max(own[n_q + i], SHARE * fall[pk_index(of[i] - (pk_real)n_q, n)]);
     pk_scale_attempt(it, first);
 }
 
@@ -157,10 +169,10 @@ static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
     for (size_t i = 0; i < n; i++)
         most = pk_max(most, pk_abs(a[i]));
     for (int count = 0; count < 500 && !(change <= most); count++, d /= 2) {
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = 0; i < it->n_q; i++)
             moved[i] = it->q[i] + a[i] * d * d / 2;
-            moved[n + i] = it->v[i] + a[i] * d;
-        }
+        for (size_t i = 0; i < n; i++)
+            moved[it->n_q + i] = it->v[i] + a[i] * d;
         change = pk_scale_acceleration(it, t, moved, other) ? 0 : PK_INFINITY;
         for (size_t i = 0; i < n; i++)
             change = pk_max(change, pk_abs(other[i] - a[i]));
@@ -171,7 +183,7 @@ static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
 
 int pk_scale_raise(struct pk_integrator *it, pk_real h)
 {
-    const size_t n = it->n;
+    const size_t n_q = it->n_q;
     const pk_real *a = part(it, A);
     pk_real *most = part(it, MOST);
     int raised = 0;
@@ -179,11 +191,13 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
         !pk_scale_acceleration(it, it->t + h, it->own->state, part(it, A)))
         return 0;
     const pk_real d = push(it, it->t + h, pk_abs(h));
-    for (size_t i = 0; i < n; i++) {
-        if (most[i] > 0 || most[n + i] > 0 || !(pk_abs(a[i]) * d * d > 0))
+    for (size_t i = 0; i < it->n; i++) {
+        const int moves = i < n_q && most[i] > 0;
+        if (moves || most[n_q + i] > 0 || !(pk_abs(a[i]) * d * d > 0))
             continue;
-        most[i] = pk_abs(a[i]) * d * d;
-        most[n + i] = pk_abs(a[i]) * d;
+        if (i < n_q)
+            most[i] = pk_abs(a[i]) * d * d;
+        most[n_q + i] = pk_abs(a[i]) * d;
         raised = 1;
     }
     follow(it);
@@ -197,7 +211,7 @@ static int outdated(const struct pk_integrator *it)
     const pk_real h = pk_abs(it->own->h), *own = part(it, OWN), *noise = part(it, NOISE);
     int counts = 0;
     for (size_t i = 0; i < it->n; i++)
-        counts |= h * noise[i] > own[it->n + i];
+        counts |= h * noise[i] > own[it->n_q + i];
     return counts && h > LONGER * it->own->looked;
 }
 

@@ -4,14 +4,19 @@
 
 #include "project.h"
 
-/* 2 n each: tolerances, these without rounding, largest values, whose unit is shared, a state; n
+/* Of q, then v: tolerances, these without rounding, largest values, whose unit is shared, a state; n
  * each: what rounding does to accelerations, an acceleration, what rounding of momenta does to
  * rates, accelerations beside, two and their noise; and a mass matrix. */
-enum { ATOL = 0, OWN = 2, MOST = 4, GROUP = 6, MOVED = 8, NOISE = 10, A, BY_P, BESIDE, PARTS = 16 };
+enum { ATOL, OWN, MOST, GROUP, MOVED, NOISE, A, BY_P, BESIDE, PARTS = BESIDE + 3 };
+
+static inline size_t parts_before(size_t n_q, size_t n, int which)
+{
+    return (size_t)(which < NOISE ? which : NOISE) * n_q + (size_t)which * n;
+}
 
 static inline pk_real *part(const struct pk_integrator *it, int which)
 {
-    return it->own->atol + (size_t)which * it->n;
+    return it->own->atol + parts_before(it->n_q, it->n, which);
 }
 
 /* Whether there is an acceleration. */

@@ -23,10 +23,10 @@ enum {
     QUIET = 2
 }; /* it->own->slopes: those at the state; the last step changed little */
 
-size_t pk_singularity_size(size_t n_singularities, size_t n)
+size_t pk_singularity_size(size_t n_singularities, size_t n_q, size_t n)
 {
     return n_singularities
-               ? PK_SINGULARITY_PARTS * n_singularities + PK_SINGULARITY_SEARCH_PARTS * n
+               ? PK_SINGULARITY_PARTS * n_singularities + PK_SINGULARITY_SEARCH_PARTS * (n_q + n)
                : 0;
 }
 
@@ -133,10 +133,10 @@ static int calm(const struct pk_integrator *it)
 
 enum pk_status pk_singularity_step(struct pk_integrator *it)
 {
-    const size_t m = it->own->n_singularities, n = it->n;
+    const size_t m = it->own->n_singularities;
     if (!it->own->singularities)
         return PK_DONE;
-    const pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
+    const pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
     const pk_real *g0 = pk_singularity_part(it, PK_SINGULARITY_NOW);
     pk_real *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT);
     int doubt = 0;

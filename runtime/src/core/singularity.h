@@ -5,8 +5,8 @@
 #include "internal.h"
 
 /* Values and slopes at the state, then at the end of a trial step, the largest values of all states
- * since the start, a number a singularity each; behind them a state and a slope for the search, n
- * each. */
+ * since the start, a number a singularity each; behind them states
+ * and a slope for the search. */
 enum {
     PK_SINGULARITY_NOW,
     PK_SINGULARITY_SLOPE,
@@ -15,7 +15,7 @@ enum {
     PK_SINGULARITY_MOST,
     PK_SINGULARITY_PARTS
 };
-enum { PK_SINGULARITY_SEARCH_PARTS = 10 };
+enum { PK_SINGULARITY_SEARCH_PARTS = 5 };
 
 #define PK_SINGULARITY_DEEP \
     PK_C(1e-12) /* of its value at the start of the search: it vanishes, \

@@ -12,11 +12,11 @@
 #define FALL PK_C(0.7)    /* of a singularity in one short step, at most */
 #define SEARCH_STEPS 2000 /* then it is undecided, and nothing is claimed */
 
-enum { Y, TRIAL = 2, SUM = 4, STAGE = 6, K = 8 }; /* n numbers each; those of two have q and v */
+enum { Y, TRIAL, SUM, STAGE, K }; /* each q and v, or their slopes */
 
 static pk_real *search_part(const struct pk_integrator *it, int which)
 {
-    return pk_singularity_part(it, PK_SINGULARITY_PARTS) + (size_t)which * it->n;
+    return pk_singularity_part(it, PK_SINGULARITY_PARTS) + (size_t)which * (it->n_q + it->n);
 }
 
 void pk_singularity_evaluate(struct pk_integrator *it, pk_real t, const pk_real *q,
@@ -30,7 +30,7 @@ void pk_singularity_along(struct pk_integrator *it, pk_real t, const pk_real *q,
                           pk_real d, pk_real *out)
 {
     pk_real *moved = search_part(it, STAGE);
-    for (size_t i = 0; i < it->n; i++)
+    for (size_t i = 0; i < it->n_q; i++)
         moved[i] = q[i] + d * v[i];
     pk_singularity_evaluate(it, t + d, moved, v, out);
 }
@@ -40,7 +40,7 @@ pk_real pk_singularity_within(pk_real t, pk_real first, pk_real last)
     return t >= pk_min(first, last) && t <= pk_max(first, last) ? t : first;
 }
 
-/* y + d k: q, v and their slopes are 2n numbers in a row each. */
+/* y + d k: q, v and their slopes are m numbers in a row each. */
 static void shift(size_t m, const pk_real *y, pk_real d, const pk_real *k, pk_real *out)
 {
     for (size_t i = 0; i < m; i++)
@@ -51,15 +51,15 @@ static void shift(size_t m, const pk_real *y, pk_real d, const pk_real *k, pk_re
 static int short_step(struct pk_integrator *it, pk_real t, pk_real s)
 {
     static const int weight[4] = {1, 2, 2, 1};
-    const size_t n = it->n, m = 2 * n;
+    const size_t n_q = it->n_q, m = n_q + it->n;
     pk_real *y = search_part(it, Y), *trial = search_part(it, TRIAL), *sum = search_part(it, SUM);
     pk_real *stage = search_part(it, STAGE), *k = search_part(it, K);
     memcpy(sum, y, m * sizeof *y);
     memcpy(stage, y, m * sizeof *y);
     for (int i = 0; i < 4; i++) {
         const pk_real c = i == 0 ? 0 : i == 3 ? s : s / 2;
-        memcpy(k, stage + n, n * sizeof *k);
-        if (pk_eval_acceleration(it, t + c, stage, stage + n, k + n) < 0)
+        memcpy(k, stage + n_q, n_q * sizeof *k);
+        if (pk_eval_acceleration(it, t + c, stage, stage + n_q, k + n_q) < 0)
             return 0;
         shift(m, sum, s * (pk_real)weight[i] / 6, k, sum);
         if (i < 3)
@@ -107,7 +107,7 @@ struct growth {
 static void note_growth(const struct pk_integrator *it, struct growth *growth, const pk_real *g)
 {
     static const pk_real depth[2] = {PK_C(1e-2), PK_C(1e-4)};
-    const pk_real *a = search_part(it, K) + it->n;
+    const pk_real *a = search_part(it, K) + it->n_q;
     while (growth->levels < 2 &&
            fallen(it, g, depth[growth->levels], 0) < it->own->n_singularities) {
         pk_real most = 0;
@@ -119,7 +119,7 @@ static void note_growth(const struct pk_integrator *it, struct growth *growth, c
 
 static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_end, pk_real depth)
 {
-    const size_t n = it->n, m = it->own->n_singularities;
+    const size_t n_q = it->n_q, n = it->n, m = it->own->n_singularities;
     const pk_real whole = t_end - it->t;
     pk_real *g = pk_singularity_part(it, PK_SINGULARITY_NEXT),
             *g1 = pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE);
@@ -129,8 +129,8 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
     struct growth growth = {0};
     int stuck = 0,
         arrived = 0; /* M is singular to round-off before the singularity is quite zero */
-    memcpy(y, it->q, n * sizeof *y);
-    memcpy(y + n, it->v, n * sizeof *y);
+    memcpy(y, it->q, n_q * sizeof *y);
+    memcpy(y + n_q, it->v, n * sizeof *y);
     memcpy(g, pk_singularity_part(it, PK_SINGULARITY_NOW), m * sizeof *g);
     for (int count = 0; count < SEARCH_STEPS && pk_abs(s) > 0 && !stuck && !arrived; count++) {
         const int last = pk_abs(at + s) >= pk_abs(whole);
@@ -139,12 +139,12 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
             s = whole - at;
         int good = 1; /* half-way too, for a step through a centre may end as far behind it */
         for (int half = 1; good && half <= 2; half++) {
-            pk_singularity_along(it, it->t + at, y, y + n, s * (pk_real)half / 2, g1);
+            pk_singularity_along(it, it->t + at, y, y + n_q, s * (pk_real)half / 2, g1);
             good = near(m, g, g1, &least, &most);
         }
         good = good && short_step(it, it->t + at, s);
         if (good) {
-            pk_singularity_evaluate(it, it->t + at + s, trial, trial + n, g1);
+            pk_singularity_evaluate(it, it->t + at + s, trial, trial + n_q, g1);
             good = near(m, g, g1, &least, &most);
         }
         if (!good) {
@@ -154,7 +154,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         }
         at += s;
         made = s;
-        memcpy(y, trial, 2 * n * sizeof *y);
+        memcpy(y, trial, (n_q + n) * sizeof *y);
         memcpy(g, g1, m * sizeof *g);
         note_growth(it, &growth, g);
         arrived = last;
@@ -165,7 +165,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
     }
     found.which = fallen(it, g, stuck ? PK_SINGULARITY_SHALLOW : depth, !arrived);
     if (found.which < m) {
-        pk_singularity_along(it, it->t + at, y, y + n, made / 16, g1);
+        pk_singularity_along(it, it->t + at, y, y + n_q, made / 16, g1);
         found.when = it->t + at + made / 16 * g[found.which] / (g[found.which] - g1[found.which]);
         found.when = pk_singularity_within(found.when, it->t + at, t_end);
         found.found = PK_SINGULARITY_VANISHES;

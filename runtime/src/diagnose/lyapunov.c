@@ -21,28 +21,31 @@ size_t pk_lyapunov_size(const struct pk_problem *problem, const struct pk_method
 
 static struct pk_metric metric_of(const struct pk_lyapunov *l)
 {
-    const size_t states = l->variation.of.system->n_first_order;
     return (struct pk_metric){
-        .n = l->metric_n, .seen = l->metric_n - states, .tau = l->metric_tau, .L = l->metric_L};
+        .n = l->metric_n, .seen = l->variation.n_q, .tau = l->metric_tau, .L = l->metric_L};
+}
+
+static pk_real length(const struct pk_lyapunov *l, const pk_real *Q, const pk_real *V)
+{
+    const struct pk_metric metric = metric_of(l);
+    pk_variation_take(&l->variation, V, 1, l->variation.v);
+    return pk_metric_length(&metric, Q + l->variation.n_q, l->variation.v);
 }
 
 /* The displacement in (q, v) made of unit length, from it->q and it->v or from the scratch itself;
  * its logarithm, or what is not finite. */
 static pk_real normalise(struct pk_lyapunov *l, const pk_real *q, const pk_real *v)
 {
-    const size_t n = l->variation.n;
-    const struct pk_metric metric = metric_of(l);
-    pk_real *Q = l->scratch, *V = Q + 2 * n;
-    memmove(Q, q, 2 * n * sizeof *Q);
-    memmove(V, v, 2 * n * sizeof *V);
-    const pk_real length = pk_metric_length(&metric, Q + n, V + n);
-    for (size_t i = n; i < 2 * n; i++) {
-        Q[i] /= length;
-        V[i] /= length;
-    }
-    for (size_t i = n + metric.seen; i < 2 * n; i++)
-        Q[i] = 0; /* of an integral of a state, on which nothing depends */
-    return PK_F(log)(length);
+    const struct pk_variation *of = &l->variation;
+    pk_real *Q = l->scratch, *V = Q + 2 * of->n_q;
+    memmove(Q, q, 2 * of->n_q * sizeof *Q);
+    memmove(V, v, 2 * of->n * sizeof *V);
+    const pk_real size = length(l, Q, V);
+    for (size_t i = of->n_q; i < 2 * of->n_q; i++)
+        Q[i] /= size;
+    for (size_t i = 0; i < of->n; i++)
+        V[pk_variation_place(of, 1, i)] /= size;
+    return PK_F(log)(size);
 }
 
 enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *problem,
@@ -79,20 +82,24 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
     if (!(method->traits & PK_ADAPTIVE) && options->h > 0)
         l->block = options->h * pk_max(1, PK_F(ceil)(block / options->h - PK_C(1e-6)));
     /* A direction that no symmetry has: multiples of the golden section, less whole numbers. */
-    pk_real *Q = l->scratch, *V = Q + 2 * n, part = 0;
-    memcpy(Q, q0, n * sizeof *Q);
-    memcpy(V, v0, n * sizeof *V);
+    const size_t n_q = l->variation.n_q;
+    pk_real *Q = l->scratch, *V = Q + 2 * n_q, part = 0;
+    pk_real *dq = l->variation.a, *dv = l->variation.b;
     for (size_t i = 0; i < 2 * n; i++) {
         part += PK_C(0.61803398874989484820458683436563812);
         part -= part >= 1 ? 1 : 0;
-        (i < n ? Q + n : V)[i] = part + PK_C(0.1);
+        (i < n ? dq : dv)[i % n] = part + PK_C(0.1);
     }
-    pk_metric_dq(&metric, Q + n); /* of like lengths, whatever the units */
-    pk_metric_dq(&metric, V + n);
-    for (size_t i = n; i < 2 * n; i++) {
-        Q[i] *= PK_F(sqrt)(metric.tau);
-        V[i] /= PK_F(sqrt)(metric.tau);
+    pk_metric_dq(&metric, dq); /* of like lengths, whatever the units */
+    pk_metric_dq(&metric, dv);
+    for (size_t i = 0; i < n; i++) {
+        dq[i] *= PK_F(sqrt)(metric.tau);
+        dv[i] /= PK_F(sqrt)(metric.tau);
     }
+    memcpy(Q, q0, n_q * sizeof *Q);
+    memcpy(Q + n_q, dq, n_q * sizeof *Q);
+    pk_variation_put(&l->variation, v0, 0, V);
+    pk_variation_put(&l->variation, dv, 1, V);
     normalise(l, Q, V);
     return pk_integrator_init(&l->it, &l->variation.problem, method, options, t0, Q, V, x,
                               pk_variation_integrator_size(problem, 1, method));
@@ -100,10 +107,8 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
 
 static int large(const struct pk_lyapunov *l)
 {
-    const size_t n = l->variation.n;
-    const struct pk_metric metric = metric_of(l);
-    const pk_real length = pk_metric_length(&metric, l->it.q + n, l->it.v + n);
-    return !(length < LARGE) || !(length > 1 / LARGE);
+    const pk_real size = length(l, l->it.q, l->it.v);
+    return !(size < LARGE) || !(size > 1 / LARGE);
 }
 
 /* Back to unit length. */
@@ -113,7 +118,7 @@ static enum pk_status renew(struct pk_lyapunov *l)
     if (!pk_finite(grown))
         return l->it.status = PK_NOT_FINITE;
     l->growth += grown;
-    return pk_integrator_reset(&l->it, l->it.t, l->scratch, l->scratch + 2 * l->variation.n);
+    return pk_integrator_reset(&l->it, l->it.t, l->scratch, l->scratch + 2 * l->variation.n_q);
 }
 
 static void mark(struct pk_lyapunov *l)

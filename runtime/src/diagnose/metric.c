@@ -120,7 +120,7 @@ enum pk_status pk_metric_init(struct pk_metric *metric, const struct pk_variatio
     const size_t n = variation->n, nn = n * n;
     pk_real *r_q = variation->work, *r_v = r_q + nn, *a = r_v + nn, *r_t = a + n;
     metric->n = n;
-    metric->seen = pk_system_coordinates(of->system, of->params);
+    metric->seen = variation->n_q;
     metric->L = memory;
     metric->tau = otherwise;
     of->system->mass(of->params, t, q, v, u, metric->L);

@@ -14,7 +14,7 @@
 #include "../core/internal.h"
 
 struct pk_metric {
-    size_t n, seen; /* integrals of states, the last of q, have no length */
+    size_t n, seen; /* numbers of dv, of dq */
     pk_real tau;
     pk_real *L; /* M = L D L^T, both in one n by n array */
 };

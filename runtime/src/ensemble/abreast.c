@@ -26,17 +26,17 @@ static int most_stages(const struct pk_method *method)
 }
 
 static size_t lay_out(struct pk_block *b, const struct pk_system *system,
-                      const struct pk_method *method, size_t n, size_t W, pk_real **screen,
-                      pk_real *base)
+                      const struct pk_method *method, size_t W, pk_real **screen, pk_real *base)
 {
-    const size_t looks = pk_screen_size(system, n, W);
-    const struct pk_slot slots[] = {{&b->state, PK_PARTS * n * W},
-                                    {&b->next, PK_PARTS * n * W},
+    const size_t n_q = b->n_q, n = b->n, parts = pk_before(n_q, n, PK_PARTS);
+    const size_t looks = pk_screen_size(system, n_q, n, W);
+    const struct pk_slot slots[] = {{&b->state, parts * W},
+                                    {&b->next, parts * W},
                                     {&b->P, pk_params_reals(system) * W},
                                     {&b->u, system->n_inputs * W},
                                     {&b->t, W},
-                                    {&b->work, pk_block_reals(most_stages(method), n, W)},
-                                    {&b->lane, 3 * n + system->n_inputs},
+                                    {&b->work, pk_block_reals(most_stages(method), n_q, n, W)},
+                                    {&b->lane, n_q + 2 * n + system->n_inputs},
                                     {screen, looks}};
     return PK_LAY_OUT(base, slots);
 }
@@ -49,13 +49,13 @@ size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method 
 #else
     const struct pk_block_stepper *s = pk_block_stepper_of(system, method);
 #endif
-    struct pk_block b;
+    struct pk_block b = {.n_q = pk_system_coordinates(system, problem->params),
+                         .n = pk_system_count(system, problem->params)};
     pk_real *screen;
     if (!s || (method->traits & PK_ADAPTIVE && !s->attempt) ||
         system->constraints.n) /* projection, which each does alone, is most of a step */
         return 0;
-    const size_t n = pk_system_count(system, problem->params);
-    return lay_out(&b, system, method, n, s->lanes, &screen, NULL) * sizeof(pk_real);
+    return lay_out(&b, system, method, s->lanes, &screen, NULL) * sizeof(pk_real);
 }
 
 size_t pk_abreast_lanes(const struct pk_problem *problem, const struct pk_method *method)
@@ -84,9 +84,10 @@ void pk_abreast_init(struct pk_abreast *a, const struct pk_problem *problem,
     a->lanes = a->stepper->lanes;
     a->b.system = system;
     a->b.lanes = a->lanes;
+    a->b.n_q = pk_system_coordinates(system, problem->params);
     a->b.n = pk_system_count(system, problem->params);
-    lay_out(&a->b, system, method, a->b.n, a->lanes, &screen, (pk_real *)block);
-    pk_screen_init(&a->screen, system, a->b.n, a->lanes, a->stepper->values, screen);
+    lay_out(&a->b, system, method, a->lanes, &screen, (pk_real *)block);
+    pk_screen_init(&a->screen, &a->b, a->stepper, screen);
     for (size_t l = 0; l < a->lanes; l++)
         a->ahead[l].lanes = a->lanes, a->ahead[l].cost = (unsigned long)stages;
 }
@@ -124,16 +125,18 @@ static void load(struct pk_abreast *a, const struct pk_abreast_lane *lane, size_
 {
     struct pk_block *b = &a->b;
     struct pk_integrator *it = lane->it;
-    const size_t n = b->n, W = b->lanes, reals = pk_params_reals(b->system);
+    const size_t n_q = b->n_q, n = b->n, W = b->lanes, reals = pk_params_reals(b->system);
     const void *own = lane->events && lane->events->params ? lane->events->params
                                                            : it->problem.params;
     const pk_real *params = (const pk_real *)own;
     b->params[l] = params;
-    put(it->own->state, PK_PARTS * n, b->state + l, W);
+    put(it->own->state, pk_before(n_q, n, PK_PARTS), b->state + l, W);
     if (a->method->traits & PK_ADAPTIVE) {
         const struct pk_tableau *table = pk_explicit_table(a->method);
-        const struct pk_embedded_work w = pk_embedded_parts(it, table, n, 0);
-        put(it->own->flags & PK_HAVE_STEP ? w.last : w.k, 2 * n, b->work + l, W);
+        const struct pk_embedded_work w = pk_embedded_parts(it, table, n_q, n);
+        const pk_real *slope = it->own->flags & PK_HAVE_STEP ? w.last : w.k;
+        put(slope, n_q, b->work + l, W);
+        put(slope + n_q, n, b->work + n * W + l, W);
     }
     put(params, reals, b->P + l, W);
     put(pk_eval_input(it, it->t), b->system->n_inputs, b->u + l, W);
@@ -147,7 +150,7 @@ static void copy_lane(struct pk_block *b, const struct pk_abreast *a, size_t fro
     const struct {
         pk_real *x;
         size_t count;
-    } all[] = {{b->state, PK_PARTS * b->n},
+    } all[] = {{b->state, pk_before(b->n_q, b->n, PK_PARTS)},
                {b->P, pk_params_reals(b->system)},
                {b->u, b->system->n_inputs},
                {b->work, a->method->traits & PK_ADAPTIVE ? 2 * b->n : 0}};
@@ -172,17 +175,17 @@ static void pick(const pk_bits *mask, size_t rows, size_t W, const pk_real *PK_R
 static void advance(struct pk_abreast *a, unsigned long long lanes)
 {
     struct pk_block *b = &a->b;
-    const size_t n = b->n, W = b->lanes, low = PK_LOW_Q * n * W;
+    const size_t n_q = b->n_q, n = b->n, W = b->lanes, low = pk_before(n_q, n, PK_LOW_Q);
     pk_bits mask[PK_BLOCK_MOST];
     if (!lanes)
         return;
     for (size_t l = 0; l < W; l++)
         mask[l] = lanes >> l & 1 ? ~(pk_bits)0 : 0;
-    pick(mask, 2 * n, W, b->next, b->state);
+    pick(mask, n_q + n, W, b->next, b->state);
     if (a->method->traits & PK_ADAPTIVE)
         pick(mask, 2 * n, W, pk_block_slopes(b, most_stages(a->method)), b->work);
     else
-        pick(mask, (PK_PARTS - PK_LOW_Q) * n, W, b->next + low, b->state + low);
+        pick(mask, pk_before(n_q, n, PK_PARTS) - low, W, b->next + low * W, b->state + low * W);
 }
 
 /* Into these lanes what their integrators are to have next. The lanes of them. */
@@ -242,7 +245,7 @@ static unsigned long long accelerations(struct pk_abreast *a, const pk_real *t,
 {
     struct pk_block *b = &a->b;
     memcpy(b->t, t, b->lanes * sizeof *t);
-    return a->stepper->members(b, state, state + b->n * b->lanes, to);
+    return a->stepper->members(b, state, state + b->n_q * b->lanes, to);
 }
 
 /* Of these lanes, whose steps are made, those that meet nothing. */
@@ -300,7 +303,7 @@ static void make_many(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
                       unsigned long long live, const unsigned long *most)
 {
     struct pk_block *b = &a->b;
-    const size_t n = b->n, W = b->lanes, m = n * W, enough = (bits(live) + 1) / 2;
+    const size_t n_q = b->n_q, W = b->lanes, m = b->n * W, enough = (bits(live) + 1) / 2;
     const int splitting = pk_splitting_table(a->method) != NULL;
     unsigned long long going = live, known = 0;
     while (going && bits(going) >= enough) {
@@ -331,7 +334,7 @@ static void make_many(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
                 going &= ~(1ull << l);
         }
         if (known && !splitting) { /* their first stages */
-            memcpy(b->work, b->state + m, m * sizeof *b->work);
+            memcpy(b->work, b->state + n_q * W, n_q * W * sizeof *b->work);
             memcpy(b->work + m, a->screen.a1, m * sizeof *b->work);
         }
     }

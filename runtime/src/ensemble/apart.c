@@ -14,7 +14,16 @@ enum { ALIGNED = 64 };
 
 static size_t padded(size_t bytes) { return (bytes + ALIGNED - 1) / ALIGNED * ALIGNED; }
 
-static size_t state_reals(const struct pk_system *whole) { return 2 * whole->n + whole->n_inputs; }
+/* Families kept as loops are not integrated apart. */
+static size_t coordinates(const struct pk_system *system)
+{
+    return pk_system_coordinates(system, NULL);
+}
+
+static size_t state_reals(const struct pk_system *whole)
+{
+    return coordinates(whole) + whole->n + whole->n_inputs;
+}
 
 /* Params and the map of inputs. */
 static size_t own_size(const struct pk_system *system)
@@ -114,7 +123,8 @@ static enum pk_status check_parts(struct pk_apart *a)
         size_t times = 0;
         for (size_t k = 0; k < a->count; k++)
             for (size_t j = 0; j < a->parts[k].of.system->n; j++)
-                times += a->parts[k].of.coordinates[j] == i;
+                times += a->parts[k].of.coordinates[j] == i &&
+                         (i < coordinates(whole)) == (j < coordinates(a->parts[k].of.system));
         if (times != 1)
             return bad(a, "the parts are not the whole", 0);
     }
@@ -124,13 +134,13 @@ static enum pk_status check_parts(struct pk_apart *a)
 /* The state of the parts into that of the whole. */
 static void assemble(struct pk_apart *a)
 {
-    const size_t n = a->whole.system->n;
+    const size_t n_q = coordinates(a->whole.system);
     for (size_t k = 0; k < a->count; k++) {
         const struct pk_apart_part *part = &a->parts[k];
-        for (size_t i = 0; i < part->of.system->n; i++) {
+        for (size_t i = 0; i < coordinates(part->of.system); i++)
             a->state[part->of.coordinates[i]] = part->there->q[i];
-            a->state[n + part->of.coordinates[i]] = part->there->v[i];
-        }
+        for (size_t i = 0; i < part->of.system->n; i++)
+            a->state[n_q + part->of.coordinates[i]] = part->there->v[i];
     }
 }
 
@@ -140,8 +150,8 @@ static enum pk_status start(struct pk_apart *a, size_t k, const struct pk_choice
 {
     struct pk_apart_part *part = &a->parts[k];
     const struct pk_system *system = part->of.system;
-    const size_t n = system->n;
-    pk_real *q = a->state, *v = q + n; /* free until all parts have begun */
+    const size_t n_q = coordinates(system), n = system->n;
+    pk_real *q = a->state, *v = q + n_q; /* free until all parts have begun */
     struct pk_problem problem = {.system = system, .params = part->params};
     a->failed = k + 1;
     const int outside = take_parameters(part, &a->whole, (unsigned char *)block);
@@ -155,10 +165,10 @@ static enum pk_status start(struct pk_apart *a, size_t k, const struct pk_choice
         problem.input = input;
         problem.context = part;
     }
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n_q; i++)
         q[i] = q0[part->of.coordinates[i]];
+    for (size_t i = 0; i < n; i++)
         v[i] = v0[part->of.coordinates[i]];
-    }
     part->there = &part->it;
     a->status = pk_integrator_init(&part->it, &problem, choice->method, &choice->options, t0, q, v,
                                    block, size);
@@ -194,7 +204,7 @@ enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
         struct pk_apart_part *part = &a->parts[k];
         part->of = parts[k];
         part->apart = a;
-        part->u = a->state + 2 * whole->system->n;
+        part->u = a->state + coordinates(whole->system) + whole->system->n;
         part->params = at;
         part->inputs = (size_t *)(void *)(at + padded(parts[k].system->params_size));
         at += own_size(parts[k].system);
@@ -209,7 +219,7 @@ enum pk_status pk_apart_init(struct pk_apart *a, const struct pk_problem *whole,
     assemble(a);
     a->t = t0;
     a->q = a->state;
-    a->v = a->q + whole->system->n;
+    a->v = a->q + coordinates(whole->system);
     return a->status;
 }
 
@@ -258,7 +268,7 @@ int pk_apart_reason(const struct pk_apart *a, char *text, size_t size)
     if (a->why || !a->failed)
         return snprintf(text, size, "%s%s%s", what, a->why ? ": " : "", a->why ? a->why : "");
     const struct pk_apart_part *part = &a->parts[a->failed - 1];
-    const size_t own = pk_system_coordinates(part->of.system, part->params);
+    const size_t own = coordinates(part->of.system);
     for (size_t i = 0; i < own && used < sizeof names; i++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "",
                                  part->of.system->coordinates[i].name);

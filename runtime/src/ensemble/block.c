@@ -9,6 +9,7 @@
 #include "../core/generic.h"
 
 #define PK_BLOCK_N(b) ((b)->n)
+#define PK_BLOCK_COORDINATES(b) ((b)->n_q)
 #define PK_BLOCK_LANES(b) ((size_t)PK_LANES)
 #define PK_BLOCK_MEMBERS(b, q, v, a) members(b, q, v, a)
 
@@ -20,16 +21,16 @@ static unsigned long long members(struct pk_block *b, const pk_real *q, const pk
 static unsigned long long members(struct pk_block *b, const pk_real *q, const pk_real *v,
                                   pk_real *a)
 {
-    const size_t n = b->n, W = b->lanes, m = b->system->n_inputs;
-    pk_real *q1 = b->lane, *v1 = q1 + n, *a1 = v1 + n, *u1 = a1 + n;
+    const size_t n_q = b->n_q, n = b->n, W = b->lanes, m = b->system->n_inputs;
+    pk_real *q1 = b->lane, *v1 = q1 + n_q, *a1 = v1 + n, *u1 = a1 + n;
     unsigned long long failed = 0;
     if (b->system->members)
         return b->system->members(b->P, b->t, q, v, b->u, a);
     for (size_t l = 0; l < W; l++) {
-        for (size_t i = 0; i < n; i++) {
+        for (size_t i = 0; i < n_q; i++)
             q1[i] = q[i * W + l];
+        for (size_t i = 0; i < n; i++)
             v1[i] = v[i * W + l];
-        }
         for (size_t i = 0; i < m; i++)
             u1[i] = b->u[i * W + l];
         if (b->system->acceleration(b->params[l], b->t[l], q1, v1, u1, a1))
@@ -44,7 +45,7 @@ static unsigned long long members(struct pk_block *b, const pk_real *q, const pk
 void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
                      const pk_real *v)
 {
-    const unsigned long long lost = pk_block_not_finite(q, b->n, b->lanes) |
+    const unsigned long long lost = pk_block_not_finite(q, b->n_q, b->lanes) |
                                     pk_block_not_finite(v, b->n, b->lanes);
     b->not_finite |= lost & failed & ~b->failed;
     b->failed |= failed;
@@ -94,22 +95,24 @@ const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *syste
     return own ? own : find(generic, method->name);
 }
 
-static size_t block_reals(const struct pk_ensemble *e, size_t n, size_t W)
+static size_t block_reals(const struct pk_ensemble *e, size_t n_q, size_t n, size_t W)
 {
-    return (3 * PK_PARTS * n + pk_params_reals(e->system) + e->system->n_inputs + 1) * W +
-           pk_block_reals(PK_MOST_STAGES, n, W) + 3 * n + e->system->n_inputs;
+    return (3 * pk_before(n_q, n, PK_PARTS) + pk_params_reals(e->system) + e->system->n_inputs +
+            1) *
+               W +
+           pk_block_reals(PK_MOST_STAGES, n_q, n, W) + n_q + 2 * n + e->system->n_inputs;
 }
 
-size_t pk_block_size(const struct pk_ensemble *e, size_t n, size_t W)
+size_t pk_block_size(const struct pk_ensemble *e, size_t n_q, size_t n, size_t W)
 {
-    return pk_ensemble_padded(block_reals(e, n, W) * sizeof(pk_real));
+    return pk_ensemble_padded(block_reals(e, n_q, n, W) * sizeof(pk_real));
 }
 
 /* A lane's numbers from another lane: its own are done with, and would only fail again. */
 static void copy_lane(struct pk_block *b, const struct pk_ensemble *e, size_t from, size_t to)
 {
     const size_t W = b->lanes;
-    for (size_t i = 0; i < PK_PARTS * b->n; i++) {
+    for (size_t i = 0; i < pk_before(b->n_q, b->n, PK_PARTS); i++) {
         b->state[i * W + to] = b->state[i * W + from];
         b->next[i * W + to] = b->next[i * W + from];
     }
@@ -123,12 +126,12 @@ static void copy_lane(struct pk_block *b, const struct pk_ensemble *e, size_t fr
 static void load_lane(struct pk_block *b, const struct pk_ensemble *e,
                       const struct pk_integrator *it, size_t member, size_t l)
 {
-    const size_t n = b->n, W = b->lanes, m = e->system->n_inputs;
+    const size_t n_q = b->n_q, n = b->n, W = b->lanes, m = e->system->n_inputs;
     b->params[l] = it->problem.params;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n_q; i++)
         b->state[i * W + l] = it->q[i];
-        b->state[(PK_V * n + i) * W + l] = it->v[i];
-    }
+    for (size_t i = 0; i < n; i++)
+        b->state[(n_q + i) * W + l] = it->v[i];
     for (size_t i = 0; i < pk_params_reals(e->system); i++)
         memcpy(&b->P[i * W + l], (const char *)it->problem.params + i * sizeof(pk_real),
                sizeof(pk_real));
@@ -161,15 +164,15 @@ static void retire(struct pk_block *b, const struct pk_ensemble *e, size_t first
 static void store_row(const struct pk_block *b, const struct pk_ensemble *e, size_t first,
                       size_t row, unsigned long long live, const pk_real *state)
 {
-    const size_t n = b->n, W = b->lanes;
+    const size_t n_q = b->n_q, n = b->n, W = b->lanes;
     for (size_t l = 0; l < W; l++) {
         if (!(live >> l & 1))
             continue;
-        const size_t at = ((first + l) * e->rows + row) * n;
-        for (size_t i = 0; i < n; i++) {
-            e->q[at + i] = state[i * W + l];
-            e->v[at + i] = state[(PK_V * n + i) * W + l];
-        }
+        const size_t at = (first + l) * e->rows + row;
+        for (size_t i = 0; i < n_q; i++)
+            e->q[at * n + i] = state[i * W + l];
+        for (size_t i = 0; i < n; i++)
+            e->v[at * n + i] = state[(n_q + i) * W + l];
         e->done[first + l] = row + 1;
         e->last_t[first + l] = b->now;
     }
@@ -200,11 +203,12 @@ static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_inte
 static unsigned long long normalise(struct pk_block *b)
 {
     unsigned long long lost = 0;
-    const size_t W = b->lanes, first = b->n - b->system->n_first_order + 3 * b->system->n_rotations;
+    const size_t n_q = b->n_q, n = b->n, W = b->lanes, first = n_q + 3 * b->system->n_rotations;
     for (size_t r = 0; r < b->system->n_rotations; r++)
         for (size_t l = 0; l < W; l++) {
             const size_t at = (first + 4 * r) * W + l;
-            pk_real *Q = b->next + PK_V * b->n * W + at, *low = b->next + PK_LOW_X * b->n * W + at;
+            pk_real *Q = b->next + n_q * W + at;
+            pk_real *low = b->next + pk_before(n_q, n, PK_LOW_X) * W + at;
             lost |= (unsigned long long)(pk_normalise(Q, low, W) < 0) << l;
         }
     return lost;
@@ -278,18 +282,21 @@ void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s,
     struct pk_integrator clock = {0};
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
     const size_t W = s->lanes, n = pk_system_count(e->system, problem.params);
+    const size_t n_q = pk_system_coordinates(e->system, problem.params);
+    const size_t parts = pk_before(n_q, n, PK_PARTS);
     char *own = memory + pk_member_count(e, W) * pk_member_size(e);
     unsigned long long live = 0;
-    memset(own, 0, block_reals(e, n, W) * sizeof(pk_real));
+    memset(own, 0, block_reals(e, n_q, n, W) * sizeof(pk_real));
+    b.n_q = n_q;
     b.n = n;
     b.state = (pk_real *)(void *)own;
-    b.next = b.state + PK_PARTS * n * W;
-    b.spare = b.next + PK_PARTS * n * W;
-    b.P = b.spare + PK_PARTS * n * W;
+    b.next = b.state + parts * W;
+    b.spare = b.next + parts * W;
+    b.P = b.spare + parts * W;
     b.u = b.P + pk_params_reals(e->system) * W;
     b.t = b.u + e->system->n_inputs * W;
     b.work = b.t + W;
-    b.lane = b.work + pk_block_reals(PK_MOST_STAGES, n, W);
+    b.lane = b.work + pk_block_reals(PK_MOST_STAGES, n_q, n, W);
 
     for (size_t l = 0; l < count; l++) {
         struct pk_member *member = member_at(e, memory, e->system->singularities.n ? l : 0);

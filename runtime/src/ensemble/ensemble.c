@@ -46,8 +46,9 @@ size_t pk_ensemble_size(const struct pk_ensemble *e)
         return 0;
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
     const size_t n = pk_system_count(e->system, problem.params);
+    const size_t n_q = pk_system_coordinates(e->system, problem.params);
     return integrators(e) * pk_member_size(e) +
-           (stepper(e) ? pk_block_size(e, n, lanes(e)) : abreast_size(e));
+           (stepper(e) ? pk_block_size(e, n_q, n, lanes(e)) : abreast_size(e));
 }
 
 /* A member on its way from row to row, which are kept or not. */
@@ -61,9 +62,9 @@ struct way {
 static void keep(const struct way *w, const struct pk_integrator *there)
 {
     const struct pk_ensemble *e = w->e;
-    const size_t n = there->n, at = (w->member * e->rows + w->row) * n;
-    memcpy(e->q + at, there->q, n * sizeof *e->q);
-    memcpy(e->v + at, there->v, n * sizeof *e->v);
+    const size_t n_q = there->n_q, n = there->n, at = w->member * e->rows + w->row;
+    memcpy(e->q + at * n, there->q, n_q * sizeof *e->q);
+    memcpy(e->v + at * n, there->v, n * sizeof *e->v);
     e->done[w->member]++;
 }
 

@@ -40,7 +40,7 @@ enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *c
 const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *system,
                                                    const struct pk_method *method);
 /* Bytes of a block, behind those of its members. */
-size_t pk_block_size(const struct pk_ensemble *e, size_t n, size_t W);
+size_t pk_block_size(const struct pk_ensemble *e, size_t n_q, size_t n, size_t W);
 void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s, size_t first,
                   size_t count, char *memory);
 

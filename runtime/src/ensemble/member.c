@@ -49,8 +49,10 @@ enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member, 
     struct pk_problem problem = pk_ensemble_problem(e, member);
     const struct pk_problem first = pk_ensemble_problem(e, 0);
     const size_t n = pk_system_count(e->system, first.params);
+    const size_t n_q = pk_system_coordinates(e->system, first.params);
     memset(m, 0, sizeof *m);
-    if (pk_system_count(e->system, problem.params) != n)
+    if (pk_system_count(e->system, problem.params) != n ||
+        pk_system_coordinates(e->system, problem.params) != n_q)
         return PK_BAD_ARGUMENT;
     if (e->u) {
         m->input.count = e->system->n_inputs;
@@ -67,7 +69,6 @@ enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *c
                               const pk_real *next, size_t W, enum pk_status status)
 {
     struct pk_integrator *it = &m->it;
-    const size_t n = it->n;
     const enum pk_status here = pk_singularity_here(it);
     if (here < 0)
         return here;
@@ -76,10 +77,8 @@ enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *c
     it->own->direction = clock->own->direction;
     if (status < 0)
         return pk_singularity_cause(it, status, 1);
-    for (size_t i = 0; i < n; i++) {
-        pk_part(it->own->next, n, PK_Q)[i] = next[i * W];
-        pk_part(it->own->next, n, PK_V)[i] = next[(PK_V * n + i) * W];
-    }
+    for (size_t i = 0; i < it->n_q + it->n; i++)
+        it->own->next[i] = next[i * W];
     PK_TRY(pk_singularity_step(it));
     pk_exchange(it);
     it->t = it->own->next_t;

@@ -10,9 +10,9 @@ enum { N = PK_SCREENED, STRIDE = PK_MOST_SAMPLES / N, TAIL = 4, LANES = PK_LANES
 
 /* The difference of h^2 q'' between motion and cubic at both ends; not 0 where it is so large that
  * the interpolant says nothing. Loops are over lanes of a vector or two. */
-void pk_screen_bend(const struct pk_screen *s, const struct pk_block *b, pk_bits *bad)
+static void coordinates_bend(const struct pk_screen *s, const struct pk_block *b, pk_bits *bad)
 {
-    const size_t m = b->n * b->lanes;
+    const size_t m = b->n_q * b->lanes;
     for (size_t k = 0; k < m; k += LANES) {
         const pk_real *q0 = b->state + k, *v0 = q0 + m, *q1 = b->next + k, *v1 = q1 + m;
         const pk_real *a0 = s->a0 + k, *a1 = s->a1 + k, *length = b->h + k % b->lanes;
@@ -32,10 +32,47 @@ void pk_screen_bend(const struct pk_screen *s, const struct pk_block *b, pk_bits
     }
 }
 
-/* The quintic and its derivative at x of 0 .. 1. */
+/* What the cubics of states lack, by their rates at a quarter of the step; see events_look.c. */
+static void states_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *bad)
+{
+    const size_t W = b->lanes, first = b->n_q * W, end = (b->n_q + b->n) * W;
+    const pk_real x = PK_C(0.25), y = 1 - x, d01 = 6 * x * y, d10 = y * (1 - 3 * x);
+    const pk_real d11 = x * (3 * x - 2), d22 = 2 * x * y * (y - x);
+    if (b->n == b->n_q)
+        return;
+    memset(s->bends + 2 * first, 0, (end - 2 * first) * sizeof *s->bends);
+    pk_screen_between(s, b, x);
+    for (size_t l = 0; l < W; l++)
+        b->t[l] = b->from[l] + x * b->h[l];
+    const unsigned long long failed = s->members(b, s->trial, s->trial + first, s->a_between);
+    for (size_t l = 0; l < W; l++)
+        bad[l] |= failed >> l & 1 ? ~(pk_bits)0 : 0;
+    for (size_t k = first; k < end - first; k += LANES) { /* of v, from the first state on */
+        const pk_real *v0 = b->state + first + k, *v1 = b->next + first + k;
+        const pk_real *a0 = s->a0 + k, *a1 = s->a1 + k, *a = s->a_between + k;
+        const pk_real *length = b->h + k % W;
+        pk_real *PK_RESTRICT bend = s->bends + first + k;
+        pk_bits *PK_RESTRICT worthless = bad + k % W;
+        PK_LANE_LOOP
+        for (size_t l = 0; l < LANES; l++) {
+            const pk_real h = length[l], rise = v1[l] - v0[l], w0 = h * a0[l], w1 = h * a1[l];
+            const pk_real size = pk_max(pk_abs(rise), pk_max(pk_abs(w0), pk_abs(w1)) / 4);
+            bend[l] = (h * a[l] - (d01 * rise + d10 * w0 + d11 * w1)) / d22;
+            worthless[l] |= SAFE * pk_abs(bend[l]) <= size / 2 ? 0 : ~(pk_bits)0;
+        }
+    }
+}
+
+void pk_screen_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *bad)
+{
+    coordinates_bend(s, b, bad);
+    states_bend(s, b, bad);
+}
+
+/* The quintic and its derivative at x of 0 .. 1; of states the quartic. */
 void pk_screen_between(const struct pk_screen *s, const struct pk_block *b, pk_real x)
 {
-    const size_t m = b->n * b->lanes;
+    const size_t m = b->n_q * b->lanes, all = b->n * b->lanes;
     const pk_real y = 1 - x, h01 = x * x * (3 - 2 * x), h10 = x * y * y, h11 = -x * x * y;
     const pk_real slope = 6 * x * y, d10 = y * (1 - 3 * x), d11 = x * (3 * x - 2);
     const pk_real both = x * x * y * y / 2, turn = x * y * (y - x);
@@ -50,6 +87,15 @@ void pk_screen_between(const struct pk_screen *s, const struct pk_block *b, pk_r
             q[l] = q0[l] + h01 * rise + h * (h10 * v0[l] + h11 * v1[l]) + both * bent;
             v[l] = risen / h + d10 * v0[l] + d11 * v1[l];
         }
+    }
+    for (size_t k = m; k < all; k += LANES) {
+        const pk_real *v0 = b->state + m + k, *v1 = b->next + m + k, *a0 = s->a0 + k;
+        const pk_real *a1 = s->a1 + k, *bend = s->bends + m + k, *length = b->h + k % b->lanes;
+        pk_real *PK_RESTRICT v = s->trial + m + k;
+        PK_LANE_LOOP
+        for (size_t l = 0; l < LANES; l++)
+            v[l] = v0[l] + h01 * (v1[l] - v0[l]) + length[l] * (h10 * a0[l] + h11 * a1[l]) +
+                   2 * both * bend[l];
     }
 }
 

@@ -6,28 +6,30 @@
 
 enum { N = PK_SCREENED, STRIDE = PK_MOST_SAMPLES / N };
 
-size_t pk_screen_size(const struct pk_system *system, size_t n, size_t W)
+size_t pk_screen_size(const struct pk_system *system, size_t n_q, size_t n, size_t W)
 {
     const size_t m = system->events.n + system->switches.n;
-    return m ? (6 * n + (N + 1) * m) * W + 2 * n + m : 0;
+    return m ? (2 * n_q + 5 * n + (N + 1) * m) * W + n_q + n + m : 0;
 }
 
-void pk_screen_init(struct pk_screen *s, const struct pk_system *system, size_t n, size_t W,
-                    void (*values)(const struct pk_block *b, const pk_real *q, const pk_real *v,
-                                   pk_real *g),
-                    pk_real *base)
+void pk_screen_init(struct pk_screen *s, const struct pk_block *b,
+                    const struct pk_block_stepper *stepper, pk_real *base)
 {
+    const struct pk_system *system = b->system;
+    const size_t n_q = b->n_q, n = b->n, W = b->lanes;
     s->functions = system->events.n + system->switches.n;
-    s->values = values;
+    s->members = stepper->members;
+    s->values = stepper->values;
     for (size_t k = 0; k < system->events.n; k++)
         if (system->events.table[k].stop > 1) /* limits are moved by rounding */
             s->values = NULL;
     const struct pk_slot slots[] = {{&s->a0, n * W},
                                     {&s->a1, n * W},
-                                    {&s->bends, 2 * n * W},
-                                    {&s->trial, 2 * n * W},
+                                    {&s->a_between, n * W},
+                                    {&s->bends, (n_q + n) * W},
+                                    {&s->trial, (n_q + n) * W},
                                     {&s->g, (N + 1) * s->functions * W},
-                                    {&s->one, 2 * n + s->functions}};
+                                    {&s->one, n_q + n + s->functions}};
     if (s->functions)
         PK_LAY_OUT(base, slots);
 }
@@ -36,16 +38,16 @@ void pk_screen_init(struct pk_screen *s, const struct pk_system *system, size_t 
 static void sample(const struct pk_screen *s, const struct pk_block *b,
                    const struct pk_abreast_lane *lane, size_t l, int j, const pk_real *state)
 {
-    const size_t n = b->n, W = b->lanes;
-    pk_real *q = s->one, *g = q + 2 * n;
-    for (size_t i = 0; i < 2 * n; i++)
+    const size_t n_q = b->n_q, W = b->lanes;
+    pk_real *q = s->one, *g = q + n_q + b->n;
+    for (size_t i = 0; i < n_q + b->n; i++)
         q[i] = state[i * W + l];
-    pk_events_functions(lane->events, lane->it, b->t[l], q, q + n, g);
+    pk_events_functions(lane->events, lane->it, b->t[l], q, q + n_q, g);
     for (size_t k = 0; k < s->functions; k++)
         s->g[((size_t)j * s->functions + k) * W + l] = g[k];
 }
 
-unsigned long long pk_screen(struct pk_screen *s, const struct pk_block *b,
+unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b,
                              const struct pk_abreast_lane *lanes, unsigned long long of,
                              unsigned long long known, pk_real far)
 {
@@ -63,7 +65,7 @@ unsigned long long pk_screen(struct pk_screen *s, const struct pk_block *b,
         for (size_t l = 0; l < W; l++)
             b->t[l] = j < N ? b->from[l] + x * b->h[l] : b->end[l];
         if (s->values)
-            s->values(b, state, state + b->n * W, s->g + (size_t)j * s->functions * W);
+            s->values(b, state, state + b->n_q * W, s->g + (size_t)j * s->functions * W);
         for (size_t l = 0; l < W && !s->values; l++)
             if (of >> l & 1 && !bad[l])
                 sample(s, b, &lanes[l], l, j, state);

@@ -45,7 +45,7 @@ size_t pk_impulse_size(const struct pk_system *system, size_t n)
 
 struct corner pk_corner_of(struct pk_events *e, struct pk_integrator *it)
 {
-    struct corner x = {.e = e, .it = it, .q = e->trial, .start = e->trial + e->n};
+    struct corner x = {.e = e, .it = it, .q = e->trial, .start = e->trial_v};
     pk_real *w;
     lay_out(&x, it->problem.system, e->n, &w, e->room);
     x.w = pk_project_parts(&it->problem, e->n, w);

@@ -45,7 +45,7 @@ static enum pk_status truth(void *context, pk_real x, pk_real *y)
         return PK_DONE;
     }
     PK_TRY(pk_events_reach(e, a->it, t));
-    pk_events_functions(e, a->it, t, e->trial, e->trial + e->n, g);
+    pk_events_functions(e, a->it, t, e->trial, e->trial_v, g);
     *y = g[a->k];
     return pk_finite(*y) ? PK_DONE : pk_events_not_finite(a->it, a->k);
 }

@@ -20,6 +20,7 @@ enum { ROUNDINGS = 16 }; /* of the largest number, within which a limit or its r
 static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_real *base)
 {
     const struct pk_system *system = problem->system;
+    const size_t n_q = pk_system_coordinates(system, problem->params);
     const size_t n = pk_system_count(system, problem->params),
                  switches = pk_system_switch_count(system, problem->params),
                  m = system->events.n + switches;
@@ -28,7 +29,8 @@ static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_
     /* clang-format off */
     const struct pk_slot slots[] = {
         {&shapes, (m * sizeof(struct pk_shape) + sizeof(pk_real) - 1) / sizeof(pk_real)},
-        {&e->q0, n}, {&e->v0, n}, {&e->bend, 2 * n}, {&e->trial, 2 * n}, {&e->u, system->n_inputs},
+        {&e->q0, n_q}, {&e->v0, n}, {&e->a0, n}, {&e->a1, n}, {&e->a_between, n},
+        {&e->bend, n_q + n}, {&e->trial, n_q}, {&e->trial_v, n}, {&e->u, system->n_inputs},
         {&e->g, m * (PK_MOST_SAMPLES + 2)}, {&e->ends, 2 * m},
         {&e->list, PK_EVENT_ENTRY * list}, {&e->at_near, m}, {&e->at_last, m},
         {&e->held, system->events.n}, {&e->off, system->events.n}, {&e->fresh, switches},
@@ -67,6 +69,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     struct pk_options options = it->options;
     options.h_min = 0; /* a step to a crossing may be as short as it is near */
     options.max_steps = 0;
+    events->n_q = it->n_q;
     events->n = it->n;
     events->n_events = problem->system->events.n;
     events->n_switches = pk_system_switch_count(problem->system, problem->params);
@@ -142,12 +145,12 @@ static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t 
 {
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1), ends[2];
     for (int end = 0; end < 2; end++) {
-        for (size_t i = 0; i < e->n; i++)
+        for (size_t i = 0; i < e->n_q; i++)
             e->trial[i] = end ? e->q0[i] + d[i] : e->q0[i] - d[i];
         pk_events_functions(e, it, it->t, e->trial, e->v0, g);
         ends[end] = g[k];
     }
-    const pk_real rounding = ROUNDINGS * PK_EPS * (largest(e->q0, e->n) + largest(d, e->n));
+    const pk_real rounding = ROUNDINGS * PK_EPS * (largest(e->q0, e->n_q) + largest(d, e->n_q));
     return pk_abs(ends[1] - ends[0]) > rounding ? ends[1] - ends[0] : 0;
 }
 
@@ -156,9 +159,8 @@ static int leads_outwards(struct pk_events *e, const struct pk_integrator *it, s
                           int backwards)
 {
     pk_real rise = gain(e, it, k, e->v0) * (backwards ? PK_C(-1.0) : PK_C(1.0));
-    if (!(rise < 0 || rise > 0) &&
-        pk_eval_acceleration(&e->scout, it->t, e->q0, e->v0, e->bend) >= 0)
-        rise = gain(e, it, k, e->bend);
+    if (!(rise < 0 || rise > 0) && pk_eval_acceleration(&e->scout, it->t, e->q0, e->v0, e->a0) >= 0)
+        rise = gain(e, it, k, e->a0);
     return rise * (pk_real)it->problem.system->events.table[k].direction > 0;
 }
 
@@ -169,7 +171,7 @@ static int beyond(struct pk_events *e, struct pk_integrator *it, int backwards)
 {
     const struct pk_event *table = it->problem.system->events.table;
     pk_real *g = pk_events_end(e, 0);
-    const pk_real rounding = ROUNDINGS * PK_EPS * largest(e->q0, e->n) + PK_TINY;
+    const pk_real rounding = ROUNDINGS * PK_EPS * largest(e->q0, e->n_q) + PK_TINY;
     size_t first = e->n_events;
     for (size_t k = e->n_events; k-- > 0 && !e->begun;) {
         const pk_real outwards = (pk_real)table[k].direction;
@@ -209,7 +211,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->from = it->t;
     e->listed = 0;
     e->scout.options.h = it->options.h;
-    memcpy(e->q0, it->q, e->n * sizeof *e->q0);
+    memcpy(e->q0, it->q, e->n_q * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
     const int clear = pk_events_ahead(e, it); /* then there is nothing at its begin either */
     if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || beyond(e, it, limit < it->t)))

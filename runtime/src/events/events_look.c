@@ -16,18 +16,44 @@ enum { SAMPLES = PK_MOST_SAMPLES, FEW = 8, TAIL = 4 };
 enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 }; /* windows of a step; where g has no value */
 enum { NOISE = 8 }; /* that many of the narrowest windows in a row do not show g: none will */
 
-/* Quintic of Hermite through q, v and accelerations at the ends, and its derivative. */
+/* Quintic of Hermite through q, v and accelerations at the ends, and its derivative; of states the
+ * quartic through them, their rates at the ends and that at a quarter of the step. */
 static void hermite(const struct pk_events *e, const struct pk_integrator *it, pk_real x)
 {
+    const struct pk_knot from = {e->q0, e->v0, e->a0}, to = {it->q, it->v, e->a1};
     const pk_real h = it->t - e->from, y = 1 - x;
-    const pk_real *bend0 = e->bend, *bend1 = bend0 + e->n;
-    pk_hermite(e->n, h, e->q0, e->v0, it->q, it->v, x, e->trial, e->trial + e->n);
-    for (size_t i = 0; i < e->n; i++) {
+    const pk_real *bend0 = e->bend, *bend1 = bend0 + e->n_q;
+    pk_hermite(it, h, from, to, x, e->trial, e->trial_v);
+    for (size_t i = 0; i < e->n_q; i++) {
         const pk_real bend = (bend0[i] * y + bend1[i] * x) / 2;
         e->trial[i] += x * x * y * y * bend;
-        e->trial[e->n + i] +=
-            (2 * x * y * (y - x) * bend + x * x * y * y * (bend1[i] - bend0[i]) / 2) / h;
+        e->trial_v[i] += (2 * x * y * (y - x) * bend + x * x * y * y * (bend1[i] - bend0[i]) / 2) /
+                         h;
     }
+    for (size_t i = e->n_q; i < e->n; i++)
+        e->trial_v[i] += x * x * y * y * bend1[i];
+}
+
+/* What the cubics of states lack, by their rates at a quarter of the step; whether one of them may be
+ * off by 1/32 of the rise half-way. */
+static int states_bend(struct pk_events *e, struct pk_integrator *it)
+{
+    const pk_real h = it->t - e->from, x = PK_C(0.25), y = 1 - x;
+    pk_real *bend = e->bend + e->n_q;
+    int worthless = 0;
+    if (e->n == e->n_q)
+        return 0;
+    hermite(e, it, x);
+    if (pk_eval_acceleration(&e->scout, e->from + x * h, e->trial, e->trial_v, e->a_between) < 0)
+        return 0;
+    for (size_t i = e->n_q; i < e->n; i++) {
+        const pk_real rise = it->v[i] - e->v0[i], w0 = h * e->a0[i], w1 = h * e->a1[i];
+        const pk_real slope = 6 * x * y * rise + y * (1 - 3 * x) * w0 + x * (3 * x - 2) * w1;
+        const pk_real size = pk_max(pk_abs(rise), pk_max(pk_abs(w0), pk_abs(w1)) / 4);
+        bend[i] = (h * e->a_between[i] - slope) / (2 * x * y * (y - x));
+        worthless |= pk_abs(bend[i]) > size / 2 + 8 * PK_EPS * pk_abs(it->v[i]);
+    }
+    return worthless;
 }
 
 /* The difference of h^2 q'' between motion and cubic at both ends; whether it is so large that
@@ -35,18 +61,22 @@ static void hermite(const struct pk_events *e, const struct pk_integrator *it, p
 static int is_worthless(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from;
+    const size_t bytes = (e->n_q + e->n) * sizeof *e->bend;
     int worthless = 0;
-    memset(e->bend, 0, 2 * e->n * sizeof *e->bend);
+    memset(e->bend, 0, bytes);
     for (int end = 0; end < 2; end++) {
         const pk_real *q = end ? it->q : e->q0, *v = end ? it->v : e->v0;
-        const pk_real *a = pk_embedded_acceleration(it, end);
-        pk_real *bends = e->bend + (end ? e->n : 0);
-        if (!a && pk_eval_acceleration(&e->scout, end ? it->t : e->from, q, v, e->trial) < 0) {
-            memset(e->bend, 0, 2 * e->n * sizeof *e->bend);
+        const pk_real *known = pk_embedded_acceleration(it, end);
+        pk_real *bends = e->bend + (end ? e->n_q : 0), *a = end ? e->a1 : e->a0;
+        if (known) {
+            memcpy(a, known, e->n * sizeof *a);
+        } else if (pk_eval_acceleration(&e->scout, end ? it->t : e->from, q, v, a) < 0) {
+            memset(e->bend, 0, bytes);
+            for (size_t i = e->n_q; i < e->n; i++) /* a straight line */
+                e->a0[i] = e->a1[i] = (it->v[i] - e->v0[i]) / h;
             return 0;
         }
-        a = a ? a : e->trial;
-        for (size_t i = 0; i < e->n; i++) {
+        for (size_t i = 0; i < e->n_q; i++) {
             const pk_real rise = it->q[i] - e->q0[i], v0 = h * e->v0[i], v1 = h * it->v[i];
             const pk_real bend = end ? 2 * v0 + 4 * v1 - 6 * rise : 6 * rise - 4 * v0 - 2 * v1;
             const pk_real size = pk_max(pk_abs(rise), pk_max(pk_abs(v0), pk_abs(v1)) / 4);
@@ -54,7 +84,7 @@ static int is_worthless(struct pk_events *e, struct pk_integrator *it)
             worthless |= pk_abs(bends[i]) > size + PK_EPS * pk_abs(q[i]);
         }
     }
-    return worthless;
+    return worthless | states_bend(e, it);
 }
 
 /* A sample by the method itself; where it makes no such step there is none. */
@@ -81,11 +111,11 @@ static enum pk_status sample(struct pk_events *e, struct pk_integrator *it, int 
         return PK_DONE;
     }
     if (e->proposes && !e->by_ends) {
-        PK_TRY(pk_integrator_dense(it, t, e->trial, e->trial + e->n));
+        PK_TRY(pk_integrator_dense(it, t, e->trial, e->trial_v));
     } else if (!(e->by_steps && reach_sample(e, it, t))) {
         hermite(e, it, x / length);
     }
-    pk_events_functions(e, it, t, e->trial, e->trial + e->n, pk_events_sample(e, j));
+    pk_events_functions(e, it, t, e->trial, e->trial_v, pk_events_sample(e, j));
     return PK_DONE;
 }
 

@@ -19,7 +19,7 @@ static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, cons
     for (int tries = 0; tries < 4; tries++) {
         e->t = pk_events_time(e, it, entry[0] + (pk_real)tries * width);
         PK_TRY(pk_events_reach(e, it, e->t));
-        pk_events_functions(e, it, e->t, e->trial, e->trial + e->n, g);
+        pk_events_functions(e, it, e->t, e->trial, e->trial_v, g);
         if (side * g[k] >= 0)
             break;
     }
@@ -36,7 +36,7 @@ static int tell(struct pk_events *e, struct pk_integrator *it, const pk_real *en
     if (behind(e, it, entry) < 0)
         return 0;
     e->q = e->trial;
-    e->v = e->trial + e->n;
+    e->v = e->trial_v;
     if (is_switch) {
         e->switchings++;
         if (e->switched)
@@ -64,8 +64,8 @@ static void hold(struct pk_events *e)
 /* A stop where rows of constraints depend on each other: no start, so that none goes on from there. */
 static void stay(const struct pk_events *e, struct pk_integrator *it)
 {
-    memcpy(pk_part(it->own->state, it->n, PK_Q), e->q, it->n * sizeof *e->q);
-    memcpy(pk_part(it->own->state, it->n, PK_V), e->v, it->n * sizeof *e->v);
+    memcpy(pk_state(it, PK_Q), e->q, it->n_q * sizeof *e->q);
+    memcpy(pk_state(it, PK_V), e->v, it->n * sizeof *e->v);
     it->t = it->last_t = e->t;
     it->own->ready = 0;
 }

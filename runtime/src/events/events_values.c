@@ -69,18 +69,18 @@ enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k)
 enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t)
 {
     struct pk_integrator *scout = &e->scout;
-    const size_t bytes = e->n * sizeof *e->trial;
+    const size_t of_q = e->n_q * sizeof *e->trial, of_v = e->n * sizeof *e->trial;
     if (!(t < it->t) && !(t > it->t)) {
-        memcpy(e->trial, it->q, bytes);
-        memcpy(e->trial + e->n, it->v, bytes);
+        memcpy(e->trial, it->q, of_q);
+        memcpy(e->trial_v, it->v, of_v);
         return PK_DONE;
     }
     e->tries++;
     if (e->dense)
-        return pk_integrator_dense(it, t, e->trial, e->trial + e->n);
+        return pk_integrator_dense(it, t, e->trial, e->trial_v);
     PK_TRY(pk_integrator_aside(it, scout, t));
-    memcpy(e->trial, scout->q, bytes);
-    memcpy(e->trial + e->n, scout->v, bytes);
+    memcpy(e->trial, scout->q, of_q);
+    memcpy(e->trial_v, scout->v, of_v);
     return PK_DONE;
 }
 

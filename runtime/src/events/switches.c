@@ -38,16 +38,16 @@ void pk_switches_enter(struct pk_events *e, struct pk_integrator *it)
 static int goes_on(const struct pk_events *e, const struct pk_integrator *it)
 {
     return e->kept && !(it->t < e->left) && !(it->t > e->left) &&
-           !memcmp(e->trial, it->q, e->n * sizeof *e->trial) &&
-           !memcmp(e->trial + e->n, it->v, e->n * sizeof *e->trial);
+           !memcmp(e->trial, it->q, e->n_q * sizeof *e->trial) &&
+           !memcmp(e->trial_v, it->v, e->n * sizeof *e->trial);
 }
 
 void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
 {
     e->kept = 1;
     e->left = it->t;
-    memcpy(e->trial, it->q, e->n * sizeof *e->trial);
-    memcpy(e->trial + e->n, it->v, e->n * sizeof *e->trial);
+    memcpy(e->trial, it->q, e->n_q * sizeof *e->trial);
+    memcpy(e->trial_v, it->v, e->n * sizeof *e->trial);
 }
 
 /* Arguments may have switches in them, which are settled before. */

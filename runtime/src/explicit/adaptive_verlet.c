@@ -38,12 +38,12 @@ struct work {
     pk_real *a, *a_q, *a_v, *a_t, *linear; /* a is the acceleration of the step that is planned */
 };
 
-static size_t lay_out(struct work *w, size_t n, pk_real *base)
+static size_t lay_out(struct work *w, size_t n_q, size_t n, pk_real *base)
 {
     pk_real *kept;
     /* clang-format off */
     const struct pk_slot slots[] = {
-        {&kept, PK_REALS_OF(struct kept)}, {&w->base, 4 * n}, {&w->a, n}, {&w->a_q, n * n},
+        {&kept, PK_REALS_OF(struct kept)}, {&w->base, 2 * (n_q + n)}, {&w->a, n}, {&w->a_q, n * n},
         {&w->a_v, n * n}, {&w->a_t, n}, {&w->linear, n * n + n}}; /* no inputs */
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
@@ -54,15 +54,15 @@ static size_t lay_out(struct work *w, size_t n, pk_real *base)
 static struct work parts(const struct pk_integrator *it)
 {
     struct work w;
-    lay_out(&w, it->n, it->own->work);
+    lay_out(&w, it->n_q, it->n, it->own->work);
     return w;
 }
 
 static size_t size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     struct work w;
-    (void)method, (void)problem;
-    return lay_out(&w, n, NULL);
+    (void)method;
+    return lay_out(&w, pk_coordinates_of(problem), n, NULL);
 }
 
 /* The square root of ||da/dq||; the acceleration is left in w->a. */
@@ -90,9 +90,9 @@ static pk_real raised(const struct work *w, pk_real omega)
 /* The base is where the integrator is now. */
 static void take_base(struct pk_integrator *it, const struct work *w)
 {
-    const size_t n = it->n;
-    memcpy(w->base, it->own->state, 2 * n * sizeof *w->base);
-    memcpy(w->base + 2 * n, pk_part(it->own->state, n, PK_LOW_Q), 2 * n * sizeof *w->base);
+    const size_t m = it->n_q + it->n;
+    memcpy(w->base, it->own->state, m * sizeof *w->base);
+    memcpy(w->base + m, pk_state(it, PK_LOW_Q), m * sizeof *w->base);
     w->kept->planned = w->kept->whole = 0;
 }
 
@@ -127,24 +127,28 @@ static enum pk_status init(struct pk_integrator *it)
 /* A step from the base: a drift to the middle, a kick of both halves, a drift. */
 static void drift(const struct pk_integrator *it, const struct work *w, pk_real first, pk_real *to)
 {
-    const size_t n = it->n;
-    const pk_real *low = w->base + 2 * n;
-    for (size_t i = 0; i < n; i++) {
-        to[PK_LOW_Q * n + i] = low[i];
-        to[i] = pk_sum(w->base[i], first * w->base[n + i], &to[PK_LOW_Q * n + i]);
+    const size_t n_q = it->n_q;
+    const pk_real *low = w->base + n_q + it->n;
+    pk_real *low_q = pk_part(to, n_q, it->n, PK_LOW_Q);
+    for (size_t i = 0; i < n_q; i++) {
+        low_q[i] = low[i];
+        to[i] = pk_sum(w->base[i], first * w->base[n_q + i], &low_q[i]);
     }
 }
 
 static void kick_drift(const struct pk_integrator *it, const struct work *w, pk_real both,
                        pk_real second, const pk_real *a, pk_real *to)
 {
-    const size_t n = it->n;
-    const pk_real *low = w->base + 3 * n;
+    const size_t n_q = it->n_q, n = it->n;
+    const pk_real *low = w->base + 2 * n_q + n;
+    pk_real *v = to + n_q, *low_q = pk_part(to, n_q, n, PK_LOW_Q);
+    pk_real *low_v = pk_part(to, n_q, n, PK_LOW_X);
     for (size_t i = 0; i < n; i++) {
-        to[PK_LOW_X * n + i] = low[i];
-        to[n + i] = pk_sum(w->base[n + i], both * a[i], &to[PK_LOW_X * n + i]);
-        to[i] = pk_sum(to[i], second * to[n + i], &to[PK_LOW_Q * n + i]);
+        low_v[i] = low[i];
+        v[i] = pk_sum(w->base[n_q + i], both * a[i], &low_v[i]);
     }
+    for (size_t i = 0; i < n_q; i++)
+        to[i] = pk_sum(to[i], second * v[i], &low_q[i]);
 }
 
 /* The sequence's next density and the length of its next step. */
@@ -154,7 +158,7 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     pk_real omega;
     const pk_real half = kept->eps / 2;
     drift(it, w, (pk_real)it->own->direction * half / kept->rho, it->own->next);
-    PK_TRY(frequency(it, w, it->own->next, w->base + it->n, &omega));
+    PK_TRY(frequency(it, w, it->own->next, w->base + it->n_q, &omega));
     const pk_real next = 2 * raised(w, omega) - kept->rho;
     if (!(next > kept->rho / 4 && next < 4 * kept->rho)) {
         it->detail = -1; /* no length: see pk_integrator_reason() */
@@ -173,7 +177,7 @@ static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_r
     const struct kept *kept = w->kept;
     const pk_real first = length * (kept->eps / 2 / kept->rho) / kept->length;
     drift(it, w, first, to);
-    const enum pk_status status = pk_eval_acceleration(it, it->t, to, w->base + it->n, w->a_t);
+    const enum pk_status status = pk_eval_acceleration(it, it->t, to, w->base + it->n_q, w->a_t);
     kick_drift(it, w, length, length - first, w->a_t, to);
     return status;
 }
@@ -216,7 +220,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
         it->own->next_t = pk_abs(end - limit) <= close ? limit : end;
         drift(it, &w, half / kept->rho, it->own->next);
         kick_drift(it, &w, sign * kept->length, half / kept->rho_next, w.a, it->own->next);
-        if (!pk_all_finite(it->own->next, 2 * it->n))
+        if (!pk_all_finite(it->own->next, it->n_q + it->n))
             return PK_NOT_FINITE;
         kept->end = it->own->next_t;
         kept->end_low = it->own->next_t < end || it->own->next_t > end ? 0 : low;
@@ -230,10 +234,9 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
 static enum pk_status dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct work w = parts(it);
-    const size_t n = it->n;
     const enum pk_status status = aside(it, &w, t - w.kept->t, it->own->next);
-    memcpy(q, it->own->next, n * sizeof *q);
-    memcpy(v, it->own->next + n, n * sizeof *v);
+    memcpy(q, pk_next(it, PK_Q), it->n_q * sizeof *q);
+    memcpy(v, pk_next(it, PK_V), it->n * sizeof *v);
     return status;
 }
 

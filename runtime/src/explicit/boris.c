@@ -42,8 +42,8 @@ static enum pk_status kick(struct pk_integrator *it, const struct work *w, pk_re
                            pk_real *to)
 {
     const struct pk_system *system = it->problem.system;
-    const size_t n = it->n;
-    const pk_real *q = to, *v = to + n;
+    const size_t n_q = it->n_q, n = it->n;
+    const pk_real *q = to, *v = to + n_q;
     PK_TRY(pk_eval_acceleration(it, t, q, v, w->a));
     system->mass(it->problem.params, t, q, v, it->own->u, w->M);
     system->linear(it->problem.params, t, q, v, it->own->u, w->a, w->r_q, w->r_v, w->r_t);
@@ -55,14 +55,14 @@ static enum pk_status kick(struct pk_integrator *it, const struct work *w, pk_re
     if (!pk_lu_factor(w->M, w->pivot, n))
         return PK_NOT_FINITE;
     pk_lu_solve(w->M, w->pivot, n, w->d);
-    pk_kick(n, h, w->d, to);
+    pk_kick(n_q, n, h, w->d, to);
     return PK_DONE;
 }
 
 static enum pk_status boris_step(struct pk_integrator *it, pk_real limit)
 {
     const struct pk_splitting *table = (const struct pk_splitting *)it->method->table;
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     const pk_real h = it->own->h, *from = it->own->state;
     pk_real *to = it->own->next, done = 0;
     struct work w;
@@ -71,9 +71,9 @@ static enum pk_status boris_step(struct pk_integrator *it, pk_real limit)
     memset(w.a, 0, n * sizeof *w.a);
     for (int i = 0; i < table->stages; i++) {
         const pk_real part = table->drift[i];
-        pk_kick_drift(n, 0, w.a, part / 2 * h, from, to);
+        pk_kick_drift(n_q, n, 0, w.a, part / 2 * h, from, to);
         PK_TRY(kick(it, &w, it->t + (done + part / 2) * h, part * h, to));
-        pk_kick_drift(n, 0, w.a, part / 2 * h, to, to);
+        pk_kick_drift(n_q, n, 0, w.a, part / 2 * h, to, to);
         done += part;
         from = to;
     }

@@ -21,15 +21,14 @@ static const struct pk_tableau *table_of(const struct pk_method *method)
 
 static struct pk_embedded_work parts_of(struct pk_integrator *it)
 {
-    return pk_embedded_parts(it, table_of(it->method), it->n, pk_first_order(it));
+    return pk_embedded_parts(it, table_of(it->method), it->n_q, it->n);
 }
 
 size_t pk_embedded_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     const struct pk_tableau *table = table_of(method);
-    (void)problem;
     const int rows = table->stages + 1 + table->extra + 1 + pk_embedded_dense_rows(table);
-    return (size_t)rows * 2 * n + 2;
+    return (size_t)rows * (pk_coordinates_of(problem) + n) + 2;
 }
 
 enum pk_status pk_embedded_init(struct pk_integrator *it)
@@ -42,7 +41,8 @@ enum pk_status pk_embedded_init(struct pk_integrator *it)
 static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_work *w, pk_real limit)
 {
     const pk_real *y0 = it->own->state, span = pk_abs(limit - it->t);
-    const pk_real h = pk_first_step(it, w->k + w->n, PK_C(0.01), limit);
+    const pk_real rms = PK_F(sqrt)((pk_real)w->m);
+    const pk_real h = pk_first_step(it, w->k + w->n_q, PK_C(0.01), limit);
     pk_real d1 = 0, d2 = 0;
     if (it->options.h > 0)
         return h;
@@ -51,8 +51,6 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
     if (generic_slope(it, it->t + (pk_real)it->own->direction * h, w->y, w->last) < 0)
         return h;
     for (size_t i = 0; i < w->m; i++) {
-        if (i >= w->seen && i < w->n)
-            continue;
         const pk_real scale = pk_scale_shown(pk_tolerance(it, i, y0[i], y0[i]));
         const pk_real x = (w->last[i] - w->k[i]) / scale;
         d1 += w->k[i] / scale * (w->k[i] / scale);
@@ -62,10 +60,9 @@ static pk_real first_step(struct pk_integrator *it, const struct pk_embedded_wor
     if (!pk_finite(most))
         return h;
     const pk_real order = (pk_real)table_of(it->method)->error_order;
-    const pk_real h1 =
-        most > PK_C(1e-15) * PK_F(sqrt)((pk_real)w->m)
-            ? PK_SAME(PK_F(pow)(PK_C(0.01) * PK_F(sqrt)((pk_real)w->m) / most, PK_C(1.0) / order))
-            : pk_max(PK_C(1e-6) * span, h * PK_C(1e-3));
+    const pk_real h1 = most > PK_C(1e-15) * rms
+                           ? PK_SAME(PK_F(pow)(PK_C(0.01) * rms / most, PK_C(1.0) / order))
+                           : pk_max(PK_C(1e-6) * span, h * PK_C(1e-3));
     return pk_min(pk_min(PK_C(100.0) * h, h1), span);
 }
 
@@ -99,7 +96,7 @@ const pk_real *pk_embedded_acceleration(struct pk_integrator *it, int end)
     if (it->method->step != pk_embedded_step || !(it->own->flags & PK_HAVE_STEP))
         return NULL;
     const struct pk_embedded_work w = parts_of(it);
-    return (end ? w.last : w.k) + w.n;
+    return (end ? w.last : w.k) + w.n_q;
 }
 
 static enum pk_status prepare_dense(struct pk_integrator *it, const struct pk_embedded_work *w)
@@ -137,7 +134,7 @@ enum pk_status pk_embedded_dense(struct pk_integrator *it, pk_real t, pk_real *q
         pk_real y = 0;
         for (int j = pk_embedded_dense_rows(table_of(it->method)) - 1; j >= 0; j--)
             y = w.dense[(size_t)j * w.m + i] + (j % 2 ? PK_C(1.0) - s : s) * y;
-        (i < it->n ? q : v)[i < it->n ? i : i - it->n] = y;
+        (i < w.n_q ? q : v)[i < w.n_q ? i : i - w.n_q] = y;
     }
     return PK_DONE;
 }

@@ -8,8 +8,7 @@
 size_t pk_erk_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     const struct pk_tableau *table = (const struct pk_tableau *)method->table;
-    (void)problem;
-    return (size_t)table->stages * 2 * n;
+    return (size_t)table->stages * (pk_coordinates_of(problem) + n);
 }
 
 enum pk_status pk_erk_step(struct pk_integrator *it, pk_real limit)

@@ -145,7 +145,7 @@ static void kick_drift(const struct work *w, pk_real kappa, const pk_real *a, co
 {
     const size_t n = w->n, nn = n * n;
     pk_real *v = w->room, *dv = v + n;
-    pk_kick_drift(n, kappa, a, 0, from, to);
+    pk_kick_drift(n, n, kappa, a, 0, from, to);
     memcpy(v, to + n, n * sizeof *v);
     for (int row = 0; row < 2; row++) { /* of q, then of v */
         memset(dv, 0, n * sizeof *dv);
@@ -153,7 +153,7 @@ static void kick_drift(const struct work *w, pk_real kappa, const pk_real *a, co
         pk_add_product(dv, of + (size_t)row * nn, v, n);
         for (size_t i = 0; i < n; i++)
             to[(size_t)row * n + i] = pk_sum(to[(size_t)row * n + i], dv[i],
-                                             &to[(size_t)(row ? PK_LOW_X : PK_LOW_Q) * n + i]);
+                                             &pk_part(to, n, n, row ? PK_LOW_X : PK_LOW_Q)[i]);
     }
 }
 
@@ -161,8 +161,8 @@ enum pk_status pk_linear_drag_step(struct pk_integrator *it, const struct pk_spl
 {
     const struct work w = work_of(it, table);
     const size_t n = w.n;
-    const pk_real h = it->own->h, *from = it->own->state, *a = from + PK_A * n, *of;
-    pk_real *to = it->own->next, *a1 = to + PK_A * n, done = 0;
+    const pk_real h = it->own->h, *from = it->own->state, *a = pk_state(it, PK_A), *of;
+    pk_real *to = it->own->next, *a1 = pk_next(it, PK_A), done = 0;
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
     PK_TRY(drifts(it, &w, table, h, &of));
     for (int i = 0; i < s; i++) {
@@ -176,7 +176,7 @@ enum pk_status pk_linear_drag_step(struct pk_integrator *it, const struct pk_spl
     }
     if (ends) {
         PK_TRY(pk_eval_acceleration(it, it->own->next_t, to, w.zero, a1));
-        pk_kick(n, table->kick[s] * h, a1, to);
+        pk_kick(n, n, table->kick[s] * h, a1, to);
     }
     if (pk_all_finite(to, 2 * n))
         it->own->flags = ends ? it->own->flags | PK_HAVE_A : it->own->flags & ~PK_HAVE_A;

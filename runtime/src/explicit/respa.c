@@ -42,7 +42,7 @@ static void evaluate_fast(struct pk_integrator *it, const struct work *w, pk_rea
                           const pk_real *z)
 {
     const pk_real *u = pk_eval_input(it, t);
-    it->problem.system->fast(it->problem.params, t, z, z + it->n, u, w->fast);
+    it->problem.system->fast(it->problem.params, t, z, z + it->n_q, u, w->fast);
     it->count.evaluations++;
 }
 
@@ -50,9 +50,9 @@ static void evaluate_fast(struct pk_integrator *it, const struct work *w, pk_rea
 static enum pk_status evaluate_slow(struct pk_integrator *it, const struct work *w, pk_real t,
                                     const pk_real *z, const pk_real *a)
 {
-    pk_real *own = it->own->next + PK_A * it->n;
+    pk_real *own = pk_next(it, PK_A);
     if (!a)
-        PK_TRY(pk_eval_acceleration(it, t, z, z + it->n, own));
+        PK_TRY(pk_eval_acceleration(it, t, z, z + it->n_q, own));
     for (size_t i = 0; i < it->n; i++)
         w->slow[i] = (a ? a : own)[i] - w->fast[i];
     return PK_DONE;
@@ -61,30 +61,30 @@ static enum pk_status evaluate_slow(struct pk_integrator *it, const struct work 
 static enum pk_status respa_step(struct pk_integrator *it, pk_real limit)
 {
     const struct pk_splitting *table = (const struct pk_splitting *)it->method->table;
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     const pk_real *from = it->own->state;
     pk_real *to = it->own->next, t = it->t;
     struct work w;
     (void)limit;
     lay_out(&w, n, it->own->work);
     evaluate_fast(it, &w, t, from);
-    PK_TRY(evaluate_slow(it, &w, t, from, it->own->flags & PK_HAVE_A ? from + PK_A * n : NULL));
+    PK_TRY(evaluate_slow(it, &w, t, from, it->own->flags & PK_HAVE_A ? pk_state(it, PK_A) : NULL));
     for (int i = 0; i < table->stages; i++) {
         const pk_real h = table->drift[i] * it->own->h, most = it->options.h_max;
         const pk_real many = most > 0 ? PK_F(ceil)(pk_abs(h) / most * (1 - 8 * PK_EPS)) : TEN;
         const pk_real part = h / pk_max(many, 1), t0 = t;
-        pk_kick_drift(n, h / 2, w.slow, 0, from, to);
+        pk_kick_drift(n_q, n, h / 2, w.slow, 0, from, to);
         for (pk_real k = 1; k <= pk_max(many, 1); k++) {
-            pk_kick_drift(n, part / 2, w.fast, part, to, to);
+            pk_kick_drift(n_q, n, part / 2, w.fast, part, to, to);
             t = t0 + k * part;
             evaluate_fast(it, &w, t, to);
-            pk_kick(n, part / 2, w.fast, to);
+            pk_kick(n_q, n, part / 2, w.fast, to);
         }
         PK_TRY(evaluate_slow(it, &w, t, to, NULL));
-        pk_kick(n, h / 2, w.slow, to);
+        pk_kick(n_q, n, h / 2, w.slow, to);
         from = to;
     }
-    if (pk_all_finite(to, 2 * n))
+    if (pk_all_finite(to, n_q + n))
         it->own->flags |= PK_HAVE_A;
     return PK_DONE;
 }

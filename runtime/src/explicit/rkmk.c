@@ -17,12 +17,12 @@ static size_t rotations(const struct pk_integrator *it)
     return pk_system_rotations(it->problem.system, it->problem.params);
 }
 
-/* Where rotation r is among the 2 n numbers of a state. */
+/* Where rotation r is among q and v in a row. */
 static struct pk_turning turning(const struct pk_integrator *it, size_t r)
 {
     struct pk_turning at = pk_system_turning(it->problem.system, it->problem.params, r);
-    at.rate += it->n;
-    at.number += it->n;
+    at.rate += it->n_q;
+    at.number += it->n_q;
     return at;
 }
 
@@ -32,7 +32,7 @@ static void rotation_vector(const struct pk_integrator *it, const pk_real *a, in
 {
     for (size_t i = 0; i < 3; i++)
         theta[i] = it->own->h *
-                   pk_row_sum(a, count, it->own->work, 2 * it->n, at.number + i * at.step);
+                   pk_row_sum(a, count, it->own->work, it->n_q + it->n, at.number + i * at.step);
 }
 
 /* The four numbers that it adds to Q. */
@@ -52,7 +52,7 @@ static const pk_real *argument(const struct pk_integrator *it, const struct pk_t
     const pk_real *a = table->a + i * (i - 1) / 2;
     if (i == 0)
         return it->own->state;
-    pk_erk_combine(y, it->own->state, it->own->h, a, i, it->own->work, 2 * it->n);
+    pk_erk_combine(y, it->own->state, it->own->h, a, i, it->own->work, it->n_q + it->n);
     for (size_t r = 0; r < rotations(it); r++) {
         const struct pk_turning at = turning(it, r);
         pk_real added[4];
@@ -66,8 +66,8 @@ static const pk_real *argument(const struct pk_integrator *it, const struct pk_t
 static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
 {
     const struct pk_tableau *table = (const struct pk_tableau *)it->method->table;
-    const size_t n = it->n, m = 2 * n, turned = rotations(it);
-    pk_real *y = it->own->next, *low = pk_part(it->own->next, n, PK_LOW_Q);
+    const size_t m = it->n_q + it->n, turned = rotations(it);
+    pk_real *y = it->own->next, *low = pk_next(it, PK_LOW_Q);
     (void)limit;
     for (int i = 0; i < table->stages; i++) {
         const pk_real *at = argument(it, table, i, y);
@@ -83,7 +83,7 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
                 k[to.number + j * to.step] = slope[j];
         }
     }
-    memcpy(low, pk_part(it->own->state, n, PK_LOW_Q), m * sizeof *low); /* of q and of v */
+    memcpy(low, pk_state(it, PK_LOW_Q), m * sizeof *low); /* of q and of v */
     for (size_t i = 0; i < m; i++)
         y[i] = pk_sum(it->own->state[i],
                       it->own->h * pk_row_sum(table->b, table->stages, it->own->work, m, i),
@@ -93,7 +93,7 @@ static enum pk_status rkmk_step(struct pk_integrator *it, pk_real limit)
         pk_real added[4];
         added_by(it, table->b, table->stages, at, added);
         for (size_t k = 0, i = at.number; k < 4; k++, i += at.step) {
-            low[i] = pk_part(it->own->state, n, PK_LOW_Q)[i];
+            low[i] = pk_state(it, PK_LOW_Q)[i];
             y[i] = pk_sum(it->own->state[i], added[k], &low[i]);
         }
     }

@@ -167,13 +167,13 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
 /* M at the stages must be positive definite: at the ends it is seen anyway. */
 static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss_work *w)
 {
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     for (size_t i = 0; i < w->s; i++) {
         const pk_real t = it->t + w->c[i] * it->own->h;
-        pk_gauss_mass(it, t, w->Q + i * n, w->V + i * n, w->M);
+        pk_gauss_mass(it, t, w->Q + i * n_q, w->V + i * n, w->M);
         const int failed = pk_gauss_mass_factor(w, w->M);
         if (failed) {
-            return pk_eval_failed(it, t, w->Q + i * n, w->V + i * n, failed);
+            return pk_eval_failed(it, t, w->Q + i * n_q, w->V + i * n, failed);
         }
     }
     return PK_DONE;

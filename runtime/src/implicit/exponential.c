@@ -2,6 +2,8 @@
  *
  *     x = (q, v, 1),   x' = x L  (a row),   L = (0 A' 0; 1 B' 0; 0 c 0),
  *
+ * with a 1 for each coordinate, none for states,
+ *
  * a step is x exp(h L), a product of a row and a matrix that is made once for a length of step.
  *
  * To last, both are of twice the working precision: the matrix because what it errs by is the same
@@ -26,42 +28,45 @@
 enum { KEPT = 2 }; /* matrices: of the step, and of the last, shorter one of an interval */
 
 struct work {
-    size_t n, m; /* m = 2 n + 1 */
+    size_t n_q, n, m; /* m = n_q + n + 1 */
     struct pk_pairs L, E[KEPT], x, y;
     pk_real *scale, *norm, *h, *last; /* L balanced, its norm; the step of each E; the one used */
     pk_real *room;
 };
 
-static size_t room_size(size_t n)
+static size_t room_size(size_t m, size_t n)
 {
-    const size_t m = 2 * n + 1, for_expm = pk_expm_room(m), for_linear = 4 * n * n + 4 * n;
+    const size_t for_expm = pk_expm_room(m), for_linear = 4 * n * n + 4 * n;
     return for_expm > for_linear ? for_expm : for_linear;
 }
 
-static size_t lay_out(struct work *w, size_t n, pk_real *base)
+static size_t lay_out(struct work *w, size_t n_q, size_t n, pk_real *base)
 {
-    const size_t m = 2 * n + 1, mm = m * m;
-    const struct pk_slot slots[] = {{&w->L.hi, mm},    {&w->L.lo, mm},    {&w->E[0].hi, mm},
-                                    {&w->E[0].lo, mm}, {&w->E[1].hi, mm}, {&w->E[1].lo, mm},
-                                    {&w->x.hi, m},     {&w->x.lo, m},     {&w->y.hi, m},
-                                    {&w->y.lo, m},     {&w->scale, m},    {&w->h, KEPT},
-                                    {&w->norm, 1},     {&w->last, 1},     {&w->room, room_size(n)}};
+    const size_t m = n_q + n + 1, mm = m * m;
+    const struct pk_slot slots[] = {
+        {&w->L.hi, mm},    {&w->L.lo, mm},    {&w->E[0].hi, mm},
+        {&w->E[0].lo, mm}, {&w->E[1].hi, mm}, {&w->E[1].lo, mm},
+        {&w->x.hi, m},     {&w->x.lo, m},     {&w->y.hi, m},
+        {&w->y.lo, m},     {&w->scale, m},    {&w->h, KEPT},
+        {&w->norm, 1},     {&w->last, 1},     {&w->room, room_size(m, n)}};
+    w->n_q = n_q;
     w->n = n;
     w->m = m;
     return PK_LAY_OUT(base, slots);
 }
 
-static size_t exponential_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
+static size_t exponential_size(const struct pk_method *method, const struct pk_problem *problem,
+                               size_t n)
 {
     struct work w;
-    (void)method, (void)problem;
-    return n > PK_EXPONENTIAL_MOST ? 0 : lay_out(&w, n, NULL);
+    (void)method;
+    return n > PK_EXPONENTIAL_MOST ? 0 : lay_out(&w, pk_coordinates_of(problem), n, NULL);
 }
 
 static struct work work_of(const struct pk_integrator *it)
 {
     struct work w;
-    lay_out(&w, it->n, it->own->work);
+    lay_out(&w, it->n_q, it->n, it->own->work);
     return w;
 }
 
@@ -89,20 +94,21 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
 {
     const struct pk_system *system = it->problem.system;
     const void *params = it->problem.params;
-    const size_t n = w->n, m = w->m;
+    const size_t n_q = w->n_q, n = w->n, m = w->m;
     pk_real *M = w->room, *factors = M + n * n, *r_q = factors + n * n, *r_v = r_q + n * n;
-    pk_real *zero = r_v + n * n, *c = w->L.hi + 2 * n * m + n, *r_t = zero + 2 * n, *room = r_t + n;
-    memset(zero, 0, 2 * n * sizeof *zero);
-    PK_TRY(pk_eval_acceleration(it, it->t, zero, zero + n, c));
-    system->mass(params, it->t, zero, zero + n, it->own->u, M);
-    system->linear(params, it->t, zero, zero + n, it->own->u, c, r_q, r_v, r_t);
+    pk_real *zero = r_v + n * n, *c = w->L.hi + (m - 1) * m + n_q, *r_t = zero + 2 * n;
+    pk_real *room = r_t + n;
+    memset(zero, 0, n * sizeof *zero);
+    PK_TRY(pk_eval_acceleration(it, it->t, zero, zero, c));
+    system->mass(params, it->t, zero, zero, it->own->u, M);
+    system->linear(params, it->t, zero, zero, it->own->u, c, r_q, r_v, r_t);
     memcpy(factors, M, n * n * sizeof *M);
     const size_t pivot = pk_ldl_factor(factors, n);
     if (pivot)
-        return pk_eval_failed(it, it->t, zero, zero + n, PK_FAILED(PK_FAILURE_MASS, pivot - 1));
-    for (size_t j = 0; j < 2 * n; j++)
-        refined(w, M, factors, j < n ? r_q + j : r_v + j - n, room, w->L.hi + j * m + n,
-                w->L.lo + j * m + n);
+        return pk_eval_failed(it, it->t, zero, zero, PK_FAILED(PK_FAILURE_MASS, pivot - 1));
+    for (size_t j = 0; j < n_q + n; j++)
+        refined(w, M, factors, j < n_q ? r_q + j : r_v + j - n_q, room, w->L.hi + j * m + n_q,
+                w->L.lo + j * m + n_q);
     return PK_DONE;
 }
 
@@ -110,17 +116,17 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
  * difference has no more round-off than a. */
 static enum pk_status from_accelerations(struct pk_integrator *it, const struct work *w)
 {
-    const size_t n = w->n, m = w->m;
+    const size_t n_q = w->n_q, n = w->n, m = w->m;
     const pk_real length = 1 / (PK_EPS * PK_EPS);
-    pk_real *at = w->room, *a = at + 2 * n, *c = w->L.hi + 2 * n * m + n;
-    memset(at, 0, 2 * n * sizeof *at);
-    enum pk_status status = pk_eval_acceleration(it, it->t, at, at + n, c);
-    for (size_t j = 0; j < 2 * n && status >= 0; j++) {
+    pk_real *at = w->room, *a = at + n_q + n, *c = w->L.hi + (m - 1) * m + n_q;
+    memset(at, 0, (n_q + n) * sizeof *at);
+    enum pk_status status = pk_eval_acceleration(it, it->t, at, at + n_q, c);
+    for (size_t j = 0; j < n_q + n && status >= 0; j++) {
         at[j] = length;
-        status = pk_eval_acceleration(it, it->t, at, at + n, a);
+        status = pk_eval_acceleration(it, it->t, at, at + n_q, a);
         at[j] = 0;
         for (size_t i = 0; i < n; i++)
-            w->L.hi[j * m + n + i] = (a[i] - c[i]) / length;
+            w->L.hi[j * m + n_q + i] = (a[i] - c[i]) / length;
     }
     return status;
 }
@@ -182,14 +188,14 @@ static enum pk_status exponential_init(struct pk_integrator *it)
     if (it->n > PK_EXPONENTIAL_MOST)
         return PK_REFUSED;
     const struct work w = work_of(it);
-    const size_t n = w.n, m = w.m;
+    const size_t m = w.m;
     memset(w.L.hi, 0, m * m * sizeof *w.L.hi);
     memset(w.L.lo, 0, m * m * sizeof *w.L.lo);
     memset(w.h, 0, KEPT * sizeof *w.h);
     *w.last = 0;
     PK_TRY(system->linear && system->mass ? from_linear(it, &w) : from_accelerations(it, &w));
-    for (size_t j = 0; j < n; j++)
-        w.L.hi[(n + j) * m + j] = 1;
+    for (size_t j = 0; j < w.n_q; j++)
+        w.L.hi[(w.n_q + j) * m + j] = 1;
     if (!pk_all_finite(w.L.hi, m * m))
         return PK_NOT_FINITE;
     *w.norm = balance(&w);
@@ -228,24 +234,24 @@ static enum pk_status matrix(struct pk_integrator *it, const struct work *w, pk_
 
 static void load(const struct work *w, const pk_real *state)
 {
-    const size_t n = w->n, bytes = 2 * n * sizeof *state;
+    const size_t m = w->m - 1, bytes = m * sizeof *state;
     memcpy(w->x.hi, state, bytes); /* q and v are neighbours, and their low parts */
-    memcpy(w->x.lo, state + PK_LOW_Q * n, bytes);
-    w->x.hi[2 * n] = 1;
-    w->x.lo[2 * n] = 0;
+    memcpy(w->x.lo, state + pk_before(w->n_q, w->n, PK_LOW_Q), bytes);
+    w->x.hi[m] = 1;
+    w->x.lo[m] = 0;
 }
 
 static enum pk_status exponential_step(struct pk_integrator *it, pk_real limit)
 {
     const struct work w = work_of(it);
-    const size_t n = w.n, bytes = 2 * n * sizeof *w.y.hi;
+    const size_t bytes = (w.m - 1) * sizeof *w.y.hi;
     int k = 0;
     (void)limit;
     PK_TRY(matrix(it, &w, it->own->h, &k));
     load(&w, it->own->state);
     pk_pairs_multiply(w.y, w.x, w.E[k], 1, w.m);
     memcpy(it->own->next, w.y.hi, bytes);
-    memcpy(pk_part(it->own->next, n, PK_LOW_Q), w.y.lo, bytes);
+    memcpy(pk_next(it, PK_LOW_Q), w.y.lo, bytes);
     it->own->flags |= PK_HAVE_STEP;
     return PK_DONE;
 }
@@ -258,10 +264,10 @@ static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_
     for (size_t j = 0; j < w.m; j++)
         w.x.hi[j] *= w.scale[j], w.x.lo[j] *= w.scale[j];
     const enum pk_status status = pk_expm_row(w.x, w.L, *w.norm, t - it->last_t, w.m, w.room);
-    for (size_t j = 0; j < w.n; j++) {
+    for (size_t j = 0; j < w.n_q; j++)
         q[j] = w.x.hi[j] / w.scale[j];
-        v[j] = w.x.hi[w.n + j] / w.scale[w.n + j];
-    }
+    for (size_t j = 0; j < w.n; j++)
+        v[j] = w.x.hi[w.n_q + j] / w.scale[w.n_q + j];
     return status;
 }
 

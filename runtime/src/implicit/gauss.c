@@ -117,7 +117,7 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
         if (status != PK_NO_CONVERGENCE)
             return status;
         w.kept->slow_h = it->own->h; /* too long for fixed points, and not for Newton */
-        memset(pk_part(it->own->state, n, PK_LOW_X), 0, n * sizeof *w.V); /* it was that of v */
+        memset(pk_state(it, PK_LOW_X), 0, n * sizeof *w.V); /* it was that of v */
         it->own->flags = 0;
     }
     pk_gauss_predict(it, &w);
@@ -132,22 +132,22 @@ static enum pk_status gauss_step(struct pk_integrator *it, pk_real limit)
 enum pk_status pk_gauss_finish(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, s = w->s;
-    memcpy(it->own->next, it->own->state, PK_PARTS * n * sizeof *w->V);
-    pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
-    pk_real *p = pk_part(it->own->next, n, PK_P);
-    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q),
-            *low_p = pk_part(it->own->next, n, PK_LOW_X);
+    memcpy(it->own->next, it->own->state, pk_before(w->n_q, n, PK_PARTS) * sizeof *w->V);
+    pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
+    pk_real *p = pk_next(it, PK_P);
+    pk_real *low_q = pk_next(it, PK_LOW_Q), *low_p = pk_next(it, PK_LOW_X);
     for (size_t k = 0; k < n; k++) {
         pk_real dq = 0, dp = 0;
         for (size_t i = 0; i < s; i++) {
             dq += w->hb[i] * w->V[i * n + k];
             dp += w->F[i * n + k];
         }
-        q[k] = pk_sum(q[k], dq, &low_q[k]);
+        if (k < w->n_q)
+            q[k] = pk_sum(q[k], dq, &low_q[k]);
         p[k] = pk_sum(p[k], dp, &low_p[k]);
         v[k] = w->V[(s - 1) * n + k];
     }
-    if (!pk_all_finite(it->own->next, PK_LOW_Q * n))
+    if (!pk_all_finite(it->own->next, pk_before(w->n_q, n, PK_LOW_Q)))
         return PK_NOT_FINITE;
     if (w->c[s - 1] < 1 || w->table->conjugate)
         PK_TRY(recover_rates(it, w, it->own->next_t, q, p, v));

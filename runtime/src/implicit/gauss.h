@@ -47,12 +47,13 @@ struct pk_gauss_work {
     size_t s;
     struct pk_pattern pattern; /* of derivatives; rows 0: dense */
     int closed;                /* some places are of multipliers or accelerations */
-    /* Coordinates; places: where dense the first coordinates, without those that nothing reads,
+    /* Coordinates, rates and states; places: where dense the first coordinates, without those that nothing reads,
      * else as many or more; numbers of a matrix that a kernel writes, and how far apart rows of the
      * border are in it. */
-    size_t n, places, nn, across;
+    size_t n_q, n, places, nn, across;
     pk_real *place;             /* the coordinate that has each place, where not dense */
-    pk_real *V, *Q, *P, *F, *G; /* stages: rates, coordinates, momenta, h b pdot, residual */
+    pk_real *V, *Q, *P, *F, *G; /* stages: rates, coordinates, momenta, h b pdot, residual; n_q
+                                   each of Q, n of the others */
     pk_real *last_V;            /* of the last step made, for the predictor */
     pk_real *jacobian;          /* s of: M, p_q, pdot_q, pdot_v, one spare */
     struct pk_band lu, other;   /* Newton's matrix, factored; another one, not to be factored */

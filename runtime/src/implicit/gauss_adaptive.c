@@ -9,13 +9,14 @@
 
 static size_t size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
-    (void)method, (void)problem;
-    return pk_gauss_lanes_size(n) + pk_gauss_dense_size(n);
+    const size_t n_q = pk_coordinates_of(problem);
+    (void)method;
+    return pk_gauss_lanes_size(n_q, n) + pk_gauss_dense_size(n_q, n);
 }
 
 static enum pk_status init(struct pk_integrator *it)
 {
-    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n, it->own->work);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n_q, it->n, it->own->work);
     if (!it->own->made) {
         pk_gauss_make_matrices(w.M);
         pk_gauss_dense_init(it);

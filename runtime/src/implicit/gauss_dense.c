@@ -33,34 +33,34 @@ enum { NODES = PK_GAUSS_NODES, TERMS = NODES + 2 };
 struct parts {
     pk_real *node, *weight;
     pk_real *P, *to_alpha;  /* P_k at the nodes, by k; alpha from a at the nodes, by node */
-    pk_real *q, *v, *a, *b; /* 2 halves of n by 8: at the nodes; b: a as it was before */
+    pk_real *q, *v, *a, *b; /* 2 halves of n by 8, of q n_q: at the nodes; b: a as it was before */
     pk_real *series;        /* n by 3 TERMS: a, v, q */
-    pk_real *from;          /* 2 n: q and v where the piece begins, */
+    pk_real *from;          /* q and v where the piece begins, */
     pk_real *at, *width;    /* which is there, and as long, in steps */
 };
 
-static size_t lay_out(struct parts *d, size_t n, pk_real *base)
+static size_t lay_out(struct parts *d, size_t n_q, size_t n, pk_real *base)
 {
     /* clang-format off */
     const struct pk_slot slots[] = {
         {&d->node, NODES}, {&d->weight, NODES}, {&d->P, TERMS * NODES},
-        {&d->to_alpha, NODES * NODES}, {&d->q, NODES * n}, {&d->v, NODES * n}, {&d->a, NODES * n},
-        {&d->b, NODES * n}, {&d->series, 3 * TERMS * n}, {&d->from, 2 * n}, {&d->at, 1},
+        {&d->to_alpha, NODES * NODES}, {&d->q, NODES * n_q}, {&d->v, NODES * n}, {&d->a, NODES * n},
+        {&d->b, NODES * n}, {&d->series, 3 * TERMS * n}, {&d->from, n_q + n}, {&d->at, 1},
         {&d->width, 1}};
     /* clang-format on */
     return PK_LAY_OUT(base, slots);
 }
 
-size_t pk_gauss_dense_size(size_t n)
+size_t pk_gauss_dense_size(size_t n_q, size_t n)
 {
     struct parts d;
-    return lay_out(&d, n, NULL);
+    return lay_out(&d, n_q, n, NULL);
 }
 
 static struct parts parts_of(struct pk_integrator *it)
 {
     struct parts d;
-    lay_out(&d, it->n, pk_gauss_lanes(it, it->n, it->own->work).dense);
+    lay_out(&d, it->n_q, it->n, pk_gauss_lanes(it, it->n_q, it->n, it->own->work).dense);
     return d;
 }
 
@@ -107,11 +107,12 @@ static void place(const pk_real *series, int count, const pk_real *P, pk_real *x
 static enum pk_status evaluate(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                                const struct parts *d, int half)
 {
+    const size_t of_q = (size_t)half * PK_GAUSS_S * it->n_q;
     const size_t first = (size_t)half * PK_GAUSS_S * it->n;
     pk_real t[PK_GAUSS_S];
     for (int l = 0; l < PK_GAUSS_S; l++)
         t[l] = it->last_t + *w->h * place_of(d, half * PK_GAUSS_S + l);
-    return generic_gauss_evaluate(it, t, d->q + first, d->v + first, w->u, d->a + first);
+    return generic_gauss_evaluate(it, t, d->q + of_q, d->v + first, w->u, d->a + first);
 }
 
 /* The polynomial through the stages, as Taylor coefficients at the end, at the nodes. */
@@ -131,7 +132,7 @@ static void begin(struct pk_integrator *it, const struct pk_gauss_lanes *w, cons
 static void collocate(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                       const struct parts *d)
 {
-    const size_t n = it->n, half = PK_GAUSS_S * n;
+    const size_t n_q = it->n_q, n = it->n, half = PK_GAUSS_S * n, half_q = PK_GAUSS_S * n_q;
     const pk_real h = *w->h * *d->width;
     for (size_t i = 0; i < n; i++) {
         pk_real *a = d->series + i * 3 * TERMS, *v = a + TERMS, *q = v + TERMS;
@@ -140,10 +141,12 @@ static void collocate(struct pk_integrator *it, const struct pk_gauss_lanes *w,
             const pk_real *row = d->to_alpha + k * NODES;
             a[k] = pk_gauss_dot(row, a0) + pk_gauss_dot(row + PK_GAUSS_S, a1);
         }
-        integrate(a, NODES, h, d->from[n + i], v);
-        integrate(v, NODES + 1, h, d->from[i], q);
+        integrate(a, NODES, h, d->from[n_q + i], v);
         place(v, NODES + 1, d->P, d->v + i * PK_GAUSS_S, d->v + half + i * PK_GAUSS_S);
-        place(q, NODES + 2, d->P, d->q + i * PK_GAUSS_S, d->q + half + i * PK_GAUSS_S);
+        if (i >= n_q)
+            continue;
+        integrate(v, NODES + 1, h, d->from[i], q);
+        place(q, NODES + 2, d->P, d->q + i * PK_GAUSS_S, d->q + half_q + i * PK_GAUSS_S);
     }
 }
 
@@ -184,17 +187,19 @@ static enum pk_status refine(struct pk_integrator *it, const struct pk_gauss_lan
 }
 
 /* The series of the piece at x, 0 to 1. */
-static void values(const struct parts *d, size_t n, pk_real x, pk_real *q, pk_real *v)
+static void values(const struct parts *d, size_t n_q, size_t n, pk_real x, pk_real *q, pk_real *v)
 {
     pk_real P[TERMS];
     pk_legendre(x, 1 - x, TERMS, P, NULL);
     for (size_t i = 0; i < n; i++) {
         const pk_real *of_v = d->series + i * 3 * TERMS + TERMS, *of_q = of_v + TERMS;
-        q[i] = v[i] = 0;
-        for (int k = TERMS - 1; k >= 0; k--) {
+        v[i] = 0;
+        for (int k = TERMS - 2; k >= 0; k--)
+            v[i] += of_v[k] * P[k];
+        if (i < n_q)
+            q[i] = 0;
+        for (int k = TERMS - 1; k >= 0 && i < n_q; k--)
             q[i] += of_q[k] * P[k];
-            v[i] += k < TERMS - 1 ? of_v[k] * P[k] : 0;
-        }
     }
 }
 
@@ -203,9 +208,9 @@ static void values(const struct parts *d, size_t n, pk_real x, pk_real *q, pk_re
 static enum pk_status reach(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                             const struct parts *d, pk_real x)
 {
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     if (!(it->own->flags & PK_HAVE_DENSE) || x < *d->at) {
-        memcpy(d->from, w->start, 2 * n * sizeof *d->from);
+        memcpy(d->from, w->start, (n_q + n) * sizeof *d->from);
         *d->at = 0;
         *d->width = 1;
         it->own->flags &= ~PK_HAVE_DENSE;
@@ -215,7 +220,7 @@ static enum pk_status reach(struct pk_integrator *it, const struct pk_gauss_lane
         if (it->own->flags & PK_HAVE_DENSE) {
             if (x <= end || end >= 1)
                 return PK_DONE;
-            values(d, n, 1, d->from, d->from + n);
+            values(d, n_q, n, 1, d->from, d->from + n_q);
             *d->at = end;
             it->own->flags &= ~PK_HAVE_DENSE;
         }
@@ -231,17 +236,17 @@ static enum pk_status reach(struct pk_integrator *it, const struct pk_gauss_lane
 
 enum pk_status pk_gauss_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
-    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n, it->own->work);
+    const size_t n_q = it->n_q, n = it->n;
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n_q, n, it->own->work);
     const struct parts d = parts_of(it);
-    const size_t n = it->n;
     const pk_real x = (t - it->last_t) / *w.h;
     /* At its begin, what it was made from, to the bit. */
     if (!(t > it->last_t) && !(t < it->last_t)) {
-        memcpy(q, w.start, n * sizeof *q);
-        memcpy(v, w.start + n, n * sizeof *v);
+        memcpy(q, w.start, n_q * sizeof *q);
+        memcpy(v, w.start + n_q, n * sizeof *v);
         return PK_DONE;
     }
     PK_TRY(reach(it, &w, &d, x));
-    values(&d, n, (x - *d.at) / *d.width, q, v);
+    values(&d, n_q, n, (x - *d.at) / *d.width, q, v);
     return PK_DONE;
 }

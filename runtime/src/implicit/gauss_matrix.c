@@ -23,7 +23,7 @@ int pk_gauss_small(const struct pk_gauss_work *w) { return w->s * pk_gauss_read(
 
 int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_gauss_mode mode)
 {
-    const size_t n = it->n, s = w->s;
+    const size_t n_q = it->n_q, n = it->n, s = w->s;
     it->own->flags &= ~(PK_HAVE_LU | PK_REFRESH);
     it->count.factorisations++;
     if (mode == PK_BY_MASS) {
@@ -34,11 +34,12 @@ int pk_gauss_refactor(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
     if (each) {
         pk_gauss_stage_derivatives(it, w);
     } else {
-        memset(w->mean_q, 0, n * sizeof *w->mean_q);
+        memset(w->mean_q, 0, n_q * sizeof *w->mean_q);
         memset(w->mean_v, 0, n * sizeof *w->mean_v);
         for (size_t i = 0; i < s; i++)
             for (size_t k = 0; k < n; k++) {
-                w->mean_q[k] += w->Q[i * n + k] / (pk_real)s;
+                if (k < n_q)
+                    w->mean_q[k] += w->Q[i * n_q + k] / (pk_real)s;
                 w->mean_v[k] += w->V[i * n + k] / (pk_real)s;
             }
         pk_gauss_derivatives(it, w, it->t + it->own->h / 2, w->mean_q, w->mean_v, w->jacobian);

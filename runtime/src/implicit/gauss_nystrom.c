@@ -22,10 +22,9 @@ static void stages(struct pk_integrator *it, const struct pk_gauss_lanes *w,
                    const struct pk_gauss_work *of, pk_real *L, pk_real *P)
 {
     for (size_t i = 0; i < it->n; i++) {
-        const pk_real low_q = pk_part(it->own->state, it->n, PK_LOW_Q)[i];
-        const pk_real low_v = pk_part(it->own->state, it->n, PK_LOW_X)[i];
+        const pk_real low_v = pk_state(it, PK_LOW_X)[i];
         const pk_real *a = w->a + i * PK_GAUSS_S;
-        pk_real *q = w->q + i * PK_GAUSS_S, *v = w->v + i * PK_GAUSS_S;
+        pk_real *v = w->v + i * PK_GAUSS_S;
         pk_real dv[PK_GAUSS_S], dq[PK_GAUSS_S], l[PK_GAUSS_S], p[PK_GAUSS_S];
         for (int j = 0; j < PK_GAUSS_S; j++)
             l[j] = of->hb[j] * a[j];
@@ -34,10 +33,14 @@ static void stages(struct pk_integrator *it, const struct pk_gauss_lanes *w,
             v[j] = it->v[i] + (low_v + dv[j]);
             p[j] = of->hb[j] * v[j];
         }
+        L[i] = pk_gauss_sum(l);
+        if (i >= it->n_q)
+            continue;
+        const pk_real low_q = pk_state(it, PK_LOW_Q)[i];
+        pk_real *q = w->q + i * PK_GAUSS_S;
         pk_gauss_rows(of->mu_columns, p, dq);
         for (int j = 0; j < PK_GAUSS_S; j++)
             q[j] = it->q[i] + (low_q + dq[j]);
-        L[i] = pk_gauss_sum(l);
         P[i] = pk_gauss_sum(p);
     }
 }
@@ -66,9 +69,9 @@ static pk_real take_over(const struct pk_gauss_lanes *w, size_t n)
 enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_gauss_work *of)
 {
     const size_t n = it->n;
-    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, of->rest);
-    pk_real *v = pk_part(it->own->next, n, PK_V), *q = pk_part(it->own->next, n, PK_Q);
-    pk_real *L = pk_part(it->own->next, n, PK_LOW_X), *P = pk_part(it->own->next, n, PK_LOW_Q);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, it->n_q, n, of->rest);
+    pk_real *v = pk_next(it, PK_V), *q = pk_next(it, PK_Q);
+    pk_real *L = pk_next(it, PK_LOW_X), *P = pk_next(it, PK_LOW_Q);
     pk_real least = 1, before = 0;
     int idle = 0;
     struct pk_gauss_trial y;
@@ -99,16 +102,19 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
     }
     stages(it, &w, of, L, P);
     for (size_t i = 0; i < n; i++) {
-        const pk_real dv = L[i], dq = P[i];
-        L[i] = pk_part(it->own->state, n, PK_LOW_X)[i];
-        P[i] = pk_part(it->own->state, n, PK_LOW_Q)[i];
+        const pk_real dv = L[i];
+        L[i] = pk_state(it, PK_LOW_X)[i];
         v[i] = pk_sum(it->v[i], dv, &L[i]);
-        q[i] = pk_sum(it->q[i], dq, &P[i]);
         pk_gauss_rows(w.M->taylor, w.a + i * PK_GAUSS_S, w.poly + i * PK_GAUSS_S);
+    }
+    for (size_t i = 0; i < it->n_q; i++) {
+        const pk_real dq = P[i];
+        P[i] = pk_state(it, PK_LOW_Q)[i];
+        q[i] = pk_sum(it->q[i], dq, &P[i]);
     }
     *w.h = y.h;
     *w.rate = 0;
-    pk_eval_canonical(it, it->own->next_t, q, v, pk_part(it->own->next, n, PK_P), w.weight);
+    pk_eval_canonical(it, it->own->next_t, q, v, pk_next(it, PK_P), w.weight);
     it->own->flags |= PK_HAVE_STEP;
     return PK_DONE;
 }

@@ -133,7 +133,7 @@ void pk_gauss_stage_derivatives(struct pk_integrator *it, struct pk_gauss_work *
 {
     const size_t n = it->n;
     for (size_t i = 0; i < w->s; i++)
-        pk_gauss_derivatives(it, w, it->t + w->c[i] * it->own->h, w->Q + i * n, w->V + i * n,
+        pk_gauss_derivatives(it, w, it->t + w->c[i] * it->own->h, w->Q + i * it->n_q, w->V + i * n,
                              w->jacobian + i * 4 * w->nn);
 }
 

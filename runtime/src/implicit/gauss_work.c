@@ -7,7 +7,7 @@
 
 #include <pk/step/gauss_stages.h>
 
-/* With table, n and pattern set. */
+/* With table, n_q, n and pattern set. */
 static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
 {
     const size_t n = w->n, s = (size_t)w->table->stages, m = s * n;
@@ -28,11 +28,11 @@ static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
     w->lu.pivoting = 1;
     /* clang-format off */
     const struct pk_slot slots[] = {
-        {&memory, kept},      {&w->V, m},           {&w->Q, m},           {&w->P, m},
+        {&memory, kept},      {&w->V, m},           {&w->Q, s * w->n_q},         {&w->P, m},
         {&w->F, m},           {&w->G, m},           {&w->last_V, m},
         {&w->jacobian, 4 * s * nn},                 {&w->mass, nn},
         {&lu, pk_band_lay_out(&w->lu, NULL)},       {&other, pk_band_lay_out(&w->other, NULL)},
-        {&w->mean_q, n},      {&w->mean_v, n},      {&w->scale, n},       {&w->mu, s * s},
+        {&w->mean_q, w->n_q},      {&w->mean_v, n},      {&w->scale, n},       {&w->mu, s * s},
         {&w->mu_p, s * s},    {&w->hA, s * s},      {&w->hA_p, s * s},    {&w->predict, s * (s + 1)},
         {&w->hb, s},          {&w->norms, 3},       {&w->hh, s * s * s},  {&w->mu_columns, s * s},
         {&w->start_J, 4 * nn},                      {&w->before_J, 4 * s * nn},
@@ -40,7 +40,7 @@ static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
         {&w->c, s},           {&w->b, s},           {&w->x, room},        {&w->y, room},
         {&w->M, banded ? s * nn : nn},              {&w->place, banded * places},
         {&w->z, by_places + places},
-        {&w->rest, s == PK_LANES ? pk_gauss_lanes_size(n) : 0}};
+        {&w->rest, s == PK_LANES ? pk_gauss_lanes_size(w->n_q, n) : 0}};
     /* clang-format on */
     const size_t size = PK_LAY_OUT(base, slots);
     w->kept = (struct pk_gauss_kept *)(void *)memory;
@@ -54,6 +54,7 @@ static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
 size_t pk_gauss_size(const struct pk_method *method, const struct pk_problem *problem, size_t n)
 {
     struct pk_gauss_work w = {.table = (const struct pk_gauss *)method->table,
+                              .n_q = pk_coordinates_of(problem),
                               .n = n,
                               .pattern = pk_system_pattern(problem->system, problem->params)};
     return lay_out(&w, NULL);
@@ -62,6 +63,7 @@ size_t pk_gauss_size(const struct pk_method *method, const struct pk_problem *pr
 struct pk_gauss_work pk_gauss_parts(struct pk_integrator *it)
 {
     struct pk_gauss_work w = {.table = (const struct pk_gauss *)it->method->table,
+                              .n_q = it->n_q,
                               .n = it->n,
                               .closed = it->problem.system->families.closed != NULL,
                               .pattern = pk_system_pattern(it->problem.system, it->problem.params)};
@@ -85,7 +87,7 @@ static void make_tables(struct pk_integrator *it, const struct pk_gauss_work *w)
             w->mu_columns[j * s + i] = *mu;
         }
     if (s == PK_LANES)
-        pk_gauss_make_matrices(pk_gauss_lanes(it, it->n, w->rest).M);
+        pk_gauss_make_matrices(pk_gauss_lanes(it, it->n_q, it->n, w->rest).M);
     for (size_t k = 0; k < w->places && !w->pattern.dense; k++)
         w->place[k] = (pk_real)it->problem.system->families.place(it->problem.params, k);
     it->own->made = 1;
@@ -94,7 +96,7 @@ static void make_tables(struct pk_integrator *it, const struct pk_gauss_work *w)
 enum pk_status pk_gauss_init(struct pk_integrator *it)
 {
     const struct pk_gauss_work w = pk_gauss_parts(it);
-    pk_real *p = pk_part(it->own->state, it->n, PK_P);
+    pk_real *p = pk_state(it, PK_P);
     if (!it->own->made)
         make_tables(it, &w);
     memset(w.kept, 0, sizeof *w.kept);

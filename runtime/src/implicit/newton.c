@@ -21,21 +21,21 @@
  * the same way, and the energy would drift. */
 int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
 {
-    const size_t n = it->n, s = w->s;
-    const pk_real *p0 = pk_part(it->own->state, n, PK_P);
+    const size_t n_q = it->n_q, n = it->n, s = w->s;
+    const pk_real *p0 = pk_state(it, PK_P);
     for (size_t j = 0; j < s; j++)
         for (size_t k = 0; k < n; k++)
             w->P[j * n + k] = w->hb[j] * w->V[j * n + k];
     for (size_t i = 0; i < s; i++)
-        for (size_t k = 0; k < n; k++) {
+        for (size_t k = 0; k < n_q; k++) {
             pk_real dq = 0;
             for (size_t j = 0; j < s; j++)
                 dq += w->mu[i * s + j] * w->P[j * n + k];
-            w->Q[i * n + k] = it->q[k] + dq;
+            w->Q[i * n_q + k] = it->q[k] + dq;
         }
     for (size_t i = 0; i < s; i++) {
         pk_real *F = w->F + i * n;
-        pk_eval_canonical(it, it->t + w->c[i] * it->own->h, w->Q + i * n, w->V + i * n,
+        pk_eval_canonical(it, it->t + w->c[i] * it->own->h, w->Q + i * n_q, w->V + i * n,
                           w->P + i * n, F);
         for (size_t k = 0; k < n; k++)
             F[k] *= w->hb[i];
@@ -76,10 +76,9 @@ static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w,
  * its divergence. */
 void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
 {
-    const size_t seen = it->n - pk_first_order(it);
     for (size_t k = 0; k < it->n; k++) {
         w->scale[k] = pk_abs(it->v[k]);
-        if (k < seen)
+        if (k < it->n_q)
             w->scale[k] = pk_max(pk_abs(it->q[k] / it->own->h), w->scale[k]);
         for (size_t i = 0; i < w->s; i++)
             w->scale[k] = pk_max(w->scale[k], pk_abs(w->V[i * it->n + k]));

@@ -70,14 +70,15 @@ static enum pk_status init(struct pk_integrator *it)
 static pk_real correction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                           const struct pk_radau_parts *r)
 {
-    const size_t read = pk_gauss_read(w);
+    const size_t read = pk_gauss_read(w), moving = read < it->n_q ? read : it->n_q;
     pk_real sum = 0;
     for (size_t i = 0; i < w->s; i++)
         for (size_t k = 0; k < read; k++) {
-            const pk_real dv = w->G[i * it->n + k], dq = it->own->h * dv;
-            sum += dv / r->of_v[k] * (dv / r->of_v[k]) + dq / r->of_q[k] * (dq / r->of_q[k]);
+            const pk_real d = w->G[i * it->n + k], dv = d / r->of_v[k];
+            const pk_real dq = k < moving ? it->own->h * d / r->of_q[k] : 0;
+            sum += dv * dv + dq * dq;
         }
-    return read ? PK_F(sqrt)(sum / (pk_real)(2 * w->s * read)) : 0;
+    return read ? PK_F(sqrt)(sum / (pk_real)(w->s * (read + moving))) : 0;
 }
 
 /* The last correction, relative to rates and |q/h|. */
@@ -88,7 +89,9 @@ static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_wo
         if (i % it->n >= pk_gauss_read(w))
             continue;
         size = pk_max(size, pk_abs(w->G[i]));
-        scale = pk_max(scale, pk_max(pk_abs(w->V[i]), pk_abs(it->q[i % it->n] / it->own->h)));
+        scale = pk_max(scale, pk_abs(w->V[i]));
+        if (i % it->n < it->n_q)
+            scale = pk_max(scale, pk_abs(it->q[i % it->n] / it->own->h));
     }
     return size / scale;
 }
@@ -150,7 +153,7 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
     enum pk_status status;
     if (it->own->h > w->kept->h || it->own->h < w->kept->h)
         pk_gauss_set_step(it, w, it->own->h);
-    for (size_t k = 0; k < it->n; k++) /* from zero, what the step will pass is the scale */
+    for (size_t k = 0; k < it->n_q; k++) /* from zero, what the step will pass is the scale */
         r->dq[k] = it->q[k] + it->own->h * it->v[k];
     pk_radau_tolerances(it, r, r->dq, it->v);
     do {
@@ -221,7 +224,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-#define RADAU(of)                                                                   \
-    .needs = PK_NEEDS_RADAU, .table = &pk_##of##_table, .formula = &pk_method_##of, \
-    .size = size, .init = init, .step = step, .equations = pk_gauss_equations
+#define RADAU(of)                                                                                 \
+    .needs = PK_NEEDS_RADAU, .table = &pk_##of##_table, .formula = &pk_method_##of, .size = size, \
+    .init = init, .step = step, .equations = pk_gauss_equations
 PK_METHODS_RADAU(PK_DEFINE_METHOD, RADAU)

@@ -38,32 +38,28 @@ void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_p
     r->kept->enough = o->rtol > 0 ? pk_max(10 * PK_EPS / (factor * rtol),
                                            pk_min(PK_C(0.03), PK_F(sqrt)(factor * rtol)))
                                   : PK_C(1e-3);
-    const size_t seen = it->n - pk_first_order(it);
-    for (size_t k = 0; k < it->n; k++) {
-        r->of_q[k] = factor * (it->own->atol[k] + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) +
-                     PK_TINY;
-        r->of_v[k] =
-            factor * (it->own->atol[it->n + k] + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) +
-            PK_TINY;
-        if (k >= seen) /* the integral of a state may be as wrong as it likes */
-            r->of_q[k] = PK_INFINITY;
-    }
+    const pk_real *of_q = it->own->atol, *of_v = of_q + it->n_q;
+    for (size_t k = 0; k < it->n_q; k++)
+        r->of_q[k] = factor * (of_q[k] + rtol * pk_max(pk_abs(it->q[k]), pk_abs(q[k]))) + PK_TINY;
+    for (size_t k = 0; k < it->n; k++)
+        r->of_v[k] = factor * (of_v[k] + rtol * pk_max(pk_abs(it->v[k]), pk_abs(v[k]))) + PK_TINY;
 }
 
 /* From gamma h f + e.z to err, in r->dq, r->dv; f = (v, pdot). In units of the tolerance. */
 static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
                         const struct pk_radau_parts *r, const pk_real *v, const pk_real *pdot)
 {
-    const size_t n = it->n, nn = w->nn;
-    const pk_real *J = w->jacobian, *p0 = pk_part(it->own->state, n, PK_P), hg = it->own->h * GAMMA;
+    const size_t n_q = it->n_q, n = it->n, nn = w->nn;
+    const pk_real *J = w->jacobian, *p0 = pk_state(it, PK_P), hg = it->own->h * GAMMA;
     pk_real sum = 0;
     for (size_t k = 0; k < n; k++) {
-        pk_real of_q = hg * v[k], of_p = hg * pdot[k];
+        pk_real of_q = k < n_q ? hg * v[k] : 0, of_p = hg * pdot[k];
         for (size_t i = 0; i < 3; i++) {
-            of_q += E_OF_STAGE[i] * (w->Q[i * n + k] - it->q[k]);
+            if (k < n_q)
+                of_q += E_OF_STAGE[i] * (w->Q[i * n_q + k] - it->q[k]);
             of_p += E_OF_STAGE[i] * (w->P[i * n + k] - p0[k]);
         }
-        r->dq[k] = of_q;
+        r->dq[k] = of_q; /* 0 of states, by which no derivatives are */
         r->x[k] = of_p;
     }
     memcpy(r->dv, r->x, n * sizeof *r->dv);
@@ -74,11 +70,11 @@ static pk_real estimate(struct pk_integrator *it, const struct pk_gauss_work *w,
         for (size_t i = 0; i < w->places; i++)
             r->dv[k] += hg * (J[3 * nn + k * n + i] + hg * J[2 * nn + k * n + i]) * r->dv[i];
     for (size_t k = 0; k < n; k++) {
-        r->dq[k] += hg * r->dv[k];
-        sum += r->dq[k] / r->of_q[k] * (r->dq[k] / r->of_q[k]) +
-               r->dv[k] / r->of_v[k] * (r->dv[k] / r->of_v[k]);
+        r->dq[k] += k < n_q ? hg * r->dv[k] : 0;
+        const pk_real dq = k < n_q ? r->dq[k] / r->of_q[k] : 0, dv = r->dv[k] / r->of_v[k];
+        sum += dq * dq + dv * dv;
     }
-    return PK_F(sqrt)(sum / (pk_real)(2 * n - pk_first_order(it)));
+    return PK_F(sqrt)(sum / (pk_real)(n_q + n));
 }
 
 enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
@@ -94,11 +90,12 @@ enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
     it->count.factorisations++;
     if (!pk_band_factor(&r->E))
         return PK_NO_CONVERGENCE;
-    pk_radau_tolerances(it, r, w->Q + 2 * n, w->V + 2 * n);
+    pk_radau_tolerances(it, r, w->Q + 2 * it->n_q, w->V + 2 * n);
     it->own->error = estimate(it, w, r, it->v, r->pdot);
     if (again && it->own->error >= 1) {
         for (size_t k = 0; k < n; k++) {
-            r->dq[k] += it->q[k];
+            if (k < it->n_q)
+                r->dq[k] += it->q[k];
             r->dv[k] += it->v[k];
         }
         pk_eval_canonical(it, it->t, r->dq, r->dv, w->x, w->y);

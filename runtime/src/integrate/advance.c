@@ -7,16 +7,16 @@
 #include "../core/internal.h"
 #include "../core/tableau.h"
 
-/* 0 where nothing was done: it passes over what singularities and constraints see to between steps.
- */
+/* 0 where nothing was done: it passes over what singularities and constraints see to between steps,
+ * and drifts all of q as v. */
 static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     const struct pk_system *system = it->problem.system;
     const struct pk_splitting *table = pk_splitting_table(it->method);
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     const pk_real h = (pk_real)it->own->direction * it->options.h;
-    if (!system->families.advance || !table || system->n_inputs || it->own->singularities ||
-        it->own->project)
+    if (!system->families.advance || n_q < n || !table || system->n_inputs ||
+        it->own->singularities || it->own->project)
         return 0;
     unsigned long steps = pk_step_whole(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
@@ -24,18 +24,18 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))
         return 0;
 
-    pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
+    pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
     for (;; steps /= 2) {
         if (steps < 2)
             return 0;
-        memcpy(q, it->q, n * sizeof *q);
+        memcpy(q, it->q, n_q * sizeof *q);
         memcpy(v, it->v, n * sizeof *v);
         system->families.advance(it->problem.params, table->stages, table->kick, table->drift,
                                  it->t, h, steps, q, v);
-        if (pk_all_finite(q, n) && pk_all_finite(v, n))
+        if (pk_all_finite(q, n_q) && pk_all_finite(v, n))
             break;
     }
-    memset(pk_part(it->own->next, n, PK_LOW_Q), 0, (PK_A - PK_LOW_Q) * n * sizeof *q);
+    memset(pk_next(it, PK_LOW_Q), 0, (n_q + n) * sizeof *q);
     pk_exchange(it);
     it->own->flags = 0; /* no acceleration of this state */
     it->own->h = h;

@@ -13,7 +13,7 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     int moved;
     if (!(t > it->t) && !(t < it->t)) { /* what the step says, to the bit */
-        memcpy(q, it->q, it->n * sizeof *q);
+        memcpy(q, it->q, it->n_q * sizeof *q);
         memcpy(v, it->v, it->n * sizeof *v);
         return it->status = PK_DONE;
     }
@@ -22,7 +22,7 @@ enum pk_status pk_integrator_dense(struct pk_integrator *it, pk_real t, pk_real 
         return it->status = PK_DONE;
     }
     it->status = it->method->dense(it, t, q, v);
-    if (it->status >= 0 && (!pk_all_finite(q, it->n) || !pk_all_finite(v, it->n)))
+    if (it->status >= 0 && (!pk_all_finite(q, it->n_q) || !pk_all_finite(v, it->n)))
         it->status = PK_NOT_FINITE;
     if (it->status >= 0 && it->own->project)
         it->status = pk_project(it, t, q, v, NULL, NULL, &moved);

@@ -33,23 +33,23 @@ static size_t work_size(const struct pk_problem *problem, const struct pk_method
     return (method->size ? method->size : pk_splitting_size)(method, problem, n);
 }
 
-/* Lays out what lies behind `own`, for n coordinates; counts alone where base is NULL. */
+/* Lays out what lies behind `own`; counts alone where base is NULL. */
 static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem *problem,
-                      const struct pk_method *method, size_t n, pk_real *base)
+                      const struct pk_method *method, size_t n_q, size_t n, pk_real *base)
 {
     const struct pk_system *system = problem->system;
     const size_t singularities = pk_system_singularity_count(system, problem->params);
     const struct pk_slot slots[] = {
-        {&own->state, PK_PARTS * n},
-        {&own->next, PK_PARTS * n},
-        {&own->atol, pk_scale_size(problem, method, n)},
+        {&own->state, pk_before(n_q, n, PK_PARTS)},
+        {&own->next, pk_before(n_q, n, PK_PARTS)},
+        {&own->atol, pk_scale_size(problem, method, n_q, n)},
         {&own->u, system->n_inputs * (1 + PK_LANES)},
-        {&own->lane, system->lanes ? 0 : 3 * n + system->n_inputs},
+        {&own->lane, system->lanes ? 0 : n_q + 2 * n + system->n_inputs},
         {&own->work, work_size(problem, method, n)},
-        {&own->singularities, pk_singularity_size(singularities, n)},
+        {&own->singularities, pk_singularity_size(singularities, n_q, n)},
         {&own->project, pk_project_size(problem, n)},
-        {&own->marks, pk_marks_size(system, n)},
-        {&own->passage, pk_passage_size(system, n)},
+        {&own->marks, pk_marks_size(system, n_q, n)},
+        {&own->passage, pk_passage_size(system, n_q, n)},
         {&own->params, pk_params_reals(system)},
     };
     own->n_singularities = singularities;
@@ -62,7 +62,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
         return 0;
     struct pk_integrator_private own;
     const size_t n = pk_system_count(problem->system, problem->params);
-    return PRIVATE + lay_out(&own, problem, method, n, NULL) * sizeof(pk_real);
+    const size_t n_q = pk_system_coordinates(problem->system, problem->params);
+    return PRIVATE + lay_out(&own, problem, method, n_q, n, NULL) * sizeof(pk_real);
 }
 
 /* The system's own for this method, its kernels compiled in, or the method's for any system. */
@@ -92,6 +93,7 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
     it->n = system->abi == PK_ABI ? pk_system_count(system, problem->params) : 0;
     if (it->n == 0)
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_SYSTEM);
+    it->n_q = pk_system_coordinates(system, problem->params);
     if (block_size < PRIVATE || (size_t)block % _Alignof(pk_real))
         return pk_fail(it, PK_BLOCK_TOO_SMALL, 0);
     const size_t over = (size_t)block % ALIGNED;
@@ -107,11 +109,12 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         return pk_fail(it, PK_BLOCK_TOO_SMALL, 0);
 
     it->own->step = stepper(system, method);
-    lay_out(it->own, problem, method, it->n, (pk_real *)(void *)((char *)it->own + OWN));
-    if (!pk_scale_size(problem, method, it->n))
+    lay_out(it->own, problem, method, it->n_q, it->n, (pk_real *)(void *)((char *)it->own + OWN));
+    const size_t scales = pk_scale_size(problem, method, it->n_q, it->n);
+    if (!scales)
         it->own->atol = NULL;
     else
-        memset(it->own->atol, 0, pk_scale_size(problem, method, it->n) * sizeof *it->own->atol);
+        memset(it->own->atol, 0, scales * sizeof *it->own->atol);
     if (!it->own->n_singularities)
         it->own->singularities = NULL;
     if (!pk_project_size(problem, it->n))
@@ -120,15 +123,15 @@ enum pk_status pk_integrator_init(struct pk_integrator *it, const struct pk_prob
         it->own->passage = NULL;
     if (!system->marks.n)
         it->own->marks = NULL;
-    it->q = pk_part(it->own->state, it->n, PK_Q);
-    it->v = pk_part(it->own->state, it->n, PK_V);
+    it->q = pk_state(it, PK_Q);
+    it->v = pk_state(it, PK_V);
     return pk_integrator_reset(it, t0, q0, v0);
 }
 
 enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk_real *q,
                                    const pk_real *v)
 {
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     if (!it->own || !it->own->state)
         return it->status;
     it->own->ready = 0;
@@ -139,16 +142,17 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_POINTER);
     if (!pk_finite(t))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_TIME);
-    if (!pk_all_finite(q, n) || !pk_all_finite(v, n))
+    if (!pk_all_finite(q, n_q) || !pk_all_finite(v, n))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_STATE);
-    memmove(pk_part(it->own->state, n, PK_Q), q, n * sizeof *q);
-    memmove(pk_part(it->own->state, n, PK_V), v, n * sizeof *v);
-    memset(pk_part(it->own->state, n, PK_P), 0, (PK_PARTS - PK_P) * n * sizeof *q);
+    memmove(pk_state(it, PK_Q), q, n_q * sizeof *q);
+    memmove(pk_state(it, PK_V), v, n * sizeof *v);
+    memset(pk_state(it, PK_P), 0,
+           (pk_before(n_q, n, PK_PARTS) - pk_before(n_q, n, PK_P)) * sizeof *q);
     it->status = pk_check_params(it, it->own->params);
     if (it->status < 0)
         return it->status;
     /* What a method does not carry stays 0, and inputs that nobody fills. */
-    memset(it->own->next, 0, PK_PARTS * n * sizeof *q);
+    memset(it->own->next, 0, pk_before(n_q, n, PK_PARTS) * sizeof *q);
     memset(it->own->u, 0, it->problem.system->n_inputs * (1 + PK_LANES) * sizeof *q);
     it->t = it->last_t = it->own->next_t = t;
     it->own->direction = 0;
@@ -190,6 +194,12 @@ static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
     return it->status = status;
 }
 
+/* Whether q, v and p of the trial step are numbers. */
+static int are_numbers(const struct pk_integrator *it)
+{
+    return pk_all_finite(it->own->next, pk_before(it->n_q, it->n, PK_LOW_Q));
+}
+
 /* A step with its projection. Where the method can, a failed projection is retried at a quarter of
  * the length; an underflow after that is PK_NO_PROJECTION. */
 static enum pk_status advance(struct pk_integrator *it, pk_real limit)
@@ -205,7 +215,7 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
         enum pk_status status = it->own->step(it, pk_marks_limit(it, limit));
         if (pk_waits(it))
             return PK_DONE;
-        if (status >= 0 && !pk_all_finite(it->own->next, PK_LOW_Q * it->n))
+        if (status >= 0 && !are_numbers(it))
             status = PK_NOT_FINITE;
         const int pushed = status == PK_STEP_UNDERFLOW && !raised &&
                            pk_scale_raise(it, while_at_rest);
@@ -218,7 +228,7 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
         }
         if (status >= 0)
             status = pk_project_step(it);
-        if (status >= 0 && it->own->project && !pk_all_finite(it->own->next, PK_LOW_Q * it->n))
+        if (status >= 0 && it->own->project && !are_numbers(it))
             status = PK_NOT_FINITE;
         if (status == PK_STEP_UNDERFLOW && cuts)
             return pk_because(it, PK_NO_PROJECTION, where, detail);
@@ -296,23 +306,23 @@ enum pk_status pk_integrator_to(struct pk_integrator *it, pk_real t_end)
 
 enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrator *side, pk_real t)
 {
-    const size_t n = it->n;
+    const size_t n_q = it->n_q, n = it->n;
     const pk_real lo = pk_min(it->last_t, it->t), hi = pk_max(it->last_t, it->t);
     if (!(t >= lo && t <= hi))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_DENSE);
     if (it->own->atol && side->own->atol)
         memcpy(side->own->atol, it->own->atol,
-               pk_scale_size(&it->problem, it->method, n) * sizeof *it->own->atol);
+               pk_scale_size(&it->problem, it->method, n_q, n) * sizeof *it->own->atol);
     if (it->own->crossed) { /* no start: rows may depend on each other there */
-        pk_real *q = pk_part(side->own->state, n, PK_Q), *v = pk_part(side->own->state, n, PK_V);
+        pk_real *q = pk_state(side, PK_Q), *v = pk_state(side, PK_V);
         pk_passage_at(it, t, q, v);
         side->t = t;
         return PK_DONE;
     }
-    pk_integrator_reset(side, it->last_t, it->own->next, pk_part(it->own->next, n, PK_V));
+    pk_integrator_reset(side, it->last_t, it->own->next, pk_next(it, PK_V));
     if (side->status >= 0) /* what a start lacks of a state amid the motion */
-        memcpy(pk_part(side->own->state, n, PK_P), pk_part(it->own->next, n, PK_P),
-               (PK_A - PK_P) * n * sizeof *it->own->next);
+        memcpy(pk_state(side, PK_P), pk_next(it, PK_P),
+               (pk_before(n_q, n, PK_A) - pk_before(n_q, n, PK_P)) * sizeof *it->own->next);
     if (side->status >= 0 && (it->method->traits & PK_ADAPTIVE) &&
         (t < it->last_t || t > it->last_t))
         pk_integrator_set_step(side, pk_abs(t - it->last_t));

@@ -70,7 +70,7 @@ enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
     struct pk_integrator_private kept = *own;
     int turned = own->next < own->state;
     pk_real *const first = turned ? own->next : own->state, *const end = own->params;
-    pk_real *const second = first + PK_PARTS * it->n;
+    pk_real *const second = first + pk_before(it->n_q, it->n, PK_PARTS);
 
     pk_keep_same(k, name(it->method->name));
     pk_keep_same(k, sizeof kept + sizeof(pk_real));
@@ -96,9 +96,9 @@ enum pk_status pk_integrator_keep(struct pk_integrator *it, struct pk_keep *k)
     *own = kept;
     own->state = turned ? second : first;
     own->next = turned ? first : second;
-    it->q = pk_part(own->state, it->n, PK_Q);
-    it->v = pk_part(own->state, it->n, PK_V);
+    it->q = pk_state(it, PK_Q);
+    it->v = pk_state(it, PK_V);
     if (it->p)
-        it->p = pk_part(own->state, it->n, PK_P);
+        it->p = pk_state(it, PK_P);
     return PK_DONE;
 }

@@ -34,7 +34,7 @@
 static enum pk_status variational_init(struct pk_integrator *it)
 {
     const struct pk_variational_work w = pk_variational_parts(it);
-    pk_real *p = pk_part(it->own->state, it->n, PK_P);
+    pk_real *p = pk_state(it, PK_P);
     memset(w.kick, 0, w.n * sizeof *w.kick);
     pk_variational_momenta(it, it->t, it->q, it->v, p, w.f);
     it->p = p;
@@ -97,10 +97,11 @@ static void guess(struct pk_integrator *it, struct pk_variational_work *w, const
 static enum pk_status part(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t n = w->n;
-    pk_real *q = pk_part(w->to, n, PK_Q), *v = pk_part(w->to, n, PK_V);
-    pk_real *p = pk_part(w->to, n, PK_P), *low_p = pk_part(w->to, n, PK_LOW_X);
+    pk_real *q = pk_variational_to(w, PK_Q), *v = pk_variational_to(w, PK_V);
+    pk_real *p = pk_variational_to(w, PK_P), *low_p = pk_variational_to(w, PK_LOW_X);
     guess(it, w, v);
-    const int known = it->own->flags & PK_HAVE_A; /* here: that M and the forces are of this state */
+    const int known = it->own->flags &
+                      PK_HAVE_A; /* here: that M and the forces are of this state */
     if (!known)
         pk_variational_momenta(it, w->t, q, v, w->spare, w->f_start);
     if (!known || !w->whole) /* [M J^T; J 0] is in memory of the system, where others write too */
@@ -108,12 +109,8 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     it->own->flags &= ~PK_HAVE_A;
     PK_TRY(pk_variational_solve(it, w));
     add_momenta(w, p, low_p);
-    for (size_t k = w->rotation; k < n; k++) { /* integrals, for interpolation alone */
-        const pk_real mean = k < w->m ? w->V[k] : (v[k] + w->v_end[k]) / 2;
-        w->q_end[k] = pk_sum(q[k], w->h * mean, &w->low_q[k]);
-    }
-    memcpy(q, w->q_end, n * sizeof *q);
-    memcpy(pk_part(w->to, n, PK_LOW_Q), w->low_q, n * sizeof *q);
+    memcpy(q, w->q_end, w->rotation * sizeof *q);
+    memcpy(pk_variational_to(w, PK_LOW_Q), w->low_q, w->rotation * sizeof *q);
     memcpy(v + w->m, w->v_end + w->m, (n - w->m) * sizeof *v);
     memcpy(low_p + w->m, w->low_v + w->m, (n - w->m) * sizeof *v);
     for (size_t r = 0; r < w->turned; r++) {
@@ -139,7 +136,8 @@ static enum pk_status variational_step(struct pk_integrator *it, pk_real limit)
     enum pk_status status = PK_DONE;
     pk_real done = 0;
     (void)limit;
-    memcpy(it->own->next, it->own->state, PK_PARTS * it->n * sizeof *it->own->next);
+    memcpy(it->own->next, it->own->state,
+           pk_before(it->n_q, it->n, PK_PARTS) * sizeof *it->own->next);
     w.to = it->own->next;
     for (int i = 0; i < parts->stages && status >= 0; i++) {
         w.t = it->t + done * it->own->h;

@@ -26,7 +26,7 @@ struct pk_variational {
 struct pk_variational_work {
     const struct pk_variational *table;
     size_t n, m, c;          /* c: rows of constraints */
-    size_t rotation, states; /* where body rates begin; where other states do */
+    size_t rotation, states; /* coordinates, where body rates begin; where other states do */
     size_t turned;           /* rotations */
     pk_real t, end, h;       /* of this part of the step */
     pk_real *to;             /* a state, as it->own->next is: the start, and at last the end */
@@ -34,7 +34,7 @@ struct pk_variational_work {
     /* Its M: at the start, and from pk_variational_rates() on at the end, factored. The rest: the
      * constraints at the end. */
     struct pk_projection at;
-    /* n each. */
+    /* n each, `rotation` of what is of q. */
     pk_real *V, *dV, *scale;        /* the unknown rates, of states too; what they are judged by */
     pk_real *p, *f, *p_end, *f_end; /* momenta and forces at the middle or the start; at the end */
     pk_real *f_start;               /* forces where this part begins */
@@ -50,6 +50,11 @@ struct pk_variational_work {
     int whole;
 };
 
+/* A part of w->to. */
+static inline pk_real *pk_variational_to(const struct pk_variational_work *w, int part)
+{
+    return pk_part(w->to, w->rotation, w->n, part);
+}
 /* Where rotation r is among rates. */
 static inline struct pk_turning pk_variational_turning(const struct pk_variational_work *w,
                                                        size_t r)

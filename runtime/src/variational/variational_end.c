@@ -76,8 +76,8 @@ static pk_real both(struct pk_variational_work *w, const pk_real *q, pk_real *v,
 enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variational_work *w,
                                     pk_real *p, pk_real *low_p)
 {
-    const pk_real *q = pk_part(w->to, w->n, PK_Q);
-    pk_real *v = pk_part(w->to, w->n, PK_V), left = 0;
+    const pk_real *q = pk_variational_to(w, PK_Q);
+    pk_real *v = pk_variational_to(w, PK_V), left = 0;
     const int quadratic = (it->problem.system->facts & PK_QUADRATIC) != 0;
     for (int count = 0; count < MOST; count++) {
         pk_variational_momenta(it, w->end, q, v, w->p, w->f_start);

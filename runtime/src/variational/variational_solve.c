@@ -37,8 +37,8 @@ static void set_moved(const struct pk_variational_work *w, pk_real *moved)
         pk_real turn[3];
         pk_gather(turn, w->V + at.rate, 3, at.step);
         for (size_t i = 0; i < 3; i++)
-            moved[at.rate + i * at.step] =
-                pk_abs(w->h) * (pk_abs(turn[0]) + pk_abs(turn[1]) + pk_abs(turn[2]));
+            moved[at.rate + i * at.step] = pk_abs(w->h) *
+                                           (pk_abs(turn[0]) + pk_abs(turn[1]) + pk_abs(turn[2]));
     }
 }
 
@@ -65,8 +65,8 @@ static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
  * as its terms. */
 static void set_scale(struct pk_variational_work *w)
 {
-    const pk_real *q = pk_part(w->to, w->n, PK_Q), *v = pk_part(w->to, w->n, PK_V);
-    const pk_real *p = pk_part(w->to, w->n, PK_P);
+    const pk_real *q = pk_variational_to(w, PK_Q), *v = pk_variational_to(w, PK_V);
+    const pk_real *p = pk_variational_to(w, PK_P);
     for (size_t k = 0; k < w->n; k++) {
         const pk_real x = k < w->rotation ? q[k] : k < w->states ? 1 : v[k];
         const pk_real rate = k < w->m ? pk_max(pk_abs(v[k]), pk_abs(w->V[k])) : pk_abs(w->V[k]);
@@ -94,16 +94,21 @@ static void set_scale(struct pk_variational_work *w)
 }
 
 /* By the first correction: at least the change of rates that the step makes, in the metric of M, so
- * that what others set in motion has a scale too. */
+ * that what others set in motion has a scale too. w->jump, but for states that are set in motion from
+ * 0: there is nothing that they change beside. */
 static void raise_scale(struct pk_variational_work *w)
 {
-    const pk_real *v = pk_part(w->to, w->n, PK_V);
+    const pk_real *v = pk_variational_to(w, PK_V);
     pk_real change = PK_TINY;
+    w->jump = 0;
     for (size_t k = 0; k < w->m; k++)
         change = pk_max(change, pk_abs(w->V[k] + w->dV[k] - v[k]) * w->root[k]);
     for (size_t k = 0; k < w->n; k++) {
         const pk_real other = k < w->m ? change / w->root[k] : pk_abs(w->V[k] + w->dV[k]);
+        const int at_rest = k >= w->states && !(w->scale[k] > 0);
         w->scale[k] = pk_max(w->scale[k], other + PK_TINY);
+        if (!at_rest)
+            w->jump = pk_max(w->jump, pk_abs(w->dV[k]) / w->scale[k]);
     }
 }
 
@@ -125,7 +130,7 @@ static void pull(struct pk_integrator *it, struct pk_variational_work *w)
 {
     w->at.t = w->t;
     w->at.u = pk_eval_input(it, w->t);
-    pk_project_pull(&w->at, pk_part(w->to, w->n, PK_Q), pk_part(w->to, w->n, PK_V), w->J, w->c,
+    pk_project_pull(&w->at, pk_variational_to(w, PK_Q), pk_variational_to(w, PK_V), w->J, w->c,
                     w->kick, w->pull);
 }
 
@@ -157,9 +162,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
         it->detail = size;
         if (!pk_finite(size))
             return 0;
-        if (count == 0)
-            w->jump = size;
-        else if (size > FAR)
+        if (count && size > FAR)
             w->worst = pk_max(w->worst, rate);
         if (it->options.newton_tol > 0)
             small = size <= it->options.newton_tol;
@@ -180,7 +183,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
  * through those before, and is one only if the solution is near that. */
 static enum pk_status follow(struct pk_integrator *it, struct pk_variational_work *w)
 {
-    const pk_real h = w->h, end = w->end, *v = pk_part(w->to, w->n, PK_V);
+    const pk_real h = w->h, end = w->end, *v = pk_variational_to(w, PK_V);
     const size_t bytes = w->n * sizeof *w->V;
     pk_real made = 0, part = FIRST;
     for (size_t k = 0; k < w->n; k++) {
@@ -238,7 +241,7 @@ enum pk_status pk_variational_solve(struct pk_integrator *it, struct pk_variatio
     int sign = 1;
     if (w->c && w->whole)
         it->problem.system->constraints.jacobian(
-            it->problem.params, w->t, pk_part(w->to, w->n, PK_Q), pk_part(w->to, w->n, PK_V),
+            it->problem.params, w->t, pk_variational_to(w, PK_Q), pk_variational_to(w, PK_V),
             pk_eval_input(it, w->t), w->J, w->at.rate);
     const int converged = iterate(it, w, 0, &sign);
     if (converged && sign > 0 && w->worst <= FAST && is_gentle(w))

@@ -9,13 +9,34 @@ static size_t lay_out(struct pk_variational_work *w, const struct pk_system *sys
     w->whole = !system->families.diagonal;
     const size_t nn = w->whole ? n * n : 0;
     pk_real *M = NULL;
-    const struct pk_slot slots[] = {
-        {&w->V, n},     {&w->dV, n},        {&w->scale, n},   {&w->p, n},      {&w->f, n},
-        {&w->p_end, n}, {&w->f_end, n},     {&w->f_start, n}, {&w->q_at, n},   {&w->v_at, n},
-        {&w->q_end, n}, {&w->v_end, n},     {&w->low_q, n},   {&w->low_v, n},  {&w->kick, n},
-        {&w->pull, n},  {&w->root, n},      {&w->spare, n},   {&w->last_V, n}, {&w->last_h, 1},
-        {&w->kept, n},  {&w->slope, n},     {&w->pivot, n},   {&w->kept_kick, n},
-        {&w->A_pivot, n}, {&w->J, nn},      {&w->lu, nn},     {&M, w->whole ? nn : n}};
+    const struct pk_slot slots[] = {{&w->V, n},
+                                    {&w->dV, n},
+                                    {&w->scale, n},
+                                    {&w->p, n},
+                                    {&w->f, n},
+                                    {&w->p_end, n},
+                                    {&w->f_end, n},
+                                    {&w->f_start, n},
+                                    {&w->q_at, w->rotation},
+                                    {&w->v_at, n},
+                                    {&w->q_end, w->rotation},
+                                    {&w->v_end, n},
+                                    {&w->low_q, w->rotation},
+                                    {&w->low_v, n},
+                                    {&w->kick, n},
+                                    {&w->pull, n},
+                                    {&w->root, n},
+                                    {&w->spare, n},
+                                    {&w->last_V, n},
+                                    {&w->last_h, 1},
+                                    {&w->kept, n},
+                                    {&w->slope, n},
+                                    {&w->pivot, n},
+                                    {&w->kept_kick, n},
+                                    {&w->A_pivot, n},
+                                    {&w->J, nn},
+                                    {&w->lu, nn},
+                                    {&M, w->whole ? nn : n}};
     const size_t size = PK_LAY_OUT(base, slots);
     w->at.M = w->whole || !system->constraints.factor ? M : w->at.M;
     return size;
@@ -24,7 +45,9 @@ static size_t lay_out(struct pk_variational_work *w, const struct pk_system *sys
 size_t pk_variational_size(const struct pk_method *method, const struct pk_problem *problem,
                            size_t n)
 {
-    struct pk_variational_work w = {.table = (const struct pk_variational *)method->table, .n = n};
+    struct pk_variational_work w = {.table = (const struct pk_variational *)method->table,
+                                    .rotation = pk_coordinates_of(problem),
+                                    .n = n};
     return lay_out(&w, problem->system, NULL);
 }
 
@@ -62,7 +85,7 @@ enum pk_status pk_variational_mass(struct pk_integrator *it, struct pk_variation
     const pk_real *u = w->at.u = pk_eval_input(it, t);
     w->at.t = t;
     it->count.factorisations++;
-    int failed = w->whole || w->c ? pk_project_inertia(&w->at, q, v)
+    int failed = w->whole || w->c   ? pk_project_inertia(&w->at, q, v)
                  : families->factor ? families->factor(it->problem.params, t, q, v, u)
                                     : 0;
     if (!w->whole && !w->c)

@@ -148,6 +148,7 @@ class Step:
             "calls": self.method["stages"],
             "step": self.number(self.of["run"]["step"]),
             "n_inputs": len(self.of["inputs"]),
+            "n_q": len(self.of["coordinates"]),
             "libm": not self.bounded,
             "notes": self.notes,
         }

@@ -74,7 +74,7 @@ static int has(const struct live *m, unsigned trait) { return (m->it.method->tra
 static void keep(struct live *m, double t, const double *q, const double *v)
 {
     m->t = t;
-    memcpy(m->q, q, m->n * sizeof *q);
+    memcpy(m->q, q, m->it.n_q * sizeof *q);
     memcpy(m->v, v, m->n * sizeof *v);
 }
 

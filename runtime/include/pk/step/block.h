@@ -9,10 +9,10 @@
 
 #define PK_BLOCK_MOST 64
 
-/* n W numbers a part, in the order of enum pk_part as in an integrator. */
+/* Parts in the order of an integrator's state, W numbers in place of one. */
 struct pk_block {
     const struct pk_system *system;
-    size_t n, lanes;
+    size_t n_q, n, lanes;
     const void *params[PK_BLOCK_MOST]; /* of each lane */
     pk_real *P, *u;                    /* number k of the params of lane l: P[k * W + l] */
     pk_real *t;                        /* W times */
@@ -66,55 +66,67 @@ static PK_INLINE void pk_block_combine(size_t rows, size_t W, pk_real *PK_RESTRI
 static PK_INLINE void pk_block_sum(size_t rows, size_t W, pk_real *PK_RESTRICT y,
                                    const pk_real *PK_RESTRICT y0, pk_real *PK_RESTRICT low,
                                    const pk_real *PK_RESTRICT low0, const pk_real *PK_RESTRICT h,
-                                   const pk_real *b, int count, const pk_real *PK_RESTRICT k)
+                                   const pk_real *b, int count, const pk_real *PK_RESTRICT k,
+                                   size_t stride)
 {
     for (size_t i = 0; i < rows; i++) {
         PK_LANE_LOOP
         for (size_t l = 0; l < W; l++) {
             const size_t at = i * W + l;
             pk_real part = low0[at];
-            y[at] = pk_sum(y0[at], h[l] * pk_row_sum(b, count, k, rows * W, at), &part);
+            y[at] = pk_sum(y0[at], h[l] * pk_row_sum(b, count, k, stride, at), &part);
             low[at] = part;
         }
     }
 }
 
 /* As pk_kick_drift(), of fractions of each lane's step. */
-static PK_INLINE void pk_block_kick_drift(size_t n, size_t W, const pk_real *PK_RESTRICT h,
-                                          pk_real kick, const pk_real *a, pk_real drift,
-                                          const pk_real *from, pk_real *to)
+static PK_INLINE void pk_block_kick_drift(size_t n_q, size_t n, size_t W,
+                                          const pk_real *PK_RESTRICT h, pk_real kick,
+                                          const pk_real *a, pk_real drift, const pk_real *from,
+                                          pk_real *to)
 {
-    const size_t m = n * W;
-    for (size_t i = 0; i < m; i += W) {
+    const size_t of_v = pk_before(n_q, n, PK_V) * W, of_low_q = pk_before(n_q, n, PK_LOW_Q) * W;
+    const size_t of_low_v = pk_before(n_q, n, PK_LOW_X) * W;
+    for (size_t i = 0; i < n_q * W; i += W) {
         PK_LANE_LOOP
         for (size_t l = 0; l < W; l++) {
             const size_t k = i + l;
-            pk_real low_v = from[PK_LOW_X * m + k], low_q = from[PK_LOW_Q * m + k];
-            const pk_real v = pk_sum(from[PK_V * m + k], kick * h[l] * a[k], &low_v);
-            to[PK_Q * m + k] = pk_sum(from[PK_Q * m + k], drift * h[l] * v, &low_q);
-            to[PK_V * m + k] = v;
-            to[PK_LOW_X * m + k] = low_v;
-            to[PK_LOW_Q * m + k] = low_q;
+            pk_real low_v = from[of_low_v + k], low_q = from[of_low_q + k];
+            const pk_real v = pk_sum(from[of_v + k], kick * h[l] * a[k], &low_v);
+            to[k] = pk_sum(from[k], drift * h[l] * v, &low_q);
+            to[of_v + k] = v;
+            to[of_low_v + k] = low_v;
+            to[of_low_q + k] = low_q;
+        }
+    }
+    for (size_t i = n_q * W; i < n * W; i += W) {
+        PK_LANE_LOOP
+        for (size_t l = 0; l < W; l++) {
+            pk_real low = from[of_low_v + i + l];
+            to[of_v + i + l] = pk_sum(from[of_v + i + l], kick * h[l] * a[i + l], &low);
+            to[of_low_v + i + l] = low;
         }
     }
 }
 
-static PK_INLINE void pk_block_kick(size_t n, size_t W, const pk_real *PK_RESTRICT h, pk_real kick,
-                                    const pk_real *a, pk_real *to)
+static PK_INLINE void pk_block_kick(size_t n_q, size_t n, size_t W, const pk_real *PK_RESTRICT h,
+                                    pk_real kick, const pk_real *a, pk_real *to)
 {
-    const size_t m = n * W;
-    for (size_t i = 0; i < m; i += W) {
+    pk_real *v = to + pk_before(n_q, n, PK_V) * W, *low = to + pk_before(n_q, n, PK_LOW_X) * W;
+    for (size_t i = 0; i < n * W; i += W) {
         PK_LANE_LOOP
         for (size_t l = 0; l < W; l++)
-            to[PK_V * m + i + l] =
-                pk_sum(to[PK_V * m + i + l], kick * h[l] * a[i + l], &to[PK_LOW_X * m + i + l]);
+            v[i + l] = pk_sum(v[i + l], kick * h[l] * a[i + l], &low[i + l]);
     }
 }
 
-/* Numbers of work for a table of s stages; of one more slope, which is that at the end. */
-static inline size_t pk_block_reals(int stages, size_t n, size_t W)
+/* Numbers of work for a table of s stages and one more, which is the end: of each n W rates and
+ * states, of which the first n_q W are slopes of coordinates, and n W accelerations; and behind them
+ * the coordinates of a stage. */
+static inline size_t pk_block_reals(int stages, size_t n_q, size_t n, size_t W)
 {
-    return ((size_t)stages * 2 + 3) * n * W;
+    return (((size_t)stages + 1) * 2 * n + n_q) * W;
 }
 static inline pk_real *pk_block_slopes(const struct pk_block *b, int stage)
 {

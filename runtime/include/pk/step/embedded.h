@@ -17,19 +17,18 @@
 /* The work: stages, derivatives at the end and of the extra stages, an argument, the interpolant,
  * and two numbers. The step's start is what it->own->next holds after the step. */
 struct pk_embedded_work {
-    size_t m, seen, n; /* 2 n; coordinates, whose integrals of states are not counted; n */
+    size_t m, n_q; /* numbers of y, and those of q, which come first */
     pk_real *k, *last, *y, *dense, *err_old, *h_made;
 };
 
 static inline int pk_embedded_dense_rows(const struct pk_tableau *table) { return 4 + table->rows; }
 
 static PK_INLINE struct pk_embedded_work
-pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size_t n, size_t states)
+pk_embedded_parts(struct pk_integrator *it, const struct pk_tableau *table, size_t n_q, size_t n)
 {
     struct pk_embedded_work w;
-    w.m = 2 * n;
-    w.seen = n - states;
-    w.n = n;
+    w.m = n_q + n;
+    w.n_q = n_q;
     w.k = it->own->work;
     w.last = w.k + (size_t)table->stages * w.m;
     w.y = w.last + (size_t)(1 + table->extra) * w.m;
@@ -53,8 +52,6 @@ static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struc
     const int count = table->stages + (table->e3 ? 0 : 1);
     pk_real e = 0, e3 = 0;
     for (size_t i = 0; i < w->m; i++) {
-        if (i >= w->seen && i < w->n)
-            continue;
         const pk_real scale = pk_tolerance(it, i, y0[i], y1[i]);
         const pk_real x = pk_row_sum(table->e, count, w->k, w->m, i) / scale;
         e += x * x;
@@ -63,11 +60,10 @@ static PK_INLINE pk_real pk_embedded_error(struct pk_integrator *it, const struc
             e3 += x3 * x3;
         }
     }
-    const pk_real counted = (pk_real)(w->n + w->seen);
     if (!table->e3)
-        return pk_abs(h) * PK_F(sqrt)(e / counted);
+        return pk_abs(h) * PK_F(sqrt)(e / (pk_real)w->m);
     const pk_real blend = e + PK_C(0.01) * e3;
-    return blend > 0 || !pk_finite(blend) ? pk_abs(h) * e / PK_F(sqrt)(blend * counted) : 0;
+    return blend > 0 || !pk_finite(blend) ? pk_abs(h) * e / PK_F(sqrt)(blend * (pk_real)w->m) : 0;
 }
 #endif
 
@@ -119,7 +115,7 @@ static PK_INLINE enum pk_status PK_STEPPER(embedded)(struct pk_integrator *it,
                                                      const struct pk_tableau *table, pk_real limit)
 {
     const struct pk_embedded_work w =
-        pk_embedded_parts(it, table, PK_STEPPER_N(it), PK_STEPPER_FIRST_ORDER(it));
+        pk_embedded_parts(it, table, PK_STEPPER_COORDINATES(it), PK_STEPPER_N(it));
     const pk_real alpha = PK_C(1.0) / (pk_real)table->error_order - PK_C(0.75) * table->beta;
     const pk_real safety = PK_C(0.9);
     if (it->own->flags & PK_HAVE_STEP)

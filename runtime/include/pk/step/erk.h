@@ -1,4 +1,5 @@
-/* Explicit Runge-Kutta methods at a fixed step, on y = (q, v) with y' = (v, a(q, v, t)):
+/* Explicit Runge-Kutta methods at a fixed step, on y = (q, v) with q' = v, as many of its numbers as
+ * there are coordinates, and v' = a(q, v, t):
  *
  *     k_i = f(t0 + c_i h, y0 + h sum_j<i a_ij k_j),   y1 = y0 + h sum b_i k_i
  *
@@ -11,7 +12,7 @@
 static PK_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
                                                       const struct pk_tableau *table, int i)
 {
-    const size_t m = 2 * PK_STEPPER_N(it);
+    const size_t m = PK_STEPPER_COORDINATES(it) + PK_STEPPER_N(it);
     pk_real *k = it->own->work;
     pk_erk_combine(it->own->next, it->own->state, it->own->h, table->a + i * (i - 1) / 2, i, k, m);
     return PK_STEPPER(slope)(it, it->t + table->c[i] * it->own->h, it->own->next,
@@ -21,10 +22,10 @@ static PK_INLINE enum pk_status PK_STEPPER(erk_stage)(struct pk_integrator *it,
 static PK_INLINE enum pk_status PK_STEPPER(erk)(struct pk_integrator *it,
                                                 const struct pk_tableau *table)
 {
-    const size_t n = PK_STEPPER_N(it), m = 2 * n;
+    const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it), m = n_q + n;
     const pk_real h = it->own->h, *y0 = it->own->state,
-                  *low0 = pk_part(it->own->state, n, PK_LOW_Q);
-    pk_real *k = it->own->work, *y = it->own->next, *low = pk_part(it->own->next, n, PK_LOW_Q);
+                  *low0 = pk_part(it->own->state, n_q, n, PK_LOW_Q);
+    pk_real *k = it->own->work, *y = it->own->next, *low = pk_part(y, n_q, n, PK_LOW_Q);
 
 #ifndef PK_WITHOUT_RUNTIME
     if (pk_is_ahead(it, h)) {

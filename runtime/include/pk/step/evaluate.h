@@ -11,12 +11,12 @@ static inline enum pk_status PK_STEPPER(acceleration)(struct pk_integrator *it, 
     return failed ? pk_eval_failed(it, t, q, v, failed) : PK_DONE;
 }
 
-/* k = (v, a) at y. */
+/* k = (v, a) at y, v the rates of coordinates. */
 static PK_INLINE enum pk_status PK_STEPPER(slope)(struct pk_integrator *it, pk_real t,
                                                   const pk_real *y, pk_real *k)
 {
-    const size_t n = PK_STEPPER_N(it);
-    for (size_t i = 0; i < n; i++)
-        k[i] = y[n + i];
-    return PK_STEPPER(acceleration)(it, t, y, y + n, k + n);
+    const size_t n_q = PK_STEPPER_COORDINATES(it);
+    for (size_t i = 0; i < n_q; i++)
+        k[i] = y[n_q + i];
+    return PK_STEPPER(acceleration)(it, t, y, y + n_q, k + n_q);
 }

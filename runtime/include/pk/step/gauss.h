@@ -89,12 +89,11 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
                                             const struct pk_gauss_lanes *w,
                                             const struct pk_gauss_trial *y)
 {
-    const size_t n = PK_STEPPER_N(it);
-    pk_real *q = pk_part(it->own->next, n, PK_Q), *v = pk_part(it->own->next, n, PK_V);
-    pk_real *low_q = pk_part(it->own->next, n, PK_LOW_Q),
-            *low_v = pk_part(it->own->next, n, PK_LOW_X);
-    const pk_real *old_q = pk_part(it->own->state, n, PK_LOW_Q);
-    const pk_real *old_v = pk_part(it->own->state, n, PK_LOW_X);
+    const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
+    pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V);
+    pk_real *low_q = pk_next(it, PK_LOW_Q), *low_v = pk_next(it, PK_LOW_X);
+    const pk_real *old_q = pk_state(it, PK_LOW_Q);
+    const pk_real *old_v = pk_state(it, PK_LOW_X);
     pk_real hb[PK_GAUSS_S], left[PK_GAUSS_S];
     for (int l = 0; l < PK_GAUSS_S; l++) {
         hb[l] = y->h * pk_gauss8_b[l];
@@ -102,12 +101,15 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
     }
     for (size_t i = 0; i < n; i++) {
         const pk_real *ai = w->a + i * PK_GAUSS_S;
-        low_q[i] = old_q[i];
+        if (i < n_q) {
+            low_q[i] = old_q[i];
+            w->start[i] = it->q[i];
+            q[i] = pk_sum(it->q[i], y->h * (it->v[i] + (old_v[i] + pk_gauss_dot(left, ai))),
+                          &low_q[i]);
+        }
         low_v[i] = old_v[i];
-        w->start[i] = it->q[i];
-        w->start[n + i] = it->v[i];
+        w->start[n_q + i] = it->v[i];
         w->last_weight[i] = w->weight[i];
-        q[i] = pk_sum(it->q[i], y->h * (it->v[i] + (old_v[i] + pk_gauss_dot(left, ai))), &low_q[i]);
         v[i] = pk_sum(it->v[i], pk_gauss_dot(hb, ai), &low_v[i]);
         pk_gauss_rows(w->M->taylor, ai, w->poly + i * PK_GAUSS_S);
     }
@@ -118,17 +120,17 @@ static inline void PK_STEPPER(gauss_accept)(struct pk_integrator *it,
 
 static PK_INLINE enum pk_status PK_STEPPER(gauss)(struct pk_integrator *it, pk_real limit)
 {
-    const size_t n = PK_STEPPER_N(it);
-    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n, it->own->work);
+    const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
+    const struct pk_gauss_lanes w = pk_gauss_lanes(it, n_q, n, it->own->work);
     struct pk_gauss_trial y;
 
     if (!(it->own->h > 0) && !(it->own->h < 0)) {
         it->own->flags = 0; /* a first step, or one that turns back: nothing to predict it from */
-        PK_TRY(PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_part(it->own->next, n, PK_A)));
-        if (!pk_all_finite(pk_part(it->own->next, n, PK_A), n))
+        PK_TRY(PK_STEPPER(acceleration)(it, it->t, it->q, it->v, pk_next(it, PK_A)));
+        if (!pk_all_finite(pk_next(it, PK_A), n))
             return PK_NOT_FINITE;
         it->own->h = (pk_real)it->own->direction *
-                     pk_first_step(it, pk_part(it->own->next, n, PK_A), PK_C(0.1), limit);
+                     pk_first_step(it, pk_next(it, PK_A), PK_C(0.1), limit);
         *w.decay = 0;
     }
     struct pk_trial x = pk_trial(it, limit);

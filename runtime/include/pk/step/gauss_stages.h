@@ -38,24 +38,25 @@ enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
 /* The work. Arrays of n by 8 but for those said otherwise. */
 struct pk_gauss_lanes {
-    pk_real *a, *next_a, *q, *v;  /* the iterate, the next one, the stages */
+    pk_real *a, *next_a, *q, *v;  /* the iterate, the next one, the stages; q of n_q by 8 */
     pk_real *u;                   /* inputs at the stages */
     pk_real *poly;                /* Taylor coefficients of the last step's a at its end, in h */
     pk_real *weight;              /* n: of errors in a */
-    pk_real *start, *last_weight; /* 2 n: q and v where the last step began; n: its weights */
+    pk_real *start, *last_weight; /* n_q + n: q and v where the last step began; n: its weights */
     pk_real *h, *rate, *decay;    /* of the last step: its size, the contraction of its iteration,
                                     and the theta^2 up to which a next one is accepted */
     struct pk_gauss_matrices *M;
     pk_real *dense; /* of gauss_dense.c */
 };
 
-static inline size_t pk_gauss_lanes_size(size_t n)
+static inline size_t pk_gauss_lanes_size(size_t n_q, size_t n)
 {
-    return PK_GAUSS_S + sizeof(struct pk_gauss_matrices) / sizeof(pk_real) + 5 * n * PK_GAUSS_S +
-           4 * n + 3;
+    return PK_GAUSS_S + sizeof(struct pk_gauss_matrices) / sizeof(pk_real) +
+           (n_q + 4 * n) * PK_GAUSS_S + n_q + 3 * n + 3;
 }
 
-static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, size_t n, pk_real *x)
+static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, size_t n_q, size_t n,
+                                                   pk_real *x)
 {
     struct pk_gauss_lanes w;
     const size_t m = n * PK_GAUSS_S;
@@ -63,12 +64,12 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
     w.M = (struct pk_gauss_matrices *)(void *)x, x += sizeof *w.M / sizeof *x;
     w.a = x, x += m;
     w.next_a = x, x += m;
-    w.q = x, x += m;
+    w.q = x, x += n_q * PK_GAUSS_S;
     w.v = x, x += m;
     w.poly = x, x += m;
     w.u = it->own->u + it->problem.system->n_inputs;
     w.weight = x, x += n;
-    w.start = x, x += 2 * n;
+    w.start = x, x += n_q + n;
     w.last_weight = x, x += n;
     w.h = x++, w.rate = x++, w.decay = x++;
     w.dense = x;
@@ -144,7 +145,7 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
 {
     const size_t n = PK_STEPPER_N(it);
     if (!(it->own->flags & PK_HAVE_STEP) || pk_abs(y->h) > PK_GAUSS_LEAP * pk_abs(*w->h)) {
-        pk_real *a0 = pk_part(it->own->next, n, PK_A);
+        pk_real *a0 = pk_next(it, PK_A);
         const enum pk_status status = PK_STEPPER(acceleration)(it, it->t, it->q, it->v, a0);
         for (size_t i = 0; i < n * PK_GAUSS_S; i++)
             w->a[i] = a0[i / PK_GAUSS_S];
@@ -170,23 +171,25 @@ static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
                                             const struct pk_gauss_lanes *w,
                                             const struct pk_gauss_trial *y, int with_v)
 {
-    const size_t n = PK_STEPPER_N(it);
+    const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
     const pk_real h = y->h, h2 = h * h;
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n_q; i++) {
         const pk_real q0 = it->q[i], v0 = it->v[i];
-        const pk_real *a = w->a + i * PK_GAUSS_S;
-        pk_real *PK_RESTRICT q = w->q + i * PK_GAUSS_S, *PK_RESTRICT v = w->v + i * PK_GAUSS_S;
+        pk_real *PK_RESTRICT q = w->q + i * PK_GAUSS_S;
         pk_real d[PK_GAUSS_S];
-        pk_gauss_rows(w->M->A2, a, d);
+        pk_gauss_rows(w->M->A2, w->a + i * PK_GAUSS_S, d);
         PK_GAUSS_LOOP
         for (int l = 0; l < PK_GAUSS_S; l++)
             q[l] = PK_GAUSS_FMA(h2, d[l], PK_GAUSS_FMA(y->hc[l], v0, q0));
-        if (with_v) {
-            pk_gauss_rows(w->M->A, a, d);
-            PK_GAUSS_LOOP
-            for (int l = 0; l < PK_GAUSS_S; l++)
-                v[l] = PK_GAUSS_FMA(h, d[l], v0);
-        }
+    }
+    for (size_t i = 0; with_v && i < n; i++) {
+        const pk_real v0 = it->v[i];
+        pk_real *PK_RESTRICT v = w->v + i * PK_GAUSS_S;
+        pk_real d[PK_GAUSS_S];
+        pk_gauss_rows(w->M->A, w->a + i * PK_GAUSS_S, d);
+        PK_GAUSS_LOOP
+        for (int l = 0; l < PK_GAUSS_S; l++)
+            v[l] = PK_GAUSS_FMA(h, d[l], v0);
     }
 }
 
@@ -195,18 +198,20 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
                                              const struct pk_gauss_lanes *w,
                                              const struct pk_gauss_trial *y)
 {
-    const size_t n = PK_STEPPER_N(it), seen = n - PK_STEPPER_FIRST_ORDER(it);
+    const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
     const pk_real h = pk_abs(y->h);
     const pk_real rtol = PK_GAUSS_SHARE * pk_max(it->options.rtol, 2 * PK_EPS);
     for (size_t i = 0; i < n; i++) {
         const size_t last = i * PK_GAUSS_S + PK_GAUSS_S - 1;
         /* As the step ends: from rest the iteration has not moved q yet. */
         const pk_real moved = y->h * w->next_a[last], v0 = it->v[i];
-        const pk_real q = pk_max(pk_abs(it->q[i]), pk_abs(it->q[i] + y->h * (v0 + moved / 2)));
         const pk_real v = pk_max(pk_abs(v0), pk_abs(moved));
-        const pk_real of_v = h / (PK_GAUSS_SHARE * it->own->atol[n + i] + rtol * v + PK_TINY);
+        w->weight[i] = h / (PK_GAUSS_SHARE * it->own->atol[n_q + i] + rtol * v + PK_TINY);
+        if (i >= n_q) /* a state, whose rate moves nothing else */
+            continue;
+        const pk_real q = pk_max(pk_abs(it->q[i]), pk_abs(it->q[i] + y->h * (v0 + moved / 2)));
         const pk_real of_q = h * h / (PK_GAUSS_SHARE * it->own->atol[i] + rtol * q + PK_TINY);
-        w->weight[i] = i < seen ? pk_max(of_v, of_q) : of_v;
+        w->weight[i] = pk_max(w->weight[i], of_q);
     }
 }
 
@@ -215,7 +220,8 @@ static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it
                                                         const pk_real *q, const pk_real *v,
                                                         pk_real *u, pk_real *a)
 {
-    const size_t n = PK_STEPPER_N(it), m = it->problem.system->n_inputs;
+    const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
+    const size_t m = it->problem.system->n_inputs;
     for (int l = 0; m && l < PK_GAUSS_S; l++) {
         const pk_real *u1 = PK_STEPPER_INPUT(it, t[l]);
         for (size_t i = 0; i < m; i++)
@@ -226,12 +232,12 @@ static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it
     it->count.iterations++;
     for (size_t l = 0; failed; l++, failed >>= 1)
         if (failed & 1) {
-            pk_real *q1 = pk_part(it->own->next, n, PK_Q), *v1 = pk_part(it->own->next, n, PK_V);
-            pk_real *a1 = pk_part(it->own->next, n, PK_A);
-            for (size_t i = 0; i < n; i++) {
+            pk_real *q1 = pk_next(it, PK_Q), *v1 = pk_next(it, PK_V);
+            pk_real *a1 = pk_next(it, PK_A);
+            for (size_t i = 0; i < n_q; i++)
                 q1[i] = q[i * PK_GAUSS_S + l];
+            for (size_t i = 0; i < n; i++)
                 v1[i] = v[i * PK_GAUSS_S + l];
-            }
             PK_TRY(PK_STEPPER(acceleration)(it, t[l], q1, v1, a1));
             for (size_t i = 0; i < n; i++)
                 a[i * PK_GAUSS_S + l] = a1[i];

@@ -20,13 +20,21 @@
 #define PK_TINY DBL_MIN
 #endif
 
-/* Parts of it->own->state and of it->own->next, n numbers each: q, v, p, the compensations (low
- * parts) of q and of v or p, and an acceleration that belongs to this state and may be reused. */
+/* Parts of it->own->state and of it->own->next: q, v, p, the compensations (low parts) of q and of v
+ * or p, and an acceleration that belongs to this state and may be reused. q and its low part are n_q
+ * numbers, coordinates; all others n, of which the last n - n_q of v are states. */
 enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
 
-static inline pk_real *pk_part(pk_real *state, size_t n, int part)
+/* How many numbers stand before it. */
+static inline size_t pk_before(size_t n_q, size_t n, int part)
 {
-    return state + (size_t)part * n;
+    const size_t of_q = (size_t)(part > PK_Q) + (size_t)(part > PK_LOW_Q);
+    return of_q * n_q + ((size_t)part - of_q) * n;
+}
+
+static inline pk_real *pk_part(pk_real *state, size_t n_q, size_t n, int part)
+{
+    return state + pk_before(n_q, n, part);
 }
 
 static inline pk_real pk_max(pk_real a, pk_real b) { return a > b ? a : b; }

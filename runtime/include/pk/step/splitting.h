@@ -25,9 +25,9 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
     if (!(it->problem.system->facts & PK_SEPARABLE))
         return pk_linear_drag_step(it, table);
 #endif
-    const size_t n = PK_STEPPER_N(it);
-    const pk_real h = it->own->h, *from = it->own->state, *a = from + PK_A * n;
-    pk_real *to = it->own->next, *a1 = to + PK_A * n;
+    const size_t n_q = PK_STEPPER_COORDINATES(it), n = PK_STEPPER_N(it);
+    const pk_real h = it->own->h, *from = it->own->state, *a = from + pk_before(n_q, n, PK_A);
+    pk_real *to = it->own->next, *a1 = pk_part(to, n_q, n, PK_A);
     pk_real done = 0; /* fraction of the step drifted so far */
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
 
@@ -42,19 +42,19 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
     PK_UNROLL_FEW
     for (int i = 0; i < s; i++) {
         if (i > 0 || !(it->own->flags & PK_HAVE_A)) {
-            PK_TRY(PK_STEPPER(acceleration)(it, it->t + done * h, from, from + n, a1));
+            PK_TRY(PK_STEPPER(acceleration)(it, it->t + done * h, from, from + n_q, a1));
             a = a1;
         }
-        pk_kick_drift(n, table->kick[i] * h, a, table->drift[i] * h, from, to);
+        pk_kick_drift(n_q, n, table->kick[i] * h, a, table->drift[i] * h, from, to);
         done += table->drift[i];
         from = to;
     }
     if (ends) {
-        PK_TRY(PK_STEPPER(acceleration)(it, it->own->next_t, to, to + n, a1));
-        pk_kick(n, table->kick[s] * h, a1, to);
+        PK_TRY(PK_STEPPER(acceleration)(it, it->own->next_t, to, to + n_q, a1));
+        pk_kick(n_q, n, table->kick[s] * h, a1, to);
     }
     /* The last acceleration travels with the state, so a failure here cannot spoil it. */
-    if (pk_all_finite(to, 2 * n))
+    if (pk_all_finite(to, n_q + n))
         it->own->flags = ends ? it->own->flags | PK_HAVE_A : it->own->flags & ~PK_HAVE_A;
     return PK_DONE;
 }

@@ -17,11 +17,11 @@
 /* What is behind it->own, for methods and the runtime alone. */
 struct pk_integrator_private {
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* method's or system's */
-    pk_real *state, *next; /* each q, v, p, and the compensations of q and of v or p */
+    pk_real *state, *next; /* each the parts of pk/step/numbers.h */
     pk_real *u, *work;     /* u: inputs at one time, and behind them those of each lane */
-    pk_real *atol;         /* absolute tolerances of q and v; NULL: fixed steps; src/core/scale.c */
-    unsigned long rounded; /* rejections when rounding was last looked at */
-    pk_real looked;        /* the length of the steps then */
+    pk_real *atol; /* absolute tolerances of q, then v; NULL: fixed steps; src/core/scale.c */
+    unsigned long rounded;  /* rejections when rounding was last looked at */
+    pk_real looked;         /* the length of the steps then */
     pk_real *singularities; /* NULL: the system has none; see src/core/singularity.c */
     size_t n_singularities; /* their values: of families one a member */
     int slopes;             /* of the singularities: what is known of them at this state */
@@ -61,7 +61,17 @@ struct pk_integrator_private {
 /* it->own->flags */
 enum { PK_HAVE_A = 1, PK_HAVE_LU = 2, PK_HAVE_STEP = 4, PK_HAVE_DENSE = 8, PK_REFRESH = 16 };
 
-/* What number i of q and v, which goes from a to b, may err by. */
+/* A part of the state, and of what the step at hand makes of it. */
+static inline pk_real *pk_state(const struct pk_integrator *it, int part)
+{
+    return pk_part(it->own->state, it->n_q, it->n, part);
+}
+static inline pk_real *pk_next(const struct pk_integrator *it, int part)
+{
+    return pk_part(it->own->next, it->n_q, it->n, part);
+}
+
+/* What number i of q and v in a row, which goes from a to b, may err by. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
 {
     return it->own->atol[i] + it->options.rtol * pk_max(pk_abs(a), pk_abs(b)) + PK_TINY;

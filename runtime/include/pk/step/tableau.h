@@ -109,26 +109,35 @@ static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h, c
 
 /* v += kappa a and then q += delta v, from one place to another, each number once: sums wait for
  * one another less than passes would. */
-static PK_INLINE void pk_kick_drift(size_t n, pk_real kappa, const pk_real *a, pk_real delta,
-                                    const pk_real *from, pk_real *to)
+static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const pk_real *a,
+                                    pk_real delta, const pk_real *from, pk_real *to)
 {
+    const size_t of_v = pk_before(n_q, n, PK_V), of_low_q = pk_before(n_q, n, PK_LOW_Q);
+    const size_t of_low_v = pk_before(n_q, n, PK_LOW_X);
     PK_LANE_LOOP
-    for (size_t k = 0; k < n; k++) {
-        pk_real low_v = from[PK_LOW_X * n + k], low_q = from[PK_LOW_Q * n + k];
-        const pk_real v = pk_sum(from[PK_V * n + k], kappa * a[k], &low_v);
-        to[PK_Q * n + k] = pk_sum(from[PK_Q * n + k], delta * v, &low_q);
-        to[PK_V * n + k] = v;
-        to[PK_LOW_X * n + k] = low_v;
-        to[PK_LOW_Q * n + k] = low_q;
+    for (size_t k = 0; k < n_q; k++) {
+        pk_real low_v = from[of_low_v + k], low_q = from[of_low_q + k];
+        const pk_real v = pk_sum(from[of_v + k], kappa * a[k], &low_v);
+        to[k] = pk_sum(from[k], delta * v, &low_q);
+        to[of_v + k] = v;
+        to[of_low_v + k] = low_v;
+        to[of_low_q + k] = low_q;
+    }
+    PK_LANE_LOOP
+    for (size_t k = n_q; k < n; k++) { /* states */
+        pk_real low = from[of_low_v + k];
+        to[of_v + k] = pk_sum(from[of_v + k], kappa * a[k], &low);
+        to[of_low_v + k] = low;
     }
 }
 
 /* v += kappa a alone: the end of a step. */
-static PK_INLINE void pk_kick(size_t n, pk_real kappa, const pk_real *a, pk_real *to)
+static PK_INLINE void pk_kick(size_t n_q, size_t n, pk_real kappa, const pk_real *a, pk_real *to)
 {
+    pk_real *v = pk_part(to, n_q, n, PK_V), *low = pk_part(to, n_q, n, PK_LOW_X);
     PK_LANE_LOOP
     for (size_t k = 0; k < n; k++)
-        to[PK_V * n + k] = pk_sum(to[PK_V * n + k], kappa * a[k], &to[PK_LOW_X * n + k]);
+        v[k] = pk_sum(v[k], kappa * a[k], &low[k]);
 }
 
 #endif

@@ -93,7 +93,7 @@ enum unit_status unit_exit_initialization(struct unit *unit)
 static void take(struct unit *unit)
 {
     *unit->time = unit->it.t;
-    memcpy(unit->q, unit->it.q, unit->n * sizeof *unit->q);
+    memcpy(unit->q, unit->it.q, unit->n_q * sizeof *unit->q);
     memcpy(unit->v, unit->it.v, unit->n * sizeof *unit->v);
     unit_move_inputs(unit, unit->it.t);
     unit_forget(unit);
