@@ -347,3 +347,23 @@ def test_inertia_beside_a_free_end_lies_in_the_band(both) -> None:
         for one, other in zip(loops, written, strict=True):
             assert one == pytest.approx(other, rel=1e-12, abs=1e-14)
         assert loops[0][1:] != loops[-1][1:]
+
+
+JUMPING = ("potential abs(sum(q[i], i = 1..N))", "force X = sum(step(q[i]), i = 1..N)^2")
+TOTALS = """\
+model totals
+size N = 6
+coord q[1..N], X
+kinetic sum(q[i]'^2/2, i = 1..N) + X'^2/2
+potential sum(q[i]^2, i = 1..N) + X^2
+{}
+start q[i = 1..N] = cos(3*i)/N - 0.01, X = 0.2
+"""
+
+
+@pytest.mark.parametrize("statement", JUMPING)
+def test_totals_that_jump_are_those_written_out(statement: str, both) -> None:
+    words = ("--until", 2, "--every", 1, "--method", "dop853", "--rtol", 1e-11)
+    (loops, _), (written, _) = both(TOTALS.format(statement), *words)
+    for one, other in zip(loops, written, strict=True):
+        assert one == pytest.approx(other, rel=1e-9, abs=1e-10)

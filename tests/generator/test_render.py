@@ -106,9 +106,9 @@ def test_system_table_names_every_kernel(files):
     for struct, field in parts.items():
         fields |= {f"{field}.{member}" for member in _members(header, struct)}
     told = {"defaults", "derive", "prepare", "bounds", "start", "lanes", "members"}
-    told |= {"singularities.count", "singularities.place"}
+    told |= {f"{part}.{x}" for part in ("singularities", "switches") for x in ("count", "place")}
     told |= {field for field in fields if field.startswith("families.")}
-    of_loops = ("count", "rates", "diagonal", "spread", "factor", "solve", "shares")
+    of_loops = ("count", "rates", "spread", "pull", "factor", "solve", "shares")
     told |= {f"constraints.{field}" for field in of_loops}
     assert fields == told | set(SYSTEM_KERNELS.values())
 

@@ -155,7 +155,7 @@ def test_eulers_disk_ends_in_finite_time(pkgen, n: float, end: float) -> None:
     assert report["status"] == "PK_SINGULAR_TIME"
     assert report["last_valid"] == pytest.approx(end, abs=1e-9)
     assert report["last_valid"] < end
-    loose = pkgen(*run, "--until", 9, "--every", 9, "--method", "dop853", "--rtol", "1e-5")
+    loose = pkgen(*run, "--until", 9, "--every", 9, "--method", "dop853", "--rtol", "1e-4")
     assert abs(json.loads(loose.stdout)["report"]["last_valid"] - end) > 1e-9
 
 
