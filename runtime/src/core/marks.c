@@ -68,12 +68,13 @@ void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, 
     const pk_real y = 1 - x;
     const pk_real h01 = x * x * (3 - 2 * x), h10 = x * y * y * h, h11 = -x * x * y * h;
     const pk_real slope = 6 * x * y / h, d10 = y * (1 - 3 * x), d11 = x * (3 * x - 2);
-    for (size_t i = 0; i < it->n_q; i++) {
+    const size_t n_q = it->n_q, n = it->n;
+    for (size_t i = 0; i < n_q; i++) {
         const pk_real rise = q1[i] - q0[i];
         q[i] = q0[i] + h01 * rise + h10 * v0[i] + h11 * v1[i];
         v[i] = slope * rise + d10 * v0[i] + d11 * v1[i];
     }
-    for (size_t i = it->n_q; i < it->n; i++)
+    for (size_t i = n_q; i < n; i++)
         v[i] = v0[i] + h01 * (v1[i] - v0[i]) + h10 * from.a[i] + h11 * to.a[i];
 }
 

@@ -18,20 +18,21 @@ enum { NOISE = 8 }; /* that many of the narrowest windows in a row do not show g
 
 /* Quintic of Hermite through q, v and accelerations at the ends, and its derivative; of states the
  * quartic through them, their rates at the ends and that at a quarter of the step. */
-static void hermite(const struct pk_events *e, const struct pk_integrator *it, pk_real x)
+static PK_INLINE void hermite(const struct pk_events *e, const struct pk_integrator *it, pk_real x)
 {
     const struct pk_knot from = {e->q0, e->v0, e->a0}, to = {it->q, it->v, e->a1};
+    const size_t n_q = e->n_q, n = e->n;
     const pk_real h = it->t - e->from, y = 1 - x;
-    const pk_real *bend0 = e->bend, *bend1 = bend0 + e->n_q;
-    pk_hermite(it, h, from, to, x, e->trial, e->trial_v);
-    for (size_t i = 0; i < e->n_q; i++) {
+    const pk_real *bend0 = e->bend, *bend1 = bend0 + n_q;
+    pk_real *q = e->trial, *v = e->trial_v;
+    pk_hermite(it, h, from, to, x, q, v);
+    for (size_t i = 0; i < n_q; i++) {
         const pk_real bend = (bend0[i] * y + bend1[i] * x) / 2;
-        e->trial[i] += x * x * y * y * bend;
-        e->trial_v[i] += (2 * x * y * (y - x) * bend + x * x * y * y * (bend1[i] - bend0[i]) / 2) /
-                         h;
+        q[i] += x * x * y * y * bend;
+        v[i] += (2 * x * y * (y - x) * bend + x * x * y * y * (bend1[i] - bend0[i]) / 2) / h;
     }
-    for (size_t i = e->n_q; i < e->n; i++)
-        e->trial_v[i] += x * x * y * y * bend1[i];
+    for (size_t i = n_q; i < n; i++)
+        v[i] += x * x * y * y * bend1[i];
 }
 
 /* What the cubics of states lack, by their rates at a quarter of the step; whether one of them may be
