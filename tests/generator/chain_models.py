@@ -131,7 +131,7 @@ class Draw(Totalled):
             self.begin()
             rates = [self.ref(True) + "'" for _ in range(self.of(2, 2, 3))]
             if self.chance(0.3) and set(self.scalars) & {"X", "Y"}:
-                rates.append(self.of(*(set(self.scalars) & {"X", "Y"})) + "'")
+                rates.append(self.of(*(x for x in self.scalars if x in ("X", "Y"))) + "'")
             joined = rates[0] + "".join(self.of(" - ", " + ") + x for x in rates[1:])
             self.add("kinetic", self.summed(f"{self.factor_positive()}*({joined})^2/9"))
         if self.chance(0.2):

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from conftest import ROOT, long_but
@@ -33,3 +36,18 @@ def test_a_wrong_row_is_found(monkeypatch) -> None:
 
     monkeypatch.setattr(families, "both", other)
     assert families.alone(4)[0] == "DIFFER"
+
+
+def test_a_seed_is_one_model_whatever_the_hash_seed() -> None:
+    code = "import random, chain_models as c; print([c.drawn(random.Random(s)) for s in range(60)])"
+    here = str(Path(__file__).parent)
+    told = {
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env={**os.environ, "PYTHONPATH": here, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2", "3")
+    }
+    assert len(told) == 1

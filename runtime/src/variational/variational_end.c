@@ -20,7 +20,7 @@ static pk_real fastest(const struct pk_variational_work *w, const pk_real *v, co
 
 /* What is left of J v + j0 beside its terms. A row may be of rates that are rounding alone, as those
  * across the axle of a body that spins: the fastest tells what that is. */
-static pk_real turned(struct pk_variational_work *w, const pk_real *q, pk_real most,
+static pk_real left_of_rows(struct pk_variational_work *w, const pk_real *q, pk_real most,
                       const pk_real *v)
 {
     struct pk_projection *at = &w->at;
@@ -58,11 +58,11 @@ static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_w
 }
 
 /* Of families under constraints: M d - J^T mu = p - p(v), J d = -(J v + j0) at once. */
-static pk_real both(struct pk_variational_work *w, const pk_real *q, pk_real *v, pk_real *p,
+static pk_real settled(struct pk_variational_work *w, const pk_real *q, pk_real *v, pk_real *p,
                     pk_real *low_p)
 {
     struct pk_projection *at = &w->at;
-    pk_real left = turned(w, q, fastest(w, v, p), v), most;
+    pk_real left = left_of_rows(w, q, fastest(w, v, p), v), most;
     for (size_t i = 0; i < w->c; i++)
         at->mu[i] = -at->rate[i];
     at->system->constraints.solve(at->params, w->dV, at->mu, w->dV, at->mu);
@@ -89,7 +89,7 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
         for (size_t k = 0; k < w->m; k++)
             w->dV[k] = p[k] - w->p[k];
         if (w->c && !w->whole) {
-            left = both(w, q, v, p, low_p);
+            left = settled(w, q, v, p, low_p);
         } else {
             pk_variational_by_mass(w, w->dV);
             for (size_t k = 0; k < w->m; k++) {
@@ -99,7 +99,7 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
             const pk_real most = fastest(w, v, p);
             left /= most;
             if (w->c) {
-                left = pk_max(left, turned(w, q, most, v));
+                left = pk_max(left, left_of_rows(w, q, most, v));
                 pk_project_solve(&w->at, w->c, w->at.rate);
                 correct(w, q, w->at.d, -1, v, p, low_p);
             }
