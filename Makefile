@@ -16,7 +16,7 @@ endif
 help:
 	@echo 'make demo       generate, compile and run the models; print the drift table'
 	@echo 'make test       every test, under eight minutes'
-	@echo 'make test-long  what takes longer'
+	@echo 'make test-long  what takes longer (SHARD=1/12: a twelfth of it)'
 	@echo 'make test-debian  the generator on the python3 of Debian, half a minute'
 	@echo 'make fuzz       an hour of mutated models and of libFuzzer (FUZZ_SECONDS=N)'
 	@echo 'make systems    every scene of every model, what it expects and what was found (DOCS=1: into docs)'
@@ -52,9 +52,10 @@ test-licence: runtime
 test-python: $(STAMP)
 	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m 'not long' tests
 
+# SHARD=K/N: every Nth of them, from the Kth; the C tests in quad precision belong to the first shard.
 test-long: $(STAMP)
-	@$(MAKE) -s check-runtime-quad-inlined
-	$(PYTHON) -m pytest -q -n 2 -m long tests
+	@$(if $(filter-out 1/%,$(SHARD)),:,$(MAKE) -s check-runtime-quad-inlined)
+	$(PYTHON) -m pytest -q -n 2 -m long $(if $(SHARD),--shard $(SHARD)) tests
 
 # The generator's tests on Debian's own python3, half a minute.
 test-debian:

@@ -47,13 +47,23 @@ def pytest_configure(config: pytest.Config) -> None:
             build.runtime_library(toolchain.find_toolchain())
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--shard", metavar="K/N", help="run every Nth of the long tests, from the Kth")
+
+
 @pytest.hookimpl(tryfirst=True)  # before -m chooses
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks what tools/long_tests.py has measured to be long."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Marks what tools/long_tests.py has measured to be long, and keeps one shard of the long tests."""
     long = set((ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines())
     for item in items:
         if item.nodeid in long:
             item.add_marker(pytest.mark.long)
+    if shard := config.getoption("--shard"):
+        first, count = map(int, shard.split("/"))
+        slow = [item for item in items if item.get_closest_marker("long")]
+        kept = set(slow[first - 1 :: count])
+        config.hook.pytest_deselected(items=[item for item in items if item not in kept])
+        items[:] = [item for item in items if item in kept]
 
 
 class Names:
