@@ -75,11 +75,10 @@ pk_real pk_passage_sigma(struct pk_integrator *it, pk_real t, const pk_real *q, 
         is->row = (pk_real)(depends - 1);
         return 0;
     }
-    for (size_t i = 0; i < w.c; i++) {
-        w.most[i] = pk_max(w.most[i], w.norms[i]);
-        if (w.pivots[i] / w.most[i] <= found)
-            found = w.pivots[i] / w.most[i], is->row = (pk_real)i;
-    }
+    pk_project_rank(&w);
+    for (size_t i = 0; i < w.c; i++)
+        if (w.sines[i] <= found)
+            found = w.sines[i], is->row = (pk_real)i;
     return PK_F(sqrt)(pk_max(found, 0));
 }
 
@@ -132,6 +131,7 @@ void pk_passage_forget(struct pk_integrator *it)
     struct pk_passage *is = pk_passage_of(it);
     memset(is, 0, sizeof *is);
     memset(w.most, 0, w.c * sizeof *w.most);
+    memset(w.sizes, 0, (w.whole ? w.c * w.n : 0) * sizeof *w.sizes);
     is->sigma = 1;
     it->own->crossed = it->own->seen = it->own->near = 0;
     if (it->status >= 0)

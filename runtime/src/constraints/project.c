@@ -39,8 +39,9 @@ int pk_project_dependent(struct pk_integrator *it)
     pk_project_rows(&w, it->q, it->v);
     if (pk_project_factor(&w, w.c, it->q, it->v))
         return 0;                          /* steps say so themselves */
-    for (size_t row = 0; row < w.c; row++) /* a pivot beside its diagonal: the square of a sine */
-        if (w.pivots[row] < DEPENDENT * w.norms[row]) {
+    pk_project_rank(&w);
+    for (size_t row = 0; row < w.c; row++)
+        if (w.sines[row] < DEPENDENT) {
             it->where = row;
             if (w.whole)
                 pk_project_explain(&w, w.c, row);

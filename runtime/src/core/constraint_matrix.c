@@ -5,6 +5,8 @@
 
 #include "project.h"
 
+enum { SWEEPS = 3 }; /* of rows and columns */
+
 static inline pk_real *take(pk_real *base, size_t *used, size_t count)
 {
     pk_real *part = base ? base + *used : NULL;
@@ -32,6 +34,9 @@ static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *p
     w->J = take(base, &used, dense * n);
     w->W = take(base, &used, dense * n);
     w->A = take(base, &used, dense * c);
+    w->gram = take(base, &used, dense * c);
+    w->sizes = take(base, &used, dense * n);
+    w->columns = take(base, &used, n);
     w->phi = take(base, &used, c);
     w->rate = take(base, &used, c);
     w->phi_size = take(base, &used, c);
@@ -40,6 +45,7 @@ static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *p
     w->pivots = take(base, &used, c);
     w->norms = take(base, &used, c);
     w->most = take(base, &used, c);
+    w->sines = take(base, &used, c);
     w->depends = take(base, &used, 1 + c);
     w->off = take(base, &used, 2 * r);
     w->off_size = take(base, &used, 2 * r);
@@ -132,6 +138,15 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
     pk_project_spread(w, q, v, J, rows, w->d, out);
 }
 
+/* The square of a row's length, in the metric of M. */
+static pk_real length2(const struct pk_projection *w, size_t row)
+{
+    pk_real sum = 0;
+    for (size_t k = 0; k < w->m; k++)
+        sum += w->J[row * w->n + k] * w->W[row * w->m + k];
+    return sum;
+}
+
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
 {
     pk_real *x = w->depends + 1;
@@ -149,7 +164,7 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
             x[i] -= w->A[k * c + i] * x[k];
     }
     for (size_t i = 0; i < row; i++)
-        x[i] *= PK_F(sqrt)(w->norms[i] / (w->norms[row] + PK_TINY));
+        x[i] *= PK_F(sqrt)(length2(w, i) / (length2(w, row) + PK_TINY));
 }
 
 /* 1 + the row without a pivot, and what it is of the others. */
@@ -184,26 +199,85 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
                 sum += w->J[i * w->n + k] * w->W[j * m + k];
             w->A[i * c + j] = w->A[j * c + i] = sum;
         }
-    for (size_t i = 0; i < c; i++)
-        w->norms[i] = w->A[i * c + i];
     const size_t failed = pk_ldl_factor(w->A, c);
     if (failed)
         pk_project_explain(w, c, failed - 1);
-    for (size_t i = 0; i < c; i++)
-        w->pivots[i] = w->A[i * c + i];
     return failed;
 }
 
-void pk_project_seen(struct pk_integrator *it, const struct pk_projection *w)
+/* Scales of columns that equilibrate the largest |J_ik| of the motion. Entries of today alone would
+ * hide a row that loses what sets it apart. Reference: D. Ruiz, RAL-TR-2001-034. */
+static void scale_columns(struct pk_projection *w)
+{
+    int grown = 0;
+    for (size_t i = 0; i < w->c; i++)
+        for (size_t k = 0; k < w->m; k++)
+            if (pk_abs(w->J[i * w->n + k]) > w->sizes[i * w->n + k]) {
+                w->sizes[i * w->n + k] = 2 * pk_abs(w->J[i * w->n + k]);
+                grown = 1;
+            }
+    for (size_t k = 0; grown && k < w->m; k++)
+        w->columns[k] = 1;
+    for (int sweep = 0; grown && sweep < SWEEPS; sweep++) {
+        for (size_t i = 0; i < w->c; i++) {
+            w->norms[i] = PK_TINY;
+            for (size_t k = 0; k < w->m; k++)
+                w->norms[i] = pk_max(w->norms[i], w->sizes[i * w->n + k] * w->columns[k]);
+        }
+        for (size_t k = 0; k < w->m; k++) {
+            pk_real most = PK_TINY;
+            for (size_t i = 0; i < w->c; i++)
+                most = pk_max(most, w->sizes[i * w->n + k] / w->norms[i]);
+            w->columns[k] = 1 / most;
+        }
+    }
+}
+
+/* The square of how far a row has shrunk: of its length or of any entry, whichever did least. The
+ * one is no matter of which way the row points, the other none of units. */
+static pk_real shrunk(struct pk_projection *w, size_t i)
+{
+    pk_real length = 0, entry = 0;
+    for (size_t k = 0; k < w->m; k++) {
+        const pk_real x = pk_abs(w->J[i * w->n + k]);
+        length += x * x;
+        entry = pk_max(entry, x / (w->sizes[i * w->n + k] + PK_TINY));
+    }
+    w->most[i] = pk_max(w->most[i], length);
+    return pk_max(length / (w->most[i] + PK_TINY), entry * entry);
+}
+
+void pk_project_rank(struct pk_projection *w)
+{
+    const size_t c = w->c;
+    for (size_t i = 0; i < c && !w->whole; i++) {
+        w->most[i] = pk_max(w->most[i], w->norms[i]);
+        w->sines[i] = w->pivots[i] / w->most[i];
+    }
+    if (!w->whole)
+        return;
+    scale_columns(w);
+    for (size_t i = 0; i < c; i++)
+        for (size_t j = 0; j <= i; j++) {
+            pk_real sum = 0;
+            for (size_t k = 0; k < w->m; k++)
+                sum += w->J[i * w->n + k] * w->columns[k] * (w->J[j * w->n + k] * w->columns[k]);
+            w->gram[i * c + j] = w->gram[j * c + i] = sum;
+        }
+    for (size_t i = 0; i < c; i++)
+        w->norms[i] = w->gram[i * c + i] + PK_TINY;
+    const size_t failed = pk_ldl_factor(w->gram, c);
+    for (size_t i = 0; i < c; i++)
+        w->sines[i] = failed == i + 1 ? 0 : w->gram[i * c + i] / w->norms[i] * shrunk(w, i);
+}
+
+void pk_project_seen(struct pk_integrator *it, struct pk_projection *w)
 {
     const pk_real low = 4 * PK_NEAR * PK_NEAR, far = PK_FAR * PK_FAR;
     int seen = PK_SEEN;
-    for (size_t i = 0; i < w->c; i++) {
-        const pk_real pivot = w->pivots[i];
-        w->most[i] = pk_max(w->most[i], w->norms[i]);
-        seen |= (pivot < low * w->most[i] ? PK_SEEN_LOW : 0) |
-                (pivot < far * w->most[i] ? PK_SEEN_DIPS : 0);
-    }
+    pk_project_rank(w);
+    for (size_t i = 0; i < w->c; i++)
+        seen |= (w->sines[i] < low ? PK_SEEN_LOW : 0) | (w->sines[i] < far ? PK_SEEN_DIPS : 0);
     it->own->seen = seen;
 }
 

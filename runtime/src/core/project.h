@@ -21,8 +21,11 @@ struct pk_projection {
     pk_real *phi_size;           /* of the terms that a residual is made of */
     pk_real *rate_size;
     pk_real *mu, *d; /* multipliers; 2 n numbers: a correction, and what is behind it */
-    pk_real *pivots; /* of A; the diagonal that it had, and the most that was at a step's end */
-    pk_real *norms, *most;
+    pk_real *gram;            /* of J with scaled columns, factored */
+    pk_real *sizes, *columns; /* the largest |J_ik| of the motion, rounded up; scales of columns */
+    pk_real *sines;           /* squares of the sines between each row and those before it */
+    pk_real *pivots, *norms;  /* of a family's A: the pivots, and the diagonal that it had */
+    pk_real *most;            /* the squares of the rows' largest lengths */
     int inertia;      /* the failure of M that pk_project_factor met, where M is not whole */
     pk_real *depends; /* 1 + the row that depends on others, or 0; by how much of each */
     size_t r;         /* redundant rows */
@@ -52,6 +55,9 @@ pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t r
 /* J M^-1 J^T of the first rows, all or those of positions, at a state: factored: 0, or 1 + the row
  * that depends on others. J is there. */
 size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q, const pk_real *v);
+/* The sines of all rows, J being there, less where a row is shorter than it was in the motion. They
+ * do not depend on masses or units; of families kept as loops they are those in the metric of M. */
+void pk_project_rank(struct pk_projection *w);
 /* d = M^-1 J^T mu of these rows, with J d = r. */
 void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r);
 /* M_kk; and of so many rows J, the rows' own where there are no matrices, sum_k |J_ik| / sqrt(M_kk).
@@ -72,10 +78,10 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
 /* sigma, below which rounding of positions, some PK_EPS / sigma^2 of rates, is more than steps err:
  * rates are not projected there, and what J M^-1 J^T is solved for is lost. */
 #define PK_SINGULAR (PK_C(10.0) * PK_F(sqrt)(PK_F(sqrt)(PK_EPS)))
-/* A at the step's end has been factored: how near it is to such a position, in it->own->seen.
+/* The rank at a step's end: how near it is to such a position, in it->own->seen.
  * it->own->near is that of the step's start, where not far, or not known. */
 enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
-void pk_project_seen(struct pk_integrator *it, const struct pk_projection *w);
+void pk_project_seen(struct pk_integrator *it, struct pk_projection *w);
 /* w->depends: the row as a combination x of earlier rows, (J M^-1 J^T) x = J M^-1 row^T by the
  * factors of the leading block (row stride c); x_i is scaled by the rows' norms. */
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row);

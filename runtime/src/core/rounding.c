@@ -113,8 +113,9 @@ static void look_at_rows(struct pk_integrator *it)
     pk_project_rows(&w, it->q, it->v);
     if (pk_project_factor(&w, w.c, it->q, it->v))
         return;
+    pk_project_rank(&w);
     for (size_t i = 0; i < w.c; i++) /* next to a singular position shaking tells more */
-        if (w.pivots[i] < PK_NEAR * PK_NEAR * w.norms[i])
+        if (w.sines[i] < PK_NEAR * PK_NEAR)
             return;
     system->constraints.multipliers(w.params, w.t, it->q, it->v, w.u, lambda);
     for (size_t k = 0; k < w.m; k++) {
