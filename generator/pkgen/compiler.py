@@ -272,12 +272,15 @@ def check_model(
     _, (_, model, warnings), _, facts, (equations, *_) = islice(made, STAGES.index("reduce") + 1)
     if extreme(equations.graph):
         next(made)
-    return model, warnings + _partly_proved(model, facts)
+    return model, warnings + _more_warnings(model, facts, equations)
 
 
-def _partly_proved(model: Model, facts: Facts) -> tuple[Diagnostic, ...]:
-    if isinstance(facts, Structure):
-        return ()
+def _more_warnings(
+    model: Model, facts: Facts, equations: Equations | LoopEquations
+) -> tuple[Diagnostic, ...]:
+    """Warnings of the middle stages."""
+    if isinstance(equations, Equations):
+        return equations.left_out
     from .middle.loops.proofs import partly_proved
 
     return partly_proved(model, facts)
@@ -334,7 +337,7 @@ def compile_model(
     made = stages(source, sizes or {}, **how)
     _, (declared, model, warnings), _, facts, reduced, (program, parts), files = made
     equations, structure, report = reduced
-    warnings += _partly_proved(model, facts)
+    warnings += _more_warnings(model, facts, equations)
     if portable:
         from .back.c import render
 

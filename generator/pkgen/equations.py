@@ -20,7 +20,7 @@ from .graph.graph import Graph, Node
 from .graph.solve import Pivots
 from .model import Definition, Event, Model
 from .record import record
-from .source import Span
+from .source import Diagnostic, Span
 
 Row = tuple[Node, ...]
 Matrix = tuple[Row, ...]
@@ -235,6 +235,7 @@ class Equations:
     events: Row  # what crosses zero; model.events has the directions
     start_q: Row
     start_v: Row
+    left_out: tuple[Diagnostic, ...] = ()  # constraints that hold whatever the motion
     unrolled: str = ""  # why the families of coordinates are not loops
     hamiltonian: Hamiltonian | None = None  # None: not asked for
     switches: tuple[Switch, ...] = ()

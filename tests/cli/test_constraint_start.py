@@ -115,10 +115,10 @@ def test_rows_of_metres_and_of_radians_compare_by_their_inertia(pkgen, tmp_path,
 
 
 @pytest.mark.parametrize(("k", "code"), [("1e-5", 0), ("1e-9", 4)])
-def test_rows_are_dependent_where_no_double_tells_them_apart(pkgen, tmp_path, k, code):
-    """By the same bound where C is made, for the model's own start, and where it runs."""
+def test_rows_that_inertia_alone_makes_one_are_told_so(pkgen, tmp_path, k, code):
+    """In another unit of y they are as far apart as x and y."""
     done = pkgen("run", written(tmp_path, NEARLY + "potential y\n"), "--until", "1")
-    assert done.returncode == 4 and "b follows from the others" in done.stderr
+    assert done.returncode == 4 and "beside a the multiplier of b loses" in done.stderr
     done = pkgen("run", written(tmp_path, NEARLY.replace("1e-8", "1e-5")), "--set", f"k={k}")
     assert done.returncode == code, done.stderr
-    assert code == 0 or "b depends on a" in done.stderr
+    assert code == 0 or "beside a the multiplier of b loses" in done.stderr

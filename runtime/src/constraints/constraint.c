@@ -203,6 +203,16 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
         }
 }
 
+/* Whether a row is independent of the others by itself, and J M^-1 J^T has no pivot all the same. */
+static int inertia_hides(const struct pk_integrator *it, size_t row)
+{
+    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    if (!w.whole)
+        return 0;
+    pk_project_rank(&w);
+    return w.sines[row] > PK_DEPENDENT;
+}
+
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;
@@ -255,6 +265,11 @@ int pk_project_reason(const struct pk_integrator *it, char *text, size_t size)
         return snprintf(text, size, "%s: %s%s by %.3g%s", what, name,
                         it->where >= c ? ", as rates go," : "", (double)it->detail, more);
     }
+    if (*others && inertia_hides(it, row))
+        return pk_say(it, text, size,
+                      "%s: beside %s the multiplier of %s loses all digits: by their inertia these "
+                      "rows are all but one",
+                      what, others, name);
     if (*others)
         return pk_say(it, text, size, "%s: %s depends on %s%s", what, name, others, alone);
     if (pk_project_parts(&it->problem, it->n, it->own->project).depends[0] > 0)

@@ -24,7 +24,6 @@
 #define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
 #define NOTICED (PK_C(1e5) * PK_EPS)    /* of its terms: a residual that is no rounding */
 #define MOST_OFF PK_C(100.0)            /* the models shipped: 47, and 470 in one run at 1e-3 */
-#define DEPENDENT PK_C(1e-12)           /* sine squared; steps underflow before rows this close */
 enum { MOST = 20 };                     /* corrections */
 
 int pk_project_dependent(struct pk_integrator *it)
@@ -41,7 +40,7 @@ int pk_project_dependent(struct pk_integrator *it)
         return 0;                          /* steps say so themselves */
     pk_project_rank(&w);
     for (size_t row = 0; row < w.c; row++)
-        if (w.sines[row] < DEPENDENT) {
+        if (w.sines[row] < PK_DEPENDENT) {
             it->where = row;
             if (w.whole)
                 pk_project_explain(&w, w.c, row);

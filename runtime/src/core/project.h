@@ -73,6 +73,7 @@ void pk_project_pull(const struct pk_projection *w, const pk_real *q, const pk_r
                      const pk_real *J, size_t rows, const pk_real *x, pk_real *out);
 void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real *v,
                        const pk_real *J, size_t rows, pk_real *out);
+#define PK_DEPENDENT PK_C(1e-12) /* sigma^2; steps underflow before rows are this close */
 #define PK_NEAR PK_C(0.2) /* sigma, below which it is watched to fall; of fixed steps twice that */
 #define PK_FAR PK_C(0.9)  /* sigma, above which a fixed step meets no such place */
 /* sigma, below which rounding of positions, some PK_EPS / sigma^2 of rates, is more than steps err:

@@ -11,20 +11,25 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 
 from ...equations import Attitude, ParameterSlot, Row, Rows
 from ...graph.differentiate import gradient
 from ...graph.evaluate import evaluate
+from ...graph.exact import Exact
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.rounding import sizes
 from ...record import record
 from ...source import Diagnostic
 from ..points.samples import started
+from .nearest_start import nearest_start
 
 EPS = sys.float_info.epsilon
 WRITTEN = 1e-8  # of its terms: starts are written with as many digits as their author has
 DEBRIS = 64 * EPS  # beside the largest number of the start: what rounding leaves of a zero
+SWEEPS = 3  # of rows and columns
+ROUNDING = 1e-12  # an entry so small in its row may be rounding of 0: no column is scaled by it
 SMALL = 1e-9  # a row that may be rounding
 DEPENDENT = math.sqrt(16 * EPS)  # left of a row without its parts along others; squared, a pivot
 
@@ -46,10 +51,11 @@ def at_the_start(
     starts: tuple[Row, Row, Row],
     lagrangian: Node,
     attitudes: tuple[Attitude, ...],
+    name: Callable[[Symbol], str],
 ) -> tuple[Rows | None, list[Diagnostic]]:
-    """The rows, those that follow from others apart; or what is wrong: each constraint that the
-    start breaks, or that has no force there. `starts` are of coordinates, their rates, and
-    states."""
+    """The rows, those that follow from others apart, and findings: errors for each constraint that
+    the start breaks, or that has no force there; warnings for those that say nothing. `starts` are
+    of coordinates, their rates, and states."""
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
         return c, []
     start = _start(g, started(g, parameters, starts), lagrangian, attitudes)
@@ -59,21 +65,44 @@ def at_the_start(
         for k, row in enumerate(rows)
         if (found := _residual(g, c, k, row, start)) is not None
     ]
-    dependent = _dependent(rows)
-    if dependent is None:
-        return c, broken
-    k, others = dependent
-    names = " and ".join(f"'{_name(c, i)}'" for i in others) or "nothing"
     if broken:
-        message = f"'{_name(c, k)}' contradicts {names}: they leave the same rates no freedom"
-        broken += [Diagnostic(f"the {_kind(c, k)} {message}", c.spans[k], "leave one out")]
+        near = nearest_start(g, c, lagrangian, start.values, attitudes, name)
+        if near:
+            broken[0] = replace(broken[0], help=f"the nearest start that holds: {near}")
+        elif contradiction := _contradiction(c, rows):
+            broken.append(contradiction)
         return c, broken
-    if not others:
-        message = f"the {_kind(c, k)} '{_name(c, k)}' has no force at the start: its row is 0 there"
-        return c, [Diagnostic(message, c.spans[k], "start elsewhere, or write it another way")]
+    without = [k for k, row in enumerate(rows) if not any(row.values())]
+    for k in without:
+        if not Exact(g).is_zero(c.residual[k]):
+            message = f"'{_name(c, k)}' has no force at the start: its row is 0 there"
+            help = "start elsewhere, or write it another way"
+            return c, [Diagnostic(f"the {_kind(c, k)} {message}", c.spans[k], help)]
+    left_out = [_left_out(c, k) for k in without]
+    if without:
+        kept = [k for k in range(len(rows)) if k not in without]
+        c, rows = c.picked(kept), [rows[k] for k in kept]
+    rows = _equilibrated(rows)
+    if _dependent(rows) is None:
+        return c, left_out
     own = _independent(rows, c.holonomic)
     redundant = c.picked([k for k in range(len(rows)) if k not in own])
-    return replace(c.picked(own), redundant=redundant), []
+    return replace(c.picked(own), redundant=redundant), left_out
+
+
+def _left_out(c: Rows, k: int) -> Diagnostic:
+    message = f"the {_kind(c, k)} '{_name(c, k)}' holds whatever the motion: it is left out"
+    return Diagnostic(message, c.spans[k], severity="warning")
+
+
+def _contradiction(c: Rows, rows: list[dict[Node, float]]) -> Diagnostic | None:
+    found = _dependent(_equilibrated(rows))
+    if found is None:
+        return None
+    k, others = found
+    names = " and ".join(f"'{_name(c, i)}'" for i in others) or "nothing"
+    message = f"'{_name(c, k)}' contradicts {names}: they leave the same rates no freedom"
+    return Diagnostic(f"the {_kind(c, k)} {message}", c.spans[k], "leave one out")
 
 
 def _start(
@@ -133,6 +162,25 @@ def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
         if abs(x) > DEBRIS * math.fsum(ends):
             return row
     return dict.fromkeys(row, 0.0)
+
+
+def _equilibrated(rows: list[dict[Node, float]]) -> list[dict[Node, float]]:
+    """The rows with columns of one size, so that masses and units say nothing of their rank.
+
+    Reference: D. Ruiz, RAL-TR-2001-034.
+    """
+    rates = sorted(set().union(*rows))
+    column = dict.fromkeys(rates, 1.0)
+    for _ in range(SWEEPS):
+        sizes = [max((abs(x) * column[r] for r, x in row.items()), default=0.0) for row in rows]
+        for rate in rates:
+            shares = [
+                abs(row.get(rate, 0.0)) / size
+                for row, size in zip(rows, sizes, strict=True)
+                if size and abs(row.get(rate, 0.0)) * column[rate] > ROUNDING * size
+            ]
+            column[rate] = 1 / max(shares) if shares else column[rate]
+    return [{rate: x * column[rate] for rate, x in row.items()} for row in rows]
 
 
 def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:

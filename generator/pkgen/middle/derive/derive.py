@@ -54,11 +54,27 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
     parameters = tuple(slot for item in model.parameters for slot in _slots(x, item))
     start_q, start_v, state_start = starts = _starts(x)
-    rows, wrong = at_the_start(
-        x.graph, rows_of(x), parameters, starts, energies.lagrangian, x.attitudes
+    names = x.coordinates
+    declared = model.coordinates
+    named = Named(
+        parameters=parameters,
+        coordinates=quantities(declared, names, "{}", "unit"),
+        rates=quantities(declared, names, "{}'", "rate_unit", "rate"),
+        momenta_names=quantities(declared, names, "p_{}", "momentum_unit", "momentum"),
+        inputs=input_quantities(model, orders),
+        states=quantities(model.states, x.states, "{}", "unit"),
     )
-    if wrong:
-        raise ModelError(model.source, wrong)
+    rows, findings = at_the_start(
+        x.graph,
+        rows_of(x),
+        parameters,
+        starts,
+        energies.lagrangian,
+        x.attitudes,
+        naming(named),
+    )
+    if any(finding.severity == "error" for finding in findings):
+        raise ModelError(model.source, findings)
     bodies = None
     if wanted.named(PARTICLES):
         from ..particles.masses import Given
@@ -91,16 +107,6 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         )
     primes = x.primes[:]  # of outputs they say what is seen, not how it moves
     outputs = _outputs(x, found, rates)
-    names = x.coordinates
-    declared = model.coordinates
-    named = Named(
-        parameters=parameters,
-        coordinates=quantities(declared, names, "{}", "unit"),
-        rates=quantities(declared, names, "{}'", "rate_unit", "rate"),
-        momenta_names=quantities(declared, names, "p_{}", "momentum_unit", "momentum"),
-        inputs=input_quantities(model, orders),
-        states=quantities(model.states, x.states, "{}", "unit"),
-    )
     check_rates(model, x.graph, primes, naming(named))
     ends = singularities(x.graph, found, named) if wanted("singularity") else ()
     equations = Equations(
@@ -108,6 +114,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         graph=x.graph,
         **vars(named),
         **outputs,
+        left_out=tuple(findings),
         event_names=Quantity.each(model.events),
         singularities=ends,
         events=_events(x, found, rates),

@@ -1,0 +1,68 @@
+"""Linkages in maximal coordinates against angles, whatever their masses and lengths are."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from pathlib import Path
+
+import pkgen
+import pytest
+from conftest import ROOT, long_but, rows, written
+from linkages import Linkage, linkage
+
+ADAPTIVE = ("gauss", "dop853", "dopri5", "radau", "gsl_rk8pd", "gsl_msadams")
+FIXED = ("rk4", "gauss2", "lobatto3", "radau5", "rattle", "rkmk4")
+RTOL = 1e-9
+# The reference values come from the same pendulums in angles.
+CASES = [
+    ("light_rod", "mr=0.4", 3, "xb", 1.9300871486497477),
+    ("light_rod", "mr=0.1", 3, "xb", 1.9171395568094765),
+    ("light_rod", "mr=1e-3", 3, "xb", 1.9123629636496637),
+    ("dp_cart", "m1=0.01", 2, "x2", -0.2534713358844),
+]
+
+
+@pytest.mark.parametrize("method", long_but(["gauss"], ["gauss", "dop853", "dopri5", "radau"]))
+@pytest.mark.parametrize(("name", "mass", "until", "column", "value"), CASES)
+def test_light_bodies_among_heavy_ones(pkgen, name, mass, until, column, value, method):
+    words = ("--until", until, "--every", until, "--set", mass, "--method", method)
+    model = ROOT / "tests" / "cases" / f"{name}.lag"
+    last = rows(pkgen, model, *words)[-1]
+    assert last[column] == pytest.approx(value, rel=3e-8)
+
+
+def _loaded(folder: Path, text: str) -> pkgen.Model:
+    return pkgen.load(written(folder, text))
+
+
+def _apart(of: Linkage, maximal: pkgen.Result, minimal: pkgen.Result) -> float:
+    """The largest difference of an angle at the end."""
+    return max(abs(maximal[f"r{k}"][-1] - minimal[rod.angle][-1]) for k, rod in enumerate(of.rods))
+
+
+@pytest.mark.parametrize("seed", long_but(range(3), range(100)))
+def test_random_linkages_are_their_angles(tmp_path, seed):
+    of = linkage(seed)
+    minimal, maximal = _loaded(tmp_path, of.minimal), _loaded(tmp_path, of.maximal)
+    exact = minimal.run(of.time, every=of.time, method="dop853", rtol=1e-13)
+    adaptive = ADAPTIVE if seed > 2 else ADAPTIVE[seed : seed + 1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for method in adaptive:
+            found = maximal.run(of.time, every=of.time, method=method, rtol=RTOL)
+            lost = sys.float_info.epsilon * found.report["condition"]["constraints"]["cond"]
+            assert _apart(of, found, exact) < 100 * max(RTOL, lost), method
+        if seed <= 2:
+            return
+        for method in FIXED:
+            step = of.time / 200
+            found = maximal.run(of.time, every=of.time, method=method, step=step)
+            beside = minimal.run(of.time, every=of.time, method=method, step=step)
+            lost = sys.float_info.epsilon * found.report["condition"]["constraints"]["cond"]
+            allowed = 100 * max(_apart_minimal(of, beside, exact), 1e-9, lost)
+            assert _apart(of, found, exact) < allowed, method
+
+
+def _apart_minimal(of: Linkage, found: pkgen.Result, exact: pkgen.Result) -> float:
+    return max(abs(found[rod.angle][-1] - exact[rod.angle][-1]) for rod in of.rods)
