@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import random
+import re
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import rows
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.middle.derive.derive import derive
@@ -65,7 +67,7 @@ def accelerations(text: str, links: list[Link], seed: int = 1) -> tuple[np.ndarr
 
 
 def test_a_urdf_moves_as_it_says(tmp_path):
-    xml = ARM.replace('damping="0.3"', 'damping="0"')
+    xml = ARM.replace('damping="0.3"', 'damping="0"').replace('<mimic joint="shoulder"/>', "")
     c = matrix(roll_pitch_yaw(0.1, 0.3, 0.4))
     own = np.array([[0.03, 0.001, 0], [0.001, 0.03, 0], [0, 0, 0.002]])
     upper = (np.array([0, 0, 1]), roll_pitch_yaw(0.3, 0.2, 0.5), 1.5, np.array([0, 0.1, -0.25]))
@@ -82,7 +84,7 @@ def test_a_urdf_moves_as_it_says(tmp_path):
 
 def test_what_it_writes(tmp_path):
     text = text_of(tmp_path, ARM)
-    left = "# left out: <transmission> (1), friction of a joint (1), <mimic> (1)"
+    left = "# left out: <transmission> (1), friction of a joint (1)"
     assert left in text and "# mesh package://x/upper.stl" in text
     assert "limits [-2.0, 2.0]  # limits: effort 5.0" in text
     assert "dissipation (0.3 [N*m*s])/2*shoulder'^2" in text
@@ -184,8 +186,8 @@ def test_the_command(pkgen, tmp_path):
     robot = tmp_path / "arm.urdf"
     robot.write_text(ARM)
     done = pkgen("import", robot, "-o", tmp_path / "arm.lag")
-    assert done.returncode == 0 and "<mimic> (1)" in done.stderr
-    ran = pkgen("run", tmp_path / "arm.lag", "--until", "0.1", "--start", "shoulder=1")
+    assert done.returncode == 0 and "<transmission> (1)" in done.stderr
+    ran = pkgen("run", tmp_path / "arm.lag", "--until", "0.1", "--start", "shoulder=1,elbow=1")
     assert ran.returncode == 0 and "elbow" in ran.stdout
     robot.write_text("<robot><link/></robot>")
     done = pkgen("import", robot)
@@ -231,3 +233,54 @@ def test_robots_of_others_as_pinocchio_has_them(robot):
     wanted = pinocchio.aba(own, own.createData(), q, v, np.zeros(own.nv))[order]
     found = np.array(evaluate(e.graph, e.acceleration, symbols))
     assert abs(found - wanted).max() < 1e-12 * abs(wanted).max()
+
+
+def test_joints_that_mimic_others_are_tied_to_them(pkgen, tmp_path):
+    robot, model = tmp_path / "grip.urdf", tmp_path / "grip.lag"
+    of = [("k", "revolute", "h", -2, 0.1), ("s", "prismatic", "k", 0.1, 0)]
+    followers = "".join(
+        joint(
+            name,
+            "base",
+            f"{name}_link",
+            kind,
+            f'<mimic joint="{other}" multiplier="{x}" offset="{y}"/>',
+        )
+        for name, kind, other, x, y in of
+    )
+    first = joint("h", "base", "h_link", "revolute", '<limit lower="0.5" upper="3"/>')
+    links = "".join(
+        link(f"{name}_link", heavy("1").replace("<mass", '<origin xyz="0 0.2 -1"/><mass'))
+        for name in "hks"
+    )
+    robot.write_text(f'<robot name="grip">{link("base")}{links}{first}{followers}</robot>')
+    done = pkgen("import", robot, "-o", model)
+    assert done.returncode == 0, done.stderr
+    last = rows(pkgen, model, "--until", "0.2", "--every", "0.2")[-1]
+    assert abs(last["h"] - 1.75) > 1e-3
+    for name, _, other, x, y in of:
+        assert last[name] == pytest.approx(x * last[other] + y, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_all_that_is_not_read_is_named(tmp_path, seed):
+    """An unknown child or attribute anywhere in a link or joint, but in what is only drawn."""
+    draw = random.Random(seed)
+    tags = re.findall(r"<(?:link|inertial|origin|mass|inertia|joint|axis|limit|dynamics)[ >/]", ARM)
+    place = draw.randrange(len(tags))
+    at = [m.end() - 1 for m in re.finditer("|".join({re.escape(t) for t in tags}), ARM)][place]
+    xml = f'{ARM[:at]} unknown="1"{ARM[at:]}'
+    if draw.random() < 0.5:
+        at = draw.choice([m.start() for m in re.finditer("</(?:link|joint|inertial)>", ARM)])
+        xml = f"{ARM[:at]}<unknown/>{ARM[at:]}"
+    assert "unknown" in text_of(tmp_path, xml).split("gravity")[0]
+
+
+def test_a_model_that_does_not_compile_is_no_success(pkgen, tmp_path):
+    """A point mass on a hinge has no inertia."""
+    robot, model = tmp_path / "point.urdf", tmp_path / "point.lag"
+    point = link("a", '<inertial><mass value="1"/></inertial>')
+    robot.write_text(f'<robot name="point">{link("base")}{point}{joint("j", "base", "a")}</robot>')
+    done = pkgen("import", robot, "-o", model)
+    assert done.returncode == 1 and "inertia" in done.stderr, done.stderr
+    assert model.exists()

@@ -7,9 +7,13 @@ import json
 import sys
 from pathlib import Path
 
+from .. import limits
+from ..compiler import check_model
 from ..robots.read import imported
+from ..source import Source
 from ..system.exits import DONE
 from ..system.files import replace
+from ..system.resources import bounded
 
 EXAMPLES = """
 pkgen import robot.urdf -o robot.lag
@@ -30,6 +34,8 @@ def run(options: argparse.Namespace) -> int:
         replace({Path(options.output): text})
     elif not options.json:
         sys.stdout.write(text)
+    with bounded(limits.CPU_SECONDS, limits.MEMORY_BYTES):  # a refused file stays, to be mended
+        check_model(Source(options.output or "-", text))
     if options.json:
         made = {"file": options.output, "bodies": len(robot.links), "joints": len(robot.joints)}
         print(json.dumps(made | {"notes": robot.notes()}))

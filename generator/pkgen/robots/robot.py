@@ -13,6 +13,7 @@ from .turns import Matrix, Turns, Vector, inner, right_angles, seen_from
 from .xml import Element
 
 TAKEN = ("g", "ground", "O", "energy", "T", "V", "L")
+UNITS = {"revolute": "rad", "prismatic": "m"}
 # Names that a joint's coordinates take besides its own, by its kind.
 SUFFIXES = {"free": ("_x", "_y", "_z"), "planar": ("_1", "_2")}
 
@@ -38,6 +39,7 @@ class Joint:
     says: str = ""
     damping: float = 0.0
     limits: tuple[float, float] | None = None  # [rad] or [m]
+    follows: tuple[str, float, float] | None = None  # it is x times this joint's place, plus y
 
 
 @dataclass
@@ -98,18 +100,44 @@ def text(robot: Robot, file: str) -> str:
     lines += ["", f"gravity {_vector(robot.gravity)} [m/s^2]", ""]
     lines += [_body(link, bodies[link.name]) for link in robot.links]
     lines.append("")
-    damped, starts = [], []
+    damped, starts, tied = [], [], []
+    given = {j.name: names.new(j.name, _suffixes(j), "joint") for j in robot.joints}
+    start = {j.name: sum(j.limits) / 2 if _apart_from_zero(j) else 0.0 for j in robot.joints}
+    by_name = {joint.name: joint for joint in robot.joints}
     for joint in robot.joints:
-        name = names.new(joint.name, _suffixes(joint), "joint")
+        name = given[joint.name]
         lines.append(_joint(joint, name, bodies))
         if joint.damping:
             unit = "N*m*s" if joint.kind == "revolute" else "N*s/m"
             damped.append(f"dissipation ({joint.damping!r} [{unit}])/2*{name}'^2")
-        low, high = joint.limits or (0.0, 0.0)
-        if low > 0 or high < 0:
-            middle = repr((low + high) / 2) + " [m]" * (joint.kind == "prismatic")
-            starts.append(f"start {name} = {middle}  # between its limits")
-    return "\n".join([*lines, *([""] if damped or starts else []), *damped, *starts]) + "\n"
+        if joint.follows:
+            other, factor, offset = joint.follows
+            of, unit = by_name[other], UNITS.get(joint.kind, "rad")
+            terms = [f"({offset!r} [{unit}])"] if offset or of.kind == "fixed" else []
+            if of.kind != "fixed":
+                per = f" [{unit}/{UNITS[of.kind]}]" * (of.kind != joint.kind)
+                terms.append(f"({factor!r}{per})*{given[other]}")
+            tied.append(f"constraint {names.new(f'mimic_{name}')}: {name} = {' + '.join(terms)}")
+            start[joint.name] = _followed(joint, by_name, start)
+        if start[joint.name]:
+            unit = " [m]" * (joint.kind == "prismatic")
+            why = "as it follows another" if joint.follows else "between its limits"
+            starts.append(f"start {name} = {start[joint.name]!r}{unit}  # {why}")
+    more = [*tied, *damped, *starts]
+    return "\n".join([*lines, *[""] * bool(more), *more]) + "\n"
+
+
+def _apart_from_zero(joint: Joint) -> bool:
+    low, high = joint.limits or (0.0, 0.0)
+    return low > 0 or high < 0
+
+
+def _followed(joint: Joint, joints: dict[str, Joint], start: dict[str, float]) -> float:
+    """Where a joint starts that follows others."""
+    if not joint.follows:
+        return start[joint.name] if joint.kind != "fixed" else 0.0
+    other, factor, offset = joint.follows
+    return factor * _followed(joints[other], joints, start) + offset
 
 
 def _suffixes(joint: Joint) -> tuple[str, ...]:
@@ -126,6 +154,7 @@ def _hold_massless(robot: Robot) -> None:
             heavy.add(joint.parent)
         elif joint.kind != "fixed":
             joint.kind, joint.axis, joint.damping, joint.limits = "fixed", None, 0.0, None
+            joint.follows = None
             robot.leave_out("joints that carry no mass: fixed")
 
 

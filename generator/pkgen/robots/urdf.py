@@ -1,5 +1,5 @@
-"""URDF: links, joints, inertias, origins, limits. Meshes are named; mimic, transmissions, sensors
-and the like are left out, and said to be. Reference: wiki.ros.org/urdf/XML."""
+"""URDF: links, joints, inertias, origins, limits, joints that follow others. Meshes are named; all
+else is left out, and said to be. Reference: wiki.ros.org/urdf/XML."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ KINDS = {
     "planar": "planar",
 }
 ZERO = (0.0, 0.0, 0.0)
+DRAWN = ("visual", "collision")  # of these the meshes are named
 
 
 def robot(root: Element, base: str) -> Robot:
@@ -45,6 +46,7 @@ def robot(root: Element, base: str) -> Robot:
             raise element.wrong(f"there are two joints '{joint.name}'")
         names.add(joint.name)
         hung[joint.child] = joint
+    _check_followed(root, hung)
     roots = [name for name in links if name not in hung]
     if not links:
         raise root.wrong("the robot has no link")
@@ -63,12 +65,29 @@ def robot(root: Element, base: str) -> Robot:
         placed = {joint.child for joint in found.joints}
         left = next(name for name in links if name not in placed)
         raise links[left].wrong(f"the joints go round in a circle at the link '{left}'")
+    for element in (*root.all("link"), *root.all("joint")):
+        for what in element.unread(DRAWN):
+            found.leave_out(what)
     return found
+
+
+def _check_followed(root: Element, hung: dict[str, Joint]) -> None:
+    joints = {joint.name: joint for joint in hung.values()}
+    for element in root.all("joint"):
+        joint, seen = joints[element.text("name")], set()
+        while joint.follows:
+            seen.add(joint.name)
+            other = joint.follows[0]
+            if other not in joints:
+                raise element.wrong(f"there is no joint '{other}' to mimic")
+            if other in seen:
+                raise element.wrong(f"the joint '{other}' mimics itself")
+            joint = joints[other]
 
 
 def _link(element: Element, name: str, robot: Robot) -> Link:
     link = Link(name)
-    for shape in (*element.all("visual"), *element.all("collision")):
+    for shape in [shape for tag in DRAWN for shape in element.all(tag)]:
         geometry = shape.first("geometry")
         mesh = geometry.first("mesh") if geometry else None
         file = mesh.attributes.get("filename", "") if mesh else ""
@@ -120,6 +139,12 @@ def _joint(element: Element, robot: Robot, links: dict[str, Element]) -> Joint:
             raise part.wrong(f"the axis of the joint '{name}' is the zero vector")
     joint = Joint(name, kind, *ends, *_origin(element), axis)
     limit, dynamics = element.first("limit"), element.first("dynamics")
+    mimic = element.first("mimic")
+    if mimic is not None and kind in ("revolute", "prismatic"):
+        by = mimic.number("multiplier", 1.0), mimic.number("offset", 0.0)
+        joint.follows = (mimic.text("joint"), *by)
+    elif mimic is not None:
+        robot.leave_out(f"<mimic> of a {kind} joint")
     if limit is not None:
         shown = [
             f"{w} {limit.number(w)!r}" for w in ("effort", "velocity") if w in limit.attributes
@@ -138,7 +163,4 @@ def _joint(element: Element, robot: Robot, links: dict[str, Element]) -> Joint:
         robot.leave_out(f"damping of a {kind} joint")
     if dynamics is not None and dynamics.number("friction", 0.0):
         robot.leave_out("friction of a joint")
-    for tag in ("mimic", "safety_controller", "calibration"):
-        if element.first(tag) is not None:
-            robot.leave_out(f"<{tag}>")
     return joint
