@@ -53,7 +53,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(tryfirst=True)  # before -m chooses
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Marks what tools/long_tests.py has measured to be long, and keeps one shard of the long tests."""
+    """Marks what tools/long_tests.py has measured to be long; keeps one shard of the long tests."""
     long = set((ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines())
     for item in items:
         if item.nodeid in long:

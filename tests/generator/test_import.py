@@ -187,7 +187,9 @@ def test_the_command(pkgen, tmp_path):
     robot.write_text(ARM)
     done = pkgen("import", robot, "-o", tmp_path / "arm.lag")
     assert done.returncode == 0 and "<transmission> (1)" in done.stderr
-    ran = pkgen("run", tmp_path / "arm.lag", "--until", "0.1", "--start", "shoulder=1,elbow=1")
+    ran = pkgen(
+        "run", tmp_path / "arm.lag", "--until", "0.1", "--start", "shoulder=1", "--start", "elbow=1"
+    )
     assert ran.returncode == 0 and "elbow" in ran.stdout
     robot.write_text("<robot><link/></robot>")
     done = pkgen("import", robot)
