@@ -310,3 +310,13 @@ start x = 1, y' = 0.5
     run = ("run", path, "--until", "7", "--diagnose", "least_action", "-o", tmp_path / "rows.csv")
     said = pkgen(*run).stderr  # at pi and 2 pi, each twice
     assert "4 independent ways to a neighbour with less; 4 more by points that count twice" in said
+
+
+def test_lines_of_a_coordinate_that_winds_have_errors_of_their_own(pkgen) -> None:
+    """The precession of a top, whose last lines half of the time does not tell apart."""
+    model = ROOT / "models" / "heavy_top.lag"
+    found, _ = diagnosed(pkgen, model, "spectrum", "--until", "100", "--every", "0.05")
+    found = found["spectrum"]["coordinates"]
+    nutation = {c["name"]: c["lines"][0] for c in found}
+    assert nutation["phi"]["frequency"] == pytest.approx(nutation["theta"]["frequency"], abs=1e-9)
+    assert 0 < max(line["error"] for c in found for line in c["lines"][:3]) < 1e-8

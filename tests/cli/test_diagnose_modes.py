@@ -188,3 +188,11 @@ def test_refusals(pkgen, tmp_path: Path) -> None:
         assert done.returncode == 2 and reason in done.stderr, done.stderr
     done = pkgen("run", ROOT / "models/heavy_top.lag", "--diagnose", "modes", "--until", "1")
     assert done.returncode == 2 and "the coordinates themselves are singular" in done.stderr
+
+
+def test_of_what_a_scene_reduces_to(pkgen, tmp_path: Path) -> None:
+    """A top's nutation about its steady precession; the whole top rests nowhere."""
+    top = ROOT / "models" / "heavy_top.lag"
+    found, _ = modes(pkgen, tmp_path, top, "--scene", "nutation")
+    assert found["frequencies"] == pytest.approx([7.3155695066], abs=1e-9)
+    assert found["equilibrium"] == pytest.approx([0.6593415109], abs=1e-9)

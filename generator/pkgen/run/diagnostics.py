@@ -26,7 +26,7 @@ def _named(column: int, word: str) -> tuple[str, ...]:
 
 _ROWS = _ROW.findall(TABLE.read_text(encoding="utf-8"))
 OF_MEMBERS = _named(1, "MEMBERS")
-OF_REDUCED = _named(1, "REDUCED")  # alone, it is of what a scene's reductions leave
+OF_REDUCED = _named(1, "REDUCED")  # without others, of what a scene's reductions leave
 NAMES = tuple(name for name, *_ in _ROWS if name not in OF_MEMBERS)
 OF_PARTICLES = frozenset(("all", *_named(2, "PARTICLES")))
 LINEARISED = frozenset(("all", *_named(2, "LINEAR")))  # by `linear`
@@ -109,4 +109,4 @@ def name_places(report: dict, compilation: Compilation) -> None:
 
 def of_whole(text: str | None) -> bool:
     """Whether what is asked for is of the whole motion, so that nothing is reduced."""
-    return text is not None and asked(text) != OF_REDUCED
+    return text is not None and not {*asked(text)} <= {*OF_REDUCED}
