@@ -269,21 +269,10 @@ def check_model(
     than constants that a double cannot hold.
     """
     made = stages(source, sizes or {})
-    _, (_, model, warnings), _, facts, (equations, *_) = islice(made, STAGES.index("reduce") + 1)
+    _, (_, model, warnings), _, _, (equations, *_) = islice(made, STAGES.index("reduce") + 1)
     if extreme(equations.graph):
         next(made)
-    return model, warnings + _more_warnings(model, facts, equations)
-
-
-def _more_warnings(
-    model: Model, facts: Facts, equations: Equations | LoopEquations
-) -> tuple[Diagnostic, ...]:
-    """Warnings of the middle stages."""
-    if isinstance(equations, Equations):
-        return equations.left_out
-    from .middle.loops.proofs import partly_proved
-
-    return partly_proved(model, facts)
+    return model, warnings + getattr(equations, "left_out", ())
 
 
 def _equations(
@@ -335,9 +324,9 @@ def compile_model(
     Raises ModelError with every finding of the stage that could not go on.
     """
     made = stages(source, sizes or {}, **how)
-    _, (declared, model, warnings), _, facts, reduced, (program, parts), files = made
+    _, (declared, model, warnings), _, _, reduced, (program, parts), files = made
     equations, structure, report = reduced
-    warnings += _more_warnings(model, facts, equations)
+    warnings += getattr(equations, "left_out", ())
     if portable:
         from .back.c import render
 

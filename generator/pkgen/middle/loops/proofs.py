@@ -5,21 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...equations import Claim, Facts
+from ...equations import Claim, Structure, Symmetries
 from ...front.check import check
 from ...front.statements import File
 from ...model import Model
-from ...source import Diagnostic, ModelError
+from ...source import ModelError, Span
+from ...tree import Name
 from ..analyze import analyze
-from ..analyze.proofs import OPEN
+from ..analyze.proofs import OPEN, PROVED
 from ..derive import derive
 from ..quantities import families
 from .loops import LoopEquations
+from .uniform import FEWEST, members_are_alike
 
 Use = Callable[[Model], tuple[Model, object]]  # what a scene makes of a model, and more
 
-PROVED_AT = 40  # coordinates up to which a family is unrolled for the proof of a claim
-FEW = 5  # members with which claims about a larger one are tried
+UNROLLED = 400  # coordinates up to which claims are proved with all members written out
+SEARCHED = 40  # and up to which symmetries are looked for
+TRIED = 23  # members with which a proof for any number is tried once more
+ENERGY = Name("energy", None, Span(0, 0))
+OF = frozenset({"mass", "force", "momenta", "conserve"})
 
 
 def with_proofs(
@@ -31,35 +36,82 @@ def with_proofs(
     """The equations with the outcome of each claim among their facts; with `symmetric`, also with
     what Noether's theorem gives.
 
-    All is proved for the sizes that stand in the model, or for few members where those are too
-    many, and says which: there is no proof for all sizes at once.
+    Claims are proved for the number of members that the model has; or, where these are too many to
+    be written out, for any number (middle/loops/uniform.py). Energy is constant where the facts say so.
     """
     model = equations.model
-    if not (model.conserved or symmetric):
-        return equations
-    small = _small(file, model, use)
-    if small is None:
-        says = f"the model is too large to unroll, and {FEW} members are too few for it"
-        claims = tuple(Claim(item.name, OPEN, says) for item in model.conserved)
-        return replace(equations, facts=replace(equations.facts, claims=claims))
-    unrolled = derive.derive(small, frozenset({"mass", "force", "momenta", "conserve"}))
-    structure = analyze.analyze(unrolled, symmetric, with_claims=True)
-    at = f"with {sizes_text(small)}"
-    claims = tuple(replace(x, says=f"{x.says}, {at}") for x in structure.claims)
-    found = structure.symmetries
-    if found is not None and found.searched:
-        proved = (replace(x, when="" if x.name == "energy" else at) for x in found.invariants)
-        found = replace(found, searched=f"{found.searched}, {at}", invariants=tuple(proved))
-    facts = replace(equations.facts, claims=claims, symmetries=found)
+    facts = equations.facts
+    if model.conserved:
+        facts = replace(facts, claims=_claims(equations, file, use))
+    if symmetric:
+        facts = replace(facts, symmetries=_symmetries(equations, file, use))
     return replace(equations, facts=facts)
 
 
-def _small(file: File, model: Model, use: Use | None) -> Model | None:
-    count = sum(f.count for f in families(model, model.coordinates).values())
-    if count <= PROVED_AT:
-        return model
+def _claims(equations: LoopEquations, file: File, use: Use | None) -> tuple[Claim, ...]:
+    model = equations.model
+    count = _count(model)
+    if count <= UNROLLED:
+        return _structure(model).claims
+    tried: list[tuple[Claim, ...]] = []
+    if not equations.carried and members_are_alike(model):
+        small = [_with_members(file, model, use, few) for few in (FEWEST, FEWEST + 1, TRIED)]
+        tried = [_structure(x).claims for x in small if x is not None]
+    found = []
+    for k, item in enumerate(model.conserved):
+        if equations.facts.conservative and item.value == replace(ENERGY, span=item.value.span):
+            says = "no time and no force beyond L enters the equations"
+            found.append(Claim(item.name, PROVED, says))
+        elif len(tried) == 3:
+            found.append(_for_any(*(claims[k] for claims in tried)))
+        else:
+            says = (
+                f"{count} coordinates are too many to be written out, and fewer say nothing where "
+                "members differ by their index, or read what is not next to them"
+            )
+            found.append(Claim(item.name, OPEN, says))
+    return tuple(found)
+
+
+def _for_any(*claims: Claim) -> Claim:
+    """One that is proved for any number of members, or the first that is not."""
+    wrong = next((claim for claim in claims if claim.outcome != PROVED), None)
+    if wrong is not None:
+        return wrong
+    return replace(claims[0], says=f"{claims[0].says}, for {FEWEST} and more members")
+
+
+def _symmetries(equations: LoopEquations, file: File, use: Use | None) -> Symmetries | None:
+    model, conservative = equations.model, equations.facts.conservative
+    at = ""
+    if _count(model) > SEARCHED:
+        if equations.carried or not members_are_alike(model):
+            return None
+        model = _with_members(file, model, use, FEWEST)
+        if model is None:
+            return None
+        at = f"with {sizes_text(model)}"
+    found = _structure(model, symmetric=True).symmetries
+    if found is None or not found.searched:
+        return found
+    kept = [x for x in found.invariants if x.name != "energy" or conservative]
+    told = [replace(x, when="" if x.name == "energy" else at) for x in kept]
+    searched = f"{found.searched}, {at}" if at else found.searched
+    return replace(found, searched=searched, invariants=tuple(told))
+
+
+def _structure(model: Model, symmetric: bool = False) -> Structure:
+    return analyze.analyze(derive.derive(model, OF), symmetric, with_claims=not symmetric)
+
+
+def _count(model: Model) -> int:
+    return sum(f.count for f in families(model, model.coordinates).values())
+
+
+def _with_members(file: File, model: Model, use: Use | None, few: int) -> Model | None:
+    """The model with so few members; None where its text does not allow that."""
     try:
-        small, _ = check.check(file, {size.name: min(size.value, FEW) for size in model.sizes})
+        small, _ = check.check(file, {size.name: few for size in model.sizes})
     except ModelError:
         return None
     return use(small)[0] if use else small
@@ -67,18 +119,3 @@ def _small(file: File, model: Model, use: Use | None) -> Model | None:
 
 def sizes_text(model: Model) -> str:
     return ", ".join(f"{size.name} = {size.value}" for size in model.sizes)
-
-
-def partly_proved(model: Model, facts: Facts) -> tuple[Diagnostic, ...]:
-    """A warning for each claim that is proved for other sizes than the model's."""
-    at = sizes_text(model)
-    return tuple(
-        Diagnostic(
-            f"that '{claim.name}' is constant is proved {claim.says}, but not with {at}",
-            item.span,
-            "that many coordinates are not unrolled for a proof",
-            "warning",
-        )
-        for item, claim in zip(model.conserved, facts.claims, strict=True)
-        if not claim.says.endswith(f"with {at}")
-    )
