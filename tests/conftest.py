@@ -27,6 +27,7 @@ STRICT = [
     "-Wpedantic",
     "-Wconversion",
     "-Wdouble-promotion",
+    "-Wshadow",
     "-Werror",
 ]  # for C that is generated
 
