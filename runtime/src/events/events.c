@@ -15,6 +15,8 @@
 #include "events.h"
 
 enum { HALVINGS = 20 };  /* of what is left to a singularity: to a millionth of a step */
+enum { SHORTER = 24 };   /* times that a step is made anew, each an eighth of the last */
+#define GROWTH PK_C(64.0)
 enum { ROUNDINGS = 16 }; /* of the largest number, within which a limit or its rate is zero */
 
 static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_real *base)
@@ -201,6 +203,34 @@ static int beyond(struct pk_events *e, struct pk_integrator *it, int backwards)
     return 1;
 }
 
+static int grows(pk_real from, pk_real to) { return !(pk_abs(to) <= GROWTH * pk_abs(from)); }
+
+/* Whether a coordinate, its rate and a function have all grown so much in an adaptive step that the
+ * step does not show how they began. The first step of a motion from rest can be so long: nothing is
+ * known of its scale then. */
+static int outgrown(const struct pk_events *e, const struct pk_integrator *it)
+{
+    const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
+    const int at_rest = !(largest(e->q0, e->n_q) > 0) && !(largest(e->v0, e->n) > 0);
+    int function = 0, motion = 0;
+    for (size_t k = 0; k < pk_events_count(e); k++)
+        function |= grows(begin[k], end[k]) && (at_rest || pk_abs(begin[k]) > PK_TINY);
+    for (size_t i = 0; function && i < e->n; i++)
+        motion |= grows(e->v0[i], it->v[i]) && (i >= e->n_q || grows(e->q0[i], it->q[i]));
+    return motion && (it->method->traits & PK_ADAPTIVE);
+}
+
+/* Undoes the last step, with the scale that the motion has shown in it. */
+static enum pk_status take_back(struct pk_events *e, struct pk_integrator *it)
+{
+    it->own->passed -= pk_abs(it->t - e->from);
+    it->own->longest = 0;
+    it->count.steps--;
+    it->count.rejections++;
+    pk_scale_forget(it);
+    return pk_integrator_reset(it, e->from, e->q0, e->v0);
+}
+
 static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
     it->event = 0;
@@ -216,17 +246,23 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     const int clear = pk_events_ahead(e, it); /* then there is nothing at its begin either */
     if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || beyond(e, it, limit < it->t)))
         return it->status;
-    if (pk_integrator_step(it, limit) != PK_DONE)
-        return it->status;
-    if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
-        return it->status;
-    if (clear && it->own->ahead->taken) {
-        e->at_switch = 0;
-        return it->status;
+    for (int count = 0;; count++) {
+        if (pk_integrator_step(it, limit) != PK_DONE)
+            return it->status;
+        if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
+            return it->status;
+        if (clear && it->own->ahead->taken) {
+            e->at_switch = 0;
+            return it->status;
+        }
+        if (clear && at_end(e, it, 0, e->q0, e->v0) < 0)
+            return it->status;
+        const enum pk_status end = at_end(e, it, 1, it->q, it->v);
+        if (count == SHORTER || !outgrown(e, it))
+            return end < 0 ? end : pk_events_look(e, it);
+        limit = e->from + (it->t - e->from) / 8;
+        PK_TRY(take_back(e, it));
     }
-    if (clear && at_end(e, it, 0, e->q0, e->v0) < 0)
-        return it->status;
-    return at_end(e, it, 1, it->q, it->v) < 0 ? it->status : pk_events_look(e, it);
 }
 
 /* With the sides on which it goes. */
