@@ -15,7 +15,7 @@
 #include "events.h"
 
 enum { HALVINGS = 20 };  /* of what is left to a singularity: to a millionth of a step */
-enum { SHORTER = 24 };   /* times that a step is made anew, each an eighth of the last */
+enum { SHORTER = 17 };   /* times that a step is made anew, each an eighth of the last */
 #define GROWTH PK_C(64.0)
 enum { ROUNDINGS = 16 }; /* of the largest number, within which a limit or its rate is zero */
 
@@ -203,21 +203,23 @@ static int beyond(struct pk_events *e, struct pk_integrator *it, int backwards)
     return 1;
 }
 
-static int grows(pk_real from, pk_real to) { return !(pk_abs(to) <= GROWTH * pk_abs(from)); }
-
-/* Whether a coordinate, its rate and a function have all grown so much in an adaptive step that the
- * step does not show how they began. The first step of a motion from rest can be so long: nothing is
- * known of its scale then. */
+/* Whether an adaptive step is so much longer than all time before it, and a function has grown so
+ * much in it, that the step does not show how the function began. A first step can be so long: of a
+ * motion from zero no scale is known but that of the run. */
 static int outgrown(const struct pk_events *e, const struct pk_integrator *it)
 {
     const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
-    const int at_rest = !(largest(e->q0, e->n_q) > 0) && !(largest(e->v0, e->n) > 0);
-    int function = 0, motion = 0;
-    for (size_t k = 0; k < pk_events_count(e); k++)
-        function |= grows(begin[k], end[k]) && (at_rest || pk_abs(begin[k]) > PK_TINY);
-    for (size_t i = 0; function && i < e->n; i++)
-        motion |= grows(e->v0[i], it->v[i]) && (i >= e->n_q || grows(e->q0[i], it->q[i]));
-    return motion && (it->method->traits & PK_ADAPTIVE);
+    const pk_real h = pk_abs(it->t - e->from);
+    int found = 0, at_rest = -1;
+    if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->passed - h))
+        return 0;
+    for (size_t k = 0; k < pk_events_count(e) && !found; k++) {
+        if (!(pk_abs(begin[k]) > PK_TINY) && at_rest < 0)
+            at_rest = !(largest(e->q0, e->n_q) > 0) && !(largest(e->v0, e->n) > 0);
+        found = !(pk_abs(end[k]) <= GROWTH * pk_abs(begin[k])) &&
+                (pk_abs(begin[k]) > PK_TINY || at_rest);
+    }
+    return found;
 }
 
 /* Undoes the last step, with the scale that the motion has shown in it. */
