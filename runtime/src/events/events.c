@@ -78,8 +78,9 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     if (pk_events_count(events) == 0)
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
-    events->proposes = (it->method->traits & PK_DENSE) != 0;
-    events->dense = events->proposes && it->method->dense_order >= it->method->order;
+    const int exact = (it->method->traits & PK_EXACT) != 0, dense = it->method->traits & PK_DENSE;
+    events->proposes = dense && !exact; /* any state of an exact flow costs a series */
+    events->dense = dense && it->method->dense_order >= it->method->order;
     pk_real *const own_block = (pk_real *)block + scout / sizeof(pk_real);
     memset(own_block, 0, lay_out(events, problem, own_block));
     if (events->n_switches) {
