@@ -294,10 +294,10 @@ static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_
     return status;
 }
 
-/* A frequency or a rate is at most the norm: a quarter of a turn of the fastest. */
+/* A frequency or a rate is at most the norm: half a turn of the fastest. */
 static pk_real exponential_resolved(const struct pk_integrator *it)
 {
-    return PK_PI / 2 / *work_of(it).norm;
+    return PK_PI / *work_of(it).norm;
 }
 
 #define EXPONENTIAL(of)                                                                \
