@@ -34,7 +34,9 @@ EVENTS = {  # the function, and what of the motion is at `a`
     "(x - a)*(b - x) rising": "x",
     "x^3 - a*x^2 rising": "x",
 }
-AT_REST = ("x^3 - a*x^2 rising",)  # zero at the start: its scale is looked for in a motion from rest
+AT_REST = (
+    "x^3 - a*x^2 rising",
+)  # zero at the start: its scale is looked for in a motion from rest
 ONCE = ("x - a rising", "x - a", "x' - a")
 
 # Of length and time 1: the parameters and the start; x, x' and x'' at t.
@@ -106,7 +108,9 @@ def run(load, seed: int) -> None:
         start={key: value * length / time for key, value in start.items()},
         **({"rtol": 1e-10} if adaptive else {} if own else {"step": step * time}),
     )
-    said = f"{seed}: {name}, {event}, {method}, times of {time:.3g}: {span:.3g}, length {length:.3g}"
+    said = (
+        f"{seed}: {name}, {event}, {method}, times of {time:.3g}: {span:.3g}, length {length:.3g}"
+    )
     assert len(r.events["there"]) == 1, said
     t, at = r.t[-1] / time, r["x" if of_x else "x'"][-1] / unit
     off = abs(at - wanted) / EPS

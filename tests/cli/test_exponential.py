@@ -43,7 +43,9 @@ def test_an_event_leaves_the_exact_flow(pkgen, tmp_path) -> None:
     model = tmp_path / "hung.lag"
     model.write_text(HUNG, encoding="utf-8")
     for rows in (("--every", "10"), ("--at", "lowest")):
-        report = json.loads(pkgen("run", model, "--until", "1000", *rows, "--json").stdout)["report"]
+        report = json.loads(pkgen("run", model, "--until", "1000", *rows, "--json").stdout)[
+            "report"
+        ]
         assert (report["method"], report["evaluations"]) == ("exponential", 1)
         times = report["events"][0]["times"]
         assert len(times) == 318
