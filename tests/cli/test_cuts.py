@@ -6,11 +6,10 @@ from __future__ import annotations
 import random
 from functools import cache
 
+import pkgen
 import pytest
 from conftest import long_but
 from pkgen.functions import FUNCTIONS
-
-import pkgen
 
 # Where V is smooth, or even at the cut, or vanishes there, the run goes on.
 SMOOTH = ("cos(3*atan2(y, x) - 1)", "atan2(y, x)^2", "y^3*atan2(y, x)", "sin(atan2(y, x))^2")
