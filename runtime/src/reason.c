@@ -91,6 +91,12 @@ static int singular(const struct pk_integrator *it, char *text, size_t size)
         &system->singularities.table[pk_system_singularity(system, params, it->where).which];
     char name[128];
     pk_system_singularity_name(system, params, it->where, name, sizeof name);
+    if (singularity->kind == PK_SINGULARITY_CUT)
+        return pk_say(it, text, size,
+                      "%s: %s jumps by 2 pi at t = %.17g, and the Lagrangian with it, so that no "
+                      "motion follows: take the angle as a coordinate, or write a force, which "
+                      "does not jump there",
+                      pk_status_text(it->status), name, (double)it->detail);
     const int removable = singularity->kind == PK_SINGULARITY_DIVISOR &&
                           pk_finite(it->own->condition);
     return pk_say(it, text, size, "%s: %s vanishes at t = %.17g, and %s%s",

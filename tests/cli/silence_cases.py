@@ -88,6 +88,12 @@ kinetic x'^2/2
 potential -asin(x)
 start x = 0.1
 """
+CUT = """model cut
+coord x
+kinetic x'^2/2
+potential -atan2(sin(x), cos(x))
+start x' = 4
+"""
 BLOCK = """model block
 param mu = 0.3
 coord x
@@ -175,6 +181,12 @@ CASES: dict[str, Case] = {
         "the same of an asin, whose force is infinite at its end",
         ARC,
         "--until 10",
+        "PK_SINGULAR_TIME",
+    ),
+    "cut": Case(
+        "a potential that jumps, at the cut of an atan2",
+        CUT,
+        "--until 2",
         "PK_SINGULAR_TIME",
     ),
     "removable": Case(

@@ -14,6 +14,7 @@ from .interval import ANY, Range
 
 # How the equations use what must not vanish, `Singularity.use`.
 COORDINATES, DIVISOR, ROOT, LOGARITHM, ARC = "COORDINATES", "DIVISOR", "ROOT", "LOGARITHM", "ARC"
+CUT = "CUT"  # L jumps there
 
 
 def at(point: int, value: int) -> Callable[[Fraction], Fraction | None]:

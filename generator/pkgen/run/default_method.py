@@ -14,7 +14,7 @@ def default_method(
     equations: Equations | LoopEquations, structure: Facts, rtol: float, exact: bool
 ) -> str:
     """For all coordinates or those of a part. A linear system with constant coefficients has an
-    exact flow, unless it is large or events are to be found between its rows.
+    exact flow, unless it is large. Events are found on it, by steps short enough to see them.
 
     gauss is the fastest where the equations are smooth and the tolerance is not loose; across a
     kink its error estimate means nothing. A long chain oscillates faster than it visibly moves, so
@@ -24,6 +24,6 @@ def default_method(
     if isinstance(equations, LoopEquations):
         return "gauss" if equations.force.pairs and by_gauss else "dop853"
     few = len(equations.coordinates) + len(equations.states) <= EXPONENTIAL_MOST
-    if exact and structure.affine and few and not equations.events:
+    if exact and structure.affine and few:
         return "exponential"
     return "gauss" if by_gauss else "dop853"

@@ -115,7 +115,7 @@ def settings(
     rows.refuse_too_many(options, compilation.declared, chosen, count, numbers, members)
     method = _method(options, said.method, compilation.model.methods)
     # No setting of an adaptive method, or of its rows, is meant for one that is exact.
-    free = options.rtol is None and said.rtol is None and step is None and at is None
+    free = options.rtol is None and said.rtol is None and step is None
     exact = free and members is None and not options.diagnose
     exact = exact and scene_use.EXACT not in scene_use.switched_off(options.no_reduce)
     return Settings(

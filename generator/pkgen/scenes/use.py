@@ -106,7 +106,7 @@ def _of_method(model: Model, scene: Scene, asked: Overrides, made: tuple | None)
     at = asked.event_of(scene)
     several = asked.several or scene.swarm is not None
     if not method and made is not None:
-        exact = rtol is None and not steps and not at and not several and EXACT not in asked.off
+        exact = rtol is None and not steps and not several and EXACT not in asked.off
         method = default_method(*made, rtol or 0.0, exact)
     of = known(model.methods).get(method)
     found = called(of) if of else called("gauss") | {"mass", LINEAR_OF_FEW}

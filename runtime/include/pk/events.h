@@ -17,7 +17,9 @@
  * halves. Where the polynomial crosses zero, or dips to 1/32 of what it varies by, g is computed
  * anew at a state that a second integrator reaches by the same method in one shorter step from
  * where the step began. Only such states decide; so a crossing is as accurate as the method's own
- * step, and the trajectory is what it is without events.
+ * step, and the trajectory is what it is without events. An adaptive step much longer than all
+ * before it, a first one say, in which g grows 64-fold, does not show how g began: it is made anew,
+ * an eighth as long.
  *
  * Of an odd number of crossings in a step at least one is always found; two are found where
  * the interpolant shows the dip. Where 1/4096 of a step is still too long for g, crossings may

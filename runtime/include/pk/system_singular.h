@@ -7,7 +7,8 @@
 
 PK_BEGIN
 
-/* An expression that the acceleration divides by, or takes a root or a logarithm of. At a zero
+/* An expression that the acceleration divides by, or takes a root or a logarithm of, or an angle that
+ * jumps, and L with it. At a zero
  * there ends one of three: the coordinates, if M is singular there (the pole of a sphere); the
  * motion itself (a collision); or the expression alone, if the quotient has a limit. */
 enum pk_singularity_kind {
@@ -15,7 +16,8 @@ enum pk_singularity_kind {
     PK_SINGULARITY_DIVISOR,
     PK_SINGULARITY_ROOT,
     PK_SINGULARITY_LOGARITHM,
-    PK_SINGULARITY_ARC /* 1 - x^2 of an asin or acos of x */
+    PK_SINGULARITY_ARC, /* 1 - x^2 of an asin or acos of x */
+    PK_SINGULARITY_CUT  /* of an angle by atan2, at whose cut L jumps: the cosine of its half */
 };
 struct pk_singularity {
     struct pk_quantity what; /* name: the expression as text, "sin(theta)" */

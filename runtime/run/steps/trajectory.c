@@ -51,9 +51,10 @@ static enum pk_run_code start(struct pk_run *run)
     if (pk_integrator_init(&run->it, &run->problem, s->method, &s->options, 0, s->q, s->v,
                            run->block, size) < 0)
         return PK_RUN_FAILED;
-    /* Steps as long as rows are apart may be too long to see events in. */
+    /* Steps as long as rows are apart may be too long to see events in; of half the length that is
+     * allowed the interpolant that costs no step is good. */
     if (run->problem.system->events.n && s->method->resolved && !s->has_step) {
-        const pk_real most = s->method->resolved(&run->it), h = s->options.h;
+        const pk_real most = s->method->resolved(&run->it) / 2, h = s->options.h;
         s->options.h = h > most ? h / run_intervals(h, most) : h;
         pk_integrator_set_step(&run->it, s->options.h);
     }

@@ -79,8 +79,8 @@ static void divide(pk_real *c, pk_real *c_lo, int k)
     *c = pk_pair_sum(hi, (left + *c_lo) / d, c_lo);
 }
 
-/* How many halvings bring |h| norm to 1/2; then terms of the series at 1/2 down to the pairs'
- * round-off, beside the first. */
+/* How many halvings bring |h| norm to 1/2; terms of the series at a norm down to the pairs' round-off,
+ * beside the first. */
 static int halvings(pk_real size)
 {
     int s = 0;
@@ -89,11 +89,11 @@ static int halvings(pk_real size)
     return s;
 }
 
-static int terms(void)
+static int terms(pk_real norm)
 {
-    int k = 1;
+    int k = 0;
     for (pk_real term = 1; term > PK_EPS * PK_EPS / 16; k++)
-        term /= (pk_real)(2 * (k + 1));
+        term *= norm / (pk_real)(k + 1);
     return k;
 }
 
@@ -114,7 +114,7 @@ enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_re
     pk_real c[64], c_lo[64]; /* 1/k!: of __float128's pairs some 50 */
     if (!pk_finite(pk_abs(h) * norm))
         return PK_NOT_FINITE;
-    const int s = halvings(pk_abs(h) * norm), last = (terms() + POWERS - 1) / POWERS * POWERS;
+    const int s = halvings(pk_abs(h) * norm), last = (terms(PK_C(0.5)) + POWERS) / POWERS * POWERS;
     for (int k = 0; k < POWERS; k++)
         X[k] = take(&room, mm);
     T = take(&room, mm);
@@ -144,28 +144,32 @@ enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_re
     return pk_all_finite(D.hi, mm) && pk_all_finite(D.lo, mm) ? PK_DONE : PK_NOT_FINITE;
 }
 
-enum pk_status pk_expm_row(struct pk_pairs x, struct pk_pairs L, pk_real norm, pk_real h, size_t m,
-                           pk_real *room)
+void pk_expm_series(struct pk_pairs x, struct pk_pairs L, pk_real piece, size_t m, pk_real *room)
 {
-    struct pk_pairs term = take(&room, m), next = take(&room, m);
-    if (!pk_finite(pk_abs(h) * norm))
-        return PK_NOT_FINITE;
-    const int s = halvings(pk_abs(h) * norm), last = terms();
-    const pk_real piece = halved(h, s);
-    pk_real pieces = 1;
-    for (int k = 0; k < s; k++)
-        pieces *= 2;
-    for (; pieces > 0; pieces -= 1) {
-        copy(term, x, m);
-        for (int k = 1; k <= last; k++) {
-            pk_real c = 1, c_lo = 0;
-            divide(&c, &c_lo, k);
-            const pk_real part = c * piece, rest = PK_PAIR_REST(c, piece, part) + c_lo * piece;
-            pk_pairs_multiply(next, term, L, 1, m);
-            clear(term, m);
-            pk_pairs_add(term, part, rest, next, m);
-            pk_pairs_add(x, 1, 0, term, m);
+    const struct pk_pairs next = take(&room, m);
+    for (int k = 1, last = terms(PK_EXPM_PIECE); k <= last; k++) {
+        pk_real c = 1, c_lo = 0;
+        divide(&c, &c_lo, k);
+        pk_pairs_multiply(next, x, L, 1, m);
+        x.hi += m, x.lo += m;
+        clear(x, m);
+        pk_pairs_add(x, c * piece, c_lo * piece, next, m);
+    }
+}
+
+enum pk_status pk_expm_sum(struct pk_pairs y, struct pk_pairs x, pk_real s, size_t m)
+{
+    clear(y, m);
+    for (int k = terms(PK_EXPM_PIECE * pk_abs(s)); k >= 0; k--) {
+        const pk_real *hi = x.hi + (size_t)k * m, *lo = x.lo + (size_t)k * m;
+        PK_LANE_LOOP
+        for (size_t j = 0; j < m; j++) {
+            const pk_real product = y.hi[j] * s, rest = PK_PAIR_REST(y.hi[j], s, product);
+            pk_real rounded;
+            y.hi[j] = pk_pair_sum(hi[j], product, &rounded);
+            y.lo[j] = rounded + (rest + y.lo[j] * s + lo[j]);
         }
     }
-    return pk_all_finite(x.hi, m) ? PK_DONE : PK_NOT_FINITE;
+    pk_pairs_settle(y, m);
+    return pk_all_finite(y.hi, m) ? PK_DONE : PK_NOT_FINITE;
 }

@@ -63,8 +63,12 @@ void pk_pairs_multiply(struct pk_pairs Y, struct pk_pairs X, struct pk_pairs M, 
 size_t pk_expm_room(size_t m);
 enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_real h, size_t m,
                        pk_real *room);
-/* x exp(h L) in place of the row x; room for pk_expm_room(1) m numbers. */
-enum pk_status pk_expm_row(struct pk_pairs x, struct pk_pairs L, pk_real norm, pk_real h, size_t m,
-                           pk_real *room);
+/* The series of x exp(s piece L) in s, |s| <= 1, of a row x and a power of two, `piece`, that makes
+ * the norm of L at most PK_EXPM_PIECE: its terms are rows behind x, for which there is room.
+ * Its sum y. Room: 2 m numbers. */
+enum { PK_EXPM_TERMS = 80 }; /* at most: of __float128's pairs 71 */
+#define PK_EXPM_PIECE PK_C(2.0)
+void pk_expm_series(struct pk_pairs x, struct pk_pairs L, pk_real piece, size_t m, pk_real *room);
+enum pk_status pk_expm_sum(struct pk_pairs y, struct pk_pairs x, pk_real s, size_t m);
 
 #endif

@@ -138,6 +138,7 @@ size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *m
                      size_t n);
 void pk_scale_start(struct pk_integrator *it);
 void pk_scale_step(struct pk_integrator *it);
+void pk_scale_forget(struct pk_integrator *it);
 /* After an underflow: coordinates that never moved but accelerate at t + h get that motion as their
  * scale; 1 if there are any. Without this, a force that jumps on is never integrated from rest, for
  * the error is as large as the motion. */

@@ -160,6 +160,13 @@ void pk_scale_start(struct pk_integrator *it)
     pk_scale_attempt(it, first);
 }
 
+/* Largest values of a step that is taken back are none. */
+void pk_scale_forget(struct pk_integrator *it)
+{
+    if (it->own->atol)
+        memset(part(it, MOST), 0, (it->n_q + it->n) * sizeof(pk_real));
+}
+
 /* A time from rest in which accelerations change by at most the largest: part of an oscillation. */
 static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
 {

@@ -268,7 +268,7 @@ static void enlist(struct pk_events *e, const struct along *a, pk_real x, int di
                       (limit ? a->it->own->direction : 1);
     if ((asked && asked != direction) || x > e->near)
         return;
-    const pk_real near = x + pk_events_width(e, a->it);
+    const pk_real near = x + pk_events_width(e, a->it, x);
     if (a->k >= e->n_events && near < e->near) {
         e->near = near;
         while (e->listed && e->list[PK_EVENT_ENTRY * (e->listed - 1)] > e->near)
@@ -287,7 +287,6 @@ static void enlist(struct pk_events *e, const struct along *a, pk_real x, int di
 enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, size_t k)
 {
     struct along a = {.e = e, .it = it, .k = k, .shape = &e->shapes[k]};
-    const pk_real width = pk_events_width(e, it);
     PK_TRY(nodes(&a));
     for (int j = 1; j < a.count; j++) {
         pk_real lo = a.x[j - 1], hi = a.x[j];
@@ -297,7 +296,7 @@ enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, siz
         if (!(after > 0 || after < 0) && j + 1 < a.count && !opposite(before, a.g[j + 1]))
             continue; /* a touch */
         if (after > 0 || after < 0)
-            PK_TRY(pk_root(truth, &a, &lo, before, &hi, after, width));
+            PK_TRY(pk_root(truth, &a, &lo, before, &hi, after, pk_events_width(e, it, lo)));
         enlist(e, &a, hi, before < 0 ? it->own->direction : -it->own->direction);
     }
     e->shapes[k].last_x = a.x[a.count - 1];

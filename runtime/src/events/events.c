@@ -15,6 +15,8 @@
 #include "events.h"
 
 enum { HALVINGS = 20 };  /* of what is left to a singularity: to a millionth of a step */
+enum { SHORTER = 17 };   /* times that a step is made anew, each an eighth of the last */
+#define GROWTH PK_C(64.0)
 enum { ROUNDINGS = 16 }; /* of the largest number, within which a limit or its rate is zero */
 
 static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_real *base)
@@ -76,8 +78,9 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     if (pk_events_count(events) == 0)
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
-    events->proposes = (it->method->traits & PK_DENSE) != 0;
-    events->dense = events->proposes && it->method->dense_order >= it->method->order;
+    const int exact = (it->method->traits & PK_EXACT) != 0, dense = it->method->traits & PK_DENSE;
+    events->proposes = dense && !exact; /* any state of an exact flow costs a series */
+    events->dense = dense && it->method->dense_order >= it->method->order;
     pk_real *const own_block = (pk_real *)block + scout / sizeof(pk_real);
     memset(own_block, 0, lay_out(events, problem, own_block));
     if (events->n_switches) {
@@ -201,6 +204,36 @@ static int beyond(struct pk_events *e, struct pk_integrator *it, int backwards)
     return 1;
 }
 
+/* Whether an adaptive step is so much longer than all time before it, and a function has grown so
+ * much in it, that the step does not show how the function began. A first step can be so long: of a
+ * motion from zero no scale is known but that of the run. */
+static int outgrown(const struct pk_events *e, const struct pk_integrator *it)
+{
+    const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
+    const pk_real h = pk_abs(it->t - e->from);
+    int found = 0, at_rest = -1;
+    if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->passed - h))
+        return 0;
+    for (size_t k = 0; k < pk_events_count(e) && !found; k++) {
+        if (!(pk_abs(begin[k]) > PK_TINY) && at_rest < 0)
+            at_rest = !(largest(e->q0, e->n_q) > 0) && !(largest(e->v0, e->n) > 0);
+        found = !(pk_abs(end[k]) <= GROWTH * pk_abs(begin[k])) &&
+                (pk_abs(begin[k]) > PK_TINY || at_rest);
+    }
+    return found;
+}
+
+/* Undoes the last step, with the scale that the motion has shown in it. */
+static enum pk_status take_back(struct pk_events *e, struct pk_integrator *it)
+{
+    it->own->passed -= pk_abs(it->t - e->from);
+    it->own->longest = 0;
+    it->count.steps--;
+    it->count.rejections++;
+    pk_scale_forget(it);
+    return pk_integrator_reset(it, e->from, e->q0, e->v0);
+}
+
 static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
     it->event = 0;
@@ -216,17 +249,23 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     const int clear = pk_events_ahead(e, it); /* then there is nothing at its begin either */
     if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || beyond(e, it, limit < it->t)))
         return it->status;
-    if (pk_integrator_step(it, limit) != PK_DONE)
-        return it->status;
-    if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
-        return it->status;
-    if (clear && it->own->ahead->taken) {
-        e->at_switch = 0;
-        return it->status;
+    for (int count = 0;; count++) {
+        if (pk_integrator_step(it, limit) != PK_DONE)
+            return it->status;
+        if (!(it->t < e->from || it->t > e->from)) /* the limit is here */
+            return it->status;
+        if (clear && it->own->ahead->taken) {
+            e->at_switch = 0;
+            return it->status;
+        }
+        if (clear && at_end(e, it, 0, e->q0, e->v0) < 0)
+            return it->status;
+        const enum pk_status end = at_end(e, it, 1, it->q, it->v);
+        if (count == SHORTER || !outgrown(e, it))
+            return end < 0 ? end : pk_events_look(e, it);
+        limit = e->from + (it->t - e->from) / 8;
+        PK_TRY(take_back(e, it));
     }
-    if (clear && at_end(e, it, 0, e->q0, e->v0) < 0)
-        return it->status;
-    return at_end(e, it, 1, it->q, it->v) < 0 ? it->status : pk_events_look(e, it);
 }
 
 /* With the sides on which it goes. */

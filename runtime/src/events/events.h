@@ -62,10 +62,12 @@ static inline int pk_switches_impulse(const struct pk_integrator *it, size_t k)
     return system->switches.impulses && system->switches.impulses[k];
 }
 
-/* Some two units in the last place of t, on either side: a crossing is known no better. */
-static inline pk_real pk_events_width(const struct pk_events *e, const struct pk_integrator *it)
+/* Some two units in the last place of the time at x, on either side: a crossing is known no better. */
+static inline pk_real pk_events_width(const struct pk_events *e, const struct pk_integrator *it,
+                                      pk_real x)
 {
-    return PK_C(4.0) * PK_EPS * pk_max(pk_abs(e->from), pk_abs(it->t));
+    const pk_real t = pk_max(pk_abs(e->from), pk_abs(pk_events_time(e, it, x)));
+    return PK_C(4.0) * PK_EPS * t + PK_EPS * PK_EPS * pk_abs(it->t - e->from);
 }
 
 /* Whether a step like others comes next: not the first one, nor one from where the last was cut. */

@@ -14,7 +14,7 @@ static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, cons
 {
     const size_t k = (size_t)entry[1];
     const pk_real side = entry[2] * (pk_real)it->own->direction;
-    const pk_real width = pk_events_width(e, it);
+    const pk_real width = pk_events_width(e, it, entry[0]);
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
     for (int tries = 0; tries < 4; tries++) {
         e->t = pk_events_time(e, it, entry[0] + (pk_real)tries * width);
@@ -84,7 +84,7 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
             return it->status;
         const int is_switch = entry[1] >= (pk_real)e->n_events;
         if ((stop || is_switch) && !stopped && !passed)
-            last = entry[0] + pk_events_width(e, it);
+            last = entry[0] + pk_events_width(e, it, entry[0]);
         passed += (size_t)is_switch;
         if (stop && !stopped)
             stopped = e->which + 1;

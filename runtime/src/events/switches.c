@@ -82,7 +82,7 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
 
 int pk_switches_turn(struct pk_events *e, struct pk_integrator *it)
 {
-    const pk_real near = 2 * pk_events_width(e, it);
+    const pk_real near = 2 * pk_events_width(e, it, pk_abs(it->t - e->from));
     for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= near; i++) {
         const size_t which = (size_t)e->list[PK_EVENT_ENTRY * i + 1];
         if (which < e->n_events || !(e->fresh[which - e->n_events] > 0))

@@ -30,6 +30,8 @@ enum { KEPT = 2 }; /* matrices: of the step, and of the last, shorter one of an 
 struct work {
     size_t n_q, n, m; /* m = n_q + n + 1 */
     struct pk_pairs L, E[KEPT], x, y;
+    struct pk_pairs series;           /* of the motion, where dense output was asked for last: */
+    pk_real *piece, *at;              /* so long a piece of the step, and the number of it */
     pk_real *scale, *norm, *h, *last; /* L balanced, its norm; the step of each E; the one used */
     pk_real *room;
 };
@@ -42,13 +44,15 @@ static size_t room_size(size_t m, size_t n)
 
 static size_t lay_out(struct work *w, size_t n_q, size_t n, pk_real *base)
 {
-    const size_t m = n_q + n + 1, mm = m * m;
+    const size_t m = n_q + n + 1, mm = m * m, terms = (PK_EXPM_TERMS + 1) * m;
     const struct pk_slot slots[] = {
         {&w->L.hi, mm},    {&w->L.lo, mm},    {&w->E[0].hi, mm},
         {&w->E[0].lo, mm}, {&w->E[1].hi, mm}, {&w->E[1].lo, mm},
         {&w->x.hi, m},     {&w->x.lo, m},     {&w->y.hi, m},
         {&w->y.lo, m},     {&w->scale, m},    {&w->h, KEPT},
-        {&w->norm, 1},     {&w->last, 1},     {&w->room, room_size(m, n)}};
+        {&w->norm, 1},     {&w->last, 1},     {&w->room, room_size(m, n)},
+        {&w->piece, 1},    {&w->at, 1},       {&w->series.hi, terms},
+        {&w->series.lo, terms}};
     w->n_q = n_q;
     w->n = n;
     w->m = m;
@@ -199,6 +203,8 @@ static enum pk_status exponential_init(struct pk_integrator *it)
     if (!pk_all_finite(w.L.hi, m * m))
         return PK_NOT_FINITE;
     *w.norm = balance(&w);
+    for (*w.piece = 1 / PK_TINY; *w.norm * *w.piece > PK_EXPM_PIECE; *w.piece /= 2)
+        ;
     return PK_DONE;
 }
 
@@ -252,22 +258,39 @@ static enum pk_status exponential_step(struct pk_integrator *it, pk_real limit)
     pk_pairs_multiply(w.y, w.x, w.E[k], 1, w.m);
     memcpy(it->own->next, w.y.hi, bytes);
     memcpy(pk_next(it, PK_LOW_Q), w.y.lo, bytes);
-    it->own->flags |= PK_HAVE_STEP;
+    it->own->flags = PK_HAVE_STEP;
     return PK_DONE;
 }
 
-/* From where the last step began, without a matrix. */
+/* From where the last step began, piece by piece, without a matrix. */
 static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct work w = work_of(it);
-    load(&w, it->own->next);
-    for (size_t j = 0; j < w.m; j++)
-        w.x.hi[j] *= w.scale[j], w.x.lo[j] *= w.scale[j];
-    const enum pk_status status = pk_expm_row(w.x, w.L, *w.norm, t - it->last_t, w.m, w.room);
+    const pk_real s = (t - it->last_t) / *w.piece, sign = s < 0 ? PK_C(-1.0) : PK_C(1.0);
+    const pk_real last = pk_max(PK_F(ceil)(pk_abs(s)) - 1, 0);
+    if (!pk_finite(s))
+        return PK_NOT_FINITE;
+    if (!(it->own->flags & PK_HAVE_DENSE) || !(*w.at <= last)) {
+        load(&w, it->own->next);
+        for (size_t j = 0; j < w.m; j++)
+            w.series.hi[j] = w.x.hi[j] * w.scale[j], w.series.lo[j] = w.x.lo[j] * w.scale[j];
+        pk_expm_series(w.series, w.L, *w.piece, w.m, w.room);
+        *w.at = 0;
+        it->own->flags |= PK_HAVE_DENSE;
+    }
+    enum pk_status status = PK_DONE;
+    for (; *w.at < last && status >= 0; *w.at += 1) {
+        status = pk_expm_sum(w.y, w.series, sign, w.m);
+        memcpy(w.series.hi, w.y.hi, w.m * sizeof *w.y.hi);
+        memcpy(w.series.lo, w.y.lo, w.m * sizeof *w.y.lo);
+        pk_expm_series(w.series, w.L, *w.piece, w.m, w.room);
+    }
+    if (status >= 0)
+        status = pk_expm_sum(w.y, w.series, s - sign * last, w.m);
     for (size_t j = 0; j < w.n_q; j++)
-        q[j] = w.x.hi[j] / w.scale[j];
+        q[j] = w.y.hi[j] / w.scale[j];
     for (size_t j = 0; j < w.n; j++)
-        v[j] = w.x.hi[w.n_q + j] / w.scale[w.n_q + j];
+        v[j] = w.y.hi[w.n_q + j] / w.scale[w.n_q + j];
     return status;
 }
 

@@ -1,0 +1,80 @@
+"""A potential made of any function of the language, passed at a speed: the run keeps its energy, by
+an impulse where it jumps, or ends by a status that names the place."""
+
+from __future__ import annotations
+
+import random
+from functools import cache
+
+import pkgen
+import pytest
+from conftest import long_but
+from pkgen.functions import FUNCTIONS
+
+# Where V is smooth, or even at the cut, or vanishes there, the run goes on.
+SMOOTH = ("cos(3*atan2(y, x) - 1)", "atan2(y, x)^2", "y^3*atan2(y, x)", "sin(atan2(y, x))^2")
+JUMPS = ("atan2(y, x)", "(atan2(y, x) - 1)^2", "cos(atan2(y, x)/2 - 1)", "x*atan2(y, x)")
+MODEL = """model passed
+param a = 1
+param b = 0
+param c = 1
+coord s
+let x = cos(s)
+let y = sin(s)
+kinetic s'^2/2
+potential c*(%s)
+"""
+CASES = [
+    *(
+        f"{name}({', '.join(('a*s + b', '1 - s')[: len(row.arguments)])})"
+        for name, row in FUNCTIONS.items()
+        if not row.internal
+    ),
+    *SMOOTH,
+    *JUMPS,
+]
+
+
+@pytest.fixture(scope="module")
+def load(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("cuts")
+
+    @cache
+    def load(potential: str):
+        path = folder / f"{abs(hash(potential))}.lag"
+        path.write_text(MODEL % potential, encoding="utf-8")
+        return pkgen.load(path)
+
+    return load
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("seed", long_but([0], range(12)))
+@pytest.mark.parametrize("potential", CASES)
+def test_no_jump_is_passed_over(load, potential: str, seed: int) -> None:
+    draw = random.Random(f"{potential} {seed}")
+    m, method = load(potential), draw.choice(["dop853", "radau", "rk4"])
+    m.params["a"], m.params["b"] = draw.uniform(0.3, 1), draw.uniform(0.1, 0.5)
+    m.params["c"] = draw.choice([-1, 1]) * draw.uniform(0.1, 1)
+    how = {"step": 1e-3} if method == "rk4" else {"rtol": 1e-10}
+    try:
+        r = m.run(until=4, every=0.1, method=method, start={"s": 0.2, "s'": 3}, **how)
+    except pkgen.RunError as ended:
+        assert potential not in SMOOTH
+        named = ("vanishes at t =", "jumps by 2 pi at t =", "at infinity")  # where cosh pushes it
+        assert any(text in str(ended) for text in named)
+        r = ended.result
+    else:
+        assert potential not in JUMPS, "it passed the cut"
+    energy = r["energy"]
+    assert abs(energy - energy[0]).max() < 1e-5 * (1 + abs(energy[0]))
+
+
+def test_the_cut_is_named(pkgen, write) -> None:
+    model = MODEL.replace("(%s)", "-atan2(y, x)").replace("c*-", "-c*")
+    for method in ("gauss", "exponential", "verlet --step 0.01", "gauss4 --step 0.1"):
+        arguments = ("--start", "s'=4", "--until", "2", "--every", "0.25", "--method")
+        done = pkgen("run", write(model), *arguments, *method.split())
+        assert done.returncode == 4
+        assert "atan2(sin(s), cos(s)) jumps by 2 pi at t = 0.720506890915" in done.stderr
+        assert "shorter" not in done.stderr
