@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy
 import pytest
-from conftest import ROOT
+from conftest import ROOT, skip_if_ignored
 from pkgen.system import files
 from pkgen.system.exits import UsageError
 
@@ -129,6 +129,7 @@ ENDS = ["INT", pytest.param("TERM"), pytest.param("HUP", marks=pytest.mark.long)
 
 @pytest.mark.parametrize("name", ENDS)
 def test_a_signal_on_the_way(good: Path, name: str) -> None:
+    skip_if_ignored(name)
     before = seen(good.parent)
     child = start("run", MODEL, *ENDLESS, "-o", good)
     growing = files.partial(good)

@@ -54,7 +54,7 @@ class Parameters(MutableMapping[str, float]):
 
     def _known(self, name: str) -> tuple[int, Any]:
         known = named.parameters(self._model.compilation)
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise KeyError(f"{name}: {near(str(name), [*known], 'parameter')}")
         return known[name]
 
@@ -320,7 +320,7 @@ def _members(compilation: Compilation, table: Any) -> Ensemble:
         raise UsageError(f"table={arguments.brief(table)}: give {allowed}")
     known = Settable(compilation)
     for name in names:
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise UsageError(f"column {name}: {near(str(name), list(known), 'parameter or start')}")
     columns = [known[name] for name in names]
     values = [arguments.arrays(**{f"column {name}": table[name]})[0] for name in names]
