@@ -22,10 +22,11 @@ Value = str | float  # "2 [kg]", or a number in SI
 Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 Names = str | Sequence[str]
 Weights = str | Sequence[str] | Sequence[float]
+NUMBERS = ("until", "every", "step", "max_step", "rtol", "atol")
 # Options of `pkgen run` that a call has none for.
 DEFAULTS = {
-    **dict.fromkeys(("until", "method", "step", "max_step", "rtol", "atol", "every", "record")),
-    **dict.fromkeys(("at", "ensemble", "threads", "diagnose", "no_reduce", "output")),
+    **dict.fromkeys((*NUMBERS, "method", "record", "at", "ensemble", "threads", "diagnose")),
+    **dict.fromkeys(("no_reduce", "output")),
     "tableau": (),
     "composition": (),
     "iteration": "newton",
@@ -35,69 +36,58 @@ DEFAULTS = {
     "portable": False,
     "json": True,
 }
-ITERATIONS = ("newton", "fixed")
+Check = Callable[[object], bool]
 
 
 def _is_number(x: object) -> bool:
-    if getattr(x, "ndim", None) == 0 and getattr(x, "dtype", None) is not None:
-        return x.dtype.kind in "iuf"
     return isinstance(x, Real) and not isinstance(x, bool)
 
 
-def _is_text(x: object) -> bool:
-    return isinstance(x, str)
+def _is_value(x: object) -> bool:
+    return isinstance(x, str) or _is_number(x)
 
 
 def _is_whole(x: object) -> bool:
-    return isinstance(x, Integral) and not isinstance(x, bool)
-
-
-def _is_value(x: object) -> bool:
-    return _is_text(x) or _is_number(x)
+    return isinstance(x, Integral) and _is_number(x)
 
 
 def is_path(x: object) -> bool:
     return isinstance(x, str | os.PathLike) and "\0" not in os.fspath(x)
 
 
-def _some(one: Callable[[object], bool]) -> Callable[[object], bool]:
+def _is_text(x: object) -> bool:
+    return isinstance(x, str)
+
+
+def _some(one: Check) -> Check:
     """One, or a sequence of them."""
 
     def check(x: object) -> bool:
-        if one(x):
-            return True
         many = isinstance(x, Collection) and not isinstance(x, Mapping | bytes)
-        return many and getattr(x, "ndim", 1) == 1 and all(map(one, x))
+        return one(x) or (many and getattr(x, "ndim", 1) == 1 and all(map(one, x)))
 
     return check
 
 
-def _named(one: Callable[[object], bool]) -> Callable[[object], bool]:
+def _named(one: Check) -> Check:
     return lambda x: isinstance(x, Mapping) and all(map(_is_text, x)) and all(map(one, x.values()))
 
 
-_VALUE = (_is_value, "a number in SI, or a text with a unit, as '2 [kg]'")
-_TEXT = (_is_text, "a text")
-_WHOLE = (_is_whole, "a whole number")
-_NAMES = (_some(_is_text), "a name, or a list of names")
-# Each argument: whether a value can be one, and the words for what can.
-ALLOWED: dict[str, tuple[Callable[[object], bool], str]] = {
+_VALUE = "a number in SI, or a text with a unit, as '2 [kg]'"
+# Each argument: what it may be, and the words for that.
+ALLOWED: dict[str, tuple[Check, str]] = {
     "path": (is_path, "a text or a path"),
-    "scene": _TEXT,
     "sizes": (_named(_is_whole), "a dictionary of whole numbers by name, as {'N': 64}"),
-    **dict.fromkeys(("until", "every", "step", "max_step", "rtol", "atol"), _VALUE),
-    **dict.fromkeys(("method", "at"), _TEXT),
-    "iteration": (lambda x: _is_text(x) and x in ITERATIONS, "'newton' or 'fixed'"),
+    "params": (_named(_is_value), _VALUE),
     "start": (_named(_is_value), "a dictionary of values by name, as {'theta1': 0.5}"),
-    "inputs": (
-        _named(_is_value),
-        "a dictionary of values by name, as {'u': 2} or {'u': 'sin(3*t)'}",
-    ),
-    **dict.fromkeys(("record", "diagnose"), _NAMES),
-    **dict.fromkeys(("max_steps", "threads"), _WHOLE),
+    "inputs": (_named(_is_value), "a dictionary of values by name, as {'u': 'sin(3*t)'}"),
+    "iteration": (lambda x: _is_text(x) and x in ("newton", "fixed"), "'newton' or 'fixed'"),
     "tableau": (_some(is_path), "a path, or a list of paths"),
-    "params": (_named(_is_value), "a number in SI, or a text with a unit, as '2 [kg]'"),
     "composition": (_some(_is_value), "a text of weights, or a list of numbers"),
+    **dict.fromkeys(NUMBERS, (_is_value, _VALUE)),
+    **dict.fromkeys(("scene", "method", "at"), (_is_text, "a text")),
+    **dict.fromkeys(("record", "diagnose"), (_some(_is_text), "a name, or a list of names")),
+    **dict.fromkeys(("max_steps", "threads"), (_is_whole, "a whole number")),
 }
 REQUIRED = ("path", "iteration", "max_steps")  # None is no value of them
 
@@ -105,11 +95,10 @@ REQUIRED = ("path", "iteration", "max_steps")  # None is no value of them
 def checked(**given: object) -> None:
     """Raises UsageError for an argument of a wrong type."""
     for name, x in given.items():
-        if name not in ALLOWED or (x is None and name not in REQUIRED):
-            continue
-        allows, words = ALLOWED[name]
-        if not allows(x):
-            raise UsageError(f"{name}={brief(x)}: give {words}")
+        if name in ALLOWED and (x is not None or name in REQUIRED):
+            allows, words = ALLOWED[name]
+            if not allows(x):
+                raise UsageError(f"{name}={brief(x)}: give {words}")
 
 
 def brief(x: object) -> str:
@@ -139,9 +128,8 @@ def arrays(**given: object) -> list[numpy.ndarray]:
 
 
 def several(given: Any) -> list[Any]:
-    if given is None:
-        return []
-    return [given] if isinstance(given, str | os.PathLike) or _is_number(given) else list(given)
+    one = isinstance(given, str | os.PathLike) or _is_number(given)
+    return [given] if one else list(() if given is None else given)
 
 
 def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
@@ -152,8 +140,7 @@ def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
     if unknown:
         raise TypeError(f"run() has no argument {sorted(unknown)[0]!r}")
     checked(start=start, inputs=inputs, **given)
-    numbers = ("until", "every", "step", "max_step", "rtol", "atol")
-    texts = {k: text(given[k]) for k in numbers if given.get(k) is not None}
+    texts = {k: text(given[k]) for k in NUMBERS if given.get(k) is not None}
     made = argparse.Namespace(**{**DEFAULTS, **given, **texts})
     made.model, made.scene = model.path, model.scene
     made.size = [f"{name}={length}" for name, length in model._sizes.items()]
@@ -167,24 +154,17 @@ def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
     return made
 
 
-# -- the words of messages ------------------------------------------------------------------------
-
-# Options with a call of their own.
+# Options that are no argument of a call, or are items of one.
 _CALLS = {"ensemble": "ensemble()", "set": "params and inputs", "size": "sizes", "output": "rows"}
+_ITEMS = {"set": "inputs", "size": "sizes", "start": "start"}
 _ITEM = re.compile(r"--(set|start|size) ([A-Za-z_][\w.\[\]']*)")
 _OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)(?: (?=[^\s:]+(?: \[[^\]]*\])?(?::|$)))?")
-_ITEMS = {"set": "inputs", "size": "sizes", "start": "start"}
 
 
 def worded(said: str) -> str:
     """A message about options of the command line, about arguments: `until=` for `--until`."""
-
-    def option(found: re.Match[str]) -> str:
-        name = found[1].replace("-", "_")
-        return _CALLS.get(name, f"{name}=")
-
     said = _ITEM.sub(lambda found: f"{_ITEMS[found[1]]}[{found[2]!r}]", said)
-    return _OPTION.sub(option, said)
+    return _OPTION.sub(lambda x: _CALLS.get(x[1], x[1].replace("-", "_") + "="), said)
 
 
 @contextmanager
