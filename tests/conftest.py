@@ -123,6 +123,13 @@ def pkgen():
     return run_pkgen
 
 
+def skip_if_ignored(name: str) -> None:
+    """A program that nohup starts ignores SIGHUP, and so do all that it starts."""
+    number = getattr(signal, f"SIG{name}")
+    if number != signal.SIGKILL and signal.getsignal(number) == signal.SIG_IGN:
+        pytest.skip(f"SIG{name} is ignored here, as nohup has it")
+
+
 def written(folder: Path, text: str) -> Path:
     """The model in a file of its name."""
     path = folder / f"{text.split()[1]}.lag"

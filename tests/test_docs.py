@@ -33,11 +33,11 @@ def blocks(page: Path, language: str) -> list[str]:
 
 def named(language: str) -> list:
     found = [(page, i, b) for page in PAGES for i, b in enumerate(blocks(page, language))]
-    return [pytest.param(b, id=f"{page.name}-{i}") for page, i, b in found]
+    return [pytest.param(page, b, id=f"{page.name}-{i}") for page, i, b in found]
 
 
-@pytest.mark.parametrize("text", named("lag"))
-def test_models_in_the_docs_run(text: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("page", "text"), named("lag"))
+def test_models_in_the_docs_run(page: Path, text: str, tmp_path: Path) -> None:
     path = tmp_path / "example.lag"
     path.write_text(text)
     done = run_pkgen("run", path, "--until", "0.5", "--rtol", "1e-8", "-o", tmp_path / "rows.csv")
@@ -60,9 +60,11 @@ def without(command: list[str]) -> list[str]:
     return missing() if live else []
 
 
-@pytest.mark.parametrize("text", named("console"))
-def test_commands_in_the_docs_run(text: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("page", "text"), named("console"))
+def test_commands_in_the_docs_run(page: Path, text: str, tmp_path: Path) -> None:
     shutil.copytree(ROOT / "models", tmp_path / "models")
+    for model in blocks(page, "lag"):
+        (tmp_path / f"{model.split()[1]}.lag").write_text(model)
     for line in text.splitlines():
         if line.startswith("$ pkgen "):
             command = shlex.split(line.removeprefix("$ pkgen "), comments=True)
@@ -182,6 +184,12 @@ def test_the_controller_in_the_docs_balances(tmp_path: Path) -> None:
     (tmp_path / "cart_pole.lag").write_text(falling)
     done = run_pkgen("run", tmp_path / "cart_pole.lag", "--scene", "balances")
     assert done.returncode != 0
+
+
+def test_a_first_run_takes_one_time_in_all_pages() -> None:
+    for page in (*PAGES, TUTORIAL):
+        for said in re.findall(r"first run [^.;]*?(\d+ s[^,.;)]*)", page.read_text()):
+            assert said == "10 s on four cores", page
 
 
 def test_limits_table() -> None:

@@ -309,6 +309,7 @@ def compile_model(
     *,
     sizes: Mapping[str, int] | None = None,
     portable: bool = False,
+    c: bool = True,
     **how: Any,
 ) -> Compilation:
     """Compile a model to C; `how` are arguments of stages().
@@ -320,14 +321,16 @@ def compile_model(
     With `use` no more is compiled than a scene needs. With `symmetric` the model's symmetries are
     solved for, which nothing but `explain` and comments in the C show. `canonical` adds H(q, p)
     and its gradients. `portable` C uses no fused multiply-add: the same bits with and without.
+    Without `c` there are no files: `program` is made, and its text is not.
     `own` are methods beside those that the model brings.
     Raises ModelError with every finding of the stage that could not go on.
     """
     made = stages(source, sizes or {}, **how)
-    _, (declared, model, warnings), _, _, reduced, (program, parts), files = made
+    _, (declared, model, warnings), _, _, reduced, (program, parts) = islice(made, 6)
+    files = next(made) if c else {}
     equations, structure, report = reduced
     warnings += getattr(equations, "left_out", ())
-    if portable:
+    if portable and c:
         from .back.c import render
 
         files = render.portable(files)

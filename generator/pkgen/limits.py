@@ -1,6 +1,6 @@
 """What a model may ask of the compiler, in one table. Documented in docs/limits.md.
 
-A hostile file must end within seconds and within a gibibyte, with a message that says which
+A hostile file must end within a minute and within a gibibyte, with a message that says which
 limit it met; an honest one never meets any.
 """
 
@@ -28,7 +28,7 @@ EXPONENT = 1_000  # largest magnitude of a constant exponent
 CONSTANT_BITS = 4_096  # of a constant's exact numerator or denominator
 DIAGNOSTICS = 50  # shown of one run
 DRAWN = 512  # members of a family that are drawn: of more, some at equal distances
-CPU_SECONDS = 8  # of deriving one model; --max-seconds overrides
+CPU_SECONDS = 60  # of one compile: 15 times the longest of models/; --max-seconds overrides
 MEMORY_BYTES = 1 << 30  # address space added while compiling
 
 

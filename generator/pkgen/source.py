@@ -34,6 +34,7 @@ class Source:
     path: str
     text: str
     own: int | None = None
+    options: str = "command line"  # the place of what stands behind its own
     _line_starts: list[int] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -61,7 +62,7 @@ class Source:
 
     def place(self, span: Span) -> str:
         if self.is_option(span.start):
-            return "command line"
+            return self.options
         line, column = self.position(span.start)
         return f"{self.path}:{line}:{column}"
 
@@ -113,10 +114,13 @@ class ModelError(Exception):
     """The model is wrong; holds the findings of the stage that gave up, `more` not among them."""
 
     def __init__(self, source: Source, diagnostics: list[Diagnostic], more: int = 0):
-        super().__init__(f"{len(diagnostics)} finding(s) in {source.path}")
+        super().__init__()
         self.source = source
         self.diagnostics = sorted(diagnostics, key=lambda d: d.span.start)
         self.more = more
+
+    def __str__(self) -> str:
+        return self.text()
 
     def text(self) -> str:
         lines = [d.text(self.source) for d in self.diagnostics]

@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, skip_if_ignored
 from pkgen.system import files
 
 HOOP = ROOT / "models/bead_on_hoop.lag"
@@ -82,6 +82,7 @@ def wait_for(happened, what: str) -> None:
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks into /proc")
 @pytest.mark.parametrize("phase, name", CASES)
 def test_no_process_outlives_it(phase: str, name: str, tmp_path: Path) -> None:
+    skip_if_ignored(name)
     words, there = PHASES[phase]
     scratch = tmp_path / "tmp"
     scratch.mkdir()

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy
 import pytest
-from conftest import ROOT
+from conftest import ROOT, skip_if_ignored
 from pkgen.system import files
 from pkgen.system.exits import UsageError
 
@@ -129,6 +129,7 @@ ENDS = ["INT", pytest.param("TERM"), pytest.param("HUP", marks=pytest.mark.long)
 
 @pytest.mark.parametrize("name", ENDS)
 def test_a_signal_on_the_way(good: Path, name: str) -> None:
+    skip_if_ignored(name)
     before = seen(good.parent)
     child = start("run", MODEL, *ENDLESS, "-o", good)
     growing = files.partial(good)
@@ -300,3 +301,24 @@ def test_nothing_else_writes_files() -> None:
         if WRITES.search(path.read_text())
     }
     assert writers == OWN
+
+
+@pytest.mark.parametrize("method", ["gauss", "dop853"])
+@pytest.mark.parametrize(
+    ("potential", "start", "least", "most"),
+    [
+        ("x^2/2", "x = 0, x' = 1e-3", 0.05, 1),  # the first step, from rest or not, is a guess
+        ("x^2/2", "x = 1", 0.05, 1),
+        ("x^4/4", "x = 1e-30, x' = 1", 0.05, 1),
+        ("-1/(x^2 + 1e-4)^(1/2)", "x = 1", 1e-8, 0.05),  # a passage that is truly short
+    ],
+)
+def test_the_smallest_step_is_one_of_the_method(
+    pkgen, write, method: str, potential: str, start: str, least: float, most: float
+) -> None:
+    text = f"model swing\ncoord x\nkinetic x'^2/2\npotential {potential}\nstart {start}\n"
+    words = ("--until", "7.77", "--every", "0.37", "--method", method, "--json", "-o")
+    path = write(text)
+    done = pkgen("run", path, *words, path.parent / "rows.csv")
+    report = json.loads(done.stdout)["report"]
+    assert least < report["step_min"] / report["step_max"] <= most

@@ -115,7 +115,7 @@ def compiled(path: Path, folder: Path) -> tuple[int, str]:
         sys.addaudithook(_watch)
         code = 98
         try:
-            code = command([str(path), "-o", str(folder / "c")])
+            code = command([str(path), "-o", str(folder / "c"), "--max-seconds", "8"])
         except SystemExit as error:
             code = error.code if isinstance(error.code, int) else 97
         finally:

@@ -22,7 +22,7 @@ from pathlib import Path
 import yaml
 from pkgen.compiler import compile_model
 from pkgen.explain.html import fragment
-from pkgen.explain.scenes import scenes_shown
+from pkgen.explain.scenes import scene_shown
 from pkgen.explain.style import style
 from pkgen.front.read import read
 
@@ -162,7 +162,8 @@ def model_page(path: Path) -> str:
     compilation = compile_model(source, symmetric=True)
     place = path.relative_to(ROOT).as_posix()
     name, title = path.stem, path.stem.replace("_", " ")
-    shown = fragment(compilation, scenes_shown(compilation, {}), level=3)
+    scenes = [scene_shown(compilation, {}, scene) for scene in compilation.declared.scenes]
+    shown = fragment(compilation, scenes, level=3)
     parts = [
         "---\nhide:\n  - toc\n---\n",
         f"# {title[0].upper()}{title[1:]}\n",

@@ -22,31 +22,23 @@ def data(settings: Settings) -> dict[str, Any]:
 def settled(settings: Settings, said: object) -> Settings:
     """The settings that `said` is of. Raises UsageError where it is nothing of the kind."""
     try:
-        found = {name: _text(said[name]) for name in TEXTS}
+        found = {name: _is(said[name], str) for name in TEXTS}
         found |= {name: _number(said[name]) for name in NUMBERS}
         parts = [
-            PartSettings(_text(one["method"]), **{name: _number(one[name]) for name in OF_PART})
-            for one in _list(said["parts"])
+            PartSettings(_is(one["method"], str), **{name: _number(one[name]) for name in OF_PART})
+            for one in _is(said["parts"], list)
         ]
-        compiled_for = tuple(map(_text, _list(said["compiled_for"])))
+        compiled_for = tuple(_is(x, str) for x in _is(said["compiled_for"], list))
     except (KeyError, TypeError):
         raise UsageError("what is kept of the choice of method is none") from None
     return replace(settings, **found, compiled_for=compiled_for, parts=tuple(parts))
 
 
-def _list(x: object) -> list:
-    if not isinstance(x, list):
-        raise TypeError
-    return x
-
-
-def _text(x: object) -> str:
-    if not isinstance(x, str):
+def _is(x: Any, *types: type) -> Any:
+    if isinstance(x, bool) or not isinstance(x, types):
         raise TypeError
     return x
 
 
 def _number(x: object) -> float | None:
-    if x is not None and (isinstance(x, bool) or not isinstance(x, int | float)):
-        raise TypeError
-    return x
+    return _is(x, int, float, type(None))

@@ -13,6 +13,10 @@ if TYPE_CHECKING:
 __all__ = ["BuildError", "ModelError", "NumericsFailed", "RunError", "UsageError"]
 
 
+class ArrayError(UsageError, ValueError):
+    """An array has another shape than is asked for, or is no array of numbers."""
+
+
 class RunError(NumericsFailed):
     """The numerics of a run failed. `status` is the runtime's (PK_STEP_UNDERFLOW, ...),
     `last_valid` the last time up to which its rows hold, `result` what there is of it."""

@@ -6,10 +6,9 @@ import argparse
 import math
 import os
 import warnings
-from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Iterator, Mapping, MutableMapping
 from dataclasses import replace
 from functools import cached_property
-from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from ..compiler import Compilation, compile_model
@@ -25,29 +24,16 @@ from ..run.values import Values
 from ..scenes import asked as parsing
 from ..scenes import lengths
 from ..scenes import run as scene_run
+from ..scenes.scene import chosen
 from ..system.near import near
-from .errors import RunError, UsageError
+from . import arguments
+from .arguments import DEFAULTS, Files, Names, Value, Weights, in_words
+from .errors import ArrayError, RunError, UsageError
 from .prepare import prepare
 from .result import Result
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
-
-Value = str | float  # "2 [kg]", or a number in SI
-Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
-# Options of `pkgen run` that a call has none for.
-DEFAULTS = {
-    **dict.fromkeys(("until", "method", "step", "max_step", "rtol", "atol", "every", "record")),
-    **dict.fromkeys(("at", "ensemble", "threads", "diagnose", "no_reduce", "output")),
-    "tableau": (),
-    "composition": (),
-    "iteration": "newton",
-    "max_steps": 1_000_000_000,
-    "units": False,
-    "libm": False,
-    "portable": False,
-    "json": True,
-}
 
 
 def load(
@@ -55,7 +41,7 @@ def load(
 ) -> Model:
     """A model's file, and one of its scenes. `sizes` are the lengths of families, where they are to
     be others than the file's. Raises ModelError with the places of all that is wrong in it."""
-    return Model(path, scene, sizes or {})
+    return Model(path, scene, {} if sizes is None else sizes)
 
 
 class Parameters(MutableMapping[str, float]):
@@ -68,8 +54,8 @@ class Parameters(MutableMapping[str, float]):
 
     def _known(self, name: str) -> tuple[int, Any]:
         known = named.parameters(self._model.compilation)
-        if name not in known:
-            raise KeyError(f"{name}: {near(name, [*known], 'parameter')}")
+        if not isinstance(name, str) or name not in known:
+            raise KeyError(f"{name}: {near(str(name), [*known], 'parameter')}")
         return known[name]
 
     def __getitem__(self, name: str) -> float:
@@ -80,8 +66,10 @@ class Parameters(MutableMapping[str, float]):
 
     def __setitem__(self, name: str, value: Value) -> None:
         _, quantity = self._known(name)
-        values = Values(self._model.compilation)
-        self._set[name] = values.value("params", _text(value), quantity.unit, name)
+        arguments.checked(params={name: value})
+        values, said = Values(self._model.compilation), arguments.text(value)
+        with in_words():
+            self._set[name] = values.value("params", said, quantity.unit, name)
         self._model._forget()
 
     def __delitem__(self, name: str) -> None:
@@ -109,14 +97,19 @@ class Model:
     any that NumPy broadcasts.
     """
 
+    @in_words()
     def __init__(
         self, path: str | os.PathLike[str], scene: str | None, sizes: Mapping[str, int]
     ) -> None:
+        arguments.checked(path=path, scene=scene, sizes=sizes)
         self.path, self.scene = os.fspath(path), scene
-        self._sizes = dict(sizes)
+        self._sizes = lengths.given([f"{name}={length}" for name, length in sizes.items()])
         self._made: dict[object, Compilation] = {}
+        self._warned: set[str] = set()
         self.params = Parameters(self)
-        self.compilation  # noqa: B018 (its errors are told now)
+        if scene is not None:  # errors are told now
+            chosen(self.compilation.declared, scene)
+        self.compilation  # noqa: B018
 
     @cached_property
     def compilation(self) -> Compilation:
@@ -129,8 +122,10 @@ class Model:
         key = (source.text, repr(sorted(vars(options).items())), how.get("kernels"), own)
         if key not in self._made:
             made = self._made[key] = compile_model(source, sizes=self._sizes, own=own, **how)
-            for warning in made.warnings:
-                warnings.warn(warning.text(source), stacklevel=4)
+            for text in [warning.text(source) for warning in made.warnings]:
+                if text not in self._warned:
+                    self._warned.add(text)
+                    warnings.warn(arguments.worded(text), stacklevel=4)
         return self._made[key]
 
     def _forget(self) -> None:
@@ -167,13 +162,13 @@ class Model:
         atol: float | None = None,
         start: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Value] | None = None,
-        record: Sequence[str] | None = None,
+        record: Names | None = None,
         at: str | None = None,
-        diagnose: Sequence[str] = (),
+        diagnose: Names = (),
         iteration: str = "newton",
         max_steps: int = 1_000_000_000,
         tableau: Files = (),
-        composition: str | Sequence[str] | Sequence[float] = (),
+        composition: Weights = (),
     ) -> Result:
         """Integrate, by what the scene says where nothing is said here: each argument is the option
         of `pkgen run` of that name. Numbers are in SI, or carry a unit: `until="2 [min]"`.
@@ -184,7 +179,7 @@ class Model:
         has the rows up to the last valid time), and KeyboardInterrupt.
         """
         given = locals()
-        return self._run(self._options(**{k: given[k] for k in given if k != "self"}))
+        return self._run(arguments.options(self, {k: given[k] for k in given if k != "self"}))
 
     def ensemble(
         self, table: Any, until: Value | None = None, *, threads: int | None = None, **more: Any
@@ -192,36 +187,14 @@ class Model:
         """Many trajectories side by side: `table` has what differs from member to member, a column
         for each parameter, input, coordinate or rate (a dictionary of arrays, a data frame, a
         structured array, or the name of a CSV file). `more` as in `run`."""
-        options = self._options(until=until, threads=threads, **more)
-        if isinstance(table, str | os.PathLike):
+        options = arguments.options(self, {"until": until, "threads": threads, **more})
+        if arguments.is_path(table):
             options.ensemble = os.fspath(table)
             return self._run(options)
         options.ensemble = "table"
         return self._run(options, lambda made: _members(made, table))
 
-    def _options(self, **given: Any) -> argparse.Namespace:
-        start, inputs = given.pop("start", None) or {}, given.pop("inputs", None) or {}
-        record, diagnose = given.pop("record", None), given.pop("diagnose", ())
-        unknown = given.keys() - DEFAULTS.keys()
-        if unknown:
-            raise TypeError(f"run() has no argument {sorted(unknown)[0]!r}")
-        numbers = ("until", "every", "step", "max_step", "rtol", "atol")
-        texts = {k: _text(given[k]) for k in numbers if given.get(k) is not None}
-        options = argparse.Namespace(**{**DEFAULTS, **given, **texts})
-        options.model, options.scene = self.path, self.scene
-        options.size = [f"{name}={length}" for name, length in self._sizes.items()]
-        values = {**self.params._set, **inputs}
-        options.set = [f"{name}={_text(value)}" for name, value in values.items()]
-        options.start = [f"{name}={_text(value)}" for name, value in start.items()]
-        options.record = None if record is None else ",".join(record)
-        options.diagnose = ",".join(diagnose) or None
-        options.tableau = [os.fspath(path) for path in _several(options.tableau)]
-        weights = _several(options.composition)
-        if any(isinstance(w, Real) for w in weights):
-            weights = [",".join(map(_text, weights))]
-        options.composition = weights
-        return options
-
+    @in_words()
     def _run(self, options: argparse.Namespace, table: Any = None) -> Result:
         prepared = prepare(options, self._compiled, table).built()
         assert prepared.library is not None
@@ -233,12 +206,12 @@ class Model:
             found = scene_run.verdicts(*seen, told.report, prepared.ensemble)
             expects = [verdict.record() for verdict in found]
         shown = columns(prepared.compilation, prepared.ensemble, prepared.settings.show, 10**9)
-        notes = "".join(f"{note}\n" for note in prepared.notes)
-        result = Result(self.name, shown, done.rows(), told.report, notes + told.messages, expects)
+        messages = arguments.worded("".join(f"{note}\n" for note in prepared.notes) + told.messages)
+        result = Result(self.name, shown, done.rows(), told.report, messages, expects)
         if told.code == INTERRUPTED:
             raise KeyboardInterrupt
         said = told.messages.strip().replace("run: ", "") or "the run failed"
-        if told.code == USAGE:
+        if told.code == USAGE or told.report.get("status") == "PK_REFUSED":
             raise UsageError(said)
         if told.code:
             report = told.report
@@ -264,17 +237,21 @@ class Model:
         import numpy
 
         n, m = len(self.coordinates), len(self.rates)
-        places, rates = numpy.asarray(q, float), numpy.asarray(v, float)
+        places, rates, times = arguments.arrays(q=q, v=v, t=t)
         if places.shape[-1:] != (n,) or rates.shape[-1:] != (m,):
-            raise ValueError(f"q must be of shape (..., {n}), v of shape (..., {m})")
-        shape = numpy.broadcast_shapes(places.shape[:-1], rates.shape[:-1], numpy.shape(t))
+            raise ArrayError(f"q must be of shape (..., {n}), v of shape (..., {m})")
+        try:
+            shape = numpy.broadcast_shapes(places.shape[:-1], rates.shape[:-1], times.shape)
+        except ValueError as error:
+            raise ArrayError(f"q, v and t: {error}") from None
         count = math.prod(shape)  # -1 is not for a model of rotations alone, without coordinates
-        return self._handle.evaluate(
+        found = self._handle.evaluate(
             what,
-            numpy.broadcast_to(numpy.asarray(t, float), shape).reshape(-1),
+            numpy.broadcast_to(times, shape).reshape(-1),
             numpy.broadcast_to(places, (*shape, n)).reshape(count, n),
             numpy.broadcast_to(rates, (*shape, m)).reshape(count, m),
-        ).reshape(*shape, -1)
+        )
+        return found.reshape(*shape, found.shape[1])
 
     def acceleration(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
         """q'' (and x' of first-order variables), of shape (..., n); not a number where M is
@@ -288,7 +265,8 @@ class Model:
     def M(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
         """The mass matrix, of shape (..., n, n)."""
         found = self._kernel("mass", q, v, t)
-        return found.reshape(*found.shape[:-1], len(self.rates), -1)
+        n = len(self.rates)
+        return found.reshape(*found.shape[:-1], n, found.shape[-1] // n)
 
     def momenta(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
         """dL/dv, of shape (..., n)."""
@@ -301,7 +279,8 @@ class Model:
     def jacobian(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
         """da/dq and da/dv, of shape (..., 2, n, n)."""
         found = self._kernel("jacobian", q, v, t)
-        return found.reshape(*found.shape[:-1], 2, len(self.rates), -1)
+        n = len(self.rates)
+        return found.reshape(*found.shape[:-1], 2, n, found.shape[-1] // (2 * n))
 
     @property
     def start(self) -> NDArray[Any]:
@@ -316,8 +295,10 @@ class Model:
         shape (n,), or (n, count) as `vectorized=True` has it."""
         import numpy
 
-        state = numpy.asarray(y, float)
-        n = len(self.coordinates)
+        state, times = arguments.arrays(y=y, t=t)
+        n, m = len(self.coordinates), len(self.rates)
+        if state.shape[:1] != (n + m,) or state.ndim > 2 or times.ndim:
+            raise ArrayError(f"y must be of shape ({n + m},) or ({n + m}, count), t a number")
         q, v = state[:n].T, state[n:].T
         return numpy.concatenate([state[n : 2 * n], self.acceleration(q, v, t).T])
 
@@ -326,25 +307,21 @@ class Model:
         return f"<pkgen model {self.name}: {', '.join(self.coordinates)}{scene}>"
 
 
-def _text(value: Value) -> str:
-    return value if isinstance(value, str) else repr(float(value))
-
-
-def _several(given: Any) -> Sequence[Any]:
-    return [given] if isinstance(given, str | os.PathLike) else list(given)
-
-
 def _members(compilation: Compilation, table: Any) -> Ensemble:
     """Of a table in memory, its columns by name. Raises UsageError."""
     import numpy
 
     from ..run import members_file
 
-    names = table.dtype.names if isinstance(table, numpy.ndarray) else list(table)
+    structured = isinstance(table, numpy.ndarray)
+    names = table.dtype.names if structured else list(table) if hasattr(table, "keys") else None
+    if names is None:
+        allowed = "a dictionary of arrays, a data frame, a structured array, or a CSV file's name"
+        raise UsageError(f"table={arguments.brief(table)}: give {allowed}")
     known = Settable(compilation)
-    for name in names or ():
-        if name not in known:
-            raise UsageError(f"column {name}: {near(name, list(known), 'parameter or start')}")
-    columns = [known[name] for name in names or ()]
-    values = [numpy.asarray(table[name], float) for name in names or ()]
+    for name in names:
+        if not isinstance(name, str) or name not in known:
+            raise UsageError(f"column {name}: {near(str(name), list(known), 'parameter or start')}")
+    columns = [known[name] for name in names]
+    values = [arguments.arrays(**{f"column {name}": table[name]})[0] for name in names]
     return members_file.of_columns("table", columns, values)

@@ -7,10 +7,11 @@ import json
 from importlib.util import find_spec
 from pathlib import Path
 
+from ..compiler import Compilation
 from ..explain import scenes as explain_scenes
 from ..explain.explain import explain, record
 from ..explain.html import fragment, html
-from ..explain.scenes import scenes_shown
+from ..explain.scenes import SceneShown, scene_shown
 from ..scenes import lengths
 from ..scenes import use as scene_use
 from ..system.exits import DONE, UsageError
@@ -36,10 +37,22 @@ def explained(options: argparse.Namespace) -> str:
     where SymPy is not installed."""
     if find_spec("sympy") is None:
         return ""
-    compilation = compile_within_limits(options, quiet=True, symmetric=True)
+    compilation = compile_within_limits(options, quiet=True, c=False, symmetric=True)
+    scenes = _scenes(options, compilation, options.scene)
     with within_limits(options):
-        scenes = scenes_shown(compilation, lengths.given(options.size), options.scene)
         return fragment(compilation, scenes, level=3)
+
+
+def _scenes(
+    options: argparse.Namespace, compilation: Compilation, only: str | None = None
+) -> list[SceneShown]:
+    """Each scene is compiled within limits of its own."""
+    scenes = [s for s in compilation.declared.scenes if only in (None, s.name)]
+    made = []
+    for scene in scenes:
+        with within_limits(options):
+            made.append(scene_shown(compilation, lengths.given(options.size), scene))
+    return made
 
 
 def run(options: argparse.Namespace) -> int:
@@ -47,10 +60,14 @@ def run(options: argparse.Namespace) -> int:
     if find_spec("sympy") is None:
         raise UsageError("explain shows equations by SymPy, which is not installed; C needs none")
     compilation = compile_within_limits(
-        options, symmetric=True, canonical=options.canonical, use=scene_use.of_compile(options)
+        options,
+        c=False,
+        symmetric=True,
+        canonical=options.canonical,
+        use=scene_use.of_compile(options),
     )
+    scenes = [] if options.scene else _scenes(options, compilation)
     with within_limits(options):
-        scenes = [] if options.scene else scenes_shown(compilation, lengths.given(options.size))
         written = html(compilation, scenes) if options.html else ""
         text = ""
         if options.json:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..plot import view as views
 from ..plot.view import View
+from ..run.rows import interval
 from ..sweep.shards import is_sweep
 from ..sweep.store import place
 from ..system.exits import DONE, UsageError
@@ -20,9 +22,13 @@ from .run import judge, prepared, table_of, tell, to_scratch
 from .said import refuse_both
 
 if TYPE_CHECKING:
+    from ..api.prepare import Prepared
     from ..plot.picture import Picture
     from ..plot.table import Table
+    from ..run.simulate import Outcome
 
+CLOSEST = 20_000  # rows of a motion that is run to be drawn
+A_STEP = 4  # rows of a step
 ROWS = (".csv", ".npy", ".csv" + PARTIAL)
 
 EXAMPLES = """
@@ -131,8 +137,6 @@ def _labels(files: list[str]) -> list[str]:
 
 
 def _read(name: str, label: str) -> Table:
-    from dataclasses import replace
-
     from ..plot.table import read
 
     return replace(read(name), label=label)
@@ -142,10 +146,34 @@ def _run(options: argparse.Namespace, view: View, label: str) -> tuple[Table | N
     """A model's rows as `pkgen run` would write them, and its exit code."""
     what = prepared(options, view)
     with scratch() as folder:
-        outcome = to_scratch(what, folder / "rows.csv")
-        table = table_of(what, outcome, folder / "rows.csv", label)
+        path = folder / "rows.csv"
+        outcome = to_scratch(what, path)
+        table = table_of(what, outcome, path, label)
+        every = _closer(options, what, outcome, table)
+        if every is not None:
+            what = replace(what, settings=replace(what.settings, every=every))
+            outcome = to_scratch(what, path)
+            table = table_of(what, outcome, path, label)
     tell(options, what, outcome)
     return table, judge(options, what, outcome)
+
+
+def _closer(
+    options: argparse.Namespace, what: Prepared, outcome: Outcome, table: Table | None
+) -> float | None:
+    """The time between rows that can be joined, where nobody has said how often they are."""
+    record, settings = what.scene and what.scene.record, what.settings
+    if options.every is not None or (record and record.every is not None) or outcome.code:
+        return None
+    if table is None or settings.every is None or table.several or settings.at is not None:
+        return None
+    if table.sparse:
+        most = min(CLOSEST, A_STEP * outcome.report["steps"])
+    elif any(table.rough(table[q.name]) for q in table.quantities):
+        most = CLOSEST
+    else:
+        return None
+    return interval(settings.until, settings.step, len(table.columns), most)
 
 
 def _show(
@@ -155,9 +183,9 @@ def _show(
         print(f"pkgen: {note}", file=sys.stderr)
     if file is not None:
         from ..plot.draw import encoded
-        from ..system.files import replace
+        from ..system import files
 
-        replace({file: encoded(made, file.suffix[1:] or "svg", width)})
+        files.replace({file: encoded(made, file.suffix[1:] or "svg", width)})
     if options.json:
         print(json.dumps(_record(made, file), indent=1))
     elif file is None:

@@ -240,8 +240,10 @@ def _length(report: dict) -> str:
     """Of the steps: the one asked for, or from the shortest to the longest of those that vary."""
     if report["step"] is not None:
         return f" of {report['step']:.6g}"
-    longest = report["step_max"]
-    return f" of {report['step_min']:.3g} to {longest:.3g}" if longest else ""
+    shortest, longest = (f"{report[name]:.3g}" for name in ("step_min", "step_max"))
+    if not report["step_max"]:
+        return ""
+    return f" of up to {longest}" if shortest == longest else f" of {shortest} to {longest}"
 
 
 def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:

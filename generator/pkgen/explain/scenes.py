@@ -24,22 +24,15 @@ class SceneShown:
     after: dict[str, int]
 
 
-def scenes_shown(
-    compilation: Compilation, sizes: Mapping[str, int], only: str | None = None
-) -> list[SceneShown]:
-    """Each scene or the `only` one, compiled by itself; of one that cannot be, why."""
-    scenes = [s for s in compilation.declared.scenes if only in (None, s.name)]
-    return [_shown(compilation, sizes, scene) for scene in scenes]
-
-
-def _shown(whole: Compilation, sizes: Mapping[str, int], scene: Scene) -> SceneShown:
+def scene_shown(whole: Compilation, sizes: Mapping[str, int], scene: Scene) -> SceneShown:
+    """A scene, compiled by itself; of one that cannot be, why."""
     before = {} if whole.looped else _operations(whole.program.kernels)
     name, description, source = scene.name, scene.description, whole.declared.source
     wrong = scene_check.wrong(whole.declared, sizes, scene)
     if wrong:
         said = tuple(finding.text(source) for finding in wrong)
         return SceneShown(name, description, said, before, {})
-    made = compile_model(source, sizes=sizes, use=scene_use.of_scene(name))
+    made = compile_model(source, sizes=sizes, c=False, use=scene_use.of_scene(name))
     if made.looped:
         return SceneShown(name, description, tuple(map(str, made.report.lines)), before, {})
     kernels = [*made.program.kernels, *(k for part in made.parts for k in part.program.kernels)]

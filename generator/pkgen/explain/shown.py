@@ -206,11 +206,7 @@ class Shown:
         made = self.expressions(order)
         names = {s for entry in self.turns.values() for s in entry.free_symbols}
         return frozenset(
-            n
-            for n, x in zip(order, made, strict=True)
-            if len(x.free_symbols) == 1
-            and x.free_symbols <= names
-            and x.as_coeff_Mul()[1].is_Symbol
+            n for n, x in zip(order, made, strict=True) if x.as_coeff_Mul()[1] in names
         )
 
     def _odd(self, order: Iterable[Node]) -> set[Node]:

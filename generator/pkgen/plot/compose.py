@@ -10,12 +10,12 @@ import numpy
 
 from ..system.exits import UsageError
 from . import drift, spectrum
-from .members import bundle, clouds, few_times
+from .members import bundle, clouds, few_times, joined
 from .methods import mark
 from .names import label, shown
 from .picture import Axis, Image, Line, Panel, Picture
 from .style import PALETTE
-from .table import Table, base
+from .table import COARSE, CONSTANT, Table, base
 from .view import View
 
 PANELS = 6
@@ -23,8 +23,6 @@ FAMILY = 12  # members that are lines; more are an image
 LINES = 14  # in one panel
 LONG = 18  # characters beside an axis
 NOISE = 1e-9  # of the largest of its kind
-CONSTANT = 1e-7  # of its size, that a constant varies by
-COARSE = 0.77  # of a change from row to row beside the whole one: eight rows a period
 APART = 15.0  # sizes that share no axis
 
 
@@ -106,7 +104,16 @@ def _over_time(view: View, tables: Sequence[Table]) -> Picture:
     panels = [make(tables, group) for group in groups[:PANELS]]
     if any(panel.image is not None and _coarse(panel.image) for panel in panels):
         notes += ("rows are too far apart in time for these waves: --every with less shows them",)
-    return Picture("", tuple(panels), notes=notes)
+    return Picture("", tuple(panels), notes=notes + _points(panels, tables))
+
+
+def _points(panels: Sequence[Panel], tables: Sequence[Table]) -> tuple[str, ...]:
+    """The reason why rows are points, where it is that they are few."""
+    if any(table.several or table.event is not None for table in tables):
+        return ()
+    if all(line.kind == "line" for panel in panels for line in panel.lines):
+        return ()
+    return ("rows are too far apart in time to be joined: --every with less makes them lines",)
 
 
 def _in_all(option: str, name: str, tables: Sequence[Table]) -> list[str]:
@@ -171,8 +178,10 @@ def _panel(tables: Sequence[Table], names: list[str]) -> Panel:
     if len(names) > FAMILY and len({base(n) for n in names}) == 1:
         what = shown(base(names[0])).rstrip("′")
         return Panel(time_axis(table), Axis(f"index of {what}"), image=_image(table, names))
-    kind = "line" if table.event is None else "points"
-    lines = [Line(shown(n), table.time, table[n], k, kind) for k, n in enumerate(names)]
+    lines = [
+        Line(shown(n), table.time, table[n], k, joined(table, table[n]))
+        for k, n in enumerate(names)
+    ]
     y = Axis(_together(table, names), limits=_flat([table[n] for n in names]))
     return Panel(time_axis(table), y, tuple(lines), tight=True)
 
@@ -252,7 +261,7 @@ def _plane(view: View, tables: Sequence[Table]) -> Picture:
     equal = view.kind == "path" and len(set(next(iter(units)))) == 1
     z_axis = axes[2] if len(axes) == 3 else None
     panel = Panel(axes[0], axes[1], tuple(lines), z_axis, equal=equal, colours=colours)
-    return Picture("", (panel,), wide=False)
+    return Picture("", (panel,), wide=False, notes=_points([panel], tables))
 
 
 def _named(line: Line, what: str, table: Table, others: bool) -> Line:

@@ -18,6 +18,12 @@ def few_times(table: Table) -> int:
     return count if count <= FEW and rows <= FEW else 0
 
 
+def joined(table: Table, *columns: numpy.ndarray) -> str:
+    """Lines where rows are near enough to each other to be joined, else points."""
+    sparse = table.sparse or (not table.several and any(map(table.rough, columns)))
+    return "points" if sparse or table.event is not None else "line"
+
+
 def bundle(
     table: Table,
     x: numpy.ndarray,
@@ -28,9 +34,9 @@ def bundle(
 ) -> tuple[list[Line], tuple[float, float, str] | None]:
     """Lines of y over x: one, one a member of few, or all members as one with the range of their
     numbers. `first` is the colour to begin with, `more`: there are other tables."""
-    event = table.event is not None
-    kind = "points" if event or (table.several and few_times(table)) else "line"
     along = x is table.time or numpy.shares_memory(x, table.time)
+    drawn = [column for column in (None if along else x, y, z) if column is not None]
+    kind = "points" if table.several and few_times(table) else joined(table, *drawn)
     if not table.several:
         mark = kind == "line" and not along
         return [Line(table.label if more else "", x, y, first, kind, z, marked=mark)], None

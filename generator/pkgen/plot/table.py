@@ -23,6 +23,10 @@ from ..system.near import near
 if TYPE_CHECKING:
     import numpy
 
+COARSE = 0.77  # of a change from row to row beside the whole one: eight rows a period
+CONSTANT = 1e-7  # of its size, that a constant varies by
+NOISE = 1e-12  # of the largest number of all
+FEWEST = 8  # rows by which a period is judged
 ENDS = (".csv", ".npy", ".csv" + PARTIAL)
 _HEAD = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
 _INDEX = re.compile(r"\d+")
@@ -94,6 +98,28 @@ class Table:
         found = report.get("drifts") if isinstance(report, dict) else None
         items = found if isinstance(found, list) else []
         return {d["name"]: d for d in items if isinstance(d, dict) and "name" in d}
+
+    @property
+    def sparse(self) -> bool:
+        """Whether rows are farther apart than the steps that an adaptive method had to make."""
+        report = self.told.get("report")
+        if not isinstance(report, dict) or report.get("step") is not None or self.several:
+            return False
+        steps = report.get("steps")
+        return isinstance(steps, int) and steps > len(self.data)
+
+    def rough(self, x: numpy.ndarray) -> bool:
+        """Whether a column has fewer than eight rows a period: lines between them are no motion.
+        Rounding beside what is larger is not judged."""
+        import numpy
+
+        x, rest = x[numpy.isfinite(x)], numpy.delete(self.data, self.abscissa, axis=1)
+        if len(x) < FEWEST:
+            return False
+        noise = max(CONSTANT * numpy.abs(x).max(), NOISE * numpy.nanmax(numpy.abs(rest)))
+        if numpy.ptp(x) <= noise:
+            return False
+        return bool(numpy.sqrt(numpy.mean(numpy.diff(x) ** 2)) > COARSE * x.std())
 
     @property
     def event(self) -> str | None:

@@ -16,10 +16,10 @@ ROWS = 1000
 NUMBERS = 10_000_000  # written where --every is not given: some 200 MB
 
 
-def interval(until: float, step: float | None, numbers: int) -> float:
-    """Time between rows if none is given: some thousand rows (fewer, of a long family), a fixed
-    step kept as it is."""
-    rows = max(1, min(ROWS, NUMBERS // numbers))
+def interval(until: float, step: float | None, numbers: int, most: int = ROWS) -> float:
+    """Time between rows if none is given: `most` rows (fewer, of a long family), a fixed step kept
+    as it is."""
+    rows = max(1, min(most, NUMBERS // numbers))
     return step * math.ceil(until / (rows * step)) if step else until / rows
 
 

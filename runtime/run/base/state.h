@@ -166,7 +166,7 @@ struct pk_run {
     unsigned long rows;
     int begun;            /* it could start */
     int lean;             /* of a member: nobody looks at its steps, but where it begins and ends */
-    pk_real h_min, h_max; /* steps made */
+    pk_real h_min, h_max; /* steps made; the least of those that their error alone bounds */
     pk_real trusted;      /* until when the energy was what it is to be; see look.h */
     int distrusted;
     pk_real ends;  /* end of the motion according to dop853 */

@@ -32,15 +32,16 @@ static int fused(const struct pk_run *run)
 static int step(struct pk_run *run)
 {
     struct pk_integrator *it = &run->it;
-    const pk_real end = run_limit(run);
+    const pk_real end = run_limit(run), before = it->t - it->last_t;
     const enum pk_status status = fused(run) ? many(run, end) : crossings_step(run, end);
     if (status < 0)
         return 0;
     if (pk_waits(it))
         return 1;
     const pk_real h = it->t - it->last_t; /* 0 at an event that stopped */
-    if (h > 0 && (!(run->h_max > 0) || h < run->h_min))
-        run->h_min = h;
+    /* A step that the next one doubles was short by a start, an event or a row, not by its error. */
+    if (before > 0 && h < 2 * before && (!(run->h_min > 0) || before < run->h_min))
+        run->h_min = before;
     if (h > run->h_max)
         run->h_max = h;
     if (!run->lean && (!fused(run) || singular(run) || !(it->t < end)))

@@ -21,7 +21,7 @@ static void report_work(struct json *j, const struct pk_run *run)
     json_text(j, "method", s->method->name);
     json_real(j, "order", s->method->order);
     json_real(j, "step", run_fixed(run) && !s->n_parts ? s->options.h : PK_INFINITY);
-    json_real(j, "step_min", run->h_min);
+    json_real(j, "step_min", run->h_min > 0 ? run->h_min : run->h_max);
     json_real(j, "step_max", run->h_max);
     json_real(j, "rtol", s->options.rtol);
     json_real(j, "atol", s->options.atol < 0 ? PK_INFINITY : s->options.atol); /* of the motion */

@@ -1,0 +1,185 @@
+"""Arguments of the Python API: the values that each takes, and the options that they become."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from numbers import Integral, Real
+from typing import TYPE_CHECKING, Any
+
+from ..source import ModelError
+from ..system.exits import BuildError, NumericsFailed, UsageError
+from .errors import ArrayError
+
+if TYPE_CHECKING:
+    import numpy
+
+Value = str | float  # "2 [kg]", or a number in SI
+Files = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+Names = str | Sequence[str]
+Weights = str | Sequence[str] | Sequence[float]
+NUMBERS = ("until", "every", "step", "max_step", "rtol", "atol")
+# Options of `pkgen run` that a call has none for.
+DEFAULTS = {
+    **dict.fromkeys((*NUMBERS, "method", "record", "at", "ensemble", "threads", "diagnose")),
+    **dict.fromkeys(("no_reduce", "output")),
+    "tableau": (),
+    "composition": (),
+    "iteration": "newton",
+    "max_steps": 1_000_000_000,
+    "units": False,
+    "libm": False,
+    "portable": False,
+    "json": True,
+}
+Check = Callable[[object], bool]
+
+
+def _is_number(x: object) -> bool:
+    return isinstance(x, Real) and not isinstance(x, bool)
+
+
+def _is_value(x: object) -> bool:
+    return isinstance(x, str) or _is_number(x)
+
+
+def _is_whole(x: object) -> bool:
+    return isinstance(x, Integral) and _is_number(x)
+
+
+def is_path(x: object) -> bool:
+    return isinstance(x, str | os.PathLike) and "\0" not in os.fspath(x)
+
+
+def _is_text(x: object) -> bool:
+    return isinstance(x, str)
+
+
+def _some(one: Check) -> Check:
+    """One, or a sequence of them."""
+
+    def check(x: object) -> bool:
+        many = isinstance(x, Collection) and not isinstance(x, Mapping | bytes)
+        return one(x) or (many and getattr(x, "ndim", 1) == 1 and all(map(one, x)))
+
+    return check
+
+
+def _named(one: Check) -> Check:
+    return lambda x: isinstance(x, Mapping) and all(map(_is_text, x)) and all(map(one, x.values()))
+
+
+_VALUE = "a number in SI, or a text with a unit, as '2 [kg]'"
+# Each argument: what it may be, and the words for that.
+ALLOWED: dict[str, tuple[Check, str]] = {
+    "path": (is_path, "a text or a path"),
+    "sizes": (_named(_is_whole), "a dictionary of whole numbers by name, as {'N': 64}"),
+    "params": (_named(_is_value), _VALUE),
+    "start": (_named(_is_value), "a dictionary of values by name, as {'theta1': 0.5}"),
+    "inputs": (_named(_is_value), "a dictionary of values by name, as {'u': 'sin(3*t)'}"),
+    "iteration": (lambda x: _is_text(x) and x in ("newton", "fixed"), "'newton' or 'fixed'"),
+    "tableau": (_some(is_path), "a path, or a list of paths"),
+    "composition": (_some(_is_value), "a text of weights, or a list of numbers"),
+    **dict.fromkeys(NUMBERS, (_is_value, _VALUE)),
+    **dict.fromkeys(("scene", "method", "at"), (_is_text, "a text")),
+    **dict.fromkeys(("record", "diagnose"), (_some(_is_text), "a name, or a list of names")),
+    **dict.fromkeys(("max_steps", "threads"), (_is_whole, "a whole number")),
+}
+REQUIRED = ("path", "iteration", "max_steps")  # None is no value of them
+
+
+def checked(**given: object) -> None:
+    """Raises UsageError for an argument of a wrong type."""
+    for name, x in given.items():
+        if name in ALLOWED and (x is not None or name in REQUIRED):
+            allows, words = ALLOWED[name]
+            if not allows(x):
+                raise UsageError(f"{name}={brief(x)}: give {words}")
+
+
+def brief(x: object) -> str:
+    shown = repr(x)
+    return shown if len(shown) <= 40 else f"{shown[:37]}..."
+
+
+def text(value: Value) -> str:
+    """Raises UsageError."""
+    try:
+        return value if isinstance(value, str) else repr(float(value))
+    except OverflowError:
+        raise UsageError(f"{brief(value)}: no double is that large") from None
+
+
+def arrays(**given: object) -> list[numpy.ndarray]:
+    """Raises ArrayError."""
+    import numpy
+
+    made = []
+    for name, x in given.items():
+        try:
+            made.append(numpy.asarray(x, float))
+        except (TypeError, ValueError, OverflowError):
+            raise ArrayError(f"{name}={brief(x)}: give an array of numbers") from None
+    return made
+
+
+def several(given: Any) -> list[Any]:
+    one = isinstance(given, str | os.PathLike) or _is_number(given)
+    return [given] if one else list(() if given is None else given)
+
+
+def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
+    """The options of `pkgen run` for this call. Raises UsageError, or TypeError for an argument
+    that there is not."""
+    start, inputs = given.pop("start", None), given.pop("inputs", None)
+    unknown = given.keys() - DEFAULTS.keys()
+    if unknown:
+        raise TypeError(f"run() has no argument {sorted(unknown)[0]!r}")
+    checked(start=start, inputs=inputs, **given)
+    texts = {k: text(given[k]) for k in NUMBERS if given.get(k) is not None}
+    made = argparse.Namespace(**{**DEFAULTS, **given, **texts})
+    made.model, made.scene = model.path, model.scene
+    made.size = [f"{name}={length}" for name, length in model._sizes.items()]
+    made.set = [f"{k}={text(x)}" for k, x in {**model.params._set, **(inputs or {})}.items()]
+    made.start = [f"{name}={text(value)}" for name, value in (start or {}).items()]
+    made.record = None if made.record is None else ",".join(several(made.record))
+    made.diagnose = ",".join(several(made.diagnose)) or None
+    made.tableau = [os.fspath(path) for path in several(made.tableau)]
+    weights = several(made.composition)
+    made.composition = [",".join(map(text, weights))] if any(map(_is_number, weights)) else weights
+    return made
+
+
+# Options that are no argument of a call, or are items of one.
+_CALLS = {"ensemble": "ensemble()", "set": "params and inputs", "size": "sizes", "output": "rows"}
+_ITEMS = {"set": "inputs", "size": "sizes", "start": "start"}
+_ITEM = re.compile(r"--(set|start|size) ([A-Za-z_][\w.\[\]']*)")
+_OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)(?: (?=[^\s:]+(?: \[[^\]]*\])?(?::|$)))?")
+
+
+def worded(said: str) -> str:
+    """A message about options of the command line, about arguments: `until=` for `--until`."""
+    said = _ITEM.sub(lambda found: f"{_ITEMS[found[1]]}[{found[2]!r}]", said)
+    return _OPTION.sub(lambda x: _CALLS.get(x[1], x[1].replace("-", "_") + "="), said)
+
+
+@contextmanager
+def in_words() -> Iterator[None]:
+    """Errors within it speak of arguments."""
+    try:
+        yield
+    except ModelError as error:
+        error.source = replace(error.source, path=worded(error.source.path), options="arguments")
+        error.diagnostics = [
+            replace(d, message=worded(d.message), help=worded(d.help)) for d in error.diagnostics
+        ]
+        raise
+    except (BuildError, NumericsFailed, UsageError) as error:
+        error.args = tuple(worded(x) if isinstance(x, str) else x for x in error.args)
+        raise
+    except OSError as error:
+        raise UsageError(f"{error.filename}: {error.strerror}") from None
