@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import fcntl
 import os
+import re
+import secrets
 import shutil
 import signal
 import stat
@@ -28,6 +30,7 @@ from .progress import trace
 STANDARD = Path("-")  # standard output
 PARTIAL = ".partial"
 SCRATCH = "pkgen."
+MARK = ".pkgen-scratch"  # the file in a scratch folder by which pkgen knows it again
 
 
 def partial(path: Path) -> Path:
@@ -231,43 +234,44 @@ def cut(path: Path) -> bool:
 
 @contextmanager
 def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]:
-    """A folder of one's own, gone behind it. What a process left that was killed goes as well: it
-    holds no lock any more."""
+    """A folder of one's own, gone behind it. It holds a mark, which is locked as long as its
+    process lives: the folder of a process that was killed is removed by the next one."""
     if parent is None:
         parent = Path(tempfile.gettempdir())
         sweep(parent, prefix)
-    while True:
-        path = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
-        try:
-            lock = os.open(path, os.O_RDONLY)
-        except FileNotFoundError:  # swept before it was open
-            continue
-        with suppress(OSError):
-            fcntl.flock(lock, fcntl.LOCK_EX)
-        if path.exists():  # not swept before it was locked
-            break
-        os.close(lock)
+    path = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
     try:
-        yield path
+        with open(path / MARK, "x", encoding="ascii") as mark:
+            with suppress(OSError):  # a file system without locks: nobody else removes it
+                fcntl.flock(mark, fcntl.LOCK_EX)
+            mark.write(f"{_marked(path.name)}{secrets.token_hex(16)}\n")
+            mark.flush()  # locked before it can be read
+            yield path
     finally:
         shutil.rmtree(path, ignore_errors=True)
-        os.close(lock)
+
+
+def _marked(name: str) -> str:
+    return f"scratch folder of pkgen: {name} "
 
 
 @cache
 def sweep(parent: Path, prefix: str, age: float = 0.0) -> None:
-    """Remove scratch folders whose processes have ended, once a process."""
+    """Remove scratch folders whose processes have ended, once a process. A folder is one only by
+    its mark, which names it: other folders, copies of one too, are left as they are."""
     with suppress(OSError), os.scandir(parent) as entries:
         for entry in entries:
             if not entry.name.startswith(prefix):
                 continue
-            with suppress(OSError):
+            with suppress(OSError, UnicodeDecodeError):
                 known = entry.stat(follow_symlinks=False)
-                if known.st_uid != os.geteuid() or time.time() - known.st_mtime < age:
+                if not stat.S_ISDIR(known.st_mode) or time.time() - known.st_mtime < age:
                     continue
-                lock = os.open(entry.path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
-                try:
-                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                    shutil.rmtree(entry.path, ignore_errors=True)
-                finally:
-                    os.close(lock)
+                how = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
+                fd = os.open(os.path.join(entry.path, MARK), how)
+                with open(fd, encoding="ascii") as mark:
+                    fcntl.flock(mark, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    owners = {known.st_uid, os.fstat(fd).st_uid}
+                    said = mark.read(400).removeprefix(_marked(entry.name))
+                    if owners == {os.geteuid()} and re.fullmatch(r"[0-9a-f]{32}\n", said):
+                        shutil.rmtree(entry.path, ignore_errors=True)
