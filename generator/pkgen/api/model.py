@@ -13,7 +13,7 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from ..compiler import Compilation, compile_model
-from ..front.read import read
+from ..front.read import allowing, read
 from ..own.given import given as own_methods
 from ..run import named
 from ..run.ensemble import Ensemble, Settable
@@ -51,11 +51,15 @@ DEFAULTS = {
 
 
 def load(
-    path: str | os.PathLike[str], scene: str | None = None, sizes: Mapping[str, int] | None = None
+    path: str | os.PathLike[str],
+    scene: str | None = None,
+    sizes: Mapping[str, int] | None = None,
+    allow_path: Sequence[str | os.PathLike[str]] = (),
 ) -> Model:
     """A model's file, and one of its scenes. `sizes` are the lengths of families, where they are to
-    be others than the file's. Raises ModelError with the places of all that is wrong in it."""
-    return Model(path, scene, sizes or {})
+    be others than the file's; `allow_path` folders, besides its own, that it may name files of.
+    Raises ModelError with the places of all that is wrong in it."""
+    return Model(path, scene, sizes or {}, allow_path)
 
 
 class Parameters(MutableMapping[str, float]):
@@ -110,8 +114,13 @@ class Model:
     """
 
     def __init__(
-        self, path: str | os.PathLike[str], scene: str | None, sizes: Mapping[str, int]
+        self,
+        path: str | os.PathLike[str],
+        scene: str | None,
+        sizes: Mapping[str, int],
+        allow_path: Sequence[str | os.PathLike[str]] = (),
     ) -> None:
+        self._allowed = allow_path
         self.path, self.scene = os.fspath(path), scene
         self._sizes = dict(sizes)
         self._made: dict[object, Compilation] = {}
@@ -128,7 +137,8 @@ class Model:
         own = own_methods(options)
         key = (source.text, repr(sorted(vars(options).items())), how.get("kernels"), own)
         if key not in self._made:
-            made = self._made[key] = compile_model(source, sizes=self._sizes, own=own, **how)
+            with allowing(*self._allowed):
+                made = self._made[key] = compile_model(source, sizes=self._sizes, own=own, **how)
             for warning in made.warnings:
                 warnings.warn(warning.text(source), stacklevel=4)
         return self._made[key]

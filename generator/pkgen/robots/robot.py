@@ -27,6 +27,16 @@ class Link:
 
 
 @dataclass
+class Mimic:
+    """A coordinate that is a multiple of another joint's, and an offset."""
+
+    element: Element
+    of: str
+    factor: float
+    offset: float
+
+
+@dataclass
 class Joint:
     name: str
     kind: str  # a key of front/joints.py KINDS
@@ -38,6 +48,13 @@ class Joint:
     says: str = ""
     damping: float = 0.0
     limits: tuple[float, float] | None = None  # [rad] or [m]
+    mimic: Mimic | None = None
+
+    @property
+    def start(self) -> float:
+        """0, or between its limits."""
+        low, high = self.limits or (0.0, 0.0)
+        return (low + high) / 2 if low > 0 or high < 0 else 0.0
 
 
 @dataclass
@@ -98,18 +115,57 @@ def text(robot: Robot, file: str) -> str:
     lines += ["", f"gravity {_vector(robot.gravity)} [m/s^2]", ""]
     lines += [_body(link, bodies[link.name]) for link in robot.links]
     lines.append("")
-    damped, starts = [], []
+    damped, starts, called = [], [], {}
     for joint in robot.joints:
         name = names.new(joint.name, _suffixes(joint), "joint")
         lines.append(_joint(joint, name, bodies))
         if joint.damping:
             unit = "N*m*s" if joint.kind == "revolute" else "N*s/m"
             damped.append(f"dissipation ({joint.damping!r} [{unit}])/2*{name}'^2")
-        low, high = joint.limits or (0.0, 0.0)
-        if low > 0 or high < 0:
-            middle = repr((low + high) / 2) + " [m]" * (joint.kind == "prismatic")
-            starts.append(f"start {name} = {middle}  # between its limits")
-    return "\n".join([*lines, *([""] if damped or starts else []), *damped, *starts]) + "\n"
+        called[joint.name] = name, joint
+    rows = []
+    for name, joint in called.values():
+        start, why = joint.start, "between its limits"
+        if joint.mimic and joint.kind != "fixed":
+            start, why = _mimicked(joint, called), "as it mimics"
+            rows.append(_row(name, joint, called, names))
+        if start:
+            unit = " [m]" * (joint.kind == "prismatic")
+            starts.append(f"start {name} = {start!r}{unit}  # {why}")
+    more = [*damped, *rows, *starts]
+    return "\n".join([*lines, *([""] if more else []), *more]) + "\n"
+
+
+Called = dict[str, tuple[str, Joint]]
+
+
+def _mimicked(joint: Joint, called: Called) -> float:
+    """Where it starts, by the joints that it mimics. Raises ModelError."""
+    factor, offset, seen = 1.0, 0.0, {joint.name}
+    while joint.mimic and joint.kind != "fixed":
+        mimic = joint.mimic
+        if mimic.of not in called:
+            raise mimic.element.wrong(f"there is no joint '{mimic.of}'")
+        joint = called[mimic.of][1]
+        if joint.kind not in ("revolute", "prismatic", "fixed"):
+            help = "one that turns about an axis or slides along one"
+            raise mimic.element.wrong(f"a {joint.kind} joint cannot be mimicked", help)
+        if joint.name in seen:
+            raise mimic.element.wrong(f"the mimics go round in a circle at '{joint.name}'")
+        seen.add(joint.name)
+        factor, offset = factor * mimic.factor, factor * mimic.offset + offset
+    return factor * joint.start + offset
+
+
+def _row(name: str, joint: Joint, called: Called, names: Names) -> str:
+    """The constraint of a mimic; a joint that is fixed stays at 0."""
+    other, leader = called[joint.mimic.of]
+    slides = joint.kind == "prismatic"
+    unit = {(True, "revolute"): " [m]", (False, "prismatic"): " [1/m]"}.get((slides, leader.kind))
+    product = f"({joint.mimic.factor!r}{unit or ''})*{other}" if leader.kind != "fixed" else ""
+    offset = f"({joint.mimic.offset!r}{' [m]' * slides})" if joint.mimic.offset else ""
+    right = " + ".join(filter(None, (product, offset))) or "0"
+    return f"constraint {names.new(joint.name, (), 'mimic')}: {name} = {right}"
 
 
 def _suffixes(joint: Joint) -> tuple[str, ...]:

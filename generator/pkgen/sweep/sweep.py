@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from ..compiler import Compilation
-from ..front.read import from_text, read
+from ..front.read import from_text, inside, read
 from ..record import record
-from ..source import Source
+from ..source import ModelError, Source
 from ..system.exits import NumericsFailed, UsageError
 from ..version import __version__
 from . import job as jobs
@@ -70,9 +70,14 @@ def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
         raise UsageError(f"{path}: no sweep lies there: it has no {PLAN}")
     try:
         file = path / Path(known["file"]).name
+        if not all(inside(x, path) for x in (file, path / TOML)):
+            raise TypeError("a link leads out of it")
         options.model, options.size = str(file), known["size"]
         plan = of_text(from_text(str(path / TOML), (path / TOML).read_text("utf-8")))
-        return known, plan, from_text(known["model"], file.read_text("utf-8"))
+        text, name = file.read_text("utf-8"), known["model"]
+        with suppress(ModelError):  # files that it names lie beside it, if it is there
+            return known, plan, from_text(name if read(name).text == text else str(file), text)
+        return known, plan, from_text(str(file), text)
     except (OSError, KeyError, TypeError, UnicodeDecodeError) as error:
         raise UsageError(f"{path}: it is not as it was begun: {error}") from None
 
@@ -89,6 +94,7 @@ def resumed(path: Path, options: argparse.Namespace, compiled: Compiled) -> Swee
 
 
 def _made(plan: Plan, source: Source, options: argparse.Namespace, compiled, known: dict | None):
+    plan.refuse_foreign(source.path)
     chosen = known and known.get("chosen")
     return jobs.make(plan, options, partial(compiled, source=source), chosen)
 

@@ -234,19 +234,22 @@ def cut(path: Path) -> bool:
 
 @contextmanager
 def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]:
-    """A folder of one's own, gone behind it. It holds a mark, which is locked as long as its
-    process lives: the folder of a process that was killed is removed by the next one."""
+    """A folder of one's own, gone behind it. It is locked as long as its process lives, and holds a
+    mark: the folder of a process that was killed is removed by the next one."""
     if parent is None:
         parent = Path(tempfile.gettempdir())
         sweep(parent, prefix)
     path = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
     try:
-        with open(path / MARK, "x", encoding="ascii") as mark:
+        lock = os.open(path, os.O_RDONLY)
+        try:
             with suppress(OSError):  # a file system without locks: nobody else removes it
-                fcntl.flock(mark, fcntl.LOCK_EX)
-            mark.write(f"{_marked(path.name)}{secrets.token_hex(16)}\n")
-            mark.flush()  # locked before it can be read
+                fcntl.flock(lock, fcntl.LOCK_EX)
+            # Locked before it is marked: no other process takes it for one of the dead.
+            (path / MARK).write_text(f"{_marked(path.name)}{secrets.token_hex(16)}\n")
             yield path
+        finally:
+            os.close(lock)
     finally:
         shutil.rmtree(path, ignore_errors=True)
 
@@ -255,23 +258,31 @@ def _marked(name: str) -> str:
     return f"scratch folder of pkgen: {name} "
 
 
+def _is_scratch(path: str, name: str) -> bool:
+    """By its mark, which names it: other folders, copies of one too, are none."""
+    fd = os.open(os.path.join(path, MARK), os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    with open(fd, "rb") as mark:
+        if os.fstat(fd).st_uid != os.geteuid():
+            return False
+        token = mark.read(400).removeprefix(_marked(name).encode())
+        return re.fullmatch(rb"[0-9a-f]{32}\n", token) is not None
+
+
 @cache
 def sweep(parent: Path, prefix: str, age: float = 0.0) -> None:
-    """Remove scratch folders whose processes have ended, once a process. A folder is one only by
-    its mark, which names it: other folders, copies of one too, are left as they are."""
+    """Remove scratch folders whose processes have ended, once a process."""
     with suppress(OSError), os.scandir(parent) as entries:
         for entry in entries:
             if not entry.name.startswith(prefix):
                 continue
-            with suppress(OSError, UnicodeDecodeError):
+            with suppress(OSError):
                 known = entry.stat(follow_symlinks=False)
-                if not stat.S_ISDIR(known.st_mode) or time.time() - known.st_mtime < age:
+                if known.st_uid != os.geteuid() or time.time() - known.st_mtime < age:
                     continue
-                how = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
-                fd = os.open(os.path.join(entry.path, MARK), how)
-                with open(fd, encoding="ascii") as mark:
-                    fcntl.flock(mark, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                    owners = {known.st_uid, os.fstat(fd).st_uid}
-                    said = mark.read(400).removeprefix(_marked(entry.name))
-                    if owners == {os.geteuid()} and re.fullmatch(r"[0-9a-f]{32}\n", said):
+                lock = os.open(entry.path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+                try:
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    if _is_scratch(entry.path, entry.name):
                         shutil.rmtree(entry.path, ignore_errors=True)
+                finally:
+                    os.close(lock)
