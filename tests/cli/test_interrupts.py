@@ -136,8 +136,8 @@ def test_a_sweep_that_is_ended_while_it_times_its_first_members(
         if not going:
             for k in range(3):
                 kill = threading.Timer(after * (1 + k / 10), os.kill, (os.getpid(), signal.SIGTERM))
-                going.append(kill)
                 kill.start()
+                going.append(kill)
         return real(*given, **more)
 
     monkeypatch.setattr(library.Library, "run", run)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import random
 import sys
+from argparse import Namespace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -14,7 +17,7 @@ from pkgen.middle.derive.derive import derive
 from pkgen.robots.read import imported
 from pkgen.robots.turns import matrix as matrix_of
 from pkgen.robots.turns import of_quaternion, of_roll_pitch_yaw
-from pkgen.source import Source
+from pkgen.source import Diagnostic, ModelError, Source, Span
 from robot_files import heavy, joint, link, text_of
 from test_body_statements import state_of
 from trees_of_bodies import Link, Motion, turn
@@ -32,10 +35,11 @@ ARM = """<robot name="two-link">
 <origin xyz="0 0 1" rpy="0.3 0.2 0.5"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="5"/>
 <dynamics damping="0.3" friction="0.1"/></joint>
 <joint name="elbow" type="continuous"><parent link="upper arm"/><child link="fore"/>
-<origin xyz="0.1 0 -0.5" rpy="1.5707963267948966 0 0"/><mimic joint="shoulder"/></joint>
+<origin xyz="0.1 0 -0.5" rpy="1.5707963267948966 0 0"/><calibration rising="0"/></joint>
 <joint name="fore" type="fixed"><parent link="fore"/><child link="int"/></joint>
 <transmission name="t"/>
 </robot>"""
+MIMIC = '<mimic joint="{}" multiplier="{}" offset="{}"/>'
 G = np.array([0, 0, -9.81])
 
 
@@ -82,7 +86,7 @@ def test_a_urdf_moves_as_it_says(tmp_path):
 
 def test_what_it_writes(tmp_path):
     text = text_of(tmp_path, ARM)
-    left = "# left out: <transmission> (1), friction of a joint (1), <mimic> (1)"
+    left = "# left out: <transmission> (1), <calibration> of <joint> (1), friction of a joint (1)"
     assert left in text and "# mesh package://x/upper.stl" in text
     assert "limits [-2.0, 2.0]  # limits: effort 5.0" in text
     assert "dissipation (0.3 [N*m*s])/2*shoulder'^2" in text
@@ -184,7 +188,7 @@ def test_the_command(pkgen, tmp_path):
     robot = tmp_path / "arm.urdf"
     robot.write_text(ARM)
     done = pkgen("import", robot, "-o", tmp_path / "arm.lag")
-    assert done.returncode == 0 and "<mimic> (1)" in done.stderr
+    assert done.returncode == 0 and "<calibration> of <joint> (1)" in done.stderr
     ran = pkgen("run", tmp_path / "arm.lag", "--until", "0.1", "--start", "shoulder=1")
     assert ran.returncode == 0 and "elbow" in ran.stdout
     robot.write_text("<robot><link/></robot>")
@@ -231,3 +235,61 @@ def test_robots_of_others_as_pinocchio_has_them(robot):
     wanted = pinocchio.aba(own, own.createData(), q, v, np.zeros(own.nv))[order]
     found = np.array(evaluate(e.graph, e.acceleration, symbols))
     assert abs(found - wanted).max() < 1e-12 * abs(wanted).max()
+
+
+def test_a_mimic_is_a_constraint(pkgen, tmp_path):
+    """Of a turn a turn or a slide; of a mimic a mimic; of what is fixed nothing."""
+    links = link("base") + "".join(link(x, heavy("1")) for x in "abc")
+    joints = joint("j", "base", "a", "revolute", '<axis xyz="0 1 0"/>')
+    joints += joint("k", "a", "b", "prismatic", MIMIC.format("j", "2", "0.5"))
+    joints += joint("l", "b", "c", "revolute", '<axis xyz="0 1 0"/>' + MIMIC.format("k", "-3", "0"))
+    text = text_of(tmp_path, f"<robot name='r'>{links}{joints}</robot>")
+    assert "constraint k_mimic: k = (2.0 [m])*j + (0.5 [m])" in text
+    assert "constraint l_mimic: l = (-3.0 [1/m])*k" in text
+    assert "start k = 0.5 [m]" in text and "start l = -1.5  #" in text
+    (tmp_path / "r.lag").write_text(text)
+    done = pkgen(
+        "run", tmp_path / "r.lag", "--until", "0.5", "--every", "0.25", "--record", "j,k,l"
+    )
+    rows = [[float(x) for x in row.split(",")] for row in done.stdout.splitlines()[1:]]
+    assert len(rows) == 3 and abs(rows[-1][1]) > 0.01
+    for _, j, k, m in rows:
+        assert abs(k - 2 * j - 0.5) < 1e-9 and abs(m + 3 * k) < 1e-9
+    for of, why in (("l", "go round in a circle"), ("x", "there is no joint 'x'")):
+        wrong = joints.replace(MIMIC.format("j", "2", "0.5"), MIMIC.format(of, "2", "0.5"))
+        with pytest.raises(ModelError, match=why):
+            text_of(tmp_path, f"<robot name='r'>{links}{wrong}</robot>")
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_whatever_is_not_read_is_named(seed, tmp_path):
+    """Unknown children and attributes at any places."""
+    rng = random.Random(seed)
+    root = ElementTree.fromstring(ARM)
+    places = [e for e in root.iter() if e.tag not in ("transmission", "calibration")]
+    wanted = []
+    for k in range(6):
+        parent = rng.choice(places)
+        if rng.random() < 0.5:
+            parent.set(f"extra{k}", "1")
+            wanted.append(f"'extra{k}' of <{parent.tag}>")
+        else:
+            parent.insert(rng.randrange(len(parent) + 1), ElementTree.Element(f"extra{k}"))
+            wanted.append(f"<extra{k}>" + f" of <{parent.tag}>" * (parent is not root))
+    (tmp_path / "r.urdf").write_text(ElementTree.tostring(root, "unicode"))
+    notes = imported(tmp_path / "r.urdf")[1].notes()
+    assert [what for what in wanted if what not in notes[0]] == []
+
+
+def test_a_model_that_is_refused_is_not_written(tmp_path, monkeypatch):
+    command, made = importlib.import_module("pkgen.cli.import"), tmp_path / "r.lag"
+
+    def refuse(source: Source) -> None:
+        raise ModelError(source, [Diagnostic("no", Span(0, 1))])
+
+    monkeypatch.setattr(command, "check_model", refuse)
+    (tmp_path / "r.urdf").write_text(ARM)
+    options = Namespace(model=tmp_path / "r.urdf", base="fixed", json=False, output=str(made))
+    with pytest.raises(ModelError) as error:
+        command.run(options)
+    assert error.value.text().startswith(f"{made}:1:1: error: no") and not made.exists()

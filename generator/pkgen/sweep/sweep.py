@@ -20,13 +20,14 @@ from ..source import ModelError, Source
 from ..system.exits import NumericsFailed, UsageError
 from ..version import __version__
 from . import job as jobs
+from . import shards
 from .job import Job
 from .parts import arrow, classes, names
 from .plan import Plan, of_text, read_plan
 from .refine import begun as begun_grid
 from .shards import PLAN, Folder, foreign, part_is_whole
 from .starts import Starts
-from .store import free_bytes, place, read_json, write_json, written
+from .store import free_bytes, place, write_json, written
 
 SECONDS = 10.0  # of work in a shard, at least
 TIMED = 0.3  # seconds that the first timing takes
@@ -46,7 +47,7 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
     another, and whatever is wrong with the plan."""
     arrow()
     path = place(options.directory)
-    known = read_json(path / PLAN)
+    known = shards.known(path)
     plan, source = read_plan(options.plan), read(options.model)
     made = _made(plan, source, options, compiled, known)
     job, _ = made
@@ -65,7 +66,7 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
 def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
     """What is known of that which lies there, its plan and model, which is that of `options` then.
     Raises UsageError."""
-    known = read_json(path / PLAN)
+    known = shards.known(path)
     if known is None:
         raise UsageError(f"{path}: no sweep lies there: it has no {PLAN}")
     try:

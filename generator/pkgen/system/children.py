@@ -91,6 +91,14 @@ def ended_by_signals() -> Iterator[None]:
         yield
 
 
+def finishing() -> None:
+    """All that is asked for is made: what would end pkgen now comes too late to be told."""
+    if threading.current_thread() is threading.main_thread():
+        for number in ENDS:
+            if signal.getsignal(number) != signal.SIG_DFL:
+                signal.signal(number, signal.SIG_IGN)
+
+
 @contextmanager
 def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[None]:
     before = {number: signal.getsignal(number) for number in handlers}
