@@ -16,7 +16,7 @@ from contextlib import suppress
 from . import __version__
 from .cli.commands import overview, parsed, parser_of
 from .cli.said import findings, told
-from .front.read import STANDARD
+from .front.read import STANDARD, allowing
 from .source import ModelError
 from .system import children
 from .system.exits import (
@@ -78,7 +78,8 @@ def _main(words: list[str] | None) -> int:
         command, options = parsed(words)
     except UsageError as error:
         return _fail("--json" in words, str(error), USAGE)
-    return _guarded(command.module.run, options)
+    with allowing(*getattr(options, "allow_path", ())):
+        return _guarded(command.module.run, options)
 
 
 def _open_streams() -> None:

@@ -6,6 +6,7 @@ import csv
 import json
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator
 
 import pytest
@@ -13,6 +14,7 @@ from pkgen.__main__ import main
 from pkgen.analysis.chart import long
 from pkgen.analysis.chart.sweep import Bench
 from pkgen.analysis.stability import measure
+from pkgen.run import library
 from pkgen.system import children
 
 MODEL = "model p\ncoord a\nkinetic a'^2/2\npotential -cos(a)\nstart a = 1\n"
@@ -115,3 +117,33 @@ def test_what_a_chart_took_is_said(capsys) -> None:
     assert main(asked) == 0
     out = capsys.readouterr().out
     assert " s of the processor's" in out and "interrupted" not in out
+
+
+SWARM = "until = 100\nmembers = 800\nstep = 0.01\nmethod = 'rk4'\n[random]\na = '-3 .. 3 [rad]'\n"
+MOMENTS = [0.0, 0.003, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2]  # s after the first members begin
+
+
+@pytest.mark.parametrize("after", MOMENTS)
+def test_a_sweep_that_is_ended_while_it_times_its_first_members(
+    after, monkeypatch, capsys, tmp_path
+) -> None:
+    """The run is over before its memory is given back, however often it is told to end."""
+    (tmp_path / "plan.toml").write_text(SWARM)
+    before = signal.signal(signal.SIGTERM, lambda *_: None)  # one may come when all is over
+    real, going = library.Library.run, []
+
+    def run(*given: object, **more: object) -> library.Run:
+        if not going:
+            for k in range(3):
+                kill = threading.Timer(after * (1 + k / 10), os.kill, (os.getpid(), signal.SIGTERM))
+                kill.start()
+                going.append(kill)
+        return real(*given, **more)
+
+    monkeypatch.setattr(library.Library, "run", run)
+    code = main(["sweep", "p.lag", "--plan", "plan.toml", "-o", "made", "--workers", "1"])
+    for kill in going:
+        kill.join()
+    signal.signal(signal.SIGTERM, before)
+    said = capsys.readouterr().err
+    assert code == 130 and "internal" not in said and "Traceback" not in said

@@ -124,14 +124,31 @@ def test_no_process_outlives_it(phase: str, name: str, tmp_path: Path) -> None:
         assert not list(scratch.iterdir())
 
 
-def test_scratch_that_somebody_uses_stays(tmp_path: Path) -> None:
-    (tmp_path / f"{files.SCRATCH}dead").mkdir()
-    (tmp_path / "other").mkdir()
+def test_only_scratch_of_the_dead_is_removed(tmp_path: Path) -> None:
+    """Other folders whose names begin so are people's: bare clones, results, copies of scratch."""
+
+    def marked(name: str, text: str) -> None:
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "results").write_text("mine")
+        (tmp_path / name / files.MARK).write_text(text)
+
+    head, token = files._marked, "0" * 32
+    marked("pkgen.dead", f"{head('pkgen.dead')}{token}\n")
+    dead = tmp_path / "pkgen.dead"
+    stay = {"pkgen.copy": head("pkgen.dead") + token, "pkgen.a": "", "pkgen.b": token}
+    stay |= {"pkgen.c": head("pkgen.c"), "pkgen.d": f"{head('pkgen.d')}{token}", "other": ""}
+    for name, text in stay.items():
+        marked(name, text)
+    (tmp_path / "pkgen.git" / "refs").mkdir(parents=True)
+    (tmp_path / "pkgen.pipe").mkdir()
+    os.mkfifo(tmp_path / "pkgen.pipe" / files.MARK)
+    (tmp_path / "pkgen.link").symlink_to(dead)
+    before = {p.name for p in tmp_path.iterdir()}
     with files.scratch(tmp_path) as mine:
         files.sweep.cache_clear()
         files.sweep(tmp_path, files.SCRATCH)
-        assert {p for p in tmp_path.iterdir()} == {mine, tmp_path / "other"}
-    assert not mine.exists()
+        assert {p.name for p in tmp_path.iterdir()} == before - {"pkgen.dead"} | {mine.name}
+    assert not mine.exists() and (tmp_path / "pkgen.a/results").read_text() == "mine"
 
 
 def test_what_nohup_ignores_is_ignored(tmp_path: Path) -> None:
@@ -147,18 +164,3 @@ def test_what_nohup_ignores_is_ignored(tmp_path: Path) -> None:
     assert child.poll() is None
     child.send_signal(signal.SIGTERM)
     assert child.wait(timeout=LATE) == 130
-
-
-def test_a_folder_that_is_swept_before_it_is_locked_is_made_anew(monkeypatch, tmp_path):
-    make, made = files.tempfile.mkdtemp, []
-
-    def swept(**options):
-        made.append(make(**options))
-        if len(made) == 1:
-            os.rmdir(made[0])
-        return made[-1]
-
-    monkeypatch.setattr(files.tempfile, "mkdtemp", swept)
-    with files.scratch(tmp_path) as path:
-        assert path.is_dir()
-        assert str(path) == made[1]

@@ -308,3 +308,19 @@ def test_without_pygls_it_is_told(tmp_path: Path) -> None:
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "pkgen: lsp needs pygls 2, which is not here: pip install 'pygls>=2'\n"
+
+
+def test_a_client_that_errs_gets_no_traceback_and_does_not_end_it(tmp_path: Path) -> None:
+    editor = Editor()
+    uri = editor.open(tmp_path / "x.lag", TEXT)
+    for length in (b"9" * 5000, b"9" * 30, b"%d" % (1 << 40)):
+        editor.process.stdin.write(b"Content-Length: " + length + b"\r\n\r\n")
+    for body in (b"nonsense", b"[]", b"null", b"{}", b'{"jsonrpc": "2.0", "id": 7}', b"\xff" * 9):
+        editor.process.stdin.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
+    params = {"textDocument": {"uri": uri}, "position": {"line": 0, "character": 0}}
+    for wrong in ({}, {**params, "newName": "a b"}, {**params, "newName": 7}):
+        assert "error" in editor.answer("textDocument/rename", wrong)
+    assert "error" not in editor.answer("textDocument/hover", params)
+    assert editor.close() == 0
+    said = editor.process.stderr.read().decode()
+    assert "Traceback" not in said and 'File "' not in said

@@ -76,11 +76,18 @@ def test_in_the_folder_of_another_nothing_is_kept(kept, tmp_path: Path) -> None:
         kept()
 
 
-def test_a_folder_that_others_may_write_is_closed(kept, tmp_path: Path) -> None:
-    (tmp_path / "cache").mkdir()
-    (tmp_path / "cache").chmod(0o777)
-    kept()
-    assert not (tmp_path / "cache").stat().st_mode & 0o022
+@pytest.mark.parametrize("folder", ["cache", "cache/programs"])
+@pytest.mark.parametrize("mode", [0o777, 0o775, 0o1777, 0o755, 0o700])
+def test_the_mode_of_a_folder_that_is_given_stays(kept, tmp_path, mode: int, folder: str) -> None:
+    given = tmp_path / folder
+    given.mkdir(parents=True)
+    given.chmod(mode)
+    if mode in (0o777, 0o775):
+        with pytest.raises(BuildError, match="can be written by other users: chmod go-w; name"):
+            kept()
+    else:
+        assert not kept()[0].parent.stat().st_mode & 0o022 or folder != "cache"
+    assert given.stat().st_mode & 0o7777 == mode
 
 
 COLD = """
@@ -112,6 +119,7 @@ def test_what_was_begun_and_never_ended_is_swept(kept) -> None:
     old, new = entry.parent / ".new-old", entry.parent / ".new-young"
     for path in (old, new):
         path.mkdir()
+        (path / files.MARK).write_text(f"{files._marked(path.name)}{'0' * 32}\n")
     os.utime(old, (1, 1))
     files.sweep.cache_clear()
     entry.chmod(0o777)

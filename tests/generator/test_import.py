@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import importlib
 import random
-import re
 import sys
+from argparse import Namespace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from conftest import rows
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.middle.derive.derive import derive
 from pkgen.robots.read import imported
 from pkgen.robots.turns import matrix as matrix_of
 from pkgen.robots.turns import of_quaternion, of_roll_pitch_yaw
-from pkgen.source import Source
+from pkgen.source import Diagnostic, ModelError, Source, Span
 from robot_files import heavy, joint, link, text_of
 from test_body_statements import state_of
 from trees_of_bodies import Link, Motion, turn
@@ -34,10 +35,11 @@ ARM = """<robot name="two-link">
 <origin xyz="0 0 1" rpy="0.3 0.2 0.5"/><axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="5"/>
 <dynamics damping="0.3" friction="0.1"/></joint>
 <joint name="elbow" type="continuous"><parent link="upper arm"/><child link="fore"/>
-<origin xyz="0.1 0 -0.5" rpy="1.5707963267948966 0 0"/><mimic joint="shoulder"/></joint>
+<origin xyz="0.1 0 -0.5" rpy="1.5707963267948966 0 0"/><calibration rising="0"/></joint>
 <joint name="fore" type="fixed"><parent link="fore"/><child link="int"/></joint>
 <transmission name="t"/>
 </robot>"""
+MIMIC = '<mimic joint="{}" multiplier="{}" offset="{}"/>'
 G = np.array([0, 0, -9.81])
 
 
@@ -67,7 +69,7 @@ def accelerations(text: str, links: list[Link], seed: int = 1) -> tuple[np.ndarr
 
 
 def test_a_urdf_moves_as_it_says(tmp_path):
-    xml = ARM.replace('damping="0.3"', 'damping="0"').replace('<mimic joint="shoulder"/>', "")
+    xml = ARM.replace('damping="0.3"', 'damping="0"')
     c = matrix(roll_pitch_yaw(0.1, 0.3, 0.4))
     own = np.array([[0.03, 0.001, 0], [0.001, 0.03, 0], [0, 0, 0.002]])
     upper = (np.array([0, 0, 1]), roll_pitch_yaw(0.3, 0.2, 0.5), 1.5, np.array([0, 0.1, -0.25]))
@@ -84,7 +86,7 @@ def test_a_urdf_moves_as_it_says(tmp_path):
 
 def test_what_it_writes(tmp_path):
     text = text_of(tmp_path, ARM)
-    left = "# left out: <transmission> (1), friction of a joint (1)"
+    left = "# left out: <transmission> (1), <calibration> of <joint> (1), friction of a joint (1)"
     assert left in text and "# mesh package://x/upper.stl" in text
     assert "limits [-2.0, 2.0]  # limits: effort 5.0" in text
     assert "dissipation (0.3 [N*m*s])/2*shoulder'^2" in text
@@ -186,10 +188,8 @@ def test_the_command(pkgen, tmp_path):
     robot = tmp_path / "arm.urdf"
     robot.write_text(ARM)
     done = pkgen("import", robot, "-o", tmp_path / "arm.lag")
-    assert done.returncode == 0 and "<transmission> (1)" in done.stderr
-    ran = pkgen(
-        "run", tmp_path / "arm.lag", "--until", "0.1", "--start", "shoulder=1", "--start", "elbow=1"
-    )
+    assert done.returncode == 0 and "<calibration> of <joint> (1)" in done.stderr
+    ran = pkgen("run", tmp_path / "arm.lag", "--until", "0.1", "--start", "shoulder=1")
     assert ran.returncode == 0 and "elbow" in ran.stdout
     robot.write_text("<robot><link/></robot>")
     done = pkgen("import", robot)
@@ -237,52 +237,59 @@ def test_robots_of_others_as_pinocchio_has_them(robot):
     assert abs(found - wanted).max() < 1e-12 * abs(wanted).max()
 
 
-def test_joints_that_mimic_others_are_tied_to_them(pkgen, tmp_path):
-    robot, model = tmp_path / "grip.urdf", tmp_path / "grip.lag"
-    of = [("k", "revolute", "h", -2, 0.1), ("s", "prismatic", "k", 0.1, 0)]
-    followers = "".join(
-        joint(
-            name,
-            "base",
-            f"{name}_link",
-            kind,
-            f'<mimic joint="{other}" multiplier="{x}" offset="{y}"/>',
-        )
-        for name, kind, other, x, y in of
+def test_a_mimic_is_a_constraint(pkgen, tmp_path):
+    """Of a turn a turn or a slide; of a mimic a mimic; of what is fixed nothing."""
+    links = link("base") + "".join(link(x, heavy("1")) for x in "abc")
+    joints = joint("j", "base", "a", "revolute", '<axis xyz="0 1 0"/>')
+    joints += joint("k", "a", "b", "prismatic", MIMIC.format("j", "2", "0.5"))
+    joints += joint("l", "b", "c", "revolute", '<axis xyz="0 1 0"/>' + MIMIC.format("k", "-3", "0"))
+    text = text_of(tmp_path, f"<robot name='r'>{links}{joints}</robot>")
+    assert "constraint k_mimic: k = (2.0 [m])*j + (0.5 [m])" in text
+    assert "constraint l_mimic: l = (-3.0 [1/m])*k" in text
+    assert "start k = 0.5 [m]" in text and "start l = -1.5  #" in text
+    (tmp_path / "r.lag").write_text(text)
+    done = pkgen(
+        "run", tmp_path / "r.lag", "--until", "0.5", "--every", "0.25", "--record", "j,k,l"
     )
-    first = joint("h", "base", "h_link", "revolute", '<limit lower="0.5" upper="3"/>')
-    links = "".join(
-        link(f"{name}_link", heavy("1").replace("<mass", '<origin xyz="0 0.2 -1"/><mass'))
-        for name in "hks"
-    )
-    robot.write_text(f'<robot name="grip">{link("base")}{links}{first}{followers}</robot>')
-    done = pkgen("import", robot, "-o", model)
-    assert done.returncode == 0, done.stderr
-    last = rows(pkgen, model, "--until", "0.2", "--every", "0.2")[-1]
-    assert abs(last["h"] - 1.75) > 1e-3
-    for name, _, other, x, y in of:
-        assert last[name] == pytest.approx(x * last[other] + y, abs=1e-12)
+    rows = [[float(x) for x in row.split(",")] for row in done.stdout.splitlines()[1:]]
+    assert len(rows) == 3 and abs(rows[-1][1]) > 0.01
+    for _, j, k, m in rows:
+        assert abs(k - 2 * j - 0.5) < 1e-9 and abs(m + 3 * k) < 1e-9
+    for of, why in (("l", "go round in a circle"), ("x", "there is no joint 'x'")):
+        wrong = joints.replace(MIMIC.format("j", "2", "0.5"), MIMIC.format(of, "2", "0.5"))
+        with pytest.raises(ModelError, match=why):
+            text_of(tmp_path, f"<robot name='r'>{links}{wrong}</robot>")
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_all_that_is_not_read_is_named(tmp_path, seed):
-    """An unknown child or attribute anywhere in a link or joint, but in what is only drawn."""
-    draw = random.Random(seed)
-    tags = re.findall(r"<(?:link|inertial|origin|mass|inertia|joint|axis|limit|dynamics)[ >/]", ARM)
-    place = draw.randrange(len(tags))
-    at = [m.end() - 1 for m in re.finditer("|".join({re.escape(t) for t in tags}), ARM)][place]
-    xml = f'{ARM[:at]} unknown="1"{ARM[at:]}'
-    if draw.random() < 0.5:
-        at = draw.choice([m.start() for m in re.finditer("</(?:link|joint|inertial)>", ARM)])
-        xml = f"{ARM[:at]}<unknown/>{ARM[at:]}"
-    assert "unknown" in text_of(tmp_path, xml).split("gravity")[0]
+@pytest.mark.parametrize("seed", range(8))
+def test_whatever_is_not_read_is_named(seed, tmp_path):
+    """Unknown children and attributes at any places."""
+    rng = random.Random(seed)
+    root = ElementTree.fromstring(ARM)
+    places = [e for e in root.iter() if e.tag not in ("transmission", "calibration")]
+    wanted = []
+    for k in range(6):
+        parent = rng.choice(places)
+        if rng.random() < 0.5:
+            parent.set(f"extra{k}", "1")
+            wanted.append(f"'extra{k}' of <{parent.tag}>")
+        else:
+            parent.insert(rng.randrange(len(parent) + 1), ElementTree.Element(f"extra{k}"))
+            wanted.append(f"<extra{k}>" + f" of <{parent.tag}>" * (parent is not root))
+    (tmp_path / "r.urdf").write_text(ElementTree.tostring(root, "unicode"))
+    notes = imported(tmp_path / "r.urdf")[1].notes()
+    assert [what for what in wanted if what not in notes[0]] == []
 
 
-def test_a_model_that_does_not_compile_is_no_success(pkgen, tmp_path):
-    """A point mass on a hinge has no inertia."""
-    robot, model = tmp_path / "point.urdf", tmp_path / "point.lag"
-    point = link("a", '<inertial><mass value="1"/></inertial>')
-    robot.write_text(f'<robot name="point">{link("base")}{point}{joint("j", "base", "a")}</robot>')
-    done = pkgen("import", robot, "-o", model)
-    assert done.returncode == 1 and "inertia" in done.stderr, done.stderr
-    assert model.exists()
+def test_a_model_that_is_refused_is_not_written(tmp_path, monkeypatch):
+    command, made = importlib.import_module("pkgen.cli.import"), tmp_path / "r.lag"
+
+    def refuse(source: Source) -> None:
+        raise ModelError(source, [Diagnostic("no", Span(0, 1))])
+
+    monkeypatch.setattr(command, "check_model", refuse)
+    (tmp_path / "r.urdf").write_text(ARM)
+    options = Namespace(model=tmp_path / "r.urdf", base="fixed", json=False, output=str(made))
+    with pytest.raises(ModelError) as error:
+        command.run(options)
+    assert error.value.text().startswith(f"{made}:1:1: error: no") and not made.exists()

@@ -78,6 +78,7 @@ _VALUE = "a number in SI, or a text with a unit, as '2 [kg]'"
 ALLOWED: dict[str, tuple[Check, str]] = {
     "path": (is_path, "a text or a path"),
     "sizes": (_named(_is_whole), "a dictionary of whole numbers by name, as {'N': 64}"),
+    "allow_path": (_some(is_path), "a folder, or a list of folders"),
     "params": (_named(_is_value), _VALUE),
     "start": (_named(_is_value), "a dictionary of values by name, as {'theta1': 0.5}"),
     "inputs": (_named(_is_value), "a dictionary of values by name, as {'u': 'sin(3*t)'}"),

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from ..compiler import Compilation, compile_model
-from ..front.read import read
+from ..front.read import allowing, read
 from ..own.given import given as own_methods
 from ..run import named
 from ..run.ensemble import Ensemble, Settable
@@ -37,11 +37,15 @@ if TYPE_CHECKING:
 
 
 def load(
-    path: str | os.PathLike[str], scene: str | None = None, sizes: Mapping[str, int] | None = None
+    path: str | os.PathLike[str],
+    scene: str | None = None,
+    sizes: Mapping[str, int] | None = None,
+    allow_path: Sequence[str | os.PathLike[str]] = (),
 ) -> Model:
     """A model's file, and one of its scenes. `sizes` are the lengths of families, where they are to
-    be others than the file's. Raises ModelError with the places of all that is wrong in it."""
-    return Model(path, scene, {} if sizes is None else sizes)
+    be others than the file's; `allow_path` folders, besides its own, that it may name files of.
+    Raises ModelError with the places of all that is wrong in it."""
+    return Model(path, scene, {} if sizes is None else sizes, allow_path)
 
 
 class Parameters(MutableMapping[str, float]):
@@ -99,9 +103,14 @@ class Model:
 
     @in_words()
     def __init__(
-        self, path: str | os.PathLike[str], scene: str | None, sizes: Mapping[str, int]
+        self,
+        path: str | os.PathLike[str],
+        scene: str | None,
+        sizes: Mapping[str, int],
+        allow_path: Sequence[str | os.PathLike[str]] = (),
     ) -> None:
-        arguments.checked(path=path, scene=scene, sizes=sizes)
+        arguments.checked(path=path, scene=scene, sizes=sizes, allow_path=allow_path)
+        self._allowed = arguments.several(allow_path)
         self.path, self.scene = os.fspath(path), scene
         self._sizes = lengths.given([f"{name}={length}" for name, length in sizes.items()])
         self._made: dict[object, Compilation] = {}
@@ -121,7 +130,8 @@ class Model:
         own = own_methods(options)
         key = (source.text, repr(sorted(vars(options).items())), how.get("kernels"), own)
         if key not in self._made:
-            made = self._made[key] = compile_model(source, sizes=self._sizes, own=own, **how)
+            with allowing(*self._allowed):
+                made = self._made[key] = compile_model(source, sizes=self._sizes, own=own, **how)
             for text in [warning.text(source) for warning in made.warnings]:
                 if text not in self._warned:
                     self._warned.add(text)

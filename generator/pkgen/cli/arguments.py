@@ -61,6 +61,8 @@ def of_a_model(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--size", action="append", default=[], metavar="N=64", help="length of a family")
     add("--max-seconds", metavar="S", help="CPU time that compiling may take")
+    help_ = "models and plans may name files in DIR too, besides their own folder"
+    add("--allow-path", action="append", default=[], metavar="DIR", help=help_)
 
 
 def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:

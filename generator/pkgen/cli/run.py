@@ -23,6 +23,7 @@ from ..run.simulate import Outcome, sidecar, simulate
 from ..scenes import asked as parsing
 from ..scenes import run as scene_run
 from ..scenes.judge import Verdict
+from ..system import children
 from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED, UsageError
 from ..system.files import PARTIAL, Result, cut, scratch
 from ..system.progress import progress
@@ -67,6 +68,7 @@ def run(options: argparse.Namespace) -> int:
         sys.stdout.flush()
         more = checkpoints.settings(options, what)
         outcome, left = _simulate(what, sys.stdout.fileno(), **more), None
+        _finishing(outcome)
     elif output is None:
         with scratch() as folder:
             outcome = to_scratch(what, folder / "rows.csv")
@@ -79,7 +81,7 @@ def run(options: argparse.Namespace) -> int:
                 _pictures(options, wanted, what, outcome, folder / "rows.csv")
         left = None
     else:
-        outcome, left = _to_file(options, what, output)
+        outcome, left = _to_file(options, what, output, wanted)
         if wanted:
             _pictures(options, wanted, what, outcome, left or output)
     checkpoints.over(options, outcome)
@@ -148,7 +150,7 @@ def _hint(options: argparse.Namespace, model: Model) -> None:
 
 
 def _to_file(
-    options: argparse.Namespace, asked: Prepared, output: Path
+    options: argparse.Namespace, asked: Prepared, output: Path, wanted: Wanted | None
 ) -> tuple[Outcome, Path | None]:
     """Run with the rows in the file asked for; where they are if they are not all."""
     left = None
@@ -159,6 +161,8 @@ def _to_file(
     description = _text(_describe(asked, unfinished, output.name))
     with Result(output, description, kept if not npy else kept and "all") as result:
         outcome = _simulate(asked, result.file, npy, **more)
+        if wanted is None:
+            _finishing(outcome)
         description = _describe(asked, outcome, output.name)
         if outcome.whole:
             result.finish(_text(description))
@@ -167,6 +171,12 @@ def _to_file(
     if options.json:
         print(json.dumps(description, indent=1))
     return outcome, left
+
+
+def _finishing(outcome: Outcome) -> None:
+    """Rows that are whole are not told as interrupted."""
+    if outcome.whole and outcome.code == DONE:
+        children.finishing()
 
 
 def _text(description: dict[str, object]) -> str:

@@ -7,11 +7,14 @@ after each change, others when they are opened and saved.
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
+import sys
 import time
 from collections.abc import Callable
 from functools import lru_cache
+from typing import BinaryIO
 
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcInvalidParams
@@ -28,6 +31,7 @@ from .layout import laid_out
 from .look import Text
 
 QUICK = 0.2  # s: equations that are derived in less are so after each change
+MOST_BYTES = 1 << 26  # of a message
 LONGEST = 10.0  # s of the processor for one text
 KINDS = {
     "statement": lsp.CompletionItemKind.Keyword,
@@ -264,6 +268,32 @@ _DECLARE = ("param", "size", "const", "let", "observe", "conserve", "coord", "in
 _DECLARE += ("rotation", "constraint", "rolling")
 
 
+class _Line(logging.Formatter):
+    """Of what a client did wrong one line, and no traceback."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        error = record.exc_info[1] if record.exc_info else ""
+        said = " ".join(f"{record.getMessage()} {error}".split("Traceback")[0].split())
+        return f"pkgen lsp: {said[:300]}"
+
+
+class _Input:
+    """Standard input. A message that claims to be longer than any is not waited for."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self.stream = stream
+
+    def readline(self) -> bytes:
+        line = self.stream.readline(MOST_BYTES)
+        name, _, length = line.partition(b":")
+        if name.lower() == b"content-length" and len(length.strip()) > len(str(MOST_BYTES)):
+            return b"Content-Length: %d\r\n" % (MOST_BYTES + 1)
+        return line
+
+    def read(self, n: int) -> bytes:
+        return self.stream.read(n) if n <= MOST_BYTES else b"too long"
+
+
 def serve() -> None:
     """Answer until the editor ends it. What anything prints must not get between the messages. The
     thread that waits for the next one would keep the process that a signal is to end."""
@@ -271,5 +301,8 @@ def serve() -> None:
         signal.signal(number, lambda *_: os._exit(INTERRUPTED))
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
+    log = logging.StreamHandler()
+    log.setFormatter(_Line())
+    logging.getLogger("pygls").addHandler(log)
     start: Callable = server.start_io
-    start(stdout=output)
+    start(_Input(sys.stdin.buffer), output)

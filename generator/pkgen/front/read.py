@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import stat
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from difflib import get_close_matches
 from functools import cache
 
@@ -13,6 +15,7 @@ from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
 
 READ: dict[str, None] = {}  # the files read so far, in this order: what is made depends on them
+_ALLOWED: ContextVar[tuple[str, ...]] = ContextVar("allowed", default=())
 STANDARD = "-"  # the path of the standard input
 
 
@@ -52,6 +55,41 @@ def read(path: str | os.PathLike[str], what: str = "a .lag file") -> Source:
             message, help = "the file is UTF-16 text", "save it with the encoding UTF-8"
         raise _unreadable(shown, message, help) from None
     return from_text(shown, text)
+
+
+@contextmanager
+def allowing(*folders: str | os.PathLike[str]) -> Iterator[None]:
+    """Within it, models and plans may name files in these folders too."""
+    token = _ALLOWED.set(tuple(map(os.path.realpath, folders)))
+    try:
+        yield
+    finally:
+        _ALLOWED.reset(token)
+
+
+def inside(path: str | os.PathLike[str], *folders: str | os.PathLike[str]) -> bool:
+    """Whether a file lies in one of the folders, all links resolved."""
+    try:
+        place = os.path.realpath(path)
+    except ValueError:  # a NUL in it
+        return False
+    return any(os.path.commonpath((place, f)) == f for f in map(os.path.realpath, folders))
+
+
+def refusal(named: str, path: str | os.PathLike[str], *folders: str | os.PathLike[str]) -> str:
+    """Why a file that a model or a plan names is not read; "": it may be."""
+    if inside(path, *folders, *_ALLOWED.get()):
+        return ""
+    return f"'{named}' lies outside of the folder of the file that names it"
+
+
+ALLOW = "copy it there, or allow its folder: --allow-path DIR"
+
+
+def unquoted(path: str | os.PathLike[str], wrong: ModelError) -> tuple[str, str]:
+    """What is said of a file whose text is not to be shown, and the help."""
+    line, column = wrong.source.position(wrong.diagnostics[0].span.start)
+    return f"{path}:{line}:{column}: this is no tableau", f"see: pkgen methods --tableau {path}"
 
 
 def from_text(path: str, text: str) -> Source:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..front.read import read
+from ..front.read import UnreadableModel, read, unquoted
 from ..methods import Own
+from ..source import ModelError
 from ..system.exits import UsageError
 from .made import fit, of_text, of_weights
 
@@ -15,7 +16,12 @@ def given(options: argparse.Namespace) -> tuple[Own, ...]:
     """Raises ModelError with the places of what is wrong in them, UsageError for two of a name."""
     found: dict[str, Own] = {}
     for path in getattr(options, "tableau", None) or ():
-        own = of_text(fit(Path(path).stem), read(path, "a tableau file"))
+        try:
+            own = of_text(fit(Path(path).stem), read(path, "a tableau file"))
+        except ModelError as wrong:
+            if path not in getattr(options, "unquoted", ()) or isinstance(wrong, UnreadableModel):
+                raise
+            raise UsageError("{}; {}".format(*unquoted(path, wrong))) from None
         if own.name in found:
             raise UsageError(f"--tableau {path}: there is another method '{own.name}'")
         found[own.name] = own

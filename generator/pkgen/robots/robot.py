@@ -13,7 +13,6 @@ from .turns import Matrix, Turns, Vector, inner, right_angles, seen_from
 from .xml import Element
 
 TAKEN = ("g", "ground", "O", "energy", "T", "V", "L")
-UNITS = {"revolute": "rad", "prismatic": "m"}
 # Names that a joint's coordinates take besides its own, by its kind.
 SUFFIXES = {"free": ("_x", "_y", "_z"), "planar": ("_1", "_2")}
 
@@ -28,6 +27,16 @@ class Link:
 
 
 @dataclass
+class Mimic:
+    """A coordinate that is a multiple of another joint's, and an offset."""
+
+    element: Element
+    of: str
+    factor: float
+    offset: float
+
+
+@dataclass
 class Joint:
     name: str
     kind: str  # a key of front/joints.py KINDS
@@ -39,7 +48,13 @@ class Joint:
     says: str = ""
     damping: float = 0.0
     limits: tuple[float, float] | None = None  # [rad] or [m]
-    follows: tuple[str, float, float] | None = None  # it is x times this joint's place, plus y
+    mimic: Mimic | None = None
+
+    @property
+    def start(self) -> float:
+        """0, or between its limits."""
+        low, high = self.limits or (0.0, 0.0)
+        return (low + high) / 2 if low > 0 or high < 0 else 0.0
 
 
 @dataclass
@@ -100,44 +115,57 @@ def text(robot: Robot, file: str) -> str:
     lines += ["", f"gravity {_vector(robot.gravity)} [m/s^2]", ""]
     lines += [_body(link, bodies[link.name]) for link in robot.links]
     lines.append("")
-    damped, starts, tied = [], [], []
-    given = {j.name: names.new(j.name, _suffixes(j), "joint") for j in robot.joints}
-    start = {j.name: sum(j.limits) / 2 if _apart_from_zero(j) else 0.0 for j in robot.joints}
-    by_name = {joint.name: joint for joint in robot.joints}
+    damped, starts, called = [], [], {}
     for joint in robot.joints:
-        name = given[joint.name]
+        name = names.new(joint.name, _suffixes(joint), "joint")
         lines.append(_joint(joint, name, bodies))
         if joint.damping:
             unit = "N*m*s" if joint.kind == "revolute" else "N*s/m"
             damped.append(f"dissipation ({joint.damping!r} [{unit}])/2*{name}'^2")
-        if joint.follows:
-            other, factor, offset = joint.follows
-            of, unit = by_name[other], UNITS.get(joint.kind, "rad")
-            terms = [f"({offset!r} [{unit}])"] if offset or of.kind == "fixed" else []
-            if of.kind != "fixed":
-                per = f" [{unit}/{UNITS[of.kind]}]" * (of.kind != joint.kind)
-                terms.append(f"({factor!r}{per})*{given[other]}")
-            tied.append(f"constraint {names.new(f'mimic_{name}')}: {name} = {' + '.join(terms)}")
-            start[joint.name] = _followed(joint, by_name, start)
-        if start[joint.name]:
+        called[joint.name] = name, joint
+    rows = []
+    for name, joint in called.values():
+        start, why = joint.start, "between its limits"
+        if joint.mimic and joint.kind != "fixed":
+            start, why = _mimicked(joint, called), "as it mimics"
+            rows.append(_row(name, joint, called, names))
+        if start:
             unit = " [m]" * (joint.kind == "prismatic")
-            why = "as it follows another" if joint.follows else "between its limits"
-            starts.append(f"start {name} = {start[joint.name]!r}{unit}  # {why}")
-    more = [*tied, *damped, *starts]
-    return "\n".join([*lines, *[""] * bool(more), *more]) + "\n"
+            starts.append(f"start {name} = {start!r}{unit}  # {why}")
+    more = [*damped, *rows, *starts]
+    return "\n".join([*lines, *([""] if more else []), *more]) + "\n"
 
 
-def _apart_from_zero(joint: Joint) -> bool:
-    low, high = joint.limits or (0.0, 0.0)
-    return low > 0 or high < 0
+Called = dict[str, tuple[str, Joint]]
 
 
-def _followed(joint: Joint, joints: dict[str, Joint], start: dict[str, float]) -> float:
-    """Where a joint starts that follows others."""
-    if not joint.follows:
-        return start[joint.name] if joint.kind != "fixed" else 0.0
-    other, factor, offset = joint.follows
-    return factor * _followed(joints[other], joints, start) + offset
+def _mimicked(joint: Joint, called: Called) -> float:
+    """Where it starts, by the joints that it mimics. Raises ModelError."""
+    factor, offset, seen = 1.0, 0.0, {joint.name}
+    while joint.mimic and joint.kind != "fixed":
+        mimic = joint.mimic
+        if mimic.of not in called:
+            raise mimic.element.wrong(f"there is no joint '{mimic.of}'")
+        joint = called[mimic.of][1]
+        if joint.kind not in ("revolute", "prismatic", "fixed"):
+            help = "one that turns about an axis or slides along one"
+            raise mimic.element.wrong(f"a {joint.kind} joint cannot be mimicked", help)
+        if joint.name in seen:
+            raise mimic.element.wrong(f"the mimics go round in a circle at '{joint.name}'")
+        seen.add(joint.name)
+        factor, offset = factor * mimic.factor, factor * mimic.offset + offset
+    return factor * joint.start + offset
+
+
+def _row(name: str, joint: Joint, called: Called, names: Names) -> str:
+    """The constraint of a mimic; a joint that is fixed stays at 0."""
+    other, leader = called[joint.mimic.of]
+    slides = joint.kind == "prismatic"
+    unit = {(True, "revolute"): " [m]", (False, "prismatic"): " [1/m]"}.get((slides, leader.kind))
+    product = f"({joint.mimic.factor!r}{unit or ''})*{other}" if leader.kind != "fixed" else ""
+    offset = f"({joint.mimic.offset!r}{' [m]' * slides})" if joint.mimic.offset else ""
+    right = " + ".join(filter(None, (product, offset))) or "0"
+    return f"constraint {names.new(joint.name, (), 'mimic')}: {name} = {right}"
 
 
 def _suffixes(joint: Joint) -> tuple[str, ...]:
@@ -154,7 +182,6 @@ def _hold_massless(robot: Robot) -> None:
             heavy.add(joint.parent)
         elif joint.kind != "fixed":
             joint.kind, joint.axis, joint.damping, joint.limits = "fixed", None, 0.0, None
-            joint.follows = None
             robot.leave_out("joints that carry no mass: fixed")
 
 

@@ -1,9 +1,9 @@
-"""URDF: links, joints, inertias, origins, limits, joints that follow others. Meshes are named; all
-else is left out, and said to be. Reference: wiki.ros.org/urdf/XML."""
+"""URDF: links, joints, inertias, origins, limits, mimics. Meshes are named; transmissions, sensors
+and whatever else there is are left out, and said to be. Reference: wiki.ros.org/urdf/XML."""
 
 from __future__ import annotations
 
-from .robot import Joint, Link, Robot
+from .robot import Joint, Link, Mimic, Robot
 from .turns import of_roll_pitch_yaw
 from .xml import ANGLE, Element
 
@@ -15,19 +15,39 @@ KINDS = {
     "floating": "free",
     "planar": "planar",
 }
+# Attributes and children that are read, or that say how a link looks; * of which there are many.
+READ = {
+    "robot": ("name version", "link* joint* material*"),
+    "link": ("name", "inertial visual* collision*"),
+    "inertial": ("", "origin mass inertia"),
+    "mass": ("value", ""),
+    "inertia": ("ixx iyy izz ixy ixz iyz", ""),
+    "origin": ("xyz rpy", ""),
+    **dict.fromkeys(("visual", "collision"), ("name", "origin geometry material")),
+    "geometry": ("", "mesh box cylinder sphere capsule"),
+    "mesh": ("filename scale", ""),
+    "box": ("size", ""),
+    **dict.fromkeys(("cylinder", "capsule"), ("radius length", "")),
+    "sphere": ("radius", ""),
+    "material": ("name", "color texture"),
+    "color": ("rgba", ""),
+    "texture": ("filename", ""),
+    "joint": ("name type", "parent child origin axis limit dynamics mimic"),
+    **dict.fromkeys(("parent", "child"), ("link", "")),
+    "axis": ("xyz", ""),
+    "limit": ("lower upper effort velocity", ""),
+    "dynamics": ("damping friction", ""),
+    "mimic": ("joint multiplier offset", ""),
+}
 ZERO = (0.0, 0.0, 0.0)
-DRAWN = ("visual", "collision")  # of these the meshes are named
 
 
 def robot(root: Element, base: str) -> Robot:
     """`base` is the kind of the joint that the root link hangs on the ground by."""
     links = {}
     found = Robot(root.attributes.get("name", ""), [], [])
+    _leave_out_unread(root, found)
     for element in root.children:
-        if element.tag not in ("link", "joint", "material"):
-            if ":" in element.tag:
-                raise element.wrong(f"<{element.tag}> is xacro", "run xacro first")
-            found.leave_out(f"<{element.tag}>")
         if element.tag == "link":
             name = element.text("name")
             if name in links:
@@ -46,7 +66,6 @@ def robot(root: Element, base: str) -> Robot:
             raise element.wrong(f"there are two joints '{joint.name}'")
         names.add(joint.name)
         hung[joint.child] = joint
-    _check_followed(root, hung)
     roots = [name for name in links if name not in hung]
     if not links:
         raise root.wrong("the robot has no link")
@@ -65,29 +84,44 @@ def robot(root: Element, base: str) -> Robot:
         placed = {joint.child for joint in found.joints}
         left = next(name for name in links if name not in placed)
         raise links[left].wrong(f"the joints go round in a circle at the link '{left}'")
-    for element in (*root.all("link"), *root.all("joint")):
-        for what in element.unread(DRAWN):
-            found.leave_out(what)
     return found
 
 
-def _check_followed(root: Element, hung: dict[str, Joint]) -> None:
-    joints = {joint.name: joint for joint in hung.values()}
-    for element in root.all("joint"):
-        joint, seen = joints[element.text("name")], set()
-        while joint.follows:
-            seen.add(joint.name)
-            other = joint.follows[0]
-            if other not in joints:
-                raise element.wrong(f"there is no joint '{other}' to mimic")
-            if other in seen:
-                raise element.wrong(f"the joint '{other}' mimics itself")
-            joint = joints[other]
+def _leave_out_unread(root: Element, robot: Robot) -> None:
+    """Names every child and attribute that nothing reads; of a child left out, not its own."""
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        attributes, children = (words.split() for words in READ[element.tag])
+        for name in element.attributes:
+            if name not in attributes and name.partition(":")[0] != "xmlns":
+                robot.leave_out(f"'{name}' of <{element.tag}>")
+        seen: set[str] = set()
+        for child in element.children:
+            if ":" in child.tag:
+                raise child.wrong(f"<{child.tag}> is xacro", "run xacro first")
+            within = f" of <{element.tag}>" if element is not root else ""
+            if child.tag in children and child.tag in seen:
+                robot.leave_out(f"another <{child.tag}>{within}")
+            elif child.tag in children or f"{child.tag}*" in children:
+                waiting.append(child)
+            else:
+                robot.leave_out(f"<{child.tag}>{within}")
+            seen.add(child.tag)
+
+
+def _mimic(element: Element, joint: Joint, robot: Robot) -> Mimic | None:
+    """q = multiplier q of another joint + offset."""
+    factor, offset = element.number("multiplier", 1.0), element.number("offset", 0.0)
+    if joint.kind not in ("revolute", "prismatic"):
+        robot.leave_out(f"<mimic> of a {joint.kind} joint")
+        return None
+    return Mimic(element, element.text("joint"), factor, offset)
 
 
 def _link(element: Element, name: str, robot: Robot) -> Link:
     link = Link(name)
-    for shape in [shape for tag in DRAWN for shape in element.all(tag)]:
+    for shape in (*element.all("visual"), *element.all("collision")):
         geometry = shape.first("geometry")
         mesh = geometry.first("mesh") if geometry else None
         file = mesh.attributes.get("filename", "") if mesh else ""
@@ -139,12 +173,6 @@ def _joint(element: Element, robot: Robot, links: dict[str, Element]) -> Joint:
             raise part.wrong(f"the axis of the joint '{name}' is the zero vector")
     joint = Joint(name, kind, *ends, *_origin(element), axis)
     limit, dynamics = element.first("limit"), element.first("dynamics")
-    mimic = element.first("mimic")
-    if mimic is not None and kind in ("revolute", "prismatic"):
-        by = mimic.number("multiplier", 1.0), mimic.number("offset", 0.0)
-        joint.follows = (mimic.text("joint"), *by)
-    elif mimic is not None:
-        robot.leave_out(f"<mimic> of a {kind} joint")
     if limit is not None:
         shown = [
             f"{w} {limit.number(w)!r}" for w in ("effort", "velocity") if w in limit.attributes
@@ -155,6 +183,8 @@ def _joint(element: Element, robot: Robot, links: dict[str, Element]) -> Joint:
             joint.limits = (low, high) if low < high else None
             if low > high or (not joint.limits and {"lower", "upper"} & {*limit.attributes}):
                 robot.doubts.append(f"limits of '{name}' left out: {low!r} is not below {high!r}")
+        elif any(limit.number(word, 0.0) for word in ("lower", "upper")):
+            robot.leave_out(f"limits of a {given} joint")
     if dynamics is not None and axis is not None and kind != "planar":
         joint.damping = dynamics.number("damping", 0.0)
         if joint.damping < 0:
@@ -163,4 +193,6 @@ def _joint(element: Element, robot: Robot, links: dict[str, Element]) -> Joint:
         robot.leave_out(f"damping of a {kind} joint")
     if dynamics is not None and dynamics.number("friction", 0.0):
         robot.leave_out("friction of a joint")
+    mimic = element.first("mimic")
+    joint.mimic = _mimic(mimic, joint, robot) if mimic is not None else None
     return joint

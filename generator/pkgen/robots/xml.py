@@ -4,7 +4,7 @@ declared, grow or reach outside; depth and count are limited, and nothing recurs
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
@@ -23,32 +23,18 @@ class Element:
     attributes: dict[str, str]
     span: Span
     children: list[Element] = field(default_factory=list)
-    read: set[str] = field(default_factory=set)  # names of its attributes and tags of its children
 
     def all(self, tag: str) -> Iterator[Element]:
-        self.read.add(f"<{tag}>")
         return (child for child in self.children if child.tag == tag)
 
     def first(self, tag: str) -> Element | None:
         return next(self.all(tag), None)
-
-    def unread(self, but: Sequence[str] = ()) -> Iterator[str]:
-        """Attributes and children that nothing has asked for; below those, and `but`, nothing."""
-        yield from (f"'{a}' of <{self.tag}>" for a in self.attributes if a not in self.read)
-        for child in self.children:
-            if child.tag in but:
-                continue
-            if f"<{child.tag}>" in self.read:
-                yield from child.unread(but)
-            else:
-                yield f"<{child.tag}> of <{self.tag}>"
 
     def wrong(self, message: str, help: str = "") -> ModelError:
         return ModelError(self.source, [Diagnostic(message, self.span, help)])
 
     def text(self, name: str) -> str:
         """An attribute that must be there."""
-        self.read.add(name)
         if not self.attributes.get(name, "").strip():
             raise self.wrong(f"<{self.tag}> has no '{name}'")
         return self.attributes[name].strip()

@@ -153,12 +153,9 @@ class Run:
         if threading.current_thread() is not threading.main_thread():
             return self._c.pk_run_go(self._run)
         worker = threading.Thread(target=lambda: codes.append(self._c.pk_run_go(self._run)))
-        worker.start()
-        while worker.is_alive():
-            try:
-                worker.join()
-            except BaseException as error:  # the memory of the run is in use until it has ended
-                ended.append(error)
+        with children.postponed(ended):  # the memory of the run is in use until it has ended
+            worker.start()
+            worker.join()
         return codes[0]
 
     def rows(self, low: bool = False) -> numpy.ndarray:

@@ -133,8 +133,11 @@ class _Reader:
             columns = self._columns(self.path, schema.names)
             self._bounded(members, members, len(columns))
             found = [self._of_parquet(file, *one) for one in zip(columns, schema, strict=True)]
-        except pyarrow.ArrowException as error:
-            raise UsageError(f"{self.path}: not Parquet that can be read: {error}") from None
+        except (pyarrow.ArrowException, OSError, MemoryError, ValueError) as error:
+            if isinstance(error, OSError) and error.errno is not None:
+                raise
+            why = " ".join(str(error).split()) or "more than fits in memory"
+            raise UsageError(f"{self.path}: not Parquet that can be read: {why[:200]}") from None
         return of_columns(self.path, columns, found)
 
     def _of_parquet(self, file: pyarrow.parquet.ParquetFile, column: Column, one: pyarrow.Field):

@@ -6,12 +6,13 @@ Nothing in it is run: numbers and units go through the parser of the language.
 from __future__ import annotations
 
 import argparse
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import field
 from typing import Any
 
-from ..front.read import read
+from ..front.read import ALLOW, read, refusal
 from ..record import record
 from ..source import Diagnostic, Source, Span
 from ..system.exits import UsageError
@@ -61,8 +62,17 @@ class Plan:
         return UsageError(Diagnostic(message, Span(start, end), found.help).text(self.source))
 
     def of_a_run(self, options: argparse.Namespace) -> argparse.Namespace:
-        """The options of a run, those of the plan in place of their defaults."""
-        return argparse.Namespace(**{**vars(options), **self.options})
+        """The options of a run, those of the plan in place of their defaults. Errors in files that
+        it names do not quote them."""
+        more = {"unquoted": self.options.get("tableau", ())}
+        return argparse.Namespace(**{**vars(options), **self.options, **more})
+
+    def refuse_foreign(self, model: str) -> None:
+        """Files that it names lie in its folder or in that of the model. Raises UsageError."""
+        folders = [os.path.dirname(path) for path in (self.source.path, model)]
+        for file in self.options.get("tableau", ()):
+            if why := refusal(file, file, *folders):
+                raise self.wrong("", "tableau", why, ALLOW)
 
 
 def read_plan(path: str) -> Plan:
@@ -84,6 +94,8 @@ def of_text(source: Source) -> Plan:
         said = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", str(error))
         place, why = (f":{said[2]}:{said[3]}", said[1]) if said else ("", str(error))
         raise UsageError(f"{source.path}{place}: not TOML: {why}") from None
+    except ValueError:  # Python's limit
+        raise UsageError(f"{source.path}: not a plan: a number of thousands of digits") from None
     except RecursionError:
         raise UsageError(f"{source.path}: not a plan: brackets within brackets") from None
     made = Plan(source, {}, "", {}, None, 0, (), {}, _places(source.text))

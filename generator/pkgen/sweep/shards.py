@@ -28,8 +28,9 @@ from typing import TYPE_CHECKING
 from ..record import record
 from ..system.exits import UsageError
 from ..system.files import PARTIAL
+from ..version import __version__
 from . import store
-from .store import read_json, write_json, written
+from .store import of_kinds, read_json, write_json, written
 
 if TYPE_CHECKING:
     import numpy
@@ -38,6 +39,25 @@ TAIL = 1 << 16  # bytes in which the last lines of a shard are, mostly
 DIGEST = 65  # bytes of the last one
 PLAN, DATA = "plan.json", "data"
 _FOLDERS = ("shards", "parts", "failed", DATA)
+
+
+KINDS = {
+    **dict.fromkeys(("digest", "name", "model", "file"), str),
+    **dict.fromkeys(("members", "shard", "part"), int),
+    "size": list,
+    "rows": bool,
+}
+
+
+def known(path: Path) -> dict | None:
+    """The plan.json of a sweep; None: there is none. Raises UsageError."""
+    found = read_json(path / PLAN)
+    if found is None or found.get("pkgen", __version__) != __version__:
+        return found
+    of_kinds(path / PLAN, found, KINDS)
+    if not all(isinstance(x, str) for x in found["size"]):
+        raise UsageError(f"{path / PLAN}: it is not as it was written: 'size'")
+    return found
 
 
 def is_sweep(path: Path) -> bool:

@@ -7,24 +7,26 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..system.exits import UsageError
-from .shards import Folder, added, failures_of, head, part_is_whole
+from .shards import Folder, added, failures_of, head, known, part_is_whole
 from .store import NOW, at_work, listed, read_json
 from .sweep import LEVELS, PLAN
 
 
 def status(path: Path) -> dict:
-    """Raises UsageError where no sweep lies there."""
-    known = read_json(path / PLAN)
-    if known is None:
+    """Raises UsageError where no sweep lies there, or one that is not as it was written."""
+    said = known(path)
+    if said is None:
         raise UsageError(f"--status {path}: no sweep lies there: it has no {PLAN}")
     try:
-        numbers = [known[key] for key in ("members", "shard", "part")]
-        if not all(isinstance(n, int) and n > 0 for n in numbers):
-            raise UsageError(f"{path / PLAN}: it is not as it was written")
-        folder = Folder(path, known["digest"], *numbers, bool(known["rows"]))
-        name = known["name"]
-    except KeyError:
-        raise UsageError(f"{path / PLAN}: it is not as it was written") from None
+        return _status(path, said)
+    except (LookupError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        raise UsageError(f"{path}: a file in it is not as it was written: {error}") from None
+
+
+def _status(path: Path, said: dict) -> dict:
+    numbers = [said[key] for key in ("members", "shard", "part")]
+    folder = Folder(path, said["digest"], *numbers, bool(said["rows"]))
+    name = said["name"]
     failures: dict[str, dict] = {}
     levels = (read_json(path / LEVELS) or {}).get("members") or [folder.members]
     each = [replace(folder, members=n, level=k) for k, n in enumerate(levels) if n]

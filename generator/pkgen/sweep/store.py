@@ -13,7 +13,7 @@ import json
 import os
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -123,6 +123,15 @@ def read_json(path: Path) -> dict | None:
     except (OSError, ValueError):
         return None
     return found if isinstance(found, dict) else None
+
+
+def of_kinds(path: Path, found: dict, kinds: Mapping[str, type | tuple[type, ...]]) -> dict:
+    """The same, if each key is of its kind. Raises UsageError."""
+    for key, kind in kinds.items():
+        value = found.get(key)
+        if not isinstance(value, kind) or (kind is int and not 0 < value < 1 << 63):
+            raise UsageError(f"{path}: it is not as it was written: '{key}'")
+    return found
 
 
 def free_bytes(path: Path) -> int | None:

@@ -14,19 +14,20 @@ from pathlib import Path
 import numpy as np
 
 from ..compiler import Compilation
-from ..front.read import from_text, read
+from ..front.read import from_text, inside, read
 from ..record import record
-from ..source import Source
+from ..source import ModelError, Source
 from ..system.exits import NumericsFailed, UsageError
 from ..version import __version__
 from . import job as jobs
+from . import shards
 from .job import Job
 from .parts import arrow, classes, names
 from .plan import Plan, of_text, read_plan
 from .refine import begun as begun_grid
 from .shards import PLAN, Folder, foreign, part_is_whole
 from .starts import Starts
-from .store import free_bytes, place, read_json, write_json, written
+from .store import free_bytes, place, write_json, written
 
 SECONDS = 10.0  # of work in a shard, at least
 TIMED = 0.3  # seconds that the first timing takes
@@ -46,7 +47,7 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
     another, and whatever is wrong with the plan."""
     arrow()
     path = place(options.directory)
-    known = read_json(path / PLAN)
+    known = shards.known(path)
     plan, source = read_plan(options.plan), read(options.model)
     made = _made(plan, source, options, compiled, known)
     job, _ = made
@@ -65,14 +66,19 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
 def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
     """What is known of that which lies there, its plan and model, which is that of `options` then.
     Raises UsageError."""
-    known = read_json(path / PLAN)
+    known = shards.known(path)
     if known is None:
         raise UsageError(f"{path}: no sweep lies there: it has no {PLAN}")
     try:
         file = path / Path(known["file"]).name
+        if not all(inside(x, path) for x in (file, path / TOML)):
+            raise TypeError("a link leads out of it")
         options.model, options.size = str(file), known["size"]
         plan = of_text(from_text(str(path / TOML), (path / TOML).read_text("utf-8")))
-        return known, plan, from_text(known["model"], file.read_text("utf-8"))
+        text, name = file.read_text("utf-8"), known["model"]
+        with suppress(ModelError):  # files that it names lie beside it, if it is there
+            return known, plan, from_text(name if read(name).text == text else str(file), text)
+        return known, plan, from_text(str(file), text)
     except (OSError, KeyError, TypeError, UnicodeDecodeError) as error:
         raise UsageError(f"{path}: it is not as it was begun: {error}") from None
 
@@ -89,6 +95,7 @@ def resumed(path: Path, options: argparse.Namespace, compiled: Compiled) -> Swee
 
 
 def _made(plan: Plan, source: Source, options: argparse.Namespace, compiled, known: dict | None):
+    plan.refuse_foreign(source.path)
     chosen = known and known.get("chosen")
     return jobs.make(plan, options, partial(compiled, source=source), chosen)
 

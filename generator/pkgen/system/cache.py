@@ -17,7 +17,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .exits import BuildError
-from .files import scratch, sweep
+from .files import MARK, scratch, sweep
 from .progress import say, trace
 
 DIGESTS = "digests"
@@ -42,8 +42,10 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
     folder = kinds / name
     try:
         if not _sound(folder):
-            kinds.mkdir(mode=0o700, parents=True, exist_ok=True)
-            _refuse_foreign(kinds.parent, kinds)
+            kinds.parent.parent.mkdir(parents=True, exist_ok=True)
+            for one in (kinds.parent, kinds):
+                one.mkdir(mode=0o700, exist_ok=True)
+                _refuse_foreign(one)
             with _alone(kinds / f".lock-{name}"):
                 if not _sound(folder):
                     _fill(folder, make)
@@ -63,6 +65,7 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
 def _fill(folder: Path, make: Callable[[Path], None]) -> None:
     with scratch(folder.parent, ".new-") as new:
         make(new)
+        (new / MARK).unlink()  # an entry is no scratch folder any more
         files = sorted(path for path in new.iterdir() if path.is_file())
         lines = [f"{folder.name}", *(f"{_digest(path)} {path.name}" for path in files)]
         (new / DIGESTS).write_text("\n".join(lines), encoding="utf-8")
@@ -100,17 +103,18 @@ def _sound(folder: Path) -> bool:
     return name == folder.name
 
 
-def _refuse_foreign(*folders: Path) -> None:
-    """In another's folder he could put his own program between its check and its start."""
-    for folder in folders:
-        known = folder.stat()
-        if known.st_uid != os.geteuid():
-            raise BuildError(
-                f"the cache {folder} belongs to another user; "
-                "name another directory with the environment variable PKGEN_CACHE"
-            )
-        if known.st_mode & 0o022:
-            folder.chmod(stat.S_IMODE(known.st_mode) & ~0o022)
+def _refuse_foreign(folder: Path) -> None:
+    """Another user who can replace an entry could put his own program between its check and its
+    start. In a sticky folder, as /tmp is, he can not. No mode is changed: it may be on purpose."""
+    known = folder.stat()
+    why = ""
+    if known.st_uid != os.geteuid():
+        why = "belongs to another user"
+    elif known.st_mode & 0o022 and not known.st_mode & stat.S_ISVTX:
+        why = "can be written by other users: chmod go-w"
+    if why:
+        name = "name another directory with the environment variable PKGEN_CACHE"
+        raise BuildError(f"the cache {folder} {why}; {name}")
 
 
 @contextmanager

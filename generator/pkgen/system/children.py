@@ -91,6 +91,14 @@ def ended_by_signals() -> Iterator[None]:
         yield
 
 
+def finishing() -> None:
+    """All that is asked for is made: what would end pkgen now comes too late to be told."""
+    if threading.current_thread() is threading.main_thread():
+        for number in ENDS:
+            if signal.getsignal(number) != signal.SIG_DFL:
+                signal.signal(number, signal.SIG_IGN)
+
+
 @contextmanager
 def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[None]:
     before = {number: signal.getsignal(number) for number in handlers}
@@ -102,6 +110,29 @@ def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[Non
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def postponed(raised: list) -> Iterator[None]:
+    """Handlers of signals that raise: their exceptions are noted, and the block goes on. So none
+    leaves it while C works in memory that the block holds, nor breaks into Thread.join."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def noting(handler: Callable[[int, object], object]) -> Callable[[int, object], None]:
+        def note(number: int, frame: object) -> None:
+            try:
+                handler(number, frame)
+            except BaseException as error:
+                raised.append(error)
+
+        return note
+
+    numbers = signal.valid_signals() - {signal.SIGKILL, signal.SIGSTOP}
+    handlers = {n: h for n in numbers if callable(h := signal.getsignal(n))}
+    with _handled({n: noting(h) for n, h in handlers.items() if h is not _stop}):
+        yield
 
 
 def _stop(_signal: int, _frame: object) -> None:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import fcntl
 import os
+import re
+import secrets
 import shutil
 import signal
 import stat
@@ -28,6 +30,7 @@ from .progress import trace
 STANDARD = Path("-")  # standard output
 PARTIAL = ".partial"
 SCRATCH = "pkgen."
+MARK = ".pkgen-scratch"  # the file in a scratch folder by which pkgen knows it again
 
 
 def partial(path: Path) -> Path:
@@ -231,27 +234,38 @@ def cut(path: Path) -> bool:
 
 @contextmanager
 def scratch(parent: Path | None = None, prefix: str = SCRATCH) -> Iterator[Path]:
-    """A folder of one's own, gone behind it. What a process left that was killed goes as well: it
-    holds no lock any more."""
+    """A folder of one's own, gone behind it. It is locked as long as its process lives, and holds a
+    mark: the folder of a process that was killed is removed by the next one."""
     if parent is None:
         parent = Path(tempfile.gettempdir())
         sweep(parent, prefix)
-    while True:
-        path = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
-        try:
-            lock = os.open(path, os.O_RDONLY)
-        except FileNotFoundError:  # swept before it was open
-            continue
-        with suppress(OSError):
-            fcntl.flock(lock, fcntl.LOCK_EX)
-        if path.exists():  # not swept before it was locked
-            break
-        os.close(lock)
+    path = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
     try:
-        yield path
+        lock = os.open(path, os.O_RDONLY)
+        try:
+            with suppress(OSError):  # a file system without locks: nobody else removes it
+                fcntl.flock(lock, fcntl.LOCK_EX)
+            # Locked before it is marked: no other process takes it for one of the dead.
+            (path / MARK).write_text(f"{_marked(path.name)}{secrets.token_hex(16)}\n")
+            yield path
+        finally:
+            os.close(lock)
     finally:
         shutil.rmtree(path, ignore_errors=True)
-        os.close(lock)
+
+
+def _marked(name: str) -> str:
+    return f"scratch folder of pkgen: {name} "
+
+
+def _is_scratch(path: str, name: str) -> bool:
+    """By its mark, which names it: other folders, copies of one too, are none."""
+    fd = os.open(os.path.join(path, MARK), os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    with open(fd, "rb") as mark:
+        if os.fstat(fd).st_uid != os.geteuid():
+            return False
+        token = mark.read(400).removeprefix(_marked(name).encode())
+        return re.fullmatch(rb"[0-9a-f]{32}\n", token) is not None
 
 
 @cache
@@ -268,6 +282,7 @@ def sweep(parent: Path, prefix: str, age: float = 0.0) -> None:
                 lock = os.open(entry.path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
                 try:
                     fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                    shutil.rmtree(entry.path, ignore_errors=True)
+                    if _is_scratch(entry.path, entry.name):
+                        shutil.rmtree(entry.path, ignore_errors=True)
                 finally:
                     os.close(lock)

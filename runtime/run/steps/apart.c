@@ -171,7 +171,7 @@ void apart_integrate(struct pk_run *run)
         now.t = t;
         observe_row(run, &now);
         run->next += 1;
-        run->interrupted = run_stopped(run, (double)(t / s->until));
+        run->interrupted = run->next <= run->count && run_stopped(run, (double)(t / s->until));
         checkpoint_look(run, keep, NULL);
     }
     observe_end(run);

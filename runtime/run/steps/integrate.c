@@ -111,7 +111,7 @@ int run_goes(struct pk_run *run)
         return 0;
     if (by_time(run) && !(s->every > 0))
         observe_row(run, run_moment(run));
-    return goes_on(run) && run->it.t < s->until;
+    return run->it.t < s->until && goes_on(run); /* one that has arrived is not stopped */
 }
 
 void run_ends(struct pk_run *run)

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from ...methods import METHODS
 from ...own.made import of_text
-from ...source import Source
+from ...source import ModelError, Source
 from .. import statements as st
-from ..read import UnreadableModel, read
+from ..read import ALLOW, UnreadableModel, inside, read, refusal, unquoted
 from ..words import reserved
 from .shared import Checks, Shared
 
@@ -44,12 +44,22 @@ class Methods(Checks):
         if why:
             self.report.error(f"'{name}' {why}", statement.name_span, help)
             return
-        path = Path(self.source.path).parent / statement.file
+        folder = Path(self.source.path).parent
+        path = folder / statement.file
+        if wrong := refusal(statement.file, path, folder):
+            self.report.error(wrong, statement.file_span, ALLOW)
+            return
         try:
             own = of_text(name, read(path, "a tableau file"))
         except UnreadableModel as wrong:
             (found,) = wrong.diagnostics
             self.report.error(f"{path}: {found.message}", statement.file_span, found.help)
+            return
+        except ModelError as wrong:
+            if inside(path, folder):
+                raise
+            message, help = unquoted(path, wrong)
+            self.report.error(message, statement.file_span, help)
             return
         same = [other for other in self.parts["methods"] if other.name == name]
         if not same:
