@@ -68,8 +68,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.of_a_look(parser)
     add("--long", action="store_true", help="drifts over 1e1 to 1e7 fixed steps instead")
     add("--step", metavar="H", help="of --long (default: 1/32 of the fastest period)")
-    add("--quick", action="store_true", help="fewer points, shorter laps, 10 s of the processor's")
-    add("--seconds", type=float, metavar="S", help="of the processor's, of all but drawing (default 55)")
+    add("--quick", action="store_true", help="fewer points, shorter laps, 10 s of processor time")
+    add("--seconds", type=float, metavar="S", help="processor time of all but drawing (default 55)")
 
 
 def run(options: argparse.Namespace) -> int:

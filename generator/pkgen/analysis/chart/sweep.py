@@ -39,7 +39,7 @@ def processor() -> float:
 
 @record
 class Effort:
-    """How long to measure. The clock is the processor's: a busy machine measures no fewer points."""
+    """How long to measure, in processor time: a busy machine measures as many points."""
 
     points: int  # of a method, at most
     lap_seconds: float  # of laps of a point
