@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy
 import pytest
 from pkgen.__main__ import main
+from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import map as maps
 from pkgen.analysis.stability import measure, text
 from pkgen.analysis.stability.measure import FAILED
