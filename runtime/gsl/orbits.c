@@ -202,21 +202,44 @@ static void keep(struct closing *x, struct pk_closed_orbits *o)
     }
 }
 
+/* Fewer steps, after which the state is the same but for whole turns: Newton's method is then of
+ * them. 0: they are none that are asked for. */
+static int shorten(struct closing *x, const struct pk_closed_orbits *o)
+{
+    for (size_t k = 1; o->tries && k < x->steps; k++) {
+        double most = 0;
+        if (x->steps % k || !pk_orbit_advance(x, x->y, x->h, k))
+            continue;
+        for (size_t i = 0; i < x->d; i++)
+            most = fmax(most, fabs(pk_orbit_apart(x, i, x->y, x->end)));
+        if (most >= SAME)
+            continue;
+        x->steps = k;
+        if (k >= o->first)
+            return pk_orbit_newton(x);
+        know(x, x->y);
+        return 0;
+    }
+    return 1;
+}
+
 /* All that one start leads to, each found being kept from. */
 static void search_from(struct closing *x, const double *y0, size_t number, const size_t *base,
                         struct pk_closed_orbits *o)
 {
+    const size_t steps = x->steps;
     for (int more = 1; more && o->count < o->most && x->n_known < MOST_KNOWN;) {
         memcpy(x->y, y0, 2 * x->n * sizeof *y0);
         for (size_t k = 0; k < x->d && number; k++)
             x->y[x->of[k]] = o->middle[x->of[k]] +
                              o->box[x->of[k]] * (2 * halton(number, base[k]) - 1);
         x->h = o->h;
-        more = pk_orbit_newton(x) && in_sight(x) && !is_known(x);
+        more = pk_orbit_newton(x) && in_sight(x) && !is_known(x) && shorten(x, o);
         if (more)
             keep(x, o);
         else
             o->failed++;
+        x->steps = steps;
         more = more && o->tries;
     }
 }

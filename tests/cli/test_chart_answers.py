@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -154,6 +155,38 @@ def test_a_sweep_cut_short_goes_on() -> None:
     tracks = [Track(method, tuple(bench.point(method, UNTIL / n, 1.0) for n in (20, 40, 80, 4000)))]
     found, _ = answer.answers(bench, tracks)
     assert found[6].point is not None and found[6].point.error <= 1e-12
+
+
+def cut_short(seconds: float) -> tuple[list[answer.Answer], list[Track]]:
+    """Of a slow method that was swept to its end, a fast one of one point and one that is dear."""
+    methods = [ChartedMethod("slow", 4), ChartedMethod("fast", 8, ("adaptive",))]
+    methods.append(ChartedMethod("dear", 4))
+    errors = {"slow": lambda h: h**4, "fast": lambda tol: tol, "dear": lambda h: h**4}
+    pace = {"slow": 1e6, "fast": 1e6, "dear": 1e2}
+    bench = Invented(errors, pace, effort=Effort(16, 0.0, seconds))
+    first = [Track(m, (bench.point(m, 0.01, 1.0),)) for m in methods[1:]]
+    return answer.answers(bench, [*swept(bench, methods[:1]), *first])
+
+
+def test_a_method_that_was_cut_short_is_taken_on_where_it_could_be_cheaper() -> None:
+    found, _ = cut_short(60.0)
+    assert [a.method.name for a in found[2:]] == ["fast"] * 6
+    assert not any(a.unmeasured for a in found)
+
+
+def test_an_answer_names_what_there_was_no_time_for_and_could_be_cheaper() -> None:
+    found, _ = cut_short(0.0)
+    assert [a.method.name for a in found[2:6]] == ["slow"] * 4
+    assert all("fast" in a.unmeasured for a in found[2:])
+    assert not any("dear" in a.unmeasured for a in found[:6] if a.axis == "seconds")
+
+
+def test_the_budget_of_a_chart_is_of_the_processor() -> None:
+    """What the machine does besides takes none of it."""
+    effort = Effort(16, 0.0, 60.0)
+    left = effort.left()
+    time.sleep(0.3)
+    assert left - effort.left() < 0.1
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import sys
+import time
 from pathlib import Path
 
 from ..analysis.chart import chart as charts
@@ -67,13 +68,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.of_a_look(parser)
     add("--long", action="store_true", help="drifts over 1e1 to 1e7 fixed steps instead")
     add("--step", metavar="H", help="of --long (default: 1/32 of the fastest period)")
-    add("--quick", action="store_true", help="fewer points, shorter laps, 10 s in all")
-    add("--seconds", type=float, metavar="S", help="of all but drawing (default 55)")
+    add("--quick", action="store_true", help="fewer points, shorter laps, 10 s of processor time")
+    add("--seconds", type=float, metavar="S", help="processor time of all but drawing (default 55)")
 
 
 def run(options: argparse.Namespace) -> int:
     """Chart accuracy against cost, by every method that applies."""
-    effort, look = _effort(options), look_of(options)
+    began, effort, look = time.monotonic(), _effort(options), look_of(options)
     directory = parsing.directory(options.directory)
     compilation = compile_within_limits(options, unroll=None, use=whole(options))
     peers = _peers(options)
@@ -86,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
         note = f"event {shown} would stop a run; a chart goes on until {settings.until:g}"
         print(f"pkgen: {note}", file=sys.stderr)
     if options.long:
-        return _long(options, compilation, settings, chosen, look, directory)
+        return _long(options, compilation, settings, chosen, look, directory, began)
     with progress(compilation.model.name) as show:
         chart = charts.measure(
             compilation,
@@ -107,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps(_record(chart, files), indent=1))
     else:
         print(report(chart, options.model, _given(options)), end="")
-        print(f"\nwritten: {', '.join(map(str, files))}; {took(effort.began)}")
+        print(f"\nwritten: {', '.join(map(str, files))}; {took(began)}")
     if chart.interrupted:
         say(interrupted(chart))
     return INTERRUPTED if chart.interrupted else DONE
@@ -120,6 +121,7 @@ def _long(
     chosen: list[ChartedMethod],
     look: Look,
     directory: Path,
+    began: float,
 ) -> int:
     from ..analysis.chart import long, long_report
 
@@ -136,7 +138,7 @@ def _long(
         print(json.dumps(told, indent=1))
     else:
         print(long_report.text(found), end="")
-        print(f"\nwritten: {', '.join(map(str, files))}; {took(effort.began)}")
+        print(f"\nwritten: {', '.join(map(str, files))}; {took(began)}")
     if children.ended():
         say("interrupted: drifts are of the methods measured until then")
     return INTERRUPTED if children.ended() else DONE
@@ -252,6 +254,7 @@ def _record(chart: Chart, files: list[Path]) -> dict[str, object]:
                 "accuracy": a.accuracy,
                 "cheapest_in": a.axis,
                 "reason": a.reason,
+                "unmeasured": a.unmeasured,
                 **(table.record(a.method, a.point) if a.method and a.point else {"method": None}),
             }
             for a in chart.answers

@@ -13,7 +13,7 @@ from ..analysis.stability import budget, plan, text
 from ..analysis.stability import map as maps
 from ..analysis.stability.cycles import Cycle
 from ..analysis.stability.map import StabilityMap
-from ..analysis.stability.misses import misses, unpredicted
+from ..analysis.stability.misses import misses, unmeasured, unpredicted
 from ..analysis.stability.orbits import Orbit
 from ..analysis.stability.predict import Prediction
 from ..analysis.stability.steps import MapOptions
@@ -176,6 +176,7 @@ def record(made: StabilityMap, files: list[Path]) -> dict[str, object]:
             }
             for row in made.rows
         ],
+        "unmeasured": unmeasured(made),
         "growths": [asdict(g) for g in made.growths],
         "cycle": cycle(made.cycle),
         "ghosts": [

@@ -7,6 +7,8 @@ import math
 UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
 NO_TORQUE = 1e-12  # of the size of what it is the sum of
 CONJUGATE_SHOWN = 64  # points that a report has at most
+LOST, MAGNIFIED = 1e-6, 1e3  # a drift of X's own value; times that of its scale
+EPSILON = 1e-13  # of the scale: a value below it is 0 but for rounding
 BROAD = 0.03  # a residual that lines do not explain
 
 
@@ -25,8 +27,17 @@ def drift_lines(drifts: list[dict]) -> list[str]:
             growth += f" (t^{drift['exponent']:.2f})"
         if not drift["first"] and drift["max"] == 1:  # of what is not beside something larger
             growth += f"; it starts at 0, so this is relative to its own largest value, {scale:.1e}"
-        said.append(f"{line}: {growth}")
+        said.append(f"{line}: {growth}{_lost(drift)}")
     return said
+
+
+def _lost(drift: dict) -> str:
+    """Digits that a constant loses where it is small beside what it is a sum of."""
+    first, scale = abs(drift["first"]), drift["scale"]
+    off = drift["max"] * scale / first if first > EPSILON * scale else 0.0
+    if off < LOST or off < MAGNIFIED * drift["max"]:
+        return ""
+    return f"; of its own value {drift['first']:.2g} that is {off:.1e}: digits are lost"
 
 
 def lines(found: dict[str, dict], time: str) -> list[str]:

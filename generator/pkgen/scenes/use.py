@@ -63,7 +63,8 @@ def of_run(options: argparse.Namespace) -> Use | None:
     if options.diagnose:
         off |= {APART}
     if diagnostics.of_whole(options.diagnose):
-        off |= {*REDUCTIONS}
+        # Normal modes are of what rests, and cyclic coordinates go on.
+        off |= {*REDUCTIONS} - ({"cyclic"} if options.diagnose == "modes" else set())
     asked = Overrides(
         columns=columns,
         event=options.at,

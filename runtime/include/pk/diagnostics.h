@@ -2,9 +2,11 @@
  *
  *     max   = max |X - X(0)| / S       final = (X(end) - X(0)) / S
  *     slope = least-squares slope of (X - X(0)) over t, / S
- *     S     = max |X|;  for the energy  max (|v.p| + |L|),  L = v.p - h
+ *     S     = max |X|, or a tenth of what X is made of, or max |X| of another component of its
+ *             vector, whichever is largest;  for the energy  max (|v.p| + |L|),  L = v.p - h
  *
- * (S for the energy, because h itself may vanish.) And how it grows: the exponent e of
+ * X may vanish, and so may h. X is made of the root of the sum of (y_i dX/dy_i)^2 over all numbers
+ * y_i of the state; components have names that differ in a last x, y or z. And how it grows: the exponent e of
  *
  *     max over [0, t] of |X - X(0)|  ~  t^e
  *

@@ -245,6 +245,9 @@ void diagnose_modes(struct pk_run *run, struct diagnostics *d)
     struct modes m = {.run = run, .n = run->settings.n};
     const size_t n = m.n;
     const char *reason = unfit(problem->system, n);
+    int cyclic = 0;
+    for (size_t i = 0; problem->system->cyclic && i < n; i++)
+        cyclic |= problem->system->cyclic[i];
     if (reason) {
         diagnose_told(d, PK_REFUSED, reason, NULL);
         return;
@@ -277,7 +280,11 @@ void diagnose_modes(struct pk_run *run, struct diagnostics *d)
     }
     if (status == PK_SINGULAR_MASS) {
         status = PK_REFUSED;
-        reason = "where nothing pulls, next to the start, the coordinates themselves are singular";
+        reason = cyclic ? "where nothing pulls, next to the start, the coordinates themselves are "
+                          "singular, and others are cyclic: a scene that records none of these has "
+                          "modes of what is left"
+                        : "where nothing pulls, next to the start, the coordinates themselves are "
+                          "singular";
     }
     if (diagnose_told(d, status, reason, NULL))
         write_modes(&m, d);

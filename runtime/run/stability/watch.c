@@ -3,12 +3,13 @@
  *
  *     exchange  how many times as far a coordinate swings by the method as in the motion itself:
  *               the root of the quotient of the largest |v_i p_i|, its share of v.p
- *     moved     how far a constant that is proved has come from its first value, relative to that
+ *     moved     how far a constant that is proved has come from its first value, relative to its
+ *               scale (pk/diagnostics.h)
  *     follows   the part of the time, up to the horizon, over which no coordinate is APART from the
  *               motion by half of how far that goes, nor its rate by the largest there: a third of
  *               pi in phase. Of first-order variables it is not judged
  *
- * A coordinate counts whose share is a ten-thousandth of the largest, a constant that is not zero.
+ * A coordinate counts whose share is a ten-thousandth of the largest.
  */
 #include "../settings/settings.h"
 #include "stability.h"
@@ -116,12 +117,13 @@ static double exchange(const struct pk_stability *s, const struct watched *w)
     return several > 1 ? most : 0;
 }
 
-/* How far it moved, secularly; 0 of what is no constant of the motion itself, or zero. */
+/* How far it moved, secularly, in the scale that the motion itself gives it; 0 of what has none, or
+ * is no constant of the motion. */
 static double secular(const struct pk_drift *mine, const struct pk_drift *its)
 {
-    const double first = fabs(its->first), far = mine->max / first;
-    const double slope = pk_drift_slope(mine) * mine->scale * 2 * mine->mean_t / first;
-    if (!(first > 0) || !(its->max < STEADY * first))
+    const double far = mine->max / its->scale;
+    const double slope = pk_drift_slope(mine) * mine->scale * 2 * mine->mean_t / its->scale;
+    if (!(its->scale > 0) || !(its->max < STEADY * its->scale))
         return 0;
     return fabs(slope) > SECULAR * far ? far : 0;
 }

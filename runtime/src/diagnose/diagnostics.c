@@ -16,6 +16,12 @@
 #define EVALUATION PK_C(16.0)
 #define WALK PK_C(2.0)
 
+/* The size of what a constant is made of: directions of random signs, of a step a part of each
+ * number; and the share of that size below which a constant counts as 0. */
+enum { DIRECTIONS = 8 };
+#define STEP PK_C(1e-4)
+#define SHARE PK_C(0.1)
+
 void pk_drift_init(struct pk_drift *drift) { memset(drift, 0, sizeof *drift); }
 
 void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_real scale)
@@ -109,7 +115,7 @@ enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, 
     if (!pk_finite(max)) {
         e = s = max - max;
         growth = PK_GROWTH_NO_NUMBER;
-    } else if (!(drift->scale > 0)) {
+    } else if (!(drift->scale > 0) || (!(max > 0) && !(pk_abs(drift->first) > 0))) {
         growth = PK_GROWTH_ZERO;
     } else if (!(max > 0)) {
         growth = PK_GROWTH_CONSTANT;
@@ -150,8 +156,9 @@ size_t pk_monitor_size(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
     const size_t n = pk_system_count(system, problem->params);
-    return (drift_reals(momenta_of(problem) + system->n_conserved) + 2 * n + system->n_inputs +
-            system->n_conserved) *
+    const size_t constants = momenta_of(problem) + system->n_conserved;
+    return (drift_reals(constants) + 5 * n + system->n_inputs + system->n_conserved +
+            3 * constants) *
            sizeof(pk_real);
 }
 
@@ -171,6 +178,67 @@ enum pk_status pk_monitor_init(struct pk_monitor *monitor, const struct pk_probl
     monitor->conserved = monitor->momenta + n;
     monitor->work = (pk_real *)block + drift_reals(n + system->n_conserved);
     return PK_DONE;
+}
+
+static void raise_scale(struct pk_drift *drift, pk_real size)
+{
+    if (drift->samples && size > drift->scale && pk_finite(size))
+        drift->scale = size;
+}
+
+/* All constants at a state: momenta, then `conserve`. */
+static void constants(const struct pk_problem *of, pk_real t, const pk_real *q, const pk_real *v,
+                      const pk_real *u, pk_real *pdot, pk_real *x)
+{
+    const size_t momenta = momenta_of(of);
+    if (momenta)
+        of->system->canonical(of->params, t, q, v, u, x, pdot);
+    if (of->system->n_conserved && of->system->conserve)
+        of->system->conserve(of->params, t, q, v, u, x + momenta);
+}
+
+/* Components of one vector have names that differ in a last x, y or z. */
+static int same_vector(const char *a, const char *b)
+{
+    const size_t last = strlen(a) - 1;
+    return last > 0 && strlen(b) == last + 1 && strncmp(a, b, last) == 0 &&
+           strchr("xyz", a[last]) && strchr("xyz", b[last]);
+}
+
+/* A constant may be 0, a component of a vector or a sum that cancels. So S is also a share of what
+ * it is made of, |y_i dX/dy_i|, and all components of a vector have that of the largest. The root
+ * mean square over random signs of y_i takes two evaluations a direction, however many y_i are. */
+static void widen(struct pk_monitor *monitor, pk_real t, const pk_real *q, const pk_real *v,
+                  const pk_real *u, pk_real *work)
+{
+    const struct pk_system *system = monitor->problem.system;
+    const void *params = monitor->problem.params;
+    const size_t n = pk_system_count(system, params), m = pk_system_coordinates(system, params);
+    const size_t count = momenta_of(&monitor->problem) + system->n_conserved;
+    pk_real *pdot = work, *y = pdot + n, *a = y + 2 * n, *b = a + count, *sum = b + count;
+    unsigned long random = 1;
+    memset(sum, 0, count * sizeof *sum);
+    for (int k = 0; k < DIRECTIONS; k++) {
+        const unsigned long begun = random;
+        for (int side = 1; side >= -1; side -= 2) {
+            random = begun;
+            for (size_t i = 0; i < m + n; i++) {
+                const pk_real x = i < m ? q[i] : v[i - m];
+                random = (random * 1103515245UL + 12345UL) & 0x7fffffffUL;
+                y[i < m ? i : n + i - m] = x + ((random >> 16) & 1 ? side : -side) * STEP * x;
+            }
+            constants(&monitor->problem, t, y, y + n, u, pdot, side > 0 ? a : b);
+        }
+        for (size_t i = 0; i < count; i++)
+            sum[i] += (a[i] - b[i]) * (a[i] - b[i]);
+    }
+    for (size_t i = 0; i < count; i++)
+        raise_scale(&monitor->momenta[i],
+                    SHARE * PK_F(sqrt)(sum[i] / DIRECTIONS) / (2 * STEP));
+    for (size_t i = 0; i < system->n_conserved; i++)
+        for (size_t k = 0; k < system->n_conserved; k++)
+            if (same_vector(system->conserved[i].name, system->conserved[k].name))
+                raise_scale(&monitor->conserved[i], monitor->conserved[k].scale);
 }
 
 void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, const pk_real *v)
@@ -199,6 +267,11 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
         for (size_t i = 0; i < system->n_conserved; i++)
             pk_drift_update(&monitor->conserved[i], t, c[i]);
     }
+    unsigned long samples = 0;
+    for (size_t i = 0; i < momenta_of(problem) + system->n_conserved; i++)
+        samples |= monitor->momenta[i].samples;
+    if (samples && (samples & (samples - 1)) == 0) /* the first, the second, the fourth, ... */
+        widen(monitor, t, q, v, u, c + system->n_conserved);
 }
 
 /* Half octaves of what came from elsewhere are as many as numbers have, and their ends grow. */

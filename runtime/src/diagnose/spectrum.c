@@ -169,18 +169,16 @@ void pk_spectrum_judge(struct pk_spectrum *spectrum, const pk_real *x, size_t co
     for (size_t k = 0; k < spectrum->count; k++)
         spectrum->lines[k].error = PK_EPSILON * spectrum->lines[k].frequency; /* at best */
     for (int part = 0; part < 2; part++) {
-        struct pk_spectrum of_half;
-        size_t fitted = spectrum->count; /* the strongest: half the time may not tell all apart */
-        for (; fitted > 0; fitted--) {
-            of_half = *spectrum;
-            of_half.count = fitted;
-            if (pk_spectrum_fit(&of_half, x + (part ? count - half : 0), half, dt, left) >= 0)
-                break;
-        }
+        struct pk_spectrum of_half = *spectrum;
+        /* The last lines, found in what rounding left, may have none in a half: without them. */
+        while (pk_spectrum_fit(&of_half, x + (part ? count - half : 0), half, dt, left) < 0 &&
+               of_half.count > 0)
+            of_half.count--;
         for (size_t k = 0; k < spectrum->count; k++) {
             struct pk_line *line = &spectrum->lines[k];
-            const pk_real moved = k < fitted ? pk_abs(of_half.lines[k].frequency - line->frequency)
-                                             : spectrum->resolution;
+            const pk_real moved = k < of_half.count
+                                      ? pk_abs(of_half.lines[k].frequency - line->frequency)
+                                      : spectrum->resolution;
             line->error = pk_max(line->error, moved);
         }
     }

@@ -17,13 +17,15 @@ ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
 
 @record
 class Answer:
-    """`point` is None where no method gets there; then `reason` says why."""
+    """`point` is None where no method gets there; then `reason` says why. `unmeasured` names the
+    methods that could be cheaper and for which there was no time."""
 
     accuracy: float
     axis: str
     method: ChartedMethod | None
     point: Point | None
     reason: str = ""
+    unmeasured: tuple[str, ...] = ()
 
 
 def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track]]:
@@ -58,7 +60,8 @@ def _answer(
     search: Search, floor: float, accuracy: float, axis: str, point: Point | None
 ) -> Answer:
     if point is not None:
-        return Answer(accuracy, axis, search.methods[point.method], point)
+        others = search.unmeasured(accuracy, axis)
+        return Answer(accuracy, axis, search.methods[point.method], point, unmeasured=others)
     if accuracy <= 10 * floor:
         reason = f"cannot be told: the reference itself is known to {floor:.0e}"
     else:
@@ -71,4 +74,5 @@ def _answer(
             reason = f"none{late}; the most accurate is {best.method}, with {best.error:.1e}"
         else:
             reason = f"none but by luck, such as {best.method}, with {best.error:.1e}"
-    return Answer(accuracy, axis, None, None, reason)
+    others = search.unmeasured(accuracy, axis) if accuracy > 10 * floor else ()
+    return Answer(accuracy, axis, None, None, reason, others)

@@ -9,7 +9,7 @@ from ...system import page
 from ...version import __version__
 from . import table
 from .chart import Chart
-from .text import BESIDE, HEADINGS, answer_rows, beside_rows, preamble
+from .text import BESIDE, HEADINGS, answer_rows, beside_rows, preamble, unmeasured
 
 POINTS = ("method", "step", "rtol", "outcome", "error", "seconds", "work", "evaluations", "steps")
 
@@ -23,6 +23,7 @@ def html(chart: Chart, report: str, pictures: list[Path]) -> str:
             "".join(f"<p>{escape(line)}</p>" for line in preamble(chart)),
             page.heading("The cheapest here"),
             page.table(HEADINGS, answer_rows(chart)),
+            "".join(f"<p>{escape(line)}</p>" for line in unmeasured(chart)),
             f"<details><summary>as commands</summary><pre>{escape(report)}</pre></details>",
             page.heading("Other packages") if chart.beside else "",
             page.table(BESIDE, beside_rows(chart)) if chart.beside else "",

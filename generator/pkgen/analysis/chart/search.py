@@ -23,6 +23,7 @@ AIM = 0.8  # of the accuracy
 INNER = (0.25, 0.75)  # of the way between two points, where the next one lies
 COARSER, FALLING = 1.2, 0.7  # errors fall if one is so much smaller than that of such a step
 FOREMOST = 3  # so many methods are taken further
+UNSEEN = 1e-2  # of the error, that the next setting aims at where none is known
 ROUNDS, TIMED = 3, 1.5  # rounds of timing; for points within TIMED times the fastest
 ROUNDING = 1e-12  # of a quotient that is meant to be whole
 
@@ -82,13 +83,28 @@ class Search:
     def refine(self, accuracy: float) -> None:
         """Each method that may be the cheapest, at the loosest setting that keeps the accuracy."""
         for axis in AXES:
+            for _ in range(TRIALS):
+                if not self._go_on(accuracy, axis):
+                    break
             foreseen = ((self._bracket(m, accuracy, False), m) for m in self.methods.values())
             able = [(_least(m, b, axis) * _cost(b[1], axis), m) for b, m in foreseen if b]
             for _, method in sorted(able, key=lambda pair: pair[0]):
                 self._close_in(method, accuracy, axis)
-        for _ in range(TRIALS):
-            if self.cheapest(accuracy, "work") or not self._go_on(accuracy):
-                break
+
+    def unmeasured(self, accuracy: float, axis: str) -> tuple[str, ...]:
+        """Once the time is up, the methods that could be cheaper: foreseen so, or between two
+        points of which the cheaper one misses the accuracy."""
+        if self.left > 0:
+            return ()
+        best = _cost(self.cheapest(accuracy, axis), axis)
+        found = [method.name for _, method, _ in self._ahead(accuracy, axis)]
+        for name, method in self.methods.items():
+            bracket = self._bracket(method, accuracy, True)
+            if bracket and bracket[0] is not bracket[1]:
+                gap = NEAR * _least(method, bracket, axis) < min(best, _cost(bracket[1], axis))
+                between = self._between(method, *bracket, accuracy)
+                found += [name] if gap and not self._known(name, between) else []
+        return tuple(found)
 
     def time_again(self, accuracy: float) -> None:
         """Times again, in turns, the loosest and fastest points of methods near the fastest."""
@@ -135,23 +151,39 @@ class Search:
             found |= point is not None and self.keeps(point, accuracy)
         return found
 
-    def _go_on(self, accuracy: float) -> bool:
-        """To finer settings than the sweep had the time for, where errors were still falling."""
-        falling = []
-        for name, method in self.methods.items():
-            good = [p for p in self.points[name] if p.good]
-            before = [p for p in good if p.setting > COARSER * good[-1].setting]
-            if before and (good[-1].error or 0.0) < FALLING * (before[-1].error or 0.0):
-                last, order = good[-1], max(1, method.order)
-                share = min(AIM * accuracy / (last.error or 1.0), 1 / COARSER)
-                finer = share ** (1 / order)  # a step, of the last
-                setting = self._whole(last.setting * finer)
-                if not method.fixed:
-                    setting = max(_two_digits(last.setting * share), TIGHTEST)
-                if setting < last.setting:
-                    falling.append((_cost(last, "work") / finer, method, setting))
-        able = sorted(falling, key=lambda x: x[0])[:FOREMOST]
+    def _go_on(self, accuracy: float, axis: str) -> bool:
+        """Measures the foremost of _ahead()."""
+        able = self._ahead(accuracy, axis)[:FOREMOST]
         return any([self._measure(method, setting) for _, method, setting in able])
+
+    def _ahead(self, accuracy: float, axis: str) -> list[tuple[float, ChartedMethod, float]]:
+        """Methods whose sweep ended before the accuracy while errors still fell, and that could be
+        cheaper there than the cheapest: foreseen cost, method, and the setting to try next."""
+        best = _cost(self.cheapest(accuracy, axis), axis)
+        ahead = []
+        for name, method in self.methods.items():
+            points = self.points[name]
+            good = [p for p in points if p.good]
+            last = good[-1] if good else points[-1]
+            met = best < math.inf and any(_met(p, accuracy) for p in good)
+            if last.refused or met or (not good and len(points) >= self.bench.effort.points):
+                continue
+            before = [p for p in good if p.setting > COARSER * last.setting]
+            if len(good) > 1 and not (
+                before and (last.error or 0.0) < FALLING * (before[-1].error or 0.0)
+            ):
+                continue
+            order = max(1, method.order)
+            share = min(AIM * accuracy / (last.error or 1.0), 1 / COARSER) if good else UNSEEN
+            finer = share ** (1 / order)  # a step, of the last
+            setting = self._whole(last.setting * finer)
+            if not method.fixed:
+                setting = max(_two_digits(last.setting * share), TIGHTEST)
+            cost = (_cost(last, axis) if good else last.took * (axis == "seconds")) / finer
+            late = any(p.slow and p.setting < last.setting for p in points)
+            if setting < last.setting and NEAR * cost < best and not late:
+                ahead.append((cost, method, setting))
+        return sorted(ahead, key=lambda x: x[0])
 
     def _bracket(
         self, method: ChartedMethod, accuracy: float, judged: bool
@@ -195,10 +227,13 @@ class Search:
             and not (p.slow or p.refused)
         ]
 
+    def _known(self, name: str, setting: float) -> Point | None:
+        points = self.points[name]
+        return next((p for p in points if math.isclose(p.setting, setting, rel_tol=ROUNDING)), None)
+
     def _measure(self, method: ChartedMethod, setting: float, again: bool = False) -> Point | None:
         """None if there is nothing to measure: it is known, or the time is up."""
-        known = self.points[method.name]
-        old = next((p for p in known if math.isclose(p.setting, setting, rel_tol=ROUNDING)), None)
+        known, old = self.points[method.name], self._known(method.name, setting)
         if self.left <= 0 or (old is not None and not again):
             return None
         # Laps are for those that may be the fastest.

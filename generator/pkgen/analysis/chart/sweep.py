@@ -4,6 +4,7 @@ error is round-off, or the next point would take more than its share of the time
 from __future__ import annotations
 
 import math
+import os
 import statistics
 import time
 from collections.abc import Callable
@@ -31,15 +32,19 @@ ROUND_OFF = 3e-16
 EASED = 1e-8  # below it an error that no longer falls has met round-off
 
 
+def processor() -> float:
+    """Seconds of the processor's that this process and its ended children used."""
+    return time.process_time() + sum(os.times()[2:4])
+
+
 @record
 class Effort:
-    """How long to measure. The clock is that on the wall: who waits is not told that the machine
-    had other things to do."""
+    """How long to measure, in processor time: a busy machine measures as many points."""
 
     points: int  # of a method, at most
     lap_seconds: float  # of laps of a point
     seconds: float  # of everything but drawing
-    began: float = field(default_factory=time.monotonic)
+    began: float = field(default_factory=lambda: processor())
 
     def rest(self) -> Effort:
         """Of what is left, and LEAST of all in any case: references may take long."""
@@ -49,7 +54,7 @@ class Effort:
         """Of a part of the time; none once it is interrupted."""
         if children.ended():
             return 0.0
-        return max(0.0, part * self.seconds - (time.monotonic() - self.began))
+        return max(0.0, part * self.seconds - (processor() - self.began))
 
     @staticmethod
     def usual(points: int | None, seconds: float | None, quick: bool) -> Effort:
@@ -157,10 +162,10 @@ def _sweep(
     """Adds to `points`."""
     count = bench.effort.points
     plan = Steps(method, spectrum, count) if method.fixed else Tolerances(count)
-    end = time.monotonic() + share
+    end = processor() + share
     lap = share / (3 * count)  # so that the laps of loose points leave time for tight ones
     while len(points) < count:
-        left = end - time.monotonic()
+        left = end - processor()
         # A point is integrated twice at least, and a tighter one takes longer.
         if points and 4 * (points[-1].seconds or points[-1].took) > left:
             break

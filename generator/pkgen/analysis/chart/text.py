@@ -58,6 +58,16 @@ def interrupted(chart: Chart) -> str:
     )
 
 
+def unmeasured(chart: Chart) -> list[str]:
+    """Methods that could have been an answer, and that there was no time to measure there."""
+    late: dict[str, list[str]] = {}
+    for a in chart.answers:
+        for name in a.unmeasured:
+            late.setdefault(name, []).append(f"{a.accuracy:.0e} by {AXIS[a.axis]}")
+    told = [f"{name} at {', '.join(at)}" for name, at in late.items()]
+    return told and [f"not measured, and perhaps cheaper (--seconds): {'; '.join(told)}"]
+
+
 def _exact(track: Track) -> bool:
     """A motion that the method's formula is exact for, such as a uniform one."""
     return all(p.error is not None and p.error < EXACT for p in track.good)
@@ -121,6 +131,8 @@ def command(chart: Chart, answer: Answer, model: str, given: list[str]) -> str:
 
 def report(chart: Chart, model: str, given: list[str]) -> str:
     lines = [*preamble(chart), "", *_lined(HEADINGS, answer_rows(chart))]
+    if late := unmeasured(chart):
+        lines += ["", *late]
     if chart.beside:
         lines += ["", *_lined(BESIDE, beside_rows(chart))]
     runs = [command(chart, a, model, given) for a in chart.answers if a.point]

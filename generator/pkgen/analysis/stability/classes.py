@@ -29,6 +29,7 @@ CLASSES = {
     "constant lost": Class("#B98A5E", "#8A5F38", "+"),
     "drifting by less than 1 %": Class("#F7F1B5", "#4A4726", "_"),
     "drifting": Class("#D8C41C", "#A79A1F", ">"),
+    "wrong amplitude": Class("#C9DDB4", "#4C6238", "<"),
     "growing": Class("#D98A00", style.ORANGE, "^"),
     "wrong branch": Class(style.BLUE, "#2E7FB8", "d"),
     "not converged": Class(style.PURPLE, style.PURPLE, "x"),
@@ -41,6 +42,7 @@ CLASSES = {
 SAID_OF = {  # in the legend
     "not judged": "not judged: it leaves by itself",
     "out of phase": "bounded, the phase is lost",
+    "wrong amplitude": "it settles at a wrong amplitude",
     "exchange": "exchange between coordinates",
     "constant lost": "another constant is lost",
 }

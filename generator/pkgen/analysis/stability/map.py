@@ -11,6 +11,7 @@ from functools import partial
 from typing import TypeVar
 
 from ...compiler import Compilation
+from ...middle.analyze import affine
 from ...middle.quantities import single_rotations
 from ...record import record
 from ...run.build import build_library
@@ -93,6 +94,10 @@ def make(
     at = plan.beside(rest, primary, motion.q, cyclic)
     if at is None and asked.axis.kind == "amplitude":
         asked = replace(asked, axis=plan.without_equilibrium(asked.axis, motion, turned))
+    if plan.still(asked.axis, at, motion, cyclic, structure.autonomous):
+        alike = "the start is 0, and so are its multiples: one row is mapped (--start, --vary)"
+        axis = replace(asked.axis, values=(1.0,))
+        asked = replace(asked, axis=axis, left=(*asked.left, alike))
     until = plan.duration(at, asked.until)
     asker = asker.with_settings(replace(asked.settings, until=until))
 
@@ -104,7 +109,10 @@ def make(
 
     show(0.0, "methods")
     asked = _without_refused(asked, asker) if bound else asked
-    maps = {m.name: StepMap(m, asker, motion.by_norm, bound, bool(turned)) for m in asked.methods}
+    plain = structure.mass_constant and not (bound or compilation.looped)
+    linear = structure.affine or (plain and affine.linear(compilation.equations))
+    of_all = motion.by_norm, bound, bool(turned), linear
+    maps = {m.name: StepMap(m, asker, *of_all) for m in asked.methods}
     moves = asked.axis.kind == "parameter" or any(cyclic)
     tries = 40 if moves else 100
 
@@ -141,7 +149,7 @@ def make(
 
     def one(x: float, enough: Callable[[], float]) -> Row:
         here = started(x).within(enough)
-        found, moved, points = measure.row(here, steps, None if moves else rest, tries)
+        found, moved, points = measure.row(here, steps, None if moves else rest, tries, linear)
         # An amplitude is one about the same equilibrium, however far.
         place = at.q if at and asked.axis.kind == "amplitude" else moved.q
         number = plan.nearest(found, place, cyclic) if at or not bound else None

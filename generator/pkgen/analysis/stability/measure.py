@@ -12,10 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from ...record import record
 from .ask import Asker, Motion, Point, Rest
 from .method import FURTHEST, LEAP, combined, first_change
+from .orbits import ROUNDED
 from .predict import RESONANCES, Prediction
 
 SMALL = 1e-6  # of the size of the motion
@@ -92,11 +94,43 @@ class Growth:
 
 
 def row(
-    asker: Asker, steps: dict[str, Sequence[float]], known: Rest | None, tries: int
+    asker: Asker,
+    steps: dict[str, Sequence[float]],
+    known: Rest | None,
+    tries: int,
+    linear: bool = False,
 ) -> tuple[Rest, Motion, tuple[Point, ...]]:
     """The motion and what becomes of it at each step; equilibria too, unless they are known."""
     found, moved = known or asker.rest(tries), asker.motion()
-    return found, moved, tuple(asker.point(name, h) for name, hs in steps.items() for h in hs)
+    points = [asker.point(name, h) for name, hs in steps.items() for h in hs]
+    apart = asker.with_settings(asker.settings)  # multipliers forget the motion
+    return found, moved, tuple(_settled(apart, p) if linear else p for p in points)
+
+
+def _settled(asker: Asker, point: Point) -> Point:
+    """Of a linear model: steps grow only if a multiplier of theirs is outside the unit circle. Else
+    they come to rest about another amplitude, that of a driver between whose turns they fall."""
+    if point.kind != "growing":
+        return point
+    found = radius(asker, point.method, point.h)
+    settles = found is not None and found <= 1 + ROUNDED
+    return replace(point, kind="wrong amplitude") if settles else point
+
+
+def radius(asker: Asker, method: str, h: float) -> float | None:
+    """The largest modulus of the multipliers of a step on a linear model, whatever drives it: a
+    difference of two states goes on as the homogeneous equations say. None: no step was made."""
+    import numpy
+
+    begun = asker.start()
+    states = [numpy.array([*begun.q, *begun.v])]
+    states += list(states[0] + numpy.eye(len(states[0])))
+    question = {"method": method, "h": h, "count": 1, "amplitude": 1e-3}
+    after = [asker.ask("beside", state=tuple(y), **question) for y in states]
+    if any(one["status"] != "PK_DONE" for one in after):
+        return None
+    first, *others = (numpy.array(one["state"], float) for one in after)
+    return float(max(abs(numpy.linalg.eigvals([y - first for y in others]))))
 
 
 def small(at: Rest, cyclic: frozenset[int], size: float) -> float:

@@ -75,6 +75,7 @@ class StepMap:
     states: bool = False  # of a system with first-order variables, stepped as u' = lambda u is
     bound: bool = False  # by rotations or constraints
     turning: bool = False  # with rotations
+    linear: bool = False  # the model is so, with constant coefficients: nothing answers a resonance
     found: dict[tuple, Any] = field(default_factory=dict)
 
     def map(self, y: float, stiffness: float = 1, damping: float = 0) -> Map:

@@ -139,6 +139,19 @@ def _close(row: Row, method: str, h: float) -> str:
     return f", next to {p.kind} of {name_mode(p)} at h = {p.h:.4g}"
 
 
+def unmeasured(made: StabilityMap) -> list[str]:
+    """What was predicted and not measured, in a sentence."""
+    seen = [m.prediction for m in made.measured]
+    left = [f"{p.kind} of {p.method}" for p in made.predictions if p not in seen]
+    growing = sum(m.growth > 0 for e in made.rest.equilibria for m in e.modes)
+    left += ["growth rates"] if len(made.growths) < growing else []
+    if not left:
+        return []
+    listed = ", ".join(dict.fromkeys(left[: 2 * LISTED])) + ", ..." * (len(left) > 2 * LISTED)
+    done = f"{len(seen)} of {len(made.predictions)} predictions are measured"
+    return [f"{done}; not measured: {listed} (--seconds allows for more)"]
+
+
 def unpredicted(made: StabilityMap) -> str | None:
     """Why nothing is predicted at all; None where something is."""
     if made.predictions or made.growths or any(row.predictions for row in made.rows):

@@ -28,6 +28,7 @@ HOLONOMIC = ("rattle", "lie_midpoint")  # for verlet and yoshida4, with rotation
 PANELS = 6
 FACTORS = ("amplitude", "rates", "coordinates")  # of the start, in units of its own
 AMPLITUDES = (0.0, 1.5)  # of the start's displacement
+AT_REST = 1e-12  # relative: a start so near to an equilibrium is that
 PERIODS = 50  # of the slowest mode, that a point is run for
 MOST_POINTS = 1_000_000
 
@@ -144,6 +145,28 @@ def without_equilibrium(axis: Axis, motion: Motion, turned: range = range(0)) ->
     moves = any(v for i, v in enumerate(motion.v) if i not in turned)
     kind = "rates" if moves else "coordinates"
     return replace(axis, kind=kind, name=kind)
+
+
+def still(
+    axis: Axis, at: Equilibrium | None, motion: Motion, cyclic: frozenset[int], autonomous: bool
+) -> bool:
+    """All rows would begin alike, since a factor multiplies zeros. Raises UsageError where nothing
+    moves then."""
+    if axis.kind not in FACTORS:
+        return False
+    rest = (*at.q, *at.v) if at and axis.kind == "amplitude" else (0.0,) * 2 * len(motion.q)
+    start = (*motion.q, *motion.v)
+    apart = [
+        abs(a - b) for i, (a, b) in enumerate(zip(start, rest, strict=True)) if i not in cyclic
+    ]
+    if max(apart, default=0.0) > AT_REST * max(map(abs, rest), default=0.0):
+        return False
+    if at and autonomous:
+        raise UsageError(
+            "the start is the equilibrium itself: every multiple of its displacement is 0, and "
+            "nothing moves. Give a start by --start, or vary one by --vary NAME=LO..HI"
+        )
+    return True
 
 
 def span(

@@ -145,7 +145,8 @@ def predictions(
     step: StepMap, rest: Rest, primary: int | None, rates: Iterable[Mode] = ()
 ) -> list[Prediction]:
     """The limits at all stable equilibria, resonances at the one about which the motion is (none of
-    first-order variables and of what is bound, which turn in no plane of their own), branches at
+    linear models, which nothing detunes or pushes, nor of first-order variables and of what is
+    bound, which turn in no plane of their own), branches at
     the unstable ones; of equilibria with the same modes, mirror images, at one, and of those that
     the motion is not about where steps are shortest: a chain has any number. Then the scale of the
     motion's `rates`.
@@ -163,7 +164,8 @@ def predictions(
         if (one.kind, f"{rate:.9g}") not in seen:
             seen.add((one.kind, f"{rate:.9g}"))
             found.append(one)
-        if number == primary and at.stable and not (step.states or step.bound or split):
+        planar = not (step.states or step.bound or split)
+        if number == primary and at.stable and planar and not step.linear:
             found += resonances(step, number, at)
     elsewhere = [p for p in found if p.equilibrium != primary]
     least = sorted(elsewhere, key=lambda p: math.inf if p.h is None else p.h)[:MOST]

@@ -9,7 +9,7 @@ import math
 from ...run import named
 from .ask import TRIES, Equilibrium, Mode
 from .map import StabilityMap
-from .misses import difference, misses, name_mode, unpredicted, unsought
+from .misses import difference, misses, name_mode, unmeasured, unpredicted, unsought
 from .predict import Prediction
 
 MODES = 6  # of an equilibrium, that are told
@@ -126,16 +126,27 @@ def ghosts(made: StabilityMap) -> Table:
     rows = []
     for g in made.ghosts:
         one = g.middle
-        of = made.motion
-        state = of.v if of.by_norm else of.q
-        half = len(of.q) if of.by_norm else 0
-        where = "; ".join(
-            ", ".join(f"{x:.6g}" for x in y[half : half + len(state)][:3]) for y in one.states
-        )
+        where = "; ".join(_state(made, y, one.states) for y in one.states)
         stays = {None: "repels", True: "a run stays there", False: "a run leaves in time"}[g.stays]
         steps = f"{g.orbits[0].h:.4g} .. {g.orbits[-1].h:.4g}"
         rows.append([g.method, g.kind, steps, f"{one.h:.5g}", where, f"{one.growth:.4g}", stays])
     return ["method", "what", "from h to", "at h", "where", "multiplier", ""], rows
+
+
+def _state(made: StabilityMap, y: tuple[float, ...], beside: tuple[tuple[float, ...], ...]) -> str:
+    """Coordinates and rates by name: a ghost may move where the equations rest. Angles are in
+    (-pi, pi]."""
+    places = [c.name for c in named.coordinates(made.compilation).columns(64)]
+    rates = [c.name for c in named.coordinates(made.compilation, rates=True).columns(64)]
+    turns, cyclic = made.rest.turns, made.compilation.structure.cyclic
+    largest = max(abs(x) for state in beside for x in state)
+    said = []
+    for i, name in enumerate(places):
+        x = math.remainder(y[i], 2 * math.pi) if turns and turns[i] else y[i]
+        x = abs(x) if turns and turns[i] and abs(x) > math.pi * (1 - 1e-9) else x
+        said += [] if cyclic[i] else [f"{name} = {_short(x, largest)}"]
+    moving = zip(rates, y[len(made.motion.q) :], strict=False)
+    return ", ".join([*said, *(f"{name} = {_short(x, largest)}" for name, x in moving)])
 
 
 def cycle(made: StabilityMap) -> str:
@@ -277,7 +288,8 @@ def sentences(made: StabilityMap) -> list[str]:
     why = unpredicted(made)
     if why:
         return [f"nothing is predicted here: {why}"]
-    return [m.text for m in misses(made)] or ["none: measured is what was predicted"]
+    found = [*(m.text for m in misses(made)), *unmeasured(made)]
+    return found or ["none: measured is what was predicted"]
 
 
 def tables(made: StabilityMap) -> list[tuple[str, str, Table]]:

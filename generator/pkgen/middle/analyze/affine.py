@@ -48,24 +48,36 @@ def of_rates(equations: Equations) -> int:
     return in_rates(equations.graph, [*equations.force, *(equations.acceleration or ())])
 
 
-def in_rates(g: Graph, nodes: list[Node], constant: frozenset[Node] = frozenset()) -> int:
+def linear(equations: Equations) -> bool:
+    """Of a system with constant M: whether v' = A q + B v + c(t) as it stands, A and B constant."""
+    moving = [*equations.force, *equations.state_rates]
+    return in_rates(equations.graph, moving, of=STATE) <= CONSTANT
+
+
+def in_rates(
+    g: Graph,
+    nodes: list[Node],
+    constant: frozenset[Node] = frozenset(),
+    of: int = BIT[Kind.RATE],
+) -> int:
     """How nodes depend on the rates, as they stand: not at all; as C v with constant C; with C of
-    q, t and inputs; otherwise. `constant`: inputs that are, such as the index of a loop."""
+    q, t and inputs; otherwise. `constant`: inputs that are, such as the index of a loop. `of` is
+    the kind of symbols that is asked about, in place of rates."""
     found: dict[Node, int] = {}
     varying: set[Node] = set()
     for node in reachable(g, nodes, VARIABLE):
-        of = [found[a] for a in g.args[node] if a in found]
+        parts = [found[a] for a in g.args[node] if a in found]
         if g.op[node] is Op.SYMBOL:
-            if g.depends[node] & BIT[Kind.RATE]:
+            if g.depends[node] & of:
                 found[node] = CONSTANT
             elif node not in constant:
                 varying.add(node)
-        elif not of:
+        elif not parts:
             varying |= {node} if varying & {*g.args[node]} else set()
         elif g.op[node] is Op.ADD:
-            found[node] = max(of)
-        elif g.op[node] is Op.MULTIPLY and len(of) == 1:
-            found[node] = max(of[0], VARYING) if varying & {*g.args[node]} else of[0]
+            found[node] = max(parts)
+        elif g.op[node] is Op.MULTIPLY and len(parts) == 1:
+            found[node] = max(parts[0], VARYING) if varying & {*g.args[node]} else parts[0]
         else:
             found[node] = MORE
     return max((found.get(node, NONE) for node in nodes), default=NONE)

@@ -1,0 +1,113 @@
+"""Drifts of constants that are 0, and what is lost where a constant is small beside its parts."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+import re
+from pathlib import Path
+
+import numpy
+import pytest
+from pkgen.__main__ import main
+
+ORBIT = """model orbit
+coord x, y, z
+let r = sqrt(x^2 + y^2 + z^2)
+kinetic (x'^2 + y'^2 + z'^2)/2
+potential -1/r
+conserve L_x = y*z' - z*y'
+conserve L_y = z*x' - x*z'
+conserve L_z = x*y' - y*x'
+conserve A_x = y'*(x*y' - y*x') - z'*(z*x' - x*z') - x/r
+conserve A_y = z'*(y*z' - z*y') - x'*(x*y' - y*x') - y/r
+conserve A_z = x'*(z*x' - x*z') - y'*(y*z' - z*y') - z/r
+conserve S = x*y' - y*x' + y*z' - z*y'   # in some planes a sum that cancels
+start x = {0!r}, y = {1!r}, z = {2!r}, x' = {3!r}, y' = {4!r}, z' = {5!r}
+"""
+EXTREME = """model extreme
+coord x, y
+kinetic (x'^2 + y'^2)/2
+potential -1/sqrt(x^2 + y^2)
+start x = 1.999999, y' = 7.0710695796e-4
+"""
+WINDING = "model w\ncoord a\nkinetic a'^2/2\npotential -cos(a)\nstart a = 0, a' = 3\n"
+
+
+def ran(capsys, tmp_path: Path, model: str, *words: object) -> tuple[dict, str]:
+    path = tmp_path / "model.lag"
+    path.write_text(model, encoding="utf-8")
+    assert main(["run", str(path), "--json", *map(str, words)]) == 0
+    said = capsys.readouterr()
+    return json.loads(said.out)["report"], said.err
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(3), *(pytest.param(s, marks=pytest.mark.long) for s in range(3, 40))]
+)
+def test_no_alarm_where_the_vector_is_kept(capsys, tmp_path: Path, seed: int) -> None:
+    """Orbits in planes along the axes, next to them, and across, begun anywhere on them."""
+    draw = random.Random(seed)
+    e, f = draw.uniform(0, 0.8), draw.choice((0.0, math.pi, draw.uniform(0, 6)))
+    p = 1 - e * e
+    r, w = p / (1 + e * math.cos(f)), 1 / math.sqrt(p)
+    q = numpy.array([r * math.cos(f), r * math.sin(f), 0.0])
+    v = numpy.array([-w * math.sin(f), w * (e + math.cos(f)), 0.0])
+    tilt = draw.choice((0.0, 1e-15, 1e-8, 0.7, math.pi / 2))
+    turn = numpy.array(
+        [[1, 0, 0], [0, math.cos(tilt), -math.sin(tilt)], [0, math.sin(tilt), math.cos(tilt)]]
+    )
+    order = draw.sample(range(3), 3)
+    start = [float(x) for x in (*(turn @ q)[order], *(turn @ v)[order])]
+    method = draw.choice((("dop853", "--rtol", 1e-10), ("gauss6", "--step", 0.02)))
+    words = "--until", 60, "--every", 60, "--method", *method
+    report, said = ran(capsys, tmp_path, ORBIT.format(*start), *words)
+    assert len(report["drifts"]) == 8
+    for drift in report["drifts"]:
+        assert drift["max"] < 1e-5, drift
+    assert "tenth" not in said and "own largest value" not in said
+
+
+def test_a_vector_that_is_lost_is_told(capsys, tmp_path: Path) -> None:
+    start = 0.4, 0.0, 0.0, 0.0, 2.0, 0.0
+    words = "--until", 60, "--every", 60, "--method", "rk4", "--step", 0.1
+    report, _ = ran(capsys, tmp_path, ORBIT.format(*start), *words)
+    drifts = {d["name"]: d for d in report["drifts"]}
+    assert drifts["A_y"]["max"] > 1e-3 and drifts["A_y"]["first"] == 0
+    assert drifts["A_y"]["scale"] == pytest.approx(drifts["A_x"]["scale"], rel=0.5)
+    assert drifts["L_x"]["growth"] == "zero all along"
+
+
+def test_digits_that_an_energy_loses_are_said(capsys, tmp_path: Path) -> None:
+    path = tmp_path / "model.lag"
+    path.write_text(EXTREME, encoding="utf-8")
+    said = []
+    for text in (EXTREME, EXTREME.replace("7.0710695796e-4", "0.5")):
+        path.write_text(text, encoding="utf-8")
+        assert main(["run", str(path), "--until", "65", "-o", str(tmp_path / "x.csv")]) == 0
+        said.append(capsys.readouterr().err)
+    assert re.search(r"of its own value -0\.5 that is \d.*e-0[3-5]: digits are lost", said[0])
+    assert "digits" not in said[1]
+
+
+def test_lines_of_what_winds_have_errors_of_their_own(capsys, tmp_path: Path) -> None:
+    words = "--until", 2000, "--every", 0.2, "--rtol", 1e-13, "--diagnose", "spectrum"
+    report, _ = ran(capsys, tmp_path, WINDING, *words)
+    lines = report["diagnostics"]["spectrum"]["coordinates"][0]["lines"]
+    k = 4 / 9  # of the elliptic integral: a' is 3 at the bottom
+    a, b = 1.0, math.sqrt(1 - k)
+    while abs(a - b) > 1e-15:
+        a, b = (a + b) / 2, math.sqrt(a * b)
+    for n, line in enumerate(lines[:3], 1):
+        assert line["frequency"] == pytest.approx(n * 3 * a, abs=1e-9)
+        assert line["error"] < 1e-9
+
+
+def test_modes_of_a_top_whose_cyclic_coordinates_are_left_out(capsys) -> None:
+    top = Path(__file__).parents[2] / "models" / "heavy_top.lag"
+    words = "run", str(top), "--scene", "nutation", "--diagnose", "modes", "--json"
+    assert main(list(words)) == 0
+    found = json.loads(capsys.readouterr().out)["report"]["diagnostics"]["modes"]
+    assert found["frequencies"] == pytest.approx([7.315569507])  # pkgen stability has it
+    assert found["equilibrium"] == pytest.approx([0.659341511])
