@@ -132,6 +132,8 @@ void pk_passage_forget(struct pk_integrator *it)
     struct pk_passage *is = pk_passage_of(it);
     memset(is, 0, sizeof *is);
     memset(w.most, 0, w.c * sizeof *w.most);
+    if (w.whole)
+        memset(w.sizes, 0, w.c * w.n * sizeof *w.sizes);
     is->sigma = 1;
     it->own->crossed = it->own->seen = it->own->near = 0;
     if (it->status >= 0)

@@ -5,6 +5,8 @@
 
 #include "project.h"
 
+#define LIGHT PK_C(1e-4) /* of a diagonal: what A loses by its smaller pivots, K does not */
+
 static inline pk_real *take(pk_real *base, size_t *used, size_t count)
 {
     pk_real *part = base ? base + *used : NULL;
@@ -40,6 +42,14 @@ static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *p
     w->pivots = take(base, &used, c);
     w->norms = take(base, &used, c);
     w->most = take(base, &used, c);
+    w->sizes = take(base, &used, dense * n);
+    w->scale = take(base, &used, n);
+    w->G = take(base, &used, dense * c);
+    w->K = take(base, &used, dense ? (n + c) * (n + c) : 0);
+    w->K_pivot = take(base, &used, n + c);
+    w->x = take(base, &used, n + c);
+    w->row_scale = take(base, &used, c);
+    w->weight = take(base, &used, 1);
     w->depends = take(base, &used, 1 + c);
     w->off = take(base, &used, 2 * r);
     w->off_size = take(base, &used, 2 * r);
@@ -132,24 +142,99 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
     pk_project_spread(w, q, v, J, rows, w->d, out);
 }
 
+/* Scales of the rows and columns of J by the largest entries that it had, so that the largest of each
+ * is about 1: D. Ruiz, A scaling algorithm to equilibrate both rows and columns norms in matrices,
+ * RAL-TR-2001-034. Units and masses do not enter. In mu: of the rows, so that they are of length 1.
+ */
+static void equilibrate(struct pk_projection *w, size_t rows)
+{
+    enum { SWEEPS = 8 };
+    const size_t m = w->m;
+    for (size_t k = 0; k < m; k++)
+        w->scale[k] = 1;
+    for (size_t i = 0; i < rows; i++)
+        w->mu[i] = 1;
+    for (int sweep = 0; sweep <= SWEEPS; sweep++) {
+        for (size_t i = 0; i < rows; i++) { /* in the end, lengths */
+            pk_real most = 0, sum = 0;
+            for (size_t k = 0; k < m; k++) {
+                const pk_real x = w->mu[i] * w->sizes[i * w->n + k] * w->scale[k];
+                most = pk_max(most, x);
+                sum += x * x;
+            }
+            if (most > 0)
+                w->mu[i] /= PK_F(sqrt)(sweep < SWEEPS ? most : sum);
+        }
+        for (size_t k = 0; k < m && sweep < SWEEPS; k++) {
+            pk_real most = 0;
+            for (size_t i = 0; i < rows; i++)
+                most = pk_max(most, w->mu[i] * w->sizes[i * w->n + k] * w->scale[k]);
+            if (most > 0)
+                w->scale[k] /= PK_F(sqrt)(most);
+        }
+    }
+}
+
+/* G of the first rows, factored: 0, or 1 + the row that depends on others. It takes mu. */
+static size_t gram(struct pk_projection *w, size_t rows)
+{
+    for (size_t i = 0; i < rows; i++)
+        for (size_t k = 0; k < w->m; k++)
+            w->sizes[i * w->n + k] = pk_max(w->sizes[i * w->n + k], pk_abs(w->J[i * w->n + k]));
+    equilibrate(w, rows);
+    for (size_t i = 0; i < rows; i++)
+        for (size_t j = 0; j <= i; j++) {
+            pk_real sum = 0;
+            for (size_t k = 0; k < w->m; k++)
+                sum += (w->mu[i] * w->J[i * w->n + k] * w->scale[k]) *
+                       (w->mu[j] * w->J[j * w->n + k] * w->scale[k]);
+            w->G[i * rows + j] = w->G[j * rows + i] = sum;
+        }
+    return pk_ldl_factor(w->G, rows);
+}
+
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
 {
     pk_real *x = w->depends + 1;
+    gram(w, c);
     w->depends[0] = (pk_real)(row + 1);
     for (size_t i = 0; i < row; i++) {
         x[i] = 0;
         for (size_t k = 0; k < w->m; k++)
-            x[i] += w->J[row * w->n + k] * w->W[i * w->m + k];
+            x[i] += (w->mu[row] * w->J[row * w->n + k] * w->scale[k]) *
+                    (w->mu[i] * w->J[i * w->n + k] * w->scale[k]);
         for (size_t k = 0; k < i; k++)
-            x[i] -= w->A[i * c + k] * x[k];
+            x[i] -= w->G[i * c + k] * x[k];
     }
     for (size_t i = row; i-- > 0;) {
-        x[i] /= w->A[i * c + i];
+        x[i] /= w->G[i * c + i];
         for (size_t k = i + 1; k < row; k++)
-            x[i] -= w->A[k * c + i] * x[k];
+            x[i] -= w->G[k * c + i] * x[k];
     }
-    for (size_t i = 0; i < row; i++)
-        x[i] *= PK_F(sqrt)(w->norms[i] / (w->norms[row] + PK_TINY));
+}
+
+/* [M J^T; J 0] in the scales of J, factored. Where masses are far apart, J M^-1 J^T is what the light
+ * ones do, and the others are lost in its rounding: pivots of J come first here. */
+static int augmented(struct pk_projection *w, size_t rows)
+{
+    const size_t m = w->m, count = m + rows;
+    pk_real most = 0;
+    for (size_t i = 0; i < m; i++)
+        most = pk_max(most, w->scale[i] * w->scale[i] * pk_ldl_diagonal(w->M, m, i));
+    w->weight[0] = 1 / most;
+    memset(w->K, 0, count * count * sizeof *w->K);
+    for (size_t i = 0; i < m; i++) /* above its diagonal M is left as it was */
+        for (size_t j = i; j < m; j++) {
+            const pk_real M = j > i ? w->M[i * m + j] : pk_ldl_diagonal(w->M, m, i);
+            w->K[i * count + j] = w->K[j * count + i] =
+                w->weight[0] * (w->scale[i] * M * w->scale[j]);
+        }
+    for (size_t i = 0; i < rows; i++)
+        for (size_t k = 0; k < m; k++)
+            w->K[(m + i) * count + k] = w->K[k * count + m + i] =
+                w->mu[i] * w->J[i * w->n + k] * w->scale[k];
+    memcpy(w->row_scale, w->mu, rows * sizeof *w->mu);
+    return pk_lu_factor(w->K, w->K_pivot, count);
 }
 
 /* 1 + the row without a pivot, and what it is of the others. */
@@ -186,12 +271,26 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
         }
     for (size_t i = 0; i < c; i++)
         w->norms[i] = w->A[i * c + i];
-    const size_t failed = pk_ldl_factor(w->A, c);
-    if (failed)
+    const size_t failed_A = pk_ldl_factor(w->A, c);
+    int low = 0, light = failed_A > 0;
+    for (size_t i = 0; i < c; i++) {
+        w->pivots[i] = failed_A && i + 1 >= failed_A ? 0 : w->A[i * c + i];
+        low |= w->pivots[i] < PK_FAR * PK_FAR * pk_max(w->most[i], w->norms[i]);
+        light |= w->pivots[i] < LIGHT * w->norms[i];
+    }
+    w->K_pivot[0] = -1;
+    if (!low && !light)
+        return 0;
+    const size_t failed = gram(w, c);
+    if (failed) {
         pk_project_explain(w, c, failed - 1);
+        return failed;
+    }
     for (size_t i = 0; i < c; i++)
-        w->pivots[i] = w->A[i * c + i];
-    return failed;
+        w->pivots[i] = pk_max(w->pivots[i], w->G[i * c + i] * pk_max(w->most[i], w->norms[i]));
+    if (light && !augmented(w, c))
+        w->K_pivot[0] = -1;
+    return w->K_pivot[0] < 0 ? failed_A : 0;
 }
 
 void pk_project_seen(struct pk_integrator *it, const struct pk_projection *w)
@@ -211,6 +310,18 @@ void pk_project_solve(struct pk_projection *w, size_t rows, const pk_real *r)
 {
     if (!w->whole) {
         w->system->constraints.solve(w->params, NULL, r, w->d, w->mu);
+        return;
+    }
+    if (!(w->K_pivot[0] < 0)) {
+        pk_real *x = w->x;
+        memset(x, 0, w->m * sizeof *x);
+        for (size_t i = 0; i < rows; i++)
+            x[w->m + i] = w->row_scale[i] * r[i];
+        pk_lu_solve(w->K, w->K_pivot, w->m + rows, x);
+        for (size_t k = 0; k < w->m; k++)
+            w->d[k] = w->scale[k] * x[k];
+        for (size_t i = 0; i < rows; i++)
+            w->mu[i] = -w->row_scale[i] * x[w->m + i] / w->weight[0];
         return;
     }
     memcpy(w->mu, r, rows * sizeof *w->mu);

@@ -23,6 +23,10 @@ struct pk_projection {
     pk_real *mu, *d; /* multipliers; 2 n numbers: a correction, and what is behind it */
     pk_real *pivots; /* of A; the diagonal that it had, and the most that was at a step's end */
     pk_real *norms, *most;
+    pk_real *sizes, *scale; /* of each entry of J the largest that it had; scales of its columns */
+    pk_real *G;             /* J J^T of scaled rows and columns, factored: it knows no masses */
+    pk_real *K, *K_pivot;   /* [M J^T; J 0] in these scales, factored; K_pivot[0] < 0: A serves */
+    pk_real *x, *row_scale, *weight; /* a right side of K; of its rows; of M */
     int inertia;      /* the failure of M that pk_project_factor met, where M is not whole */
     pk_real *depends; /* 1 + the row that depends on others, or 0; by how much of each */
     size_t r;         /* redundant rows */
@@ -76,8 +80,7 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
  * it->own->near is that of the step's start, where not far, or not known. */
 enum { PK_SEEN = 1, PK_SEEN_LOW = 2, PK_SEEN_DIPS = 4 };
 void pk_project_seen(struct pk_integrator *it, const struct pk_projection *w);
-/* w->depends: the row as a combination x of earlier rows, (J M^-1 J^T) x = J M^-1 row^T by the
- * factors of the leading block (row stride c); x_i is scaled by the rows' norms. */
+/* w->depends: the row as a combination of earlier ones, of rows and columns scaled by J alone. */
 void pk_project_explain(struct pk_projection *w, size_t c, size_t row);
 
 /* q and v onto the constraints; low_q and low_v, their compensations, may be NULL. *moved: whether

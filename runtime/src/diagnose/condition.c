@@ -144,7 +144,7 @@ static pk_real of_rows(struct parts *w, struct pk_projection *at, const pk_real 
 {
     const size_t m = at->m, c = at->c;
     pk_project_rows(at, q, v);
-    if (pk_project_factor(at, c, q, v))
+    if (pk_project_factor(at, c, q, v) || !(at->pivots[c - 1] > 0))
         return PK_INFINITY;
     const pk_real found = of_ldl(w, at->A, c);
     if (!at->system->constraints.multipliers) { /* they may lose as much */

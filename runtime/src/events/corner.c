@@ -78,10 +78,12 @@ static int solve(struct corner *x, const pk_real *v, pk_real *d, const pk_real *
     pk_ldl_solve(w->M, w->m, d);
     for (size_t j = 0; j < w->c; j++)
         mu[j] = -(rate ? rate[j] : 0) - pk_corner_dot(w->J + j * w->n, d, w->m);
-    pk_ldl_solve(w->A, w->c, mu);
-    for (size_t j = 0; j < w->c; j++)
-        for (size_t i = 0; i < w->m; i++)
-            d[i] += w->W[j * w->m + i] * mu[j];
+    if (!w->c)
+        return 0;
+    pk_project_solve(w, w->c, mu);
+    memcpy(mu, w->mu, w->c * sizeof *mu);
+    for (size_t i = 0; i < w->m; i++)
+        d[i] += w->d[i];
     return 0;
 }
 
