@@ -272,12 +272,13 @@ def check_model(
     _, (_, model, warnings), _, facts, (equations, *_) = islice(made, STAGES.index("reduce") + 1)
     if extreme(equations.graph):
         next(made)
-    return model, warnings + _partly_proved(model, facts)
+    return model, warnings + _late(model, facts, equations)
 
 
-def _partly_proved(model: Model, facts: Facts) -> tuple[Diagnostic, ...]:
+def _late(model: Model, facts: Facts, equations: Equations) -> tuple[Diagnostic, ...]:
+    """Warnings that the equations and their proofs show."""
     if isinstance(facts, Structure):
-        return ()
+        return equations.warnings
     from .middle.loops.proofs import partly_proved
 
     return partly_proved(model, facts)
@@ -334,7 +335,7 @@ def compile_model(
     made = stages(source, sizes or {}, **how)
     _, (declared, model, warnings), _, facts, reduced, (program, parts), files = made
     equations, structure, report = reduced
-    warnings += _partly_proved(model, facts)
+    warnings += _late(model, facts, equations)
     if portable:
         from .back.c import render
 

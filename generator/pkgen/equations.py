@@ -20,7 +20,7 @@ from .graph.graph import Graph, Node
 from .graph.solve import Pivots
 from .model import Definition, Event, Model
 from .record import record
-from .source import Span
+from .source import Diagnostic, Span
 
 Row = tuple[Node, ...]
 Matrix = tuple[Row, ...]
@@ -258,6 +258,7 @@ class Equations:
     terms: tuple[Row, Row] | None = None  # in C: sizes of the terms of phi and of J v + j0
     redundant_terms: Row = ()  # in C: the same of redundant rows, positions and then rates
     particles: Particles | None = None  # None: not asked for
+    warnings: tuple[Diagnostic, ...] = ()
     fast: Row | None = None  # the acceleration by the part of V that is named so; None: none is
 
     @property

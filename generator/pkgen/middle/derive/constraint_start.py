@@ -21,6 +21,7 @@ from ...graph.rounding import sizes
 from ...record import record
 from ...source import Diagnostic
 from ..points.samples import started
+from .nearest_start import nearest
 
 EPS = sys.float_info.epsilon
 WRITTEN = 1e-8  # of its terms: starts are written with as many digits as their author has
@@ -46,6 +47,7 @@ def at_the_start(
     starts: tuple[Row, Row, Row],
     lagrangian: Node,
     attitudes: tuple[Attitude, ...],
+    named: dict[Symbol, str],
 ) -> tuple[Rows | None, list[Diagnostic]]:
     """The rows, those that follow from others apart; or what is wrong: each constraint that the
     start breaks, or that has no force there. `starts` are of coordinates, their rates, and
@@ -59,8 +61,12 @@ def at_the_start(
         for k, row in enumerate(rows)
         if (found := _residual(g, c, k, row, start)) is not None
     ]
+    near = nearest(g, c, start.values, lagrangian, attitudes) if broken else None
+    if near:
+        help = f"the nearest start on all constraints: {_written(near, start, attitudes, named)}"
+        broken[-1] = replace(broken[-1], help=help)
     dependent = _dependent(rows)
-    if dependent is None:
+    if dependent is None or near:
         return c, broken
     k, others = dependent
     names = " and ".join(f"'{_name(c, i)}'" for i in others) or "nothing"
@@ -181,6 +187,25 @@ def _independent(rows: list[dict[Node, float]], holonomic: int) -> list[int]:
                     along = math.fsum(a * b for a, b in zip(left[j], unit, strict=True))
                     left[j] = [a - along * b for a, b in zip(left[j], unit, strict=True)]
     return sorted(found)
+
+
+def _written(
+    near: dict[Symbol, float],
+    start: Start,
+    attitudes: tuple[Attitude, ...],
+    named: dict[Symbol, str],
+) -> str:
+    """As in a start of the language: a body's rates at once."""
+    bodies = {Symbol(Kind.RATE, i): a for a in attitudes for i in a.rates}
+    found = {}
+    for s, x in near.items():
+        if s not in bodies:
+            found[named[s]] = repr(x)
+            continue
+        turning = [Symbol(Kind.RATE, i) for i in bodies[s].rates]
+        numbers = (repr(near.get(r, start.values[r])) for r in turning)
+        found[named[s].rpartition(".")[0]] = f"[{', '.join(numbers)}]"
+    return "start " + ", ".join(f"{name} = {x}" for name, x in found.items())
 
 
 def _name(c: Rows, k: int) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from ... import limits
 from ...equations import Equations, Named, ParameterSlot, Quantity, Row
 from ...graph.differentiate import gradient
-from ...graph.graph import BIT, ZERO, Kind, Node
+from ...graph.graph import BIT, ZERO, Kind, Node, Symbol
 from ...graph.solve import SingularMass, solve
 from ...graph.substitute import substituted
 from ...model import Model, Parameter
@@ -54,8 +54,17 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     forces = tuple(substituted(x.graph, _generalized_forces(x), rates))
     parameters = tuple(slot for item in model.parameters for slot in _slots(x, item))
     start_q, start_v, state_start = starts = _starts(x)
+    rows, vanished = rows_of(x)
+    names, declared = x.coordinates, model.coordinates
+    coordinates = quantities(declared, names, "{}", "unit")
+    rates_names = quantities(declared, names, "{}'", "rate_unit", "rate")
+    named = {
+        Symbol(kind, i): q.name
+        for kind, found in ((Kind.COORDINATE, coordinates), (Kind.RATE, rates_names))
+        for i, q in enumerate(found)
+    }
     rows, wrong = at_the_start(
-        x.graph, rows_of(x), parameters, starts, energies.lagrangian, x.attitudes
+        x.graph, rows, parameters, starts, energies.lagrangian, x.attitudes, named
     )
     if wrong:
         raise ModelError(model.source, wrong)
@@ -91,12 +100,10 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         )
     primes = x.primes[:]  # of outputs they say what is seen, not how it moves
     outputs = _outputs(x, found, rates)
-    names = x.coordinates
-    declared = model.coordinates
     named = Named(
         parameters=parameters,
-        coordinates=quantities(declared, names, "{}", "unit"),
-        rates=quantities(declared, names, "{}'", "rate_unit", "rate"),
+        coordinates=coordinates,
+        rates=rates_names,
         momenta_names=quantities(declared, names, "p_{}", "momentum_unit", "momentum"),
         inputs=input_quantities(model, orders),
         states=quantities(model.states, x.states, "{}", "unit"),
@@ -117,6 +124,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         particles=bodies,
         attitudes=x.attitudes,
         fast=_fast(x, energies.fast, found),
+        warnings=vanished,
         **found.fields(),
     )
     return located(equations)

@@ -25,8 +25,7 @@ def nearest(
     lagrangian: Node,
     attitudes: tuple[Attitude, ...],
 ) -> dict[Symbol, float] | None:
-    """Its coordinates and rates that differ; {} if the rates can fulfil the rows nowhere near, None
-    if no place is found."""
+    """Its coordinates and rates that differ; None if none is found."""
     momenta = gradient(g, lagrangian, BIT[Kind.RATE])
     rates = list(momenta)
     turning = {i for a in attitudes for i in a.rates}
@@ -65,7 +64,7 @@ def nearest(
     except (numpy.linalg.LinAlgError, ValueError, OverflowError):
         return None
     if not _fulfilled(g, rows.residual, found):
-        return {}
+        return None
     largest = {
         kind: max((abs(x) for s, x in found.items() if s.kind is kind), default=0.0)
         for kind in (Kind.COORDINATE, Kind.RATE)
