@@ -114,7 +114,8 @@ def test_where_constraints_come_to_depend_on_each_other_the_run_ends(pkgen, tmp_
         if method in ("gauss", "rk4"):
             assert re.search(
                 "the constraints cannot be fulfilled here: "
-                "(plane depends on sphere|at t = 1(\\.0000[0-9]*)? plane ends or depends on others, and behind it the branch of the motion cannot)",
+                "(plane depends on sphere|at t = 1(\\.0000[0-9]*)? "
+                "plane ends or depends on others, and behind it the branch of the motion cannot)",
                 done.stderr,
             )
 

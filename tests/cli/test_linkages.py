@@ -1,5 +1,5 @@
-"""Linkages of rods, a place and an angle each, against the same ones in angles alone, with masses and
-lengths far apart; rows that truly depend on each other, and places where they do for an instant."""
+"""Linkages of rods, each a place and an angle, against the same linkages in angles alone.
+Masses and lengths are far apart."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ DIGITS = re.compile(r"loses (\d+) of 16 digits")
 
 
 class Linkage:
-    """A tree of hanging rods, and `loops` of light links that close it to points in space: rows that
-    both forms have."""
+    """A tree of hanging rods. `loops` massless links tie ends of rods to points: both forms have
+    their rows."""
 
     def __init__(self, seed: int, most: int, span: float, loops: int):
         draw = random.Random(seed)
@@ -35,8 +35,8 @@ class Linkage:
         return x + reach * math.sin(at[k]), y - reach * math.cos(at[k])
 
     def parameters(self) -> str:
-        pairs = zip(self.mass, self.length, strict=True)
-        return "".join(f"param m{k} = {m!r}\nparam l{k} = {l!r}\n" for k, (m, l) in enumerate(pairs))
+        masses = (f"param m{k} = {x!r}\n" for k, x in enumerate(self.mass))
+        return "".join((*masses, *(f"param l{k} = {x!r}\n" for k, x in enumerate(self.length))))
 
     def end(self, k: int, x: str, y: str) -> tuple[str, str]:
         return f"({x} + l{k}/2*sin(a{k}))", f"({y} - l{k}/2*cos(a{k}))"
@@ -96,3 +96,56 @@ def test_linkages_in_places_move_as_in_angles(pkgen, tmp_path, seed):
     method = draw.choice(ADAPTIVE + FIXED)
     most, span = (4, 2) if seed < 10 else (12, 4)
     _compare(pkgen, tmp_path, seed, method, most, span, draw.randint(0, 3))
+
+
+ROD = """\
+model light_rod
+param mr = 0.1 in (0, inf)
+param M = 5
+param l = 2
+param g = 9.81
+coord xr, yr, ar, xb, yb
+kinetic mr/2*(xr'^2+yr'^2) + mr*l^2/24*ar'^2 + M/2*(xb'^2+yb'^2)
+potential mr*g*yr + M*g*yb
+constraint top_x: xr - l/2*sin(ar) = 0
+constraint top_y: yr + l/2*cos(ar) = 0
+constraint bob_x: xb - xr - l/2*sin(ar) = 0
+constraint bob_y: yb - yr + l/2*cos(ar) = 0
+start ar = pi/2, xr = 1, xb = 2
+"""
+TWO = """\
+model two_rods
+param m1 = 0.1 in (0, inf)
+param m2 = 5 in (0, inf)
+param g = 9.81
+coord x1, y1, x2, y2
+kinetic m1/2*(x1'^2 + y1'^2) + m2/2*(x2'^2 + y2'^2)
+potential m1*g*y1 + m2*g*y2
+constraint a: x1^2 + y1^2 = 1
+constraint b: (x2 - x1)^2 + (y2 - y1)^2 = 1
+start x1 = 1, y1 = 0, x2 = 1, y2 = -1
+"""
+LIGHT = [  # in angles, by dop853 at 1e-13
+    (ROD, "mr=0.4", "gauss", 3, "xb", 1.9300871486497477),
+    (ROD, "mr=0.1", "gauss", 3, "xb", 1.9171395568094765),
+    (ROD, "mr=1e-3", "dop853", 3, "xb", 1.9123629636496637),
+    (TWO, "m1=0.01", "gauss", 2, "x2", -0.2534713358844),
+]
+
+
+@pytest.mark.parametrize(("text", "mass", "method", "until", "column", "right"), LIGHT)
+def test_light_bodies_between_heavy_ones(pkgen, tmp_path, text, mass, method, until, column, right):
+    options = ["--set", mass, "--method", method, "--rtol", "1e-10"]
+    model = written(tmp_path, text)
+    last = rows(pkgen, model, "--until", until, "--every", until, *options)[-1]
+    assert last[column] == pytest.approx(right, abs=1e-8)
+
+
+def test_a_row_that_follows_is_told_from_a_light_body(pkgen, tmp_path):
+    """The same place in a light body's coordinates, twice; and not quite."""
+    again = ROD + "param k = 1\nconstraint again: xb - l*sin(ar) = (k - 1)*yb\n"
+    model = written(tmp_path, again)
+    for k, redundant in ((1, True), (1.001, False)):
+        options = ["--set", "mr=1e-7", "--set", f"k={k}", "--until", "0.1"]
+        done = pkgen("run", model, *options)
+        assert (done.returncode == 0) == redundant, (k, done.stderr)

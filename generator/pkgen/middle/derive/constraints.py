@@ -15,8 +15,8 @@ MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
 
 def rows_of(x: Expander) -> tuple[Rows | None, tuple[Diagnostic, ...]]:
-    """The holonomic ones first, each kind in the order in which they are declared; and a warning for
-    each row that is 0 at every motion, which is left out."""
+    """The holonomic ones first, each kind in the order in which they are declared. A row that is 0
+    at every motion is left out, with a warning."""
     found: dict[bool, list[tuple]] = {True: [], False: []}
     normal, vanished = Normal(x.graph), []
     for item in x.model.constraints:
