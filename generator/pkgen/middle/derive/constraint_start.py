@@ -66,6 +66,9 @@ def at_the_start(
         help = f"the nearest start on all constraints: {_written(near, start, attitudes, named)}"
         broken[-1] = replace(broken[-1], help=help)
     dependent = _dependent(rows)
+    if dependent is not None:  # or light bodies hide others in the metric of M
+        scaled = _equilibrated(rows)
+        dependent = _dependent(scaled)
     if dependent is None or near:
         return c, broken
     k, others = dependent
@@ -77,7 +80,7 @@ def at_the_start(
     if not others:
         message = f"the {_kind(c, k)} '{_name(c, k)}' has no force at the start: its row is 0 there"
         return c, [Diagnostic(message, c.spans[k], "start elsewhere, or write it another way")]
-    own = _independent(rows, c.holonomic)
+    own = max((_independent(x, c.holonomic) for x in (rows, scaled)), key=len)
     redundant = c.picked([k for k in range(len(rows)) if k not in own])
     return replace(c.picked(own), redundant=redundant), []
 
@@ -130,15 +133,28 @@ def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
     by = gradient(g, residual, BIT[Kind.RATE])
     entries = evaluate(g, by.values(), start.values)
     row = {rate: x / start.unit.get(rate, 1.0) for rate, x in zip(by, entries, strict=True)}
-    if any(abs(x) > SMALL * max(1.0, start.far) for x in row.values()):
-        return row  # second derivatives are seldom asked for
-    for node, x in zip(by.values(), entries, strict=True):
+    most = max(1.0, start.far, *map(abs, row.values()))
+    for (rate, node), x in zip(by.items(), entries, strict=True):
+        if abs(row[rate]) > SMALL * most:
+            continue  # second derivatives are seldom asked for
         bends = gradient(g, node, BIT[Kind.COORDINATE])
         slopes = evaluate(g, bends.values(), start.values)
         ends = [abs(y * start.values[g.data[q]]) for q, y in zip(bends, slopes, strict=True)]
-        if abs(x) > DEBRIS * math.fsum(ends):
-            return row
-    return dict.fromkeys(row, 0.0)
+        if abs(x) <= DEBRIS * math.fsum(ends):
+            row[rate] = 0.0
+    return row
+
+
+def _equilibrated(rows: list[dict[Node, float]]) -> list[dict[Node, float]]:
+    """In units of the columns by J alone, so that the largest entry of each is near 1."""
+    scale = dict.fromkeys(set().union(*rows), 1.0)
+    for _ in range(8):
+        sizes = [max((abs(x) * scale[k] for k, x in row.items()), default=0.0) for row in rows]
+        for k in scale:
+            parts = (abs(row.get(k, 0.0)) / (s or 1.0) for row, s in zip(rows, sizes, strict=True))
+            most = max(parts) * scale[k]
+            scale[k] /= math.sqrt(most) if 0 < most < math.inf else 1.0
+    return [{k: x * scale[k] for k, x in row.items()} for row in rows]
 
 
 def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
