@@ -226,13 +226,13 @@ static int augmented(struct pk_projection *w, size_t rows)
     for (size_t i = 0; i < m; i++) /* above its diagonal M is left as it was */
         for (size_t j = i; j < m; j++) {
             const pk_real M = j > i ? w->M[i * m + j] : pk_ldl_diagonal(w->M, m, i);
-            w->K[i * count + j] = w->K[j * count + i] =
-                w->weight[0] * (w->scale[i] * M * w->scale[j]);
+            w->K[i * count + j] = w->K[j * count + i] = w->weight[0] *
+                                                        (w->scale[i] * M * w->scale[j]);
         }
     for (size_t i = 0; i < rows; i++)
         for (size_t k = 0; k < m; k++)
-            w->K[(m + i) * count + k] = w->K[k * count + m + i] =
-                w->mu[i] * w->J[i * w->n + k] * w->scale[k];
+            w->K[(m + i) * count + k] = w->K[k * count + m + i] = w->mu[i] * w->J[i * w->n + k] *
+                                                                  w->scale[k];
     memcpy(w->row_scale, w->mu, rows * sizeof *w->mu);
     return pk_lu_factor(w->K, w->K_pivot, count);
 }
@@ -275,7 +275,7 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
     int low = 0, light = failed_A > 0;
     for (size_t i = 0; i < c; i++) {
         w->pivots[i] = failed_A && i + 1 >= failed_A ? 0 : w->A[i * c + i];
-        low |= w->pivots[i] < PK_FAR * PK_FAR * pk_max(w->most[i], w->norms[i]);
+        low |= w->pivots[i] < 4 * PK_NEAR * PK_NEAR * pk_max(w->most[i], w->norms[i]);
         light |= w->pivots[i] < LIGHT * w->norms[i];
     }
     w->K_pivot[0] = -1;
