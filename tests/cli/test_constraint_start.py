@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from conftest import written
 
@@ -122,3 +124,41 @@ def test_rows_that_inertia_alone_makes_one_are_told_so(pkgen, tmp_path, k, code)
     done = pkgen("run", written(tmp_path, NEARLY.replace("1e-8", "1e-5")), "--set", f"k={k}")
     assert done.returncode == code, done.stderr
     assert code == 0 or "beside a the multiplier of b loses" in done.stderr
+
+
+BOWL = """\
+model bowl
+param W = 2
+coord x, y, z
+rotation Q
+let n = [x, y, z]/0.19
+let w = Q*omega(Q)
+kinetic dot([x', y', z'], [x', y', z'])/2 + 2e-5*dot(w, w)
+potential 9.81*z
+constraint bowl: x^2 + y^2 + z^2 = 0.19^2
+rolling noslip: [x', y', z'] + cross(w, n)/100 = cross([0, 0, W], [x, y, z] + n/100)
+"""
+DISK = """\
+model disk
+coord x, a
+kinetic (x'^2 + a'^2)/2
+rolling c: [x', 0, 0] + cross([0, a', 0], [0, 0, -1]) = [0, cos(a)^2 + sin(a)^2 - 1, 0]
+start x' = 1, a' = 1
+"""
+
+
+def test_the_nearest_start_on_the_constraints_can_be_pasted(pkgen, tmp_path):
+    """And rows that follow from others there do not contradict these."""
+    start = "start x = 0.1, z = -0.16, y' = 0.3\n"
+    done = pkgen("check", written(tmp_path, BOWL + start))
+    assert done.returncode == 1 and "contradicts" not in done.stderr, done.stderr
+    near = re.search("the nearest start that holds: (start .*)", done.stderr)
+    moved = BOWL + start + near[1] + "\n"
+    done = pkgen("run", written(tmp_path, moved), "--until", "0.1")
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_row_that_vanishes_is_left_out_and_said(pkgen, tmp_path):
+    done = pkgen("run", written(tmp_path, DISK), "--until", "1", "--every", "1")
+    assert done.returncode == 0, done.stderr
+    assert "'c.z' is 0 = 0 at every motion: it is left out" in done.stderr

@@ -17,7 +17,6 @@ from dataclasses import replace
 from ...equations import Attitude, ParameterSlot, Row, Rows
 from ...graph.differentiate import gradient
 from ...graph.evaluate import evaluate
-from ...graph.exact import Exact
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.rounding import sizes
 from ...record import record
@@ -53,9 +52,9 @@ def at_the_start(
     attitudes: tuple[Attitude, ...],
     name: Callable[[Symbol], str],
 ) -> tuple[Rows | None, list[Diagnostic]]:
-    """The rows, those that follow from others apart, and findings: errors for each constraint that
-    the start breaks, or that has no force there; warnings for those that say nothing. `starts` are
-    of coordinates, their rates, and states."""
+    """The rows, those that follow from others apart; or what is wrong: each constraint that the
+    start breaks, or that has no force there. `starts` are of coordinates, their rates, and
+    states."""
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
         return c, []
     start = _start(g, started(g, parameters, starts), lagrangian, attitudes)
@@ -72,27 +71,17 @@ def at_the_start(
         elif contradiction := _contradiction(c, rows):
             broken.append(contradiction)
         return c, broken
-    without = [k for k, row in enumerate(rows) if not any(row.values())]
-    for k in without:
-        if not Exact(g).is_zero(c.residual[k]):
+    for k, row in enumerate(rows):
+        if not any(row.values()):
             message = f"'{_name(c, k)}' has no force at the start: its row is 0 there"
             help = "start elsewhere, or write it another way"
             return c, [Diagnostic(f"the {_kind(c, k)} {message}", c.spans[k], help)]
-    left_out = [_left_out(c, k) for k in without]
-    if without:
-        kept = [k for k in range(len(rows)) if k not in without]
-        c, rows = c.picked(kept), [rows[k] for k in kept]
     rows = _equilibrated(rows)
     if _dependent(rows) is None:
-        return c, left_out
+        return c, []
     own = _independent(rows, c.holonomic)
     redundant = c.picked([k for k in range(len(rows)) if k not in own])
-    return replace(c.picked(own), redundant=redundant), left_out
-
-
-def _left_out(c: Rows, k: int) -> Diagnostic:
-    message = f"the {_kind(c, k)} '{_name(c, k)}' holds whatever the motion: it is left out"
-    return Diagnostic(message, c.spans[k], severity="warning")
+    return replace(c.picked(own), redundant=redundant), []
 
 
 def _contradiction(c: Rows, rows: list[dict[Node, float]]) -> Diagnostic | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...equations import Constraints, Quantity, Rows
 from ...graph.graph import BIT, Kind
 from ...graph.normal import Normal
-from ...source import ModelError
+from ...source import Diagnostic, ModelError
 from ...tree import Expr, names
 from ..expand.expand import Expander
 from ..quantities import error, indexed
@@ -14,16 +14,23 @@ from .constrain import CannotConstrain
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
 
-def rows_of(x: Expander) -> Rows | None:
-    """The holonomic ones first, each kind in the order in which they are declared."""
+def rows_of(x: Expander) -> tuple[Rows | None, tuple[Diagnostic, ...]]:
+    """The holonomic ones first, each kind in the order in which they are declared. A row that is 0
+    at every motion is left out, with a warning."""
     found: dict[bool, list[tuple]] = {True: [], False: []}
-    normal = Normal(x.graph)
+    normal, vanished = Normal(x.graph), []
     for item in x.model.constraints:
         with x.statement(item.span):
             for index, loop in x.unrolled(item.index, item.range):
                 node = x.scalar(item.value, loop)
                 name = indexed(item.name, index)
-                if not x.graph.depends[node] & MOVES:
+                moves = x.graph.depends[node] & MOVES
+                if normal(node) == {} and (moves or "." in name):
+                    kind = "constraint" if item.holonomic else "rolling"
+                    message = f"the {kind} '{name}' is 0 = 0 at every motion: it is left out"
+                    vanished.append(Diagnostic(message, item.span, severity="warning"))
+                    continue
+                if not moves:
                     held = names(item.value) and not _of_the_free(x, item.value)
                     if held and normal(node) == {}:
                         continue  # what a scene holds fulfils it
@@ -38,10 +45,10 @@ def rows_of(x: Expander) -> Rows | None:
                 found[item.holonomic].append((quantity, node, rate, item.span))
     rows = [*found[True], *found[False]]
     if not rows:
-        return None
+        return None, tuple(vanished)
     quantities, nodes, rates, spans = zip(*rows, strict=True)
     holonomic = len(found[True])
-    return Rows(quantities, holonomic, nodes[:holonomic], rates, spans)
+    return Rows(quantities, holonomic, nodes[:holonomic], rates, spans), tuple(vanished)
 
 
 def _of_the_free(x: Expander, value: Expr) -> bool:

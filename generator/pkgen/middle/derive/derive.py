@@ -64,17 +64,18 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         inputs=input_quantities(model, orders),
         states=quantities(model.states, x.states, "{}", "unit"),
     )
-    rows, findings = at_the_start(
+    declared_rows, left_out = rows_of(x)
+    rows, wrong = at_the_start(
         x.graph,
-        rows_of(x),
+        declared_rows,
         parameters,
         starts,
         energies.lagrangian,
         x.attitudes,
         naming(named),
     )
-    if any(finding.severity == "error" for finding in findings):
-        raise ModelError(model.source, findings)
+    if wrong:
+        raise ModelError(model.source, wrong)
     bodies = None
     if wanted.named(PARTICLES):
         from ..particles.masses import Given
@@ -114,7 +115,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
         graph=x.graph,
         **vars(named),
         **outputs,
-        left_out=tuple(findings),
+        left_out=left_out,
         event_names=Quantity.each(model.events),
         singularities=ends,
         events=_events(x, found, rates),

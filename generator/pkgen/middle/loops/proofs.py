@@ -37,7 +37,7 @@ def with_proofs(
     what Noether's theorem gives.
 
     Claims are proved for the number of members that the model has; or, where these are too many to
-    be written out, for any number (middle/loops/uniform.py). Energy is constant where the facts say so.
+    be written out, for any number (middle/loops/uniform.py). Of energy the facts decide.
     """
     model = equations.model
     facts = equations.facts

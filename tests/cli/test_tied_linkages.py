@@ -1,0 +1,124 @@
+"""Linkages of rods in maximal coordinates with tied ends, against angles with the same ties."""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+
+import pytest
+from conftest import long_but, rows, written
+
+ADAPTIVE = ["gauss", "dop853", "dopri5", "radau"]
+FIXED = ["rk4", "gauss4", "radau9", "lobatto4", "rattle6", "rkmk8"]
+DIGITS = re.compile(r"loses (\d+) of 16 digits")
+
+
+class Linkage:
+    """A tree of hanging rods. `loops` massless links tie ends of rods to points: both forms have
+    their rows."""
+
+    def __init__(self, seed: int, most: int, span: float, loops: int):
+        draw = random.Random(seed)
+        self.n = draw.randint(2, most)
+        self.parent = [draw.randrange(-1, k) if k else -1 for k in range(self.n)]
+        self.mass = [10 ** draw.uniform(-span, span) for _ in range(self.n)]
+        self.length = [10 ** draw.uniform(-span / 4, span / 4) for _ in range(self.n)]
+        self.angle = [draw.uniform(-1.2, 1.2) for _ in range(self.n)]
+        free = range(1, self.n)  # the first one swings
+        self.closed = sorted(draw.sample(free, min(loops, self.n - 1)))
+
+    def tip(self, k: int, at: list[float], part: float = 1.0) -> tuple[float, float]:
+        x, y = self.tip(self.parent[k], at) if self.parent[k] >= 0 else (0.0, 0.0)
+        reach = part * self.length[k]
+        return x + reach * math.sin(at[k]), y - reach * math.cos(at[k])
+
+    def parameters(self) -> str:
+        masses = (f"param m{k} = {x!r}\n" for k, x in enumerate(self.mass))
+        return "".join((*masses, *(f"param l{k} = {x!r}\n" for k, x in enumerate(self.length))))
+
+    def end(self, k: int, x: str, y: str) -> tuple[str, str]:
+        return f"({x} + l{k}/2*sin(a{k}))", f"({y} - l{k}/2*cos(a{k}))"
+
+    def text(self, maximal: bool) -> str:
+        text, held = "model linkage\nparam g = 9.81\n" + self.parameters(), ""
+        ends = {-1: ("0", "0")}
+        for k, parent in enumerate(self.parent):
+            middle = self.end(k, *ends[parent])
+            text += f"coord a{k}" + f", x{k}, y{k}" * maximal + "\n"
+            text += f"start a{k} = {self.angle[k]!r}\n"
+            if maximal:
+                x, y = self.tip(k, self.angle, 0.5)
+                text += f"start x{k} = {x!r}, y{k} = {y!r}\n"
+                held += f"constraint jx{k}: x{k} = {middle[0]}\n"
+                held += f"constraint jy{k}: y{k} = {middle[1]}\n"
+            else:
+                text += f"let x{k} = {middle[0]}\nlet y{k} = {middle[1]}\n"
+            ends[k] = self.end(k, f"x{k}", f"y{k}")
+            text += f"kinetic m{k}/2*(x{k}'^2 + y{k}'^2) + m{k}*l{k}^2/24*a{k}'^2\n"
+            text += f"potential m{k}*g*y{k}\n"
+        for k in self.closed:
+            x, y = self.tip(k, self.angle)
+            far, up = self.length[k], self.length[k] / 3
+            end, there = ends[k]
+            held += f"constraint c{k}: ({end} - {x + far!r})^2 + ({there} - {y + up!r})^2 = "
+            held += f"{far**2 + up**2!r}\n"
+        return text + held
+
+
+def _compare(pkgen, tmp_path, seed: int, method: str, most: int, span: float, loops: int) -> None:
+    """To 100 of the tolerance, or to what the run says that rounding leaves."""
+    linkage = Linkage(seed, most, span, loops)
+    until = 0.3 * math.sqrt(min(linkage.length) / 9.81)
+    fixed = ["--step", until / 256] if method in FIXED else ["--rtol", "1e-9"]
+    at = ["--until", until, "--every", until]
+    (tmp_path / "maximal").mkdir()
+    full = written(tmp_path / "maximal", linkage.text(True))
+    free = written(tmp_path, linkage.text(False))
+    done = pkgen("run", full, *at, "--method", method, *fixed)
+    assert done.returncode == 0, (seed, done.stderr)
+    lost = max(map(int, DIGITS.findall(done.stderr)), default=0)
+    names, *_, last = done.stdout.strip().splitlines()
+    found = dict(zip(names.split(","), map(float, last.split(",")), strict=True))
+    right = rows(pkgen, free, *at, "--rtol", "1e-12")[-1]
+    for k in range(linkage.n):
+        error = abs(found[f"a{k}"] - right[f"a{k}"])
+        assert error <= 100 * max(1e-9, 10.0 ** (lost - 16)), (seed, method, k, error, lost)
+
+
+SEEDS = long_but([1, 2, 5], range(40))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_linkages_in_places_move_as_in_angles(pkgen, tmp_path, seed):
+    draw = random.Random(seed)
+    method = draw.choice(ADAPTIVE + FIXED)
+    most, span = (4, 2) if seed < 10 else (12, 4)
+    _compare(pkgen, tmp_path, seed, method, most, span, draw.randint(0, 3))
+
+
+ROD = """\
+model light_rod
+param mr = 0.1 in (0, inf)
+param M = 5
+param l = 2
+param g = 9.81
+coord xr, yr, ar, xb, yb
+kinetic mr/2*(xr'^2+yr'^2) + mr*l^2/24*ar'^2 + M/2*(xb'^2+yb'^2)
+potential mr*g*yr + M*g*yb
+constraint top_x: xr - l/2*sin(ar) = 0
+constraint top_y: yr + l/2*cos(ar) = 0
+constraint bob_x: xb - xr - l/2*sin(ar) = 0
+constraint bob_y: yb - yr + l/2*cos(ar) = 0
+start ar = pi/2, xr = 1, xb = 2
+"""
+
+
+def test_a_row_that_follows_is_told_from_a_light_body(pkgen, tmp_path):
+    """The same place in a light body's coordinates, twice; and not quite."""
+    again = ROD + "param k = 1\nconstraint again: xb - l*sin(ar) = (k - 1)*yb\n"
+    model = written(tmp_path, again)
+    for k, redundant in ((1, True), (1.001, False)):
+        options = ["--set", "mr=1e-7", "--set", f"k={k}", "--until", "0.1"]
+        done = pkgen("run", model, *options)
+        assert (done.returncode == 0) == redundant, (k, done.stderr)
