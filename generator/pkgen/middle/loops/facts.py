@@ -15,6 +15,7 @@ from .expand import LoopExpander
 from .loops import LoopEquations
 from .parts import CELLS, Bound, Row, Slot, Total, Vector
 from .rows import Gather
+from .singularities import moves
 
 
 def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
@@ -38,13 +39,16 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     autonomous = steady and not _kinds(x, rows) & {"t", "input"}
     others = [*rows, *nodes_of(e.carried)]
     whole = x.totals.nodes(*energies, *forces, *others)
-    is_smooth = smooth(x.graph, reachable(x.graph, whole))
+    below = reachable(x.graph, whole)
+    is_smooth = smooth(x.graph, [n for n in below if x.graph.op[n] is Op.CALL and moves(x, n)])
     free = constant and not e.bound
     of_v = _in_rates(x, forces) if free and not (e.states or e.carried) else 0
     coasting = [piece.coasting for item in e.carried for piece in item.pieces]
     coasting += [node for bound in e.bound for node in _nodes(bound.coasting)]
     straight = not _kinds(x, [n for rows in e.bound for n in _slopes(rows)]) & {*CELLS, "w", "t"}
-    jumping = any(jumps(x.graph, node) for node in reachable(x.graph, x.totals.nodes(*energies)))
+    jumping = any(
+        jumps(x.graph, n) and moves(x, n) for n in reachable(x.graph, x.totals.nodes(*energies))
+    )
     return Facts(
         mass_constant=constant,
         mass_diagonal=e.mass.is_diagonal and not e.carried,

@@ -1,25 +1,38 @@
-"""Constants of the motion of a model whose families are loops: it is unrolled for the proofs."""
+"""Constants of the motion of a model whose families are loops: it is unrolled for the proofs.
+
+Up to PROVED_AT coordinates it is unrolled as it is, for claims up to TRIED_AT. A longer family is
+proved by two short ones where its bodies are the same for all members and reach at most K members
+away. The slope of dA/dt by a member then depends on the members near it and on the ends within 4 K.
+Each such place exists with n = 8 K + 1 members. So where dA/dt vanishes with n members, it is
+constant with any number of them; that constant is affine in the number, and n + 1 members show it
+to be 0.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...equations import Claim, Facts
+from ...equations import Claim, Invariant, Structure, Symmetries
 from ...front.check import check
 from ...front.statements import File
+from ...graph.differentiate import gradient
+from ...graph.graph import BIT, ONE, VARIABLE, Graph, Kind
 from ...model import Model
-from ...source import Diagnostic, ModelError
+from ...source import ModelError
 from ..analyze import analyze
-from ..analyze.proofs import OPEN
+from ..analyze.proofs import OPEN, PROVED, REFUTED
 from ..derive import derive
 from ..quantities import families
+from .facts import total_nodes, vector_nodes
 from .loops import LoopEquations
+from .slots import Slots
 
 Use = Callable[[Model], tuple[Model, object]]  # what a scene makes of a model, and more
 
-PROVED_AT = 40  # coordinates up to which a family is unrolled for the proof of a claim
-FEW = 5  # members with which claims about a larger one are tried
+PROVED_AT = 40  # coordinates up to which a family is unrolled for what Noether's theorem gives
+TRIED_AT = 200  # and up to which it is unrolled for the proof of a claim
+LARGE = f"shifts of time only: more than {PROVED_AT} coordinates"
 
 
 def with_proofs(
@@ -29,56 +42,101 @@ def with_proofs(
     symmetric: bool,
 ) -> LoopEquations:
     """The equations with the outcome of each claim among their facts; with `symmetric`, also with
-    what Noether's theorem gives.
-
-    All is proved for the sizes that stand in the model, or for few members where those are too
-    many, and says which: there is no proof for all sizes at once.
-    """
-    model = equations.model
+    what Noether's theorem gives. Each holds for the sizes that stand in the model."""
+    model, facts = equations.model, equations.facts
     if not (model.conserved or symmetric):
         return equations
-    small = _small(file, model, use)
-    if small is None:
-        says = f"the model is too large to unroll, and {FEW} members are too few for it"
-        claims = tuple(Claim(item.name, OPEN, says) for item in model.conserved)
-        return replace(equations, facts=replace(equations.facts, claims=claims))
-    unrolled = derive.derive(small, frozenset({"mass", "force", "momenta", "conserve"}))
-    structure = analyze.analyze(unrolled, symmetric, with_claims=True)
-    at = f"with {sizes_text(small)}"
-    claims = tuple(replace(x, says=f"{x.says}, {at}") for x in structure.claims)
-    found = structure.symmetries
-    if found is not None and found.searched:
-        proved = (replace(x, when="" if x.name == "energy" else at) for x in found.invariants)
-        found = replace(found, searched=f"{found.searched}, {at}", invariants=tuple(proved))
-    facts = replace(equations.facts, claims=claims, symmetries=found)
+    count = sum(f.count for f in families(model, model.coordinates).values())
+    if count <= PROVED_AT:
+        structure = _analyzed(model, symmetric)
+        found, at = structure.symmetries, f"with {sizes_text(model)}"
+        if found is not None and found.searched:
+            proved = (replace(x, when="" if x.name == "energy" else at) for x in found.invariants)
+            found = replace(found, searched=f"{found.searched}, {at}", invariants=tuple(proved))
+        claims = tuple(replace(x, says=f"{x.says}, {at}") for x in structure.claims)
+        return replace(equations, facts=replace(facts, claims=claims, symmetries=found))
+    if symmetric:
+        energy = Invariant("energy", "time shift", "d/dt", ((ONE, ("energy",)),), ONE)
+        found = Symmetries(Graph(), (), LARGE, (energy,) if facts.conservative else ())
+        facts = replace(facts, symmetries=found)
+    if model.conserved:
+        facts = replace(facts, claims=_of_large(equations, count, file, use))
     return replace(equations, facts=facts)
 
 
-def _small(file: File, model: Model, use: Use | None) -> Model | None:
-    count = sum(f.count for f in families(model, model.coordinates).values())
-    if count <= PROVED_AT:
-        return model
-    try:
-        small, _ = check.check(file, {size.name: min(size.value, FEW) for size in model.sizes})
-    except ModelError:
-        return None
-    return use(small)[0] if use else small
+def _analyzed(model: Model, symmetric: bool = False) -> Structure:
+    unrolled = derive.derive(model, frozenset({"mass", "force", "momenta", "conserve"}))
+    return analyze.analyze(unrolled, symmetric, with_claims=True)
+
+
+def _of_large(e: LoopEquations, count: int, file: File, use: Use | None) -> tuple[Claim, ...]:
+    """As the model is, or with few members where these stand for many."""
+    if count <= TRIED_AT:
+        at = f"with {sizes_text(e.model)}"
+        return tuple(replace(x, says=f"{x.says}, {at}") for x in _analyzed(e.model).claims)
+    why, reach = _alike(e)
+    few = 8 * reach + 1
+    sizes = {size.name: min(size.value, few) for size in e.model.sizes}
+    longer = [sizes | {x.name: few + 1} for x in e.model.sizes if x.value > few]
+    found: list[tuple[Claim, ...]] = []
+    for each in [] if why else [sizes, *longer]:
+        try:
+            small, _ = check.check(file, each)
+        except ModelError:
+            return _open(e.model, "few members are too few for it")
+        small = use(small)[0] if use else small
+        if sum(f.count for f in families(small, small.coordinates).values()) > 2 * PROVED_AT:
+            return _open(e.model, f"its terms reach {reach} members: few do not stand for many")
+        at = f"with {sizes_text(small)}"
+        claims = _analyzed(small).claims
+        found.append(tuple(replace(x, says=f"{x.says}, {at}") for x in claims))
+    if not found:
+        return _open(e.model, f"{why}: few members do not stand for {count}")
+    return tuple(map(_worst, zip(*found, strict=True)))
+
+
+def _worst(claims: tuple[Claim, ...]) -> Claim:
+    order = (REFUTED, OPEN, PROVED)
+    worst = min(claims, key=lambda x: order.index(x.outcome))
+    more = " and more" if worst.outcome == PROVED else ""
+    return replace(worst, says=worst.says + more)
+
+
+def _open(model: Model, says: str) -> tuple[Claim, ...]:
+    return tuple(Claim(item.name, OPEN, says) for item in model.conserved)
+
+
+def _alike(e: LoopEquations) -> tuple[str, int]:
+    """Why the bodies differ from member to member, or ""; and how many members they reach."""
+    g, slots = e.graph, Slots(e.graph, e.slots)
+    totals = [x for x in (e.lagrangian, *e.force.totals.values()) if x is not None]
+    rows = [*e.force.rows.values()]
+    motion = [*total_nodes(totals), *vector_nodes(e.force)]
+    if e.carried or e.bound or e.along or e.wraps or not e.mass.is_diagonal:
+        return "members are coupled by more than the terms near them", 0
+    if (
+        e.force.pairs
+        or any(x.pairs for x in (*totals, *e.sums))
+        or any(slot.kind == "sum" for node in motion for slot in slots.below(node))
+    ):
+        return "there are sums over all members in its equations", 0
+    for node in e.conserved:
+        slopes = gradient(g, node, BIT[Kind.INPUT])
+        if any(g.depends[x] & (VARIABLE | BIT[Kind.INPUT]) for x in slopes.values()):
+            return "it is no sum of terms", 0
+    inside = [*total_nodes(e.sums), *motion, *e.conserved]
+    inside += [node for values in e.given.values() for node in values]
+    found = [slot for node in inside for slot in slots.below(node)]
+    if any(slot.kind in ("index", "size") for slot in found):
+        return "its terms have an index or a size in them", 0
+    places = [slot.at for slot in found if slot.at is not None]
+    places += [
+        x for row in (*rows, *totals, *e.sums) for part in row.parts for x in (part.lo, part.hi)
+    ]
+    if any(len(at.terms) > 1 or any(abs(k) != 1 for _, k in at.terms) for at in places):
+        return "its members stand at sums of indices", 0
+    return "", max((abs(at.constant) for at in places), default=0)
 
 
 def sizes_text(model: Model) -> str:
     return ", ".join(f"{size.name} = {size.value}" for size in model.sizes)
-
-
-def partly_proved(model: Model, facts: Facts) -> tuple[Diagnostic, ...]:
-    """A warning for each claim that is proved for other sizes than the model's."""
-    at = sizes_text(model)
-    return tuple(
-        Diagnostic(
-            f"that '{claim.name}' is constant is proved {claim.says}, but not with {at}",
-            item.span,
-            "that many coordinates are not unrolled for a proof",
-            "warning",
-        )
-        for item, claim in zip(model.conserved, facts.claims, strict=True)
-        if not claim.says.endswith(f"with {at}")
-    )
