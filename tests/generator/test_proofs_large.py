@@ -11,7 +11,7 @@ from pkgen.compiler import check_model, stages
 from pkgen.graph.graph import ONE, Graph, Kind, Symbol
 from pkgen.graph.residues import Residues
 from pkgen.middle.analyze.combination import combination
-from pkgen.source import Source
+from pkgen.source import ModelError, Source
 
 
 def linked(count: int) -> str:
@@ -128,4 +128,23 @@ def test_few_members_prove_nothing_of_many(more, size):
 def test_a_sum_over_all_of_few_members():
     text = CHAIN.replace("sum(m[i]*q[i]', i = 1..N)", "sum(m[i]*q[i]', i = 1..5)")
     found = [outcomes(text, N=n) for n in (5, 50, 1000)]
-    assert found == [["proved"], ["refuted"], ["not proved"]]  # few would have to be 41 members
+    assert found == [["proved"], ["refuted"], ["refuted"]]
+
+
+def test_expressions_deeper_than_the_stack_have_a_place():
+    product = "*".join("R" * 400)
+    text = f"model m\nrotation R\nkinetic dot(omega(R), omega(R))\npotential ({product}*[1,0,0]).x"
+    with pytest.raises(ModelError) as found:
+        check_model(Source("m.lag", text))
+    (finding,) = found.value.diagnostics
+    assert "too deep" in finding.message and finding.span.start > 40
+
+
+def test_a_step_of_the_index_alone_is_no_kink():
+    stiffer = CHAIN.replace("conserve P", "potential sum(step(i - 40.5)*q[i]^2, i = 1..N)\n#")
+    assert facts(stiffer).smooth and facts(stiffer).conservative
+    assert not facts(stiffer.replace("i - 40.5", "q[i]")).smooth
+
+
+def facts(text):
+    return next(islice(stages(Source("m.lag", text), {"N": 50}), 3, None))
