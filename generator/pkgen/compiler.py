@@ -34,13 +34,13 @@ from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
 from .middle.loops.loops import LoopEquations
 from .middle.loops.parts import Unrolled
-from .middle.quantities import families
+from .middle.quantities import families, too_deep
 from .middle.reduce import reduce
 from .middle.reduce.reduction import ENOUGH, Needs
 from .middle.report import Report, ReportLine
 from .model import Model
 from .record import record
-from .source import Diagnostic, Source
+from .source import Diagnostic, ModelError, Source, Span
 from .system.progress import trace
 
 if TYPE_CHECKING:
@@ -53,10 +53,15 @@ def _told(stages: Callable[..., Iterator[object]]) -> Callable[..., Iterator[obj
     """The same, and what is done is said."""
 
     @wraps(stages)
-    def told(*what: object, **how: object) -> Iterator[object]:
-        for name, made in zip(STAGES, stages(*what, **how), strict=False):
+    def told(source: Source, *what: object, **how: object) -> Iterator[object]:
+        made = stages(source, *what, **how)
+        for name in STAGES:
+            try:
+                result = next(made)
+            except RecursionError:  # where no statement is known
+                raise ModelError(source, [Diagnostic(*too_deep(Span(0, 0)))]) from None
             trace(name)
-            yield made
+            yield result
 
     return told
 

@@ -47,6 +47,12 @@ def error(model: Model, message: str, span: Span, help: str = "") -> ModelError:
     return ModelError(model.source, [Diagnostic(message, span, help)])
 
 
+def too_deep(span: Span) -> tuple[str, Span, str]:
+    """The arguments of error() where expressions are deeper than Python's stack."""
+    message = "this is too deep: expressions within expressions, once its vectors are written out"
+    return message, span, "give parts of it a name by 'let', or use fewer factors"
+
+
 def has_bodies(model: Model) -> bool:
     return any(item.name.endswith(".velocity") for item in model.definitions)
 

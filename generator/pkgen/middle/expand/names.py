@@ -30,6 +30,7 @@ from ..quantities import (
     rate_of_state,
     sizes,
     smaller,
+    too_deep,
 )
 
 Vector3 = tuple[Node, ...]
@@ -142,6 +143,8 @@ class Names(ABC):
                 span,
                 smaller(self.model),
             ) from None
+        except RecursionError:
+            raise error(self.model, *too_deep(span)) from None
         except NotAnInteger as wrong:
             raise error(self.model, wrong.message, wrong.span) from None
         except Acceleration:

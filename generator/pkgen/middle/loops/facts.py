@@ -39,14 +39,16 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
     autonomous = steady and not _kinds(x, rows) & {"t", "input"}
     others = [*rows, *nodes_of(e.carried)]
     whole = x.totals.nodes(*energies, *forces, *others)
-    is_smooth = smooth(x.graph, _moving(x, reachable(x.graph, whole)))
+    below = reachable(x.graph, whole)
+    is_smooth = smooth(x.graph, [n for n in below if x.graph.op[n] is Op.CALL and moves(x, n)])
     free = constant and not e.bound
     of_v = _in_rates(x, forces) if free and not (e.states or e.carried) else 0
     coasting = [piece.coasting for item in e.carried for piece in item.pieces]
     coasting += [node for bound in e.bound for node in _nodes(bound.coasting)]
     straight = not _kinds(x, [n for rows in e.bound for n in _slopes(rows)]) & {*CELLS, "w", "t"}
-    of_energies = _moving(x, reachable(x.graph, x.totals.nodes(*energies)))
-    jumping = any(jumps(x.graph, node) for node in of_energies)
+    jumping = any(
+        jumps(x.graph, n) and moves(x, n) for n in reachable(x.graph, x.totals.nodes(*energies))
+    )
     return Facts(
         mass_constant=constant,
         mass_diagonal=e.mass.is_diagonal and not e.carried,
@@ -63,11 +65,6 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
         linear_drag=of_v == CONSTANT,
         affine_rates=of_v in (CONSTANT, VARYING),
     )
-
-
-def _moving(x: LoopExpander, nodes: Iterable[Node]) -> list[Node]:
-    """Without calls whose arguments are the same in all states: step(i - 40.5), say."""
-    return [n for n in nodes if x.graph.op[n] is not Op.CALL or moves(x, n)]
 
 
 def _slopes(rows: Bound) -> Iterable[Node]:

@@ -1,30 +1,39 @@
-"""Constants of the motion of a model whose families are loops: it is unrolled for the proofs."""
+"""Constants of the motion of a model whose families are loops: it is unrolled for the proofs.
+
+Up to PROVED_AT coordinates it is unrolled as it is, for claims up to TRIED_AT. A longer family is
+proved by two short ones where its bodies are the same for all members and reach at most K members
+away. The slope of dA/dt by a member then depends on the members near it and on the ends within 4 K.
+Each such place exists with n = 8 K + 1 members. So where dA/dt vanishes with n members, it is
+constant with any number of them; that constant is affine in the number, and n + 1 members show it
+to be 0.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...equations import Claim, Structure, Symmetries
+from ...equations import Claim, Invariant, Structure, Symmetries
 from ...front.check import check
 from ...front.statements import File
-from ...model import Model
-from ...source import ModelError, Span
+from ...graph.differentiate import gradient
+from ...graph.graph import BIT, ONE, VARIABLE, Graph, Kind
+from ...model import Definition, Model
+from ...source import ModelError
 from ...tree import Name
 from ..analyze import analyze
-from ..analyze.proofs import OPEN, PROVED
+from ..analyze.proofs import OPEN, PROVED, REFUTED
 from ..derive import derive
 from ..quantities import families
+from .facts import total_nodes, vector_nodes
 from .loops import LoopEquations
-from .uniform import FEWEST, members_are_alike
+from .slots import Slots
 
 Use = Callable[[Model], tuple[Model, object]]  # what a scene makes of a model, and more
 
-UNROLLED = 400  # coordinates up to which claims are proved with all members written out
-SEARCHED = 40  # and up to which symmetries are looked for
-TRIED = 23  # members with which a proof for any number is tried once more
-ENERGY = Name("energy", None, Span(0, 0))
-OF = frozenset({"mass", "force", "momenta", "conserve"})
+PROVED_AT = 40  # coordinates up to which a family is unrolled for what Noether's theorem gives
+TRIED_AT = 200  # and up to which it is unrolled for the proof of a claim
+LARGE = f"shifts of time only: more than {PROVED_AT} coordinates"
 
 
 def with_proofs(
@@ -34,87 +43,110 @@ def with_proofs(
     symmetric: bool,
 ) -> LoopEquations:
     """The equations with the outcome of each claim among their facts; with `symmetric`, also with
-    what Noether's theorem gives.
-
-    Claims are proved for the number of members that the model has; or, where these are too many to
-    be written out, for any number (middle/loops/uniform.py). Of energy the facts decide.
-    """
-    model = equations.model
-    facts = equations.facts
-    if model.conserved:
-        facts = replace(facts, claims=_claims(equations, file, use))
+    what Noether's theorem gives. Each holds for the sizes that stand in the model."""
+    model, facts = equations.model, equations.facts
+    if not (model.conserved or symmetric):
+        return equations
+    count = sum(f.count for f in families(model, model.coordinates).values())
+    if count <= PROVED_AT:
+        structure = _analyzed(model, symmetric)
+        found, at = structure.symmetries, f"with {sizes_text(model)}"
+        if found is not None and found.searched:
+            proved = (replace(x, when="" if x.name == "energy" else at) for x in found.invariants)
+            found = replace(found, searched=f"{found.searched}, {at}", invariants=tuple(proved))
+        claims = tuple(replace(x, says=f"{x.says}, {at}") for x in structure.claims)
+        return replace(equations, facts=replace(facts, claims=claims, symmetries=found))
     if symmetric:
-        facts = replace(facts, symmetries=_symmetries(equations, file, use))
+        energy = Invariant("energy", "time shift", "d/dt", ((ONE, ("energy",)),), ONE)
+        found = Symmetries(Graph(), (), LARGE, (energy,) if facts.conservative else ())
+        facts = replace(facts, symmetries=found)
+    if model.conserved:
+        claims = _of_large(equations, count, file, use)
+        if facts.conservative:
+            claims = tuple(map(_of_energy, model.conserved, claims))
+        facts = replace(facts, claims=claims)
     return replace(equations, facts=facts)
 
 
-def _claims(equations: LoopEquations, file: File, use: Use | None) -> tuple[Claim, ...]:
-    model = equations.model
-    count = _count(model)
-    if count <= UNROLLED:
-        return _structure(model).claims
-    tried: list[tuple[Claim, ...]] = []
-    if not equations.carried and members_are_alike(model):
-        small = [_with_members(file, model, use, few) for few in (FEWEST, FEWEST + 1, TRIED)]
-        tried = [_structure(x).claims for x in small if x is not None]
-    found = []
-    for k, item in enumerate(model.conserved):
-        if equations.facts.conservative and item.value == replace(ENERGY, span=item.value.span):
-            says = "no time and no force beyond L enters the equations"
-            found.append(Claim(item.name, PROVED, says))
-        elif len(tried) == 3:
-            found.append(_for_any(*(claims[k] for claims in tried)))
-        else:
-            says = (
-                f"{count} coordinates are too many to be written out, and fewer say nothing where "
-                "members differ by their index, or read what is not next to them"
-            )
-            found.append(Claim(item.name, OPEN, says))
-    return tuple(found)
+def _of_energy(item: Definition, claim: Claim) -> Claim:
+    """The energy itself needs no members written out."""
+    if not (isinstance(item.value, Name) and item.value.id == "energy"):
+        return claim
+    return Claim(item.name, PROVED, "neither time nor a force beyond L enters the equations")
 
 
-def _for_any(*claims: Claim) -> Claim:
-    """One that is proved for any number of members, or the first that is not."""
-    wrong = next((claim for claim in claims if claim.outcome != PROVED), None)
-    if wrong is not None:
-        return wrong
-    return replace(claims[0], says=f"{claims[0].says}, for {FEWEST} and more members")
+def _analyzed(model: Model, symmetric: bool = False) -> Structure:
+    unrolled = derive.derive(model, frozenset({"mass", "force", "momenta", "conserve"}))
+    return analyze.analyze(unrolled, symmetric, with_claims=True)
 
 
-def _symmetries(equations: LoopEquations, file: File, use: Use | None) -> Symmetries | None:
-    model, conservative = equations.model, equations.facts.conservative
-    at = ""
-    if _count(model) > SEARCHED:
-        if equations.carried or not members_are_alike(model):
-            return None
-        model = _with_members(file, model, use, FEWEST)
-        if model is None:
-            return None
-        at = f"with {sizes_text(model)}"
-    found = _structure(model, symmetric=True).symmetries
-    if found is None or not found.searched:
-        return found
-    kept = [x for x in found.invariants if x.name != "energy" or conservative]
-    told = [replace(x, when="" if x.name == "energy" else at) for x in kept]
-    searched = f"{found.searched}, {at}" if at else found.searched
-    return replace(found, searched=searched, invariants=tuple(told))
+def _of_large(e: LoopEquations, count: int, file: File, use: Use | None) -> tuple[Claim, ...]:
+    """As the model is, or with few members where these stand for many."""
+    if count <= TRIED_AT:
+        at = f"with {sizes_text(e.model)}"
+        return tuple(replace(x, says=f"{x.says}, {at}") for x in _analyzed(e.model).claims)
+    why, reach = _alike(e)
+    few = 8 * reach + 1
+    sizes = {size.name: min(size.value, few) for size in e.model.sizes}
+    longer = [sizes | {x.name: few + 1} for x in e.model.sizes if x.value > few]
+    found: list[tuple[Claim, ...]] = []
+    for each in [] if why else [sizes, *longer]:
+        try:
+            small, _ = check.check(file, each)
+        except ModelError:
+            return _open(e.model, "few members are too few for it")
+        small = use(small)[0] if use else small
+        if sum(f.count for f in families(small, small.coordinates).values()) > 2 * PROVED_AT:
+            return _open(e.model, f"its terms reach {reach} members: few do not stand for many")
+        at = f"with {sizes_text(small)}"
+        claims = _analyzed(small).claims
+        found.append(tuple(replace(x, says=f"{x.says}, {at}") for x in claims))
+    if not found:
+        return _open(e.model, f"{why}: few members do not stand for {count}")
+    return tuple(map(_worst, zip(*found, strict=True)))
 
 
-def _structure(model: Model, symmetric: bool = False) -> Structure:
-    return analyze.analyze(derive.derive(model, OF), symmetric, with_claims=not symmetric)
+def _worst(claims: tuple[Claim, ...]) -> Claim:
+    order = (REFUTED, OPEN, PROVED)
+    worst = min(claims, key=lambda x: order.index(x.outcome))
+    more = " and more" if worst.outcome == PROVED else ""
+    return replace(worst, says=worst.says + more)
 
 
-def _count(model: Model) -> int:
-    return sum(f.count for f in families(model, model.coordinates).values())
+def _open(model: Model, says: str) -> tuple[Claim, ...]:
+    return tuple(Claim(item.name, OPEN, says) for item in model.conserved)
 
 
-def _with_members(file: File, model: Model, use: Use | None, few: int) -> Model | None:
-    """The model with so few members; None where its text does not allow that."""
-    try:
-        small, _ = check.check(file, {size.name: few for size in model.sizes})
-    except ModelError:
-        return None
-    return use(small)[0] if use else small
+def _alike(e: LoopEquations) -> tuple[str, int]:
+    """Why the bodies differ from member to member, or ""; and how many members they reach."""
+    g, slots = e.graph, Slots(e.graph, e.slots)
+    totals = [x for x in (e.lagrangian, *e.force.totals.values()) if x is not None]
+    rows = [*e.force.rows.values()]
+    motion = [*total_nodes(totals), *vector_nodes(e.force)]
+    if e.carried or e.bound or e.along or e.wraps or not e.mass.is_diagonal:
+        return "members are coupled by more than the terms near them", 0
+    if (
+        e.force.pairs
+        or any(x.pairs for x in (*totals, *e.sums))
+        or any(slot.kind == "sum" for node in motion for slot in slots.below(node))
+    ):
+        return "there are sums over all members in its equations", 0
+    for node in e.conserved:
+        slopes = gradient(g, node, BIT[Kind.INPUT])
+        if any(g.depends[x] & (VARIABLE | BIT[Kind.INPUT]) for x in slopes.values()):
+            return "it is no sum of terms", 0
+    inside = [*total_nodes(e.sums), *motion, *e.conserved]
+    inside += [node for values in e.given.values() for node in values]
+    found = [slot for node in inside for slot in slots.below(node)]
+    if any(slot.kind in ("index", "size") for slot in found):
+        return "its terms have an index or a size in them", 0
+    places = [slot.at for slot in found if slot.at is not None]
+    places += [
+        x for row in (*rows, *totals, *e.sums) for part in row.parts for x in (part.lo, part.hi)
+    ]
+    if any(len(at.terms) > 1 or any(abs(k) != 1 for _, k in at.terms) for at in places):
+        return "its members stand at sums of indices", 0
+    return "", max((abs(at.constant) for at in places), default=0)
 
 
 def sizes_text(model: Model) -> str:
