@@ -41,7 +41,7 @@ def test_a_plan_json_of_other_kinds_is_refused(wrong: str, tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path)
     Path("m.lag").write_text(MODEL)
     Path("plan.toml").write_text(PLAN)
-    assert main("sweep m.lag --plan plan.toml -o d".split()) == 0
+    assert main(["sweep", "m.lag", "--plan", "plan.toml", "-o", "d"]) == 0
     text = Path("d/plan.json").read_text().rstrip().removesuffix("}")
     Path("d/plan.json").write_text(f"{text}, {wrong}}}")  # the last of a name holds
     for words in ("sweep --resume d", "sweep --status d", "sweep m.lag --plan plan.toml -o d"):
