@@ -257,8 +257,9 @@ def test_a_mimic_is_a_constraint(pkgen, tmp_path):
         assert abs(k - 2 * j - 0.5) < 1e-9 and abs(m + 3 * k) < 1e-9
     for of, why in (("l", "go round in a circle"), ("x", "there is no joint 'x'")):
         wrong = joints.replace(MIMIC.format("j", "2", "0.5"), MIMIC.format(of, "2", "0.5"))
-        with pytest.raises(ModelError, match=why):
+        with pytest.raises(ModelError) as error:
             text_of(tmp_path, f"<robot name='r'>{links}{wrong}</robot>")
+        assert why in error.value.text()
 
 
 @pytest.mark.parametrize("seed", range(8))

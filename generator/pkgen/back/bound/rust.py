@@ -67,7 +67,7 @@ def fields(parameters: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def _doc(text: str) -> str:
     """Text in a comment of rustdoc, which takes Markdown and HTML for what they are."""
-    return re.sub(r"[\[\]\\`*_<>&]", r"\\\g<0>", " ".join(text.split()))
+    return re.sub(r"[\[\]\\`<>&]", r"\\\g<0>", " ".join(text.split()))
 
 
 def _row(q: Mapping[str, Any]) -> str:
