@@ -45,7 +45,7 @@ class Looped:
         for name, content in files.items():
             (directory / name).write_text(content, encoding="utf-8")
         library = directory / f"{self.name}-loops.so"
-        flags = ("-O2", "-ffp-contract=off", "-shared", "-fPIC", *flags)
+        flags = ("-Wshadow", "-O2", "-ffp-contract=off", "-shared", "-fPIC", *flags)
         run("gcc", *STRICT, *flags, f"{self.name}.c", "-o", library, "-lm", cwd=directory)
         self.library = ctypes.CDLL(str(library))
         self.types = {}

@@ -1,4 +1,4 @@
-"""Constants that are stated of long families are constants: dA/dt at random states of the members."""
+"""Constants that are stated of long families are constants: dA/dt at random states."""
 
 from __future__ import annotations
 

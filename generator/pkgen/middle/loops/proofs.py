@@ -123,7 +123,7 @@ def _alike(e: LoopEquations) -> tuple[str, int]:
     totals = [x for x in (e.lagrangian, *e.force.totals.values()) if x is not None]
     rows = [*e.force.rows.values()]
     motion = [*total_nodes(totals), *vector_nodes(e.force)]
-    if e.carried or e.bound or e.along or e.wraps or not e.mass.is_diagonal:
+    if e.carried or e.bound or e.along or e.wraps or e.scalars or not e.mass.is_diagonal:
         return "members are coupled by more than the terms near them", 0
     if (
         e.force.pairs
