@@ -178,9 +178,6 @@ static void equilibrate(struct pk_projection *w, size_t rows)
 /* G of the first rows, factored: 0, or 1 + the row that depends on others. It takes mu. */
 static size_t gram(struct pk_projection *w, size_t rows)
 {
-    for (size_t i = 0; i < rows; i++)
-        for (size_t k = 0; k < w->m; k++)
-            w->sizes[i * w->n + k] = pk_max(w->sizes[i * w->n + k], pk_abs(w->J[i * w->n + k]));
     equilibrate(w, rows);
     for (size_t i = 0; i < rows; i++)
         for (size_t j = 0; j <= i; j++) {
@@ -259,6 +256,8 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
         return lost(w, (size_t)PK_FAILURE_AT(failed));
     }
     for (size_t i = 0; i < c; i++) {
+        for (size_t k = 0; k < m; k++)
+            w->sizes[i * w->n + k] = pk_max(w->sizes[i * w->n + k], pk_abs(w->J[i * w->n + k]));
         memcpy(w->W + i * m, w->J + i * w->n, m * sizeof *w->W);
         pk_ldl_solve(w->M, m, w->W + i * m);
     }
