@@ -1,4 +1,4 @@
-"""Constants that are stated of long families are constants: dA/dt at random states."""
+"""Constants that are stated of long families: dA/dt at random states of the members."""
 
 from __future__ import annotations
 
