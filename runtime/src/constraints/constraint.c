@@ -114,6 +114,8 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     if (!it->own->project)
         return PK_DONE;
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
+    memset(w.most, 0, w.c * sizeof *w.most);
+    memset(w.sizes, 0, (w.whole ? w.c * w.n : 0) * sizeof *w.sizes);
     w.t = it->t;
     w.u = pk_eval_input(it, it->t);
     for (size_t r = 0; r < pk_system_rotations(w.system, w.params); r++)

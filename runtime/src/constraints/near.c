@@ -127,11 +127,8 @@ void pk_passage_forget(struct pk_integrator *it)
 {
     if (!it->own->passage)
         return;
-    struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
     struct pk_passage *is = pk_passage_of(it);
     memset(is, 0, sizeof *is);
-    memset(w.most, 0, w.c * sizeof *w.most);
-    memset(w.sizes, 0, (w.whole ? w.c * w.n : 0) * sizeof *w.sizes);
     is->sigma = 1;
     it->own->crossed = it->own->seen = it->own->near = 0;
     if (it->status >= 0)

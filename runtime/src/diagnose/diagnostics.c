@@ -225,7 +225,8 @@ static void widen(struct pk_monitor *monitor, pk_real t, const pk_real *q, const
             for (size_t i = 0; i < m + n; i++) {
                 const pk_real x = i < m ? q[i] : v[i - m];
                 random = (random * 1103515245UL + 12345UL) & 0x7fffffffUL;
-                y[i < m ? i : n + i - m] = x + ((random >> 16) & 1 ? side : -side) * STEP * x;
+                y[i < m ? i : n + i - m] = x +
+                                           (pk_real)((random >> 16) & 1 ? side : -side) * STEP * x;
             }
             constants(&monitor->problem, t, y, y + n, u, pdot, side > 0 ? a : b);
         }
@@ -233,8 +234,7 @@ static void widen(struct pk_monitor *monitor, pk_real t, const pk_real *q, const
             sum[i] += (a[i] - b[i]) * (a[i] - b[i]);
     }
     for (size_t i = 0; i < count; i++)
-        raise_scale(&monitor->momenta[i],
-                    SHARE * PK_F(sqrt)(sum[i] / DIRECTIONS) / (2 * STEP));
+        raise_scale(&monitor->momenta[i], SHARE * PK_F(sqrt)(sum[i] / DIRECTIONS) / (2 * STEP));
     for (size_t i = 0; i < system->n_conserved; i++)
         for (size_t k = 0; k < system->n_conserved; k++)
             if (same_vector(system->conserved[i].name, system->conserved[k].name))
