@@ -17,6 +17,7 @@
 
 #define CALM PK_C(0.0625) /* a change in two steps running that is no cause for any doubt */
 #define FAR PK_C(1.5)     /* tangents are trusted to tell of a zero up to so many steps away */
+#define ROUNDING (64 * PK_EPS)
 
 enum {
     KNOWN = 1,
@@ -39,12 +40,29 @@ static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const 
         slope[k] = (slope[k] - value[k]) / d;
 }
 
+/* What rounding of the start leaves of a zero is 0: cos(pi/2), or the lock of an attitude. */
+static void clear_rounding(struct pk_integrator *it)
+{
+    const size_t count = it->n_q + it->n;
+    pk_real *now = pk_singularity_part(it, PK_SINGULARITY_NOW),
+            *then = pk_singularity_part(it, PK_SINGULARITY_NEXT), *near = it->own->next;
+    for (int which = 0; which < 2; which++) {
+        for (size_t i = 0; i < count; i++)
+            near[i] = it->own->state[i] * (1 + (i >> which & 1 ? ROUNDING : -ROUNDING));
+        pk_singularity_evaluate(it, it->t, near, near + it->n_q, then);
+        for (size_t k = 0; k < it->own->n_singularities; k++)
+            if (pk_abs(now[k]) <= pk_abs(then[k] - now[k]))
+                now[k] = 0;
+    }
+}
+
 void pk_singularity_start(struct pk_integrator *it)
 {
     it->own->slopes = 0;
     if (!it->own->singularities)
         return;
     pk_singularity_evaluate(it, it->t, it->q, it->v, pk_singularity_part(it, PK_SINGULARITY_NOW));
+    clear_rounding(it);
     memset(pk_singularity_part(it, PK_SINGULARITY_MOST), 0,
            it->own->n_singularities * sizeof(pk_real));
 }

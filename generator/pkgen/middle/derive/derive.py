@@ -109,7 +109,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
     primes = x.primes[:]  # of outputs they say what is seen, not how it moves
     outputs = _outputs(x, found, rates)
     check_rates(model, x.graph, primes, naming(named))
-    ends = singularities(x.graph, found, named) if wanted("singularity") else ()
+    ends = singularities(x.graph, found, named, x.attitudes) if wanted("singularity") else ()
     equations = Equations(
         model=model,
         graph=x.graph,

@@ -28,6 +28,7 @@ from ..motion import (
     shortest,
 )
 from ..naming import naming
+from ..points.locks import lock
 from ..points.singularities import singularities_of
 from .constrain import constrain
 from .impulses import NoRate, with_impulses
@@ -119,6 +120,7 @@ def singularities(
     g: Graph,
     found: Derived,
     e: Named | Equations,
+    attitudes: tuple[Attitude, ...],
 ) -> tuple[Singularity, ...]:
     """Where these equations end, in the names of their quantities."""
     motion = found.free
@@ -129,7 +131,14 @@ def singularities(
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
     pivots = solution.pivots if solution else ()
-    return singularities_of(g, e.parameters, pivots, outputs, naming(e), found.written)
+    name = naming(e)
+    ends = singularities_of(g, e.parameters, pivots, outputs, name, found.written)
+    words = [lock(g, end.node, attitudes, name) or end.quantity.name for end in ends]
+    return tuple(
+        replace(end, quantity=replace(end.quantity, name=word))
+        for end, word in zip(ends, words, strict=True)
+        if words.index(word) == ends.index(end)  # two angles lock at once
+    )
 
 
 def located(equations: Equations) -> Equations:
@@ -157,7 +166,7 @@ def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equat
     )
     ends: tuple[Singularity, ...] = ()
     if wanted("singularity"):
-        ends = singularities(g, found, e)
+        ends = singularities(g, found, e, e.attitudes)
     return located(replace(equations, **found.fields(), singularities=ends))
 
 
