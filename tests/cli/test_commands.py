@@ -232,13 +232,13 @@ def test_usage_errors(pkgen, case: str) -> None:
     assert done.stdout == ""
 
 
-def test_the_drift_of_a_constant_that_is_zero_says_so(pkgen) -> None:
-    # The cart starts at rest: its momentum is 0 but for error, and so is what it is relative to.
+def test_a_constant_that_is_zero_is_judged_by_what_it_is_made_of(pkgen) -> None:
+    # The cart starts at rest: its momentum is 0, a sum of terms that are not.
     model = ROOT / "tests/models/written/spherical_pendulum_cart.lag"
     rest = ["--start", "X'=0", "--start", "phi'=0", "--until", "1", "--json"]
     drifts = json.loads(pkgen("run", model, *rest).stdout)["report"]["drifts"]
     scales = {d["name"]: d["scale"] for d in drifts}
-    assert scales["energy"] > 1 and 0 < scales["px"] < 1e-9
+    assert scales["energy"] > 1 and 0.01 < scales["px"] < 10
 
 
 KINKED = """model bumper

@@ -66,8 +66,8 @@ def test_no_jump_is_passed_over(load, potential: str, seed: int) -> None:
         r = ended.result
     else:
         assert potential not in JUMPS, "it passed the cut"
-    energy = r["energy"]
-    assert abs(energy - energy[0]).max() < 1e-5 * (1 + abs(energy[0]))
+    energy, moving = r["energy"], r["s'"] ** 2 / 2  # which grows without bound next to an end
+    assert (abs(energy - energy[0]) < 1e-5 * (1 + abs(energy[0]) + moving)).all()
 
 
 def test_the_cut_is_named(pkgen, write) -> None:

@@ -144,7 +144,7 @@ end
 
 
 def test_the_layout() -> None:
-    with pytest.raises(ModelError, match="finding"):
+    with pytest.raises(ModelError, match="error:"):
         laid_out(of(SHAPE))
     assert (
         laid_out(of(SHAPE.replace("step .5", "step 0.5")))

@@ -65,7 +65,7 @@ def cached(kind: str, name: str, make: Callable[[Path], None]) -> Path:
 def _fill(folder: Path, make: Callable[[Path], None]) -> None:
     with scratch(folder.parent, ".new-") as new:
         make(new)
-        (new / MARK).unlink()  # an entry is no scratch folder any more
+        (new / MARK).unlink(missing_ok=True)  # an entry is no scratch folder any more
         files = sorted(path for path in new.iterdir() if path.is_file())
         lines = [f"{folder.name}", *(f"{_digest(path)} {path.name}" for path in files)]
         (new / DIGESTS).write_text("\n".join(lines), encoding="utf-8")

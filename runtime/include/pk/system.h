@@ -36,16 +36,16 @@ PK_BEGIN
  * loaded at run time is refused by its number. */
 #if defined PK_FLOAT
 #define PK_SCALAR pk_scalar_is_float
-#define PK_ABI 89u
+#define PK_ABI 93u
 #elif defined PK_LONG_DOUBLE
 #define PK_SCALAR pk_scalar_is_long_double
-#define PK_ABI 90u
+#define PK_ABI 94u
 #elif defined PK_FLOAT128
 #define PK_SCALAR pk_scalar_is_float128
-#define PK_ABI 91u
+#define PK_ABI 95u
 #else
 #define PK_SCALAR pk_scalar_is_double
-#define PK_ABI 88u
+#define PK_ABI 92u
 #endif
 extern const char PK_SCALAR[];
 
