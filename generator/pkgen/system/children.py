@@ -83,19 +83,20 @@ def ended_by_signals() -> Iterator[None]:
     for stop in _stops:
         stop(0)
 
-    def end(_signal: int, _frame: object) -> None:
-        kill()
-        raise KeyboardInterrupt
-
-    with _handled({**dict.fromkeys(ENDS, end), signal.SIGTSTP: _stop}):
+    with _handled({**dict.fromkeys(ENDS, _end), signal.SIGTSTP: _stop}):
         yield
 
 
+def _end(_signal: int, _frame: object) -> None:
+    kill()
+    raise KeyboardInterrupt
+
+
 def finishing() -> None:
-    """All that is asked for is made: what would end pkgen now comes too late to be told."""
+    """All that is asked for is made: what would end the command now comes too late to be told."""
     if threading.current_thread() is threading.main_thread():
         for number in ENDS:
-            if signal.getsignal(number) != signal.SIG_DFL:
+            if signal.getsignal(number) is _end:
                 signal.signal(number, signal.SIG_IGN)
 
 
