@@ -102,15 +102,23 @@ def finishing() -> None:
 
 @contextmanager
 def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[None]:
-    before = {number: signal.getsignal(number) for number in handlers}
-    for number, handler in handlers.items():
-        if before[number] != signal.SIG_IGN:
-            signal.signal(number, handler)
+    left = {number: signal.getsignal(number) for number in handlers}
+    late = None
     try:
+        for number, handler in handlers.items():
+            if left[number] != signal.SIG_IGN:
+                signal.signal(number, handler)
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        while left:
+            try:
+                for number in [*left]:
+                    signal.signal(number, left[number])
+                    del left[number]
+            except BaseException as error:  # of a handler: all the same each gets its own again
+                late = error
+        if late is not None:
+            raise late
 
 
 @contextmanager
