@@ -133,12 +133,12 @@ def singularities(
     pivots = solution.pivots if solution else ()
     name = naming(e)
     ends = singularities_of(g, e.parameters, pivots, outputs, name, found.written)
-    words = [lock(g, end.node, attitudes, name) or end.quantity.name for end in ends]
-    return tuple(
-        replace(end, quantity=replace(end.quantity, name=word))
-        for end, word in zip(ends, words, strict=True)
-        if words.index(word) == ends.index(end)  # two angles lock at once
-    )
+    apart: dict[str | Node, Singularity] = {}
+    for end in ends:
+        word = lock(g, end.node, attitudes, name)
+        quantity = replace(end.quantity, name=word) if word else end.quantity
+        apart.setdefault(word or end.node, replace(end, quantity=quantity))
+    return tuple(apart.values())  # two angles lock at once
 
 
 def located(equations: Equations) -> Equations:
