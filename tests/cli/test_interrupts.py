@@ -6,15 +6,16 @@ import csv
 import json
 import os
 import signal
-import threading
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 
 import pytest
+from conftest import long_but
 from pkgen.__main__ import main
 from pkgen.analysis.chart import long
 from pkgen.analysis.chart.sweep import Bench
 from pkgen.analysis.stability import measure
-from pkgen.run import library
 from pkgen.system import children
 
 MODEL = "model p\ncoord a\nkinetic a'^2/2\npotential -cos(a)\nstart a = 1\n"
@@ -121,29 +122,33 @@ def test_what_a_chart_took_is_said(capsys) -> None:
 
 SWARM = "until = 100\nmembers = 800\nstep = 0.01\nmethod = 'rk4'\n[random]\na = '-3 .. 3 [rad]'\n"
 MOMENTS = [0.0, 0.003, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2]  # s after the first members begin
+# A sweep that is told three times to end, the first time so many seconds after its first run begins.
+ENDED = """\
+import os, signal, sys, threading
+from pkgen.__main__ import main
+from pkgen.run import library
+real, going = library.Library.run, []
+def run(*given, **more):
+    if not going:
+        for k in range(3):
+            after = float(sys.argv[1]) * (1 + k / 10)
+            going.append(threading.Timer(after, os.kill, (os.getpid(), signal.SIGTERM)))
+            going[-1].start()
+    return real(*given, **more)
+library.Library.run = run
+signal.signal(signal.SIGTERM, lambda *_: None)  # one may come when all is over
+code = main(["sweep", "p.lag", "--plan", "plan.toml", "-o", "made", "--workers", "1"])
+for kill in going:
+    kill.join()
+sys.exit(code)
+"""
 
 
-@pytest.mark.parametrize("after", MOMENTS)
-def test_a_sweep_that_is_ended_while_it_times_its_first_members(
-    after, monkeypatch, capsys, tmp_path
-) -> None:
+@pytest.mark.parametrize("after", long_but([0.003], MOMENTS))
+def test_a_sweep_that_is_ended_while_it_times_its_first_members(after, tmp_path) -> None:
     """The run is over before its memory is given back, however often it is told to end."""
     (tmp_path / "plan.toml").write_text(SWARM)
-    before = signal.signal(signal.SIGTERM, lambda *_: None)  # one may come when all is over
-    real, going = library.Library.run, []
-
-    def run(*given: object, **more: object) -> library.Run:
-        if not going:
-            for k in range(3):
-                kill = threading.Timer(after * (1 + k / 10), os.kill, (os.getpid(), signal.SIGTERM))
-                kill.start()
-                going.append(kill)
-        return real(*given, **more)
-
-    monkeypatch.setattr(library.Library, "run", run)
-    code = main(["sweep", "p.lag", "--plan", "plan.toml", "-o", "made", "--workers", "1"])
-    for kill in going:
-        kill.join()
-    signal.signal(signal.SIGTERM, before)
-    said = capsys.readouterr().err
-    assert code == 130 and "internal" not in said and "Traceback" not in said
+    command = [sys.executable, "-c", ENDED, str(after)]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    said = done.stderr
+    assert done.returncode == 130 and "internal" not in said and "Traceback" not in said, said
