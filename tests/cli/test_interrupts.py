@@ -122,7 +122,7 @@ def test_what_a_chart_took_is_said(capsys) -> None:
 
 SWARM = "until = 100\nmembers = 800\nstep = 0.01\nmethod = 'rk4'\n[random]\na = '-3 .. 3 [rad]'\n"
 MOMENTS = [0.0, 0.003, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2]  # s after the first members begin
-# A sweep that is told three times to end, the first time so many seconds after its first run begins.
+# A sweep that is told three times to end, first so many seconds after its first run begins.
 ENDED = """\
 import os, signal, sys, threading
 from pkgen.__main__ import main
