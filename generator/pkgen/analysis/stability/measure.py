@@ -108,7 +108,7 @@ def row(
 
 
 def _settled(asker: Asker, point: Point) -> Point:
-    """Of a linear model: steps grow only if a multiplier of theirs is outside the unit circle. Else
+    """Steps of a linear model grow only if a multiplier of theirs is outside the unit circle. Else
     they come to rest about another amplitude, that of a driver between whose turns they fall."""
     if point.kind != "growing":
         return point

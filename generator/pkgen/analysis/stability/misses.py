@@ -140,7 +140,7 @@ def _close(row: Row, method: str, h: float) -> str:
 
 
 def unmeasured(made: StabilityMap) -> list[str]:
-    """What was predicted and not measured, in a sentence."""
+    """The predictions that were not measured, in a sentence."""
     seen = [m.prediction for m in made.measured]
     left = [f"{p.kind} of {p.method}" for p in made.predictions if p not in seen]
     growing = sum(m.growth > 0 for e in made.rest.equilibria for m in e.modes)
