@@ -147,13 +147,13 @@ def order(unrolled, at, size: int) -> list[int]:
     return [[q.name for q in unrolled.program.equations.rates].index(name) for name in names]
 
 
-def at_random(unrolled, at, to: list[int], dice: random.Random):
+def at_random(unrolled, at, to: list[int], dice: random.Random, most: float = 1):
     """A state, and the matrices of members written out there, in the order of loops."""
     to = np.array(to)
     inputs = len(unrolled.program.equations.inputs)
     state = (
         dice.uniform(0, 3),
-        *([dice.uniform(-1, 1) for _ in range(n)] for n in (at.n, at.n, inputs)),
+        *([dice.uniform(-most, most) for _ in range(n)] for n in (at.n, at.n, inputs)),
     )
     t, q, v, u = state
     there = [np.empty(at.n) for _ in range(2)]
@@ -177,7 +177,8 @@ def closes(at) -> bool:
 
 def assert_closed(unrolled, at, size: int, dice: random.Random, text: str, scale: float) -> float:
     """That matrices with accelerations and multipliers for unknowns are those without."""
-    return assert_newton(at, *at_random(unrolled, at, order(unrolled, at, size), dice), text, scale)
+    state = at_random(unrolled, at, order(unrolled, at, size), dice, 0.5)
+    return assert_newton(at, *state, text, scale)
 
 
 def assert_newton(at, state, expected: list[np.ndarray], text: str, scale: float) -> float:
@@ -236,13 +237,13 @@ def test_rotations_have_bands(seed: int, tmp_path) -> None:
     dice = random.Random(seed)
     text = made(dice, 3).text
     loops = Looped(text, tmp_path / "loops")
-    for size in (1, 2, 3):
+    for size in (2, 3):  # the momenta of one member may depend on no attitude
         unrolled = Unrolled(text, size, tmp_path / f"n{size}")
         at = loops.at(size)
         if closes(at):
             assert assert_closed(unrolled, at, size, dice, text, 1e-11) > 0
             continue
-        state, expected = at_random(unrolled, at, order(unrolled, at, size), dice)
+        state, expected = at_random(unrolled, at, order(unrolled, at, size), dice, 0.5)
         found = [*dense(at, "slopes_mass", state, 1), *dense(at, "slopes_jacobian", state, 3)]
         for one, other in zip(found, expected, strict=True):
             assert one == pytest.approx(other.ravel(), rel=2e-13, abs=2e-13), f"{text} N = {size}"

@@ -9,7 +9,9 @@
 #include "../core/tableau.h"
 #include "passage.h"
 
-#define AHEAD PK_C(2.0)   /* steps: what is so near is passed */
+#define AHEAD PK_C(2.0)   /* steps: what is so near is passed, */
+#define EARLY PK_C(0.1)   /* or by this sigma of an adaptive method, whose steps may be short */
+#define LESS PK_C(0.6)    /* of the sigma where a step over it was too long: try again */
 #define LONG PK_C(1.25)   /* fixed steps: what is nearer than that is within the next, */
 #define MIDDLE PK_C(0.75) /* and what is farther than that wants two */
 #define LITTLE PK_C(1e-4) /* of the time left, for the slope of sigma */
@@ -157,7 +159,10 @@ int pk_passage_due(struct pk_integrator *it, pk_real limit)
     const int fixed = !(it->method->traits & PK_ADAPTIVE);
     if (!(is->passing > 0)) {
         const pk_real left = is->at - it->t, h = fixed ? it->own->h : it->t - it->last_t;
-        if (!(is->falls > 0) || !(left / h > 0) || !(left / h < (fixed ? LONG : AHEAD)))
+        const int early = !fixed && is->sigma < EARLY;
+        if (!(is->falls > 0) || !(left / h > 0) || !(early || left / h < (fixed ? LONG : AHEAD)))
+            return 0;
+        if (is->tried > 0 && is->sigma > LESS * is->tried)
             return 0;
         is->t = it->t;
         is->h = !fixed ? 2 * left : left / h > MIDDLE ? 2 * h : h;

@@ -23,6 +23,8 @@ enum { FEWEST = 6, ROUNDS = 60 };
 #define SURE PK_C(1e-3)    /* of the way: how far the constraints may be from where it leads */
 #define SETTLED PK_C(1e-9) /* what no longer shrinks below this is rounding */
 #define ROUND (64 * PK_EPS)
+#define LAST PK_C(0.01)   /* sigma, below which rounding forbids to come nearer */
+#define ACCEPT PK_C(10.0) /* tolerances; as of the adaptive Gauss method */
 
 /* The weights of the stages for the integral up to x of the step. */
 static void weights(const struct pk_passage_parts *x, pk_real to, pk_real *w)
@@ -147,6 +149,37 @@ static enum pk_status solve(struct pk_integrator *it, struct pk_passage_parts *x
     return PK_NO_CONVERGENCE;
 }
 
+/* The error of the rates that the stages lead to, in tolerances: by the last Legendre coefficient
+ * of the accelerations. */
+static pk_real error_of(const struct pk_integrator *it, const struct pk_passage_parts *x)
+{
+    const int s = (int)pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
+    pk_real P[PK_PASSAGE_STAGES + 1], last[PK_PASSAGE_STAGES], most = 0;
+    for (int j = 0; j < s; j++) {
+        pk_legendre(x->c[j], 1 - x->c[j], s, P, NULL);
+        last[j] = x->b[j] * P[s - 1] * (pk_real)(2 * s - 1) / (pk_real)(2 * s) * x->is->h;
+    }
+    for (size_t i = 0; i < it->n; i++) {
+        pk_real error = 0;
+        for (int j = 0; j < s; j++)
+            error += last[j] * x->A[(size_t)j * it->n + i];
+        most = pk_max(most, pk_abs(error) / pk_tolerance(it, it->n_q + i, x->v[i], x->v[i]));
+    }
+    return most;
+}
+
+/* Whether an adaptive method had better come nearer, where its step over the place is shorter:
+ * until the error is rounding, which grows on the way. */
+static int too_long(const struct pk_integrator *it, const struct pk_passage_parts *x, int sure)
+{
+    const pk_real before = x->is->error;
+    if (!(it->method->traits & PK_ADAPTIVE) || !(x->is->sigma > LAST))
+        return 0;
+    x->is->error = sure ? error_of(it, x) : PK_INFINITY;
+    x->is->tried = x->is->sigma;
+    return x->is->error > ACCEPT && (!(before > 0) || !(x->is->error > before / 2));
+}
+
 enum pk_status pk_passage_step(struct pk_integrator *it)
 {
     struct pk_passage_parts x = pk_passage_parts(it);
@@ -154,15 +187,19 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
     const pk_real t = it->own->next_t, end = x.is->t + x.is->h;
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), off = 0;
     memset(it->own->next, 0, pk_before(it->n_q, n, PK_PARTS) * sizeof *q);
-    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
     if (!(x.is->passing > 0)) {
         it->own->next_t = it->t; /* no step's end: its error is not judged as one */
         choose(&x);
         const enum pk_status status = solve(it, &x, &off);
+        const int sure = status >= 0 && off < SURE;
         it->own->next_t = t;
-        if (status < 0 || !(off < SURE))
+        if (too_long(it, &x, sure))
+            return PK_NO_CONVERGENCE;
+        x.is->error = x.is->tried = 0;
+        if (!sure)
             return pk_because(it, PK_NO_PROJECTION, pk_passage_told(it), x.is->at);
     }
+    it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
     along(it, &x, (t - x.is->t) / x.is->h, q, v);
     x.is->passing = pk_abs(end - t) > PK_C(1e-9) * pk_abs(x.is->h);
     if (!(x.is->passing > 0)) {

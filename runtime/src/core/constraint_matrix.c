@@ -5,7 +5,8 @@
 
 #include "project.h"
 
-enum { SWEEPS = 3 }; /* of rows and columns */
+enum { SWEEPS = 3 };        /* of rows and columns */
+#define COUNTS PK_C(1e-3) /* of a row's largest entry: less may be an error of the state */
 
 static inline pk_real *take(pk_real *base, size_t *used, size_t count)
 {
@@ -233,15 +234,19 @@ static void scale_columns(struct pk_projection *w)
     }
 }
 
-/* The square of how far a row has shrunk: of its length or of any entry, whichever did least. The
- * one is no matter of which way the row points, the other none of units. */
+/* The square of how far a row has shrunk: of its length or of any entry that ever counted, whichever
+ * did least. The one is no matter of which way the row points, the other none of units. */
 static pk_real shrunk(struct pk_projection *w, size_t i)
 {
-    pk_real length = 0, entry = 0;
+    const pk_real *sizes = w->sizes + i * w->n;
+    pk_real length = 0, entry = 0, largest = PK_TINY;
+    for (size_t k = 0; k < w->m; k++)
+        largest = pk_max(largest, sizes[k] * w->columns[k]);
     for (size_t k = 0; k < w->m; k++) {
         const pk_real x = pk_abs(w->J[i * w->n + k]);
         length += x * x;
-        entry = pk_max(entry, x / (w->sizes[i * w->n + k] + PK_TINY));
+        if (sizes[k] * w->columns[k] > COUNTS * largest)
+            entry = pk_max(entry, x / sizes[k]);
     }
     w->most[i] = pk_max(w->most[i], length);
     return pk_max(length / (w->most[i] + PK_TINY), entry * entry);

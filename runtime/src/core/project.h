@@ -134,6 +134,7 @@ void pk_passage_unseen(struct pk_integrator *it, struct pk_projection *w, const 
 int pk_passage_due(struct pk_integrator *it, pk_real limit);
 /* How far an adaptive step may go: half of the way to such a position. */
 pk_real pk_passage_limit(const struct pk_integrator *it, pk_real limit);
+/* PK_NO_CONVERGENCE: an adaptive step over the place is not exact enough yet, so come nearer. */
 enum pk_status pk_passage_step(struct pk_integrator *it);
 void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
 int pk_project_reason(const struct pk_integrator *it, char *text, size_t size);

@@ -273,10 +273,13 @@ enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
         if (status < 0)
             return stop(it, status);
     }
-    const int near = it->own->near, passes = near && pk_passage_due(it, limit);
-    it->own->crossed = it->own->crossed && passes;
+    const int near = it->own->near, due = near && pk_passage_due(it, limit);
     it->own->seen = 0;
-    status = passes ? pk_passage_step(it) : advance(it, near ? pk_passage_limit(it, limit) : limit);
+    status = due ? pk_passage_step(it) : PK_NO_CONVERGENCE;
+    const int passes = status != PK_NO_CONVERGENCE;
+    it->own->crossed = it->own->crossed && passes;
+    if (!passes)
+        status = advance(it, near ? pk_passage_limit(it, limit) : limit);
     if (status >= 0 && pk_waits(it))
         return it->status = PK_DONE;
     if (status >= 0 && !passes && (near || it->own->seen > PK_SEEN))

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from ...equations import Attitude
 from ...graph.differentiate import symbols_in
 from ...graph.evaluate import evaluate
-from ...graph.graph import VARIABLE, Graph, Kind, Node, Symbol
+from ...graph.graph import Graph, Kind, Node, Symbol
 
 
 def lock(
@@ -16,7 +16,7 @@ def lock(
 ) -> str:
     """ "cos(pitch)^2 of tait_bryan(R)" of such a divisor, told by its values at two quaternions; ""
     of any other node."""
-    found = set(symbols_in(g, [node], VARIABLE))
+    found = set(symbols_in(g, [node]))
     for at in attitudes:
         own = [Symbol(Kind.STATE, k) for k in at.numbers]
         if not found or not found <= set(own):
