@@ -280,6 +280,9 @@ def check_model(
     return model, warnings + getattr(equations, "left_out", ())
 
 
+PAIRS = 1.5  # times the coordinates that are unrolled: with sums over pairs
+
+
 def _equations(
     model: Model,
     kernels: frozenset[str] | None,
@@ -301,7 +304,10 @@ def _equations(
         try:
             from .middle.loops.derive import derive_loops
 
-            return derive_loops(model)
+            made = derive_loops(model)
+            if not made.force.pairs or unroll == 0 or count > PAIRS * unroll:
+                return made
+            reason = "so few pairs are faster as straight-line code"
         except Unrolled as cannot:
             reason = str(cannot)
     # What is reduced is derived again, with all kernels that are asked for.

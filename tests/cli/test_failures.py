@@ -117,8 +117,14 @@ HOSTILE = {  # the command line as a shell has it: its exit code, the one line t
 }
 
 
+@pytest.fixture(scope="module")
+def compiled() -> None:
+    """The model is in the cache: a limit is for what is written besides."""
+    subprocess.run([sys.executable, "-m", "pkgen", "run", str(HOOP), "--until", "1"], check=True)
+
+
 @pytest.mark.parametrize("case", HOSTILE)
-def test_a_hostile_call_ends_with_one_clear_line(case: str, tmp_path: Path) -> None:
+def test_a_hostile_call_ends_with_one_clear_line(case: str, tmp_path: Path, compiled) -> None:
     text, code, said = HOSTILE[case]
     text = text if " P " in text else f"P {text}"
     script = re.sub(r"\bM\b", str(HOOP), re.sub(r"\bP\b", f"{sys.executable} -m pkgen", text))

@@ -6,6 +6,7 @@ import sys
 import warnings
 from pathlib import Path
 
+import numpy
 import pkgen
 import pytest
 from conftest import ROOT, long_but, rows, written
@@ -45,23 +46,43 @@ def _apart(of: Linkage, maximal: pkgen.Result, minimal: pkgen.Result) -> float:
 def test_random_linkages_are_their_angles(tmp_path, seed):
     of = linkage(seed)
     minimal, maximal = _loaded(tmp_path, of.minimal), _loaded(tmp_path, of.maximal)
-    exact = minimal.run(of.time, every=of.time, method="dop853", rtol=1e-13)
+    exact = minimal.run(of.time, every=of.time / 200, method="dop853", rtol=1e-13)
+    flat = _lies_flat(of, exact)
     adaptive = ADAPTIVE if seed > 2 else ADAPTIVE[seed : seed + 1]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         for method in adaptive:
-            found = maximal.run(of.time, every=of.time, method=method, rtol=RTOL)
+            found = _run(maximal, of, flat, method=method, rtol=RTOL)
+            if found is None:
+                continue
             lost = sys.float_info.epsilon * found.report["condition"]["constraints"]["cond"]
             assert _apart(of, found, exact) < 100 * max(RTOL, lost), method
         if seed <= 2:
             return
         for method in FIXED:
             step = of.time / 200
-            found = maximal.run(of.time, every=of.time, method=method, step=step)
+            found = _run(maximal, of, flat, method=method, step=step)
+            if found is None:
+                continue
             beside = minimal.run(of.time, every=of.time, method=method, step=step)
             lost = sys.float_info.epsilon * found.report["condition"]["constraints"]["cond"]
             allowed = 100 * max(_apart_minimal(of, beside, exact), 1e-9, lost)
             assert _apart(of, found, exact) < allowed, method
+
+
+def _lies_flat(of: Linkage, exact: pkgen.Result) -> bool:
+    """Whether the rows of a parallelogram depend on each other at an instant of the motion."""
+    sines = [numpy.sin(exact[a] - exact[b]) for a, b in of.sharpest]
+    return any((x[1:] * x[:-1] < 0).any() for x in sines)
+
+
+def _run(model: pkgen.Model, of: Linkage, flat: bool, **how) -> pkgen.Result | None:
+    """None where it ends at a place where branches meet."""
+    try:
+        return model.run(of.time, every=of.time, **how)
+    except pkgen.RunError as ended:
+        assert flat and "the branch of the motion cannot be told" in str(ended), how
+        return None
 
 
 def _apart_minimal(of: Linkage, found: pkgen.Result, exact: pkgen.Result) -> float:

@@ -20,37 +20,56 @@ int pk_scale_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
            pk_all_finite(a, it->n);
 }
 
-/* by_p = sum_j |M_ij v_j| / M_ii of a mass matrix in a band, each row with its diagonal's share. */
+/* A sign for each number, by a linear congruential generator. */
+static int is_up(unsigned long *random)
+{
+    *random = (*random * 1103515245ul + 12345ul) & 0x7ffffffful;
+    return (*random & 0x40000000ul) != 0;
+}
+
+/* The rounding of v where M v = p has that of sum_j |M_ij v_j|: at least this over M_ii, and more
+ * where M is ill-conditioned, by solutions for some signs of it. M comes in a band. */
 static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_real *M,
                             pk_real *by_p)
 {
     const struct pk_part_families *f = &it->problem.system->families;
     const size_t places = p.rows + p.border;
     struct pk_band band = {.rows = p.rows, .below = p.width, .above = p.width, .border = p.border};
-    pk_real *x = M + pk_band_lay_out(&band, M), *sum = x + places;
+    pk_real *x = M + pk_band_lay_out(&band, M), *sum = x + places, *place = sum + places;
     f->mass(it->problem.params, it->t, it->q, it->v, pk_eval_input(it, it->t), M);
     memset(sum, 0, places * sizeof *sum);
     for (size_t k = 0; k < places; k++) {
-        const ptrdiff_t at = f->place(it->problem.params, k);
-        x[k] = at < 0 ? 0 : pk_abs(it->v[at]);
+        place[k] = (pk_real)f->place(it->problem.params, k);
+        x[k] = place[k] < 0 ? 0 : pk_abs(it->v[(size_t)place[k]]);
     }
     pk_band_add_sizes(&band, x, sum);
     for (size_t k = 0; k < places; k++) {
-        const ptrdiff_t at = f->place(it->problem.params, k);
         const pk_real diagonal = *pk_band_entry(&band, k, k);
-        if (!(at < 0))
-            by_p[at] = diagonal > 0 && pk_finite(sum[k]) ? ROUNDING * sum[k] / diagonal : 0;
+        if (place[k] < 0 || !pk_finite(sum[k]))
+            sum[k] = 0;
+        else
+            by_p[(size_t)place[k]] = diagonal > 0 ? ROUNDING * sum[k] / diagonal : 0;
+    }
+    unsigned long random = 1;
+    for (int sample = pk_band_ldl_factor(&band, place) ? SAMPLES : 0; sample < SAMPLES; sample++) {
+        for (size_t k = 0; k < places; k++)
+            x[k] = is_up(&random) ? ROUNDING * sum[k] : -ROUNDING * sum[k];
+        pk_band_ldl_solve(&band, x);
+        for (size_t k = 0; k < places; k++)
+            if (!(place[k] < 0) && pk_finite(x[k]))
+                by_p[(size_t)place[k]] = pk_max(by_p[(size_t)place[k]], pk_abs(x[k]));
     }
 }
 
-/* Methods in p solve M_ii v_i = p_i - (other terms), so v_i has the rounding of these. What
- * constraints hold does not move by itself; its error there is rtol of the terms. */
+/* Methods in p solve M v = p, so v has the rounding of this. What constraints hold does not move by
+ * itself; its error there is rtol of the terms. */
 static void look_at_momenta(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
-    const size_t n = it->n;
-    const pk_real share = system->constraints.n ? it->options.rtol : ROUNDING;
+    const size_t n = it->n, held = system->constraints.n;
+    const pk_real share = held ? it->options.rtol : ROUNDING;
     pk_real *M = part(it, PARTS), *by_p = part(it, BY_P);
+    pk_real *sum = part(it, BESIDE), *x = sum + n;
     const struct pk_pattern pattern = pk_system_pattern(system, it->problem.params);
     if (it->method->traits & PK_JACOBIANS && !pattern.dense)
         momenta_of_band(it, pattern, M, by_p);
@@ -60,10 +79,21 @@ static void look_at_momenta(struct pk_integrator *it)
     (system->inertia ? system->inertia : system->mass)(it->problem.params, it->t, it->q, it->v,
                                                        pk_eval_input(it, it->t), M);
     for (size_t i = 0; i < n; i++) {
-        pk_real sum = 0;
+        sum[i] = 0;
         for (size_t j = 0; j < n; j++)
-            sum += pk_abs(M[i * n + j] * it->v[j]);
-        by_p[i] = M[i * n + i] > 0 && pk_finite(sum) ? share * sum / M[i * n + i] : 0;
+            sum[i] += pk_abs(M[i * n + j] * it->v[j]);
+        sum[i] = pk_finite(sum[i]) ? share * sum[i] : 0;
+        by_p[i] = M[i * n + i] > 0 ? sum[i] / M[i * n + i] : 0;
+    }
+    for (size_t i = 0; i < n; i++) /* a state has no inertia */
+        M[i * n + i] = M[i * n + i] > 0 ? M[i * n + i] : 1;
+    unsigned long random = 1;
+    for (int sample = held || pk_ldl_factor(M, n) ? SAMPLES : 0; sample < SAMPLES; sample++) {
+        for (size_t i = 0; i < n; i++)
+            x[i] = is_up(&random) ? sum[i] : -sum[i];
+        pk_ldl_solve(M, n, x);
+        for (size_t i = 0; i < n; i++)
+            by_p[i] = pk_finite(x[i]) ? pk_max(by_p[i], pk_abs(x[i])) : by_p[i];
     }
 }
 
@@ -71,10 +101,8 @@ static void look_at_momenta(struct pk_integrator *it)
 static void shake(const struct pk_integrator *it, pk_real share, unsigned long random,
                   pk_real *state)
 {
-    for (size_t i = 0; i < it->n_q + it->n; i++) {
-        random = (random * 1103515245ul + 12345ul) & 0x7ffffffful;
-        state[i] *= 1 + (random & 0x40000000ul ? share : -share);
-    }
+    for (size_t i = 0; i < it->n_q + it->n; i++)
+        state[i] *= 1 + (is_up(&random) ? share : -share);
 }
 
 /* The acceleration at a state `aside` of this one, and the most that rounding makes of it; 0 where

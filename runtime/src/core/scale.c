@@ -26,7 +26,7 @@ size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *m
                      size_t n)
 {
     const struct pk_pattern p = pk_system_pattern(problem->system, problem->params);
-    const size_t banded = pk_pattern_numbers(&p) + 2 * (p.rows + p.border);
+    const size_t banded = pk_pattern_numbers(&p) + 3 * (p.rows + p.border);
     const size_t matrix = method->traits & PK_JACOBIANS ? (p.dense ? n * n : banded) : 0;
     return method->traits & PK_ADAPTIVE ? parts_before(n_q, n, PARTS) + matrix : 0;
 }

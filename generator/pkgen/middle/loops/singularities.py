@@ -19,7 +19,8 @@ from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.ranges import INF, Range, Ranges
 from ...graph.wording import wording
 from ...indices import indexed
-from ..points.singularities import COORDINATES, CUT, DIVISOR, about, cuts, dangerous, squared, zeros
+from ..points.cuts import half_cosine, jumping_angles
+from ..points.singularities import COORDINATES, CUT, DIVISOR, about, dangerous, squared, zeros
 from ..quantities import input_quantities
 from .expand import LoopExpander
 from .indices import unlike_loops
@@ -59,8 +60,8 @@ class _Singularities:
                     if moves(self.x, node) and (found not in motions or use == DIVISOR):
                         motions[found] = use
         for over, energy in _ranged(self.e.lagrangian):
-            for node in cuts(self.g, energy):
-                motions[self._canonical(over, node)] = CUT
+            for angle in jumping_angles(self.g, [energy]):
+                motions[self._canonical(over, half_cosine(self.g, angle))] = CUT
         kept = dict.fromkeys(charts, COORDINATES)
         kept |= {found: use for found, use in motions.items() if found not in kept}
         roots = [(over, square) for over, node in kept for square in squared(self.g, node)]

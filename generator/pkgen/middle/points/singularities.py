@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterable, Iterator
-from fractions import Fraction
 
 from ...equations import ParameterSlot, Quantity, Singularity
 from ...functions import FUNCTIONS
@@ -22,15 +21,13 @@ from ...functions.row import COORDINATES, CUT, DIVISOR, ROOT
 from ...functions.smooth import where_positive
 from ...graph.differentiate import reachable, symbols_in
 from ...graph.evaluate import Evaluator, evaluate
-from ...graph.graph import BIT, VARIABLE, ZERO, Graph, Kind, Node, Op, Symbol
-from ...graph.normal import Normal
+from ...graph.graph import BIT, VARIABLE, Graph, Kind, Node, Op, Symbol
 from ...graph.ranges import Ranges
 from ...graph.solve import Pivots
-from ...graph.substitute import substituted
 from ...graph.wording import wording
+from .cuts import half_cosine, jumping_angles
 from .squares import bounds_of, definite_by_squares, summands
 
-PI = Fraction(355, 113)  # a number that stands for it: what cancels for it does for any
 SAMPLES = 25  # states at which the pivots of M are looked at,
 EFFORT = 50_000  # values computed in the search for a worse one: some 0.05 s
 SCATTER = 200  # and at most so many states with parameters anywhere,
@@ -78,7 +75,7 @@ def singularities_of(
                     motions[node] = use
     found = dict.fromkeys(charts, COORDINATES)
     found |= {node: use for node, use in motions.items() if node not in charts}
-    found |= dict.fromkeys(cuts(g, lagrangian), CUT)
+    found |= dict.fromkeys((half_cosine(g, x) for x in jumping_angles(g, [lagrangian])), CUT)
     squares = {square for node in found for square in squared(g, node)}
     return tuple(
         Singularity(Quantity(wording(g, about(g, node), name), "", ""), node, use)
@@ -110,42 +107,6 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tup
             # Of a sum of squares, a root alone is no more than a kink.
             if use != ROOT or not ranges(vanishing).not_negative:
                 yield vanishing, use
-
-
-def cuts(g: Graph, energy: Node) -> Iterator[Node]:
-    """Of each angle atan2(y, x) at whose cut, from pi to -pi, an energy may jump: the cosine of its
-    half, which vanishes there. A sine or cosine of a whole multiple does not jump, nor does what is
-    even in the angle, or vanishes with y."""
-    angles = [n for n in reachable(g, [energy], VARIABLE) if _is_call(g, n, "atan2")]
-    for angle in angles:
-        copy = g.copy()
-        same = {n: n for n in reachable(g, [energy], VARIABLE) if _turns(g, n, angle)}
-        y, _ = g.args[angle]
-        at_cut = {y: ZERO, g.negate(y): ZERO} if g.depends[y] & VARIABLE else {}
-        try:
-            above, below = (
-                substituted(copy, [energy], same | at_cut | {angle: copy.number(side)})[0]
-                for side in (PI, -PI)
-            )
-            jump = copy.subtract(above, below)
-            if jump == ZERO or Normal(copy)(jump) == {}:
-                continue
-        except ZeroDivisionError:
-            pass
-        yield g.call("cos", g.multiply(g.number(Fraction(1, 2)), angle))
-
-
-def _turns(g: Graph, node: Node, angle: Node) -> bool:
-    """Whether a node is a sine or cosine of a whole multiple of an angle, and of other terms."""
-    if not _is_call(g, node, "sin", "cos"):
-        return False
-    inside = g.args[node][0]
-    terms = g.args[inside] if g.op[inside] is Op.ADD else (inside,)
-    split = [g.split(term) for term in terms]
-    scales = [g.value(scale) for scale, rest in split if rest == angle]
-    others = [rest for _, rest in split if rest != angle]
-    whole = all(x is not None and x.denominator == 1 for x in scales)
-    return bool(scales) and whole and angle not in reachable(g, others)
 
 
 def about(g: Graph, singularity: Node) -> Node:

@@ -1,0 +1,73 @@
+"""The cut of an angle atan2(y, x), from pi to -pi, and what jumps there.
+
+An energy that jumps ends the motion at the cut: the cosine of half the angle vanishes there. Where
+forces alone jump, y is a switch, so that steps end at its zeros.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from fractions import Fraction
+
+from ...equations import Quantity, Switch
+from ...graph.differentiate import reachable
+from ...graph.graph import VARIABLE, ZERO, Graph, Node, Op, Symbol
+from ...graph.normal import Normal
+from ...graph.substitute import substituted
+from ...graph.wording import wording
+
+PI = Fraction(355, 113)  # a number that stands for it: what cancels for it does for any
+
+
+def jumping_angles(g: Graph, nodes: Sequence[Node]) -> Iterator[Node]:
+    """Angles at whose cut any of the nodes may jump. A sine or cosine of a whole multiple does not
+    jump, nor does what is even in the angle, or vanishes with y."""
+    for angle in reachable(g, nodes, VARIABLE):
+        if _is_call(g, angle, "atan2") and any(_jumps(g, node, angle) for node in nodes):
+            yield angle
+
+
+def half_cosine(g: Graph, angle: Node) -> Node:
+    return g.call("cos", g.multiply(g.number(Fraction(1, 2)), angle))
+
+
+def cut_switches(
+    g: Graph, energy: Node, forces: Sequence[Node], name: Callable[[Symbol], str]
+) -> tuple[Switch, ...]:
+    """The y of each angle at whose cut forces jump and the energy does not."""
+    ends = {*jumping_angles(g, [energy])}
+    found = {g.args[x][0]: None for x in jumping_angles(g, forces) if x not in ends}
+    return tuple(Switch(Quantity(wording(g, y, name), "", ""), y, held=False) for y in found)
+
+
+def _jumps(g: Graph, node: Node, angle: Node) -> bool:
+    copy = g.copy()
+    same = {n: n for n in reachable(g, [node], VARIABLE) if _turns(g, n, angle)}
+    y, _ = g.args[angle]
+    at_cut = {y: ZERO, g.negate(y): ZERO} if g.depends[y] & VARIABLE else {}
+    try:
+        above, below = (
+            substituted(copy, [node], same | at_cut | {angle: copy.number(side)})[0]
+            for side in (PI, -PI)
+        )
+        jump = copy.subtract(above, below)
+        return not (jump == ZERO or Normal(copy)(jump) == {})
+    except ZeroDivisionError:
+        return True
+
+
+def _is_call(g: Graph, node: Node, *functions: str) -> bool:
+    return g.op[node] is Op.CALL and g.data[node] in functions
+
+
+def _turns(g: Graph, node: Node, angle: Node) -> bool:
+    """Whether a node is a sine or cosine of a whole multiple of an angle, and of other terms."""
+    if not _is_call(g, node, "sin", "cos"):
+        return False
+    inside = g.args[node][0]
+    terms = g.args[inside] if g.op[inside] is Op.ADD else (inside,)
+    split = [g.split(term) for term in terms]
+    scales = [g.value(scale) for scale, rest in split if rest == angle]
+    others = [rest for _, rest in split if rest != angle]
+    whole = all(x is not None and x.denominator == 1 for x in scales)
+    return bool(scales) and whole and angle not in reachable(g, others)
