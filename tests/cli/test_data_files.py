@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import pytest
+from conftest import long_but
 from pkgen.__main__ import main
 
 MODEL = "model p\ncoord a\nkinetic a'^2/2\npotential -cos(a)\nstart a = 1\n"
@@ -48,3 +50,51 @@ def test_a_plan_json_of_other_kinds_is_refused(wrong: str, tmp_path, monkeypatch
         capsys.readouterr()
         assert main(words.split()) == 2
         assert "d/plan.json: it is not as it was written" in capsys.readouterr().err
+
+
+def _valid(folder: Path) -> dict[str, str]:
+    """Files that are right, each with the command that reads it."""
+    import numpy
+    from pyarrow import parquet, table
+
+    rows = numpy.array([(0.0, 1.0), (0.5, 2.0)], dtype=[("t", float), ("a", float)])
+    numpy.save(folder / "rows.npy", rows)
+    (folder / "rows.csv").write_text("t,a\n0,1\n0.5,2e3\n1,-3\n")
+    (folder / "members.csv").write_text("a,a'\n0,1\n0.5,2e-3\n")
+    parquet.write_table(table({"a": [0.0, 0.5], "a'": [1.0, 2.0]}), folder / "members.parquet")
+    (folder / "plan.toml").write_text(PLAN)
+    (folder / "mine.tab").write_text("0 |\n1/2 | 1/2\n-----\n | 0 1\n")
+    assert main(["sweep", "m.lag", "--plan", "plan.toml", "-o", "d"]) == 0
+    return {
+        "rows.npy": "plot rows.npy -o a.svg",
+        "rows.csv": "plot rows.csv -o a.svg",
+        "members.csv": "run m.lag --until 1 --ensemble members.csv",
+        "members.parquet": "run m.lag --until 1 --ensemble members.parquet",
+        "plan.toml": "sweep m.lag -q -o e --plan plan.toml",
+        "d/plan.json": "sweep --status d",
+        "mine.tab": "run m.lag --until 1 --step 0.1 --tableau mine.tab",
+    }
+
+
+def _mutated(dice: random.Random, data: bytes) -> bytes:
+    for _ in range(dice.randint(1, 3)):
+        at, end = sorted(dice.randrange(len(data) + 1) for _ in range(2))
+        some = dice.choice((b"", b"\0", b"\xff" * 4, b"9" * 400, b"-", b"[", b'"', data[at:end] * 2))
+        data = data[:at] + some + data[dice.choice((at, min(at + len(some), len(data)), end)) :]
+    return data
+
+
+@pytest.mark.parametrize("seed", long_but([1], range(40)))
+def test_no_mutation_of_a_file_is_an_internal_error(seed, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("m.lag").write_text(MODEL)
+    dice = random.Random(seed)
+    for name, words in _valid(tmp_path).items():
+        whole = Path(name).read_bytes()
+        for _ in range(4):
+            data = _mutated(dice, whole)
+            Path(name).write_bytes(data)
+            capsys.readouterr()
+            code, said = main(words.split()), capsys.readouterr().err
+            assert code in (0, 1, 2, 4) and "internal" not in said, (name, data, said)
+        Path(name).write_bytes(whole)

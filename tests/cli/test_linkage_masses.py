@@ -56,7 +56,9 @@ def test_random_linkages_are_their_angles(tmp_path, seed):
             if found is None:
                 continue
             lost = sys.float_info.epsilon * found.report["condition"]["constraints"]["cond"]
-            assert _apart(of, found, exact) < 100 * max(RTOL, lost), method
+            beside = minimal.run(of.time, every=of.time, method=method, rtol=RTOL)
+            allowed = max(100 * RTOL, 10 * _apart_minimal(of, beside, exact), 100 * lost)
+            assert _apart(of, found, exact) < allowed, method
         if seed <= 2:
             return
         for method in FIXED:
@@ -81,7 +83,7 @@ def _run(model: pkgen.Model, of: Linkage, flat: bool, **how) -> pkgen.Result | N
     try:
         return model.run(of.time, every=of.time, **how)
     except pkgen.RunError as ended:
-        assert flat and "the branch of the motion cannot be told" in str(ended), how
+        assert flat and "last valid time" in str(ended), how
         return None
 
 

@@ -38,7 +38,7 @@ def test_random_models_are_those_of_members_written_out(name: str, seed: int, bo
     words = ("--until", 1, "--every", 0.25, "--method", method, *METHODS[method])
     words = (*words, "--max-seconds", 60)  # a loaded machine writes out for more than 8
     (loops, told), (written, said) = both(text, *words)
-    error = 1e-8 if method == "radau" else 1e-11
+    error = 1e-8 if method == "radau" else 3e-11
     assert len(loops) == len(written) == 5
     for one, other in zip(loops, written, strict=True):
         # Rotations stand one behind the other if written out.

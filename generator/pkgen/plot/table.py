@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import field
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from ..equations import Quantity
 from ..record import record
@@ -218,16 +217,11 @@ def _npy(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
     from numpy.lib.recfunctions import structured_to_unstructured
 
     try:
-        with open(path, "rb") as file:  # a head that claims more rows than there are bytes
-            claimed = _claimed(file)
-        if claimed > path.stat().st_size:
-            raise UsageError(f"{path}: its head claims {claimed:,} bytes, and it has fewer")
-        found = numpy.load(path, allow_pickle=False)
-    except OSError as error:
-        if error.errno is not None:
+        # A map of the file takes no memory for rows that its head claims and it does not have.
+        found = numpy.load(path, mmap_mode="r", allow_pickle=False)
+    except Exception as error:  # its parser of heads raises what it meets
+        if isinstance(error, OSError) and error.errno is not None:
             raise
-        raise UsageError(f"{path}: no file of NumPy's: {_first(error)}") from None
-    except (ValueError, EOFError, MemoryError, SyntaxError, TypeError, KeyError) as error:
         raise UsageError(f"{path}: no file of NumPy's: {_first(error)}") from None
     names = getattr(getattr(found, "dtype", None), "names", None)
     if not names or found.ndim != 1:
@@ -241,19 +235,6 @@ def _npy(path: Path) -> tuple[list[Quantity], numpy.ndarray]:
     if data.ndim != 2 or data.shape[1] != len(names):
         raise UsageError(f"{path}: its columns are not all of numbers")
     return [Quantity(name, "", "") for name in names], data
-
-
-def _claimed(file: IO[bytes]) -> int:
-    """Bytes of an array, by the head of its file; 0: it has none that can be read."""
-    from numpy.lib import format
-
-    if file.read(len(format.MAGIC_PREFIX)) != format.MAGIC_PREFIX:
-        return 0
-    file.seek(0)
-    read = {1: format.read_array_header_1_0, 2: format.read_array_header_2_0}
-    head = read.get(format.read_magic(file)[0])
-    shape, _, kind = head(file) if head else ((0,), False, None)
-    return math.prod(shape) * (kind.itemsize if kind is not None else 0)
 
 
 def _csv(path: Path) -> tuple[list[Quantity], numpy.ndarray]:

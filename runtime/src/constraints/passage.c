@@ -24,6 +24,7 @@ enum { FEWEST = 6, ROUNDS = 60 };
 #define SETTLED PK_C(1e-9) /* what no longer shrinks below this is rounding */
 #define ROUND (64 * PK_EPS)
 #define LAST PK_C(0.01)   /* sigma, below which rounding forbids to come nearer */
+#define SHORTER PK_C(0.8)
 #define ACCEPT PK_C(10.0) /* tolerances; as of the adaptive Gauss method */
 
 /* The weights of the stages for the integral up to x of the step. */
@@ -168,16 +169,18 @@ static pk_real error_of(const struct pk_integrator *it, const struct pk_passage_
     return most;
 }
 
-/* Whether an adaptive method had better come nearer, where its step over the place is shorter:
- * until the error is rounding, which grows on the way. */
+/* Whether an adaptive method had better come nearer, where its step over the place is shorter. An
+ * error that does not fall with the length is rounding, which grows on the way. */
 static int too_long(const struct pk_integrator *it, const struct pk_passage_parts *x, int sure)
 {
-    const pk_real before = x->is->error;
+    const int shorter = pk_abs(x->is->h) < SHORTER * pk_abs(x->is->length);
+    const pk_real before = shorter ? x->is->error : PK_INFINITY;
     if (!(it->method->traits & PK_ADAPTIVE) || !(x->is->sigma > LAST))
         return 0;
     x->is->error = sure ? error_of(it, x) : PK_INFINITY;
     x->is->tried = x->is->sigma;
-    return x->is->error > ACCEPT && (!(before > 0) || !(x->is->error > before / 2));
+    x->is->length = x->is->h;
+    return x->is->error > ACCEPT && !(x->is->error > before / 2);
 }
 
 enum pk_status pk_passage_step(struct pk_integrator *it)
@@ -195,7 +198,7 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
         it->own->next_t = t;
         if (too_long(it, &x, sure))
             return PK_NO_CONVERGENCE;
-        x.is->error = x.is->tried = 0;
+        x.is->error = x.is->tried = x.is->length = 0;
         if (!sure)
             return pk_because(it, PK_NO_PROJECTION, pk_passage_told(it), x.is->at);
     }

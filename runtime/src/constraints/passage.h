@@ -13,7 +13,7 @@ struct pk_passage {
     pk_real t, h;  /* of the step over it */
     pk_real stages;
     pk_real error; /* in tolerances, of a step over it that was too long; */
-    pk_real tried; /* and the sigma where it began */
+    pk_real tried, length; /* the sigma where it began, and its h */
     pk_real passing; /* it is made, and its end is still to come */
     pk_real row;     /* which of them has the last sigma */
     pk_real unseen;  /* whether the last step left it unknown */
