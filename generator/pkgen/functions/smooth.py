@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 
 from .interval import ANY, NOT_NEGATIVE, POSITIVE, UNIT, Range
-from .row import ARC, DIVISOR, LOGARITHM, ROOT, Function, at
+from .row import ARC, DIVISOR, Function, Kinked, LOGARITHM, ROOT, at
 
 _HALF = Fraction(1, 2)
 _QUARTER = Range(-math.pi / 2, math.pi / 2)
@@ -45,6 +45,8 @@ def _root(value: Fraction) -> Fraction | None:
     n, d = math.isqrt(value.numerator), math.isqrt(value.denominator)
     return Fraction(n, d) if n * n == value.numerator and d * d == value.denominator else None
 
+
+_ANGLE, _TURN = "PK_F(atan2)(y, x)", "2 * PK_F(acos)(-1)"
 
 SMOOTH: dict[str, Function] = {
     "sin": Function(
@@ -126,6 +128,10 @@ SMOOTH: dict[str, Function] = {
         ball=lambda b, y, x: b.atan2(y, x),
         enclosed=lambda e, y, x: e.atan2(y, x),
         jump="atan2 jumps by 2 pi",
+        cut=Kinked(
+            f"({_ANGLE} > 1 ? {_ANGLE} - {_TURN} : {_ANGLE})",
+            f"({_ANGLE} < -1 ? {_ANGLE} + {_TURN} : {_ANGLE})",
+        ),
     ),
     "sinh": Function(
         real=math.sinh,

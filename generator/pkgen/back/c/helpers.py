@@ -26,8 +26,9 @@ def _helper(name: str, arguments: Iterable[str], body: str, note: str, remark: s
 def _sided(name: str) -> dict[str, str]:
     """A side other than 0 says which of its two smooth functions it is."""
     row = FUNCTIONS[name]
-    assert row.kinked is not None
+    sides = row.kinked or row.cut
+    assert sides is not None
     free = row.body or f"PK_F({row.c or name})({', '.join(row.arguments)})"
-    body = f"side > 0 ? {row.kinked.above} : side < 0 ? {row.kinked.below} : {free}"
+    body = f"side > 0 ? {sides.above} : side < 0 ? {sides.below} : {free}"
     note = f"`side`: that of {' - '.join(row.arguments)}." if row.arity > 1 else ""
     return _helper(SIDE + name, ("side", *row.arguments), body, note)

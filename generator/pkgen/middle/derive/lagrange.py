@@ -150,7 +150,7 @@ def located(equations: Equations) -> Equations:
     name = naming(e)
     forces = [*e.pdot, *e.force, *e.state_rates]
     switches = with_impulses(e, switches_of(e.graph, outputs, name), name, _rate_of(e))
-    switches += cut_switches(e.graph, e.lagrangian, forces, name)
+    switches += cut_switches(e, forces, name)
     if e.constraints is not None:
         outputs += [*e.constraints.positions, *e.constraints.residual]
     return replace(e, switches=switches, marks=marks_of(e.graph, outputs, name))

@@ -1,10 +1,11 @@
 """Switches: where the equations of motion change from one smooth form to another.
 
 step(x), and the sign of x that differentiating abs makes, jump where x vanishes; abs(x) has a kink
-there, and min(a, b) and max(a, b) have one where a - b does. Each such x is a switch: on either
-side of its zero the function is a smooth one, and which side it is, is a number beside the
-parameters. The runtime locates the zeros and sets the sides (pk/events.h), so that a step is one of
-a smooth system; side 0 leaves the function as it is.
+there, and min(a, b) and max(a, b) have one where a - b does. atan2(y, x) jumps where y vanishes and
+x is negative (points/cuts.py). Each such argument is a switch: on either side of its zero the
+function is a smooth one, and the side is a number beside the parameters. The runtime locates the
+zeros and sets the sides (pk/events.h), so that a step is one of a smooth system; side 0 leaves the
+function as it is.
 
 Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
 Springer 1993, section II.6, "Discontinuous equations".
@@ -119,6 +120,8 @@ def sides(
     placed = set(reachable(g, positions, VARIABLE))
     for node in range(len(g) if places else 0):
         surface, sign = surfaces.of_call(node)
+        if g.op[node] is Op.CALL and FUNCTIONS[g.data[node]].cut:
+            surface, sign = surfaces(g.args[node][0])
         if surface not in places:
             continue
         k, side = places[surface]

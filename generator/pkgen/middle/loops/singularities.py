@@ -60,7 +60,7 @@ class _Singularities:
                     if moves(self.x, node) and (found not in motions or use == DIVISOR):
                         motions[found] = use
         for over, energy in _ranged(self.e.lagrangian):
-            for angle in jumping_angles(self.g, [energy]):
+            for angle in jumping_angles(self.g, [energy], self.ranges):
                 motions[self._canonical(over, half_cosine(self.g, angle))] = CUT
         kept = dict.fromkeys(charts, COORDINATES)
         kept |= {found: use for found, use in motions.items() if found not in kept}
