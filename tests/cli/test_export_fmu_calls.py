@@ -129,12 +129,12 @@ rolling drive: x' = w
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    ("seed", "model", "count"), [*((k, RIG, 300_000) for k in range(4)), (4, BOUND, 60_000)]
+    ("seed", "model", "count"), [*((k, RIG, 100_000) for k in range(6)), (6, BOUND, 60_000)]
 )
 def test_calls_at_random_under_sanitizers(
     seed: int, model: str, count: int, unit, tmp_path: Path
 ) -> None:
-    """Of what is bound fewer: among more is a step of co-simulation that takes minutes."""
+    """Among more calls there is a step of co-simulation that takes minutes."""
     path = unit(model)
     with zipfile.ZipFile(path) as archive:
         archive.extractall(tmp_path)

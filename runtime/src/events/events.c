@@ -214,6 +214,9 @@ static int outgrown(const struct pk_events *e, const struct pk_integrator *it)
     int found = 0, at_rest = -1;
     if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->passed - h))
         return 0;
+    /* The function of a switch begins with rounding of 0. */
+    if (e->at_switch || h <= PK_C(64.0) * PK_EPS * pk_abs(e->from))
+        return 0;
     for (size_t k = 0; k < pk_events_count(e) && !found; k++) {
         if (!(pk_abs(begin[k]) > PK_TINY) && at_rest < 0)
             at_rest = !(largest(e->q0, e->n_q) > 0) && !(largest(e->v0, e->n) > 0);
