@@ -79,7 +79,9 @@ def _valid(folder: Path) -> dict[str, str]:
 def _mutated(dice: random.Random, data: bytes) -> bytes:
     for _ in range(dice.randint(1, 3)):
         at, end = sorted(dice.randrange(len(data) + 1) for _ in range(2))
-        some = dice.choice((b"", b"\0", b"\xff" * 4, b"9" * 400, b"-", b"[", b'"', data[at:end] * 2))
+        some = dice.choice(
+            (b"", b"\0", b"\xff" * 4, b"9" * 400, b"-", b"[", b'"', data[at:end] * 2)
+        )
         data = data[:at] + some + data[dice.choice((at, min(at + len(some), len(data)), end)) :]
     return data
 

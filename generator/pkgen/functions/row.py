@@ -77,7 +77,7 @@ class Function:
     remark: str = ""  # a comment beside the body
     note: str = ""  # a comment above the helper
     kinked: Kinked | None = None
-    cut: Kinked | None = None  # of one that is smooth but for a branch cut, where its y vanishes
+    cut: Kinked | None = None  # the function is smooth but for a branch cut, where y vanishes
 
     sympy: Callable | str = (
         ""  # a name of SymPy's, if it is not this one; or (sympy module, arguments) -> expression

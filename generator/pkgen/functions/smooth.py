@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 
 from .interval import ANY, NOT_NEGATIVE, POSITIVE, UNIT, Range
-from .row import ARC, DIVISOR, Function, Kinked, LOGARITHM, ROOT, at
+from .row import ARC, DIVISOR, LOGARITHM, ROOT, Function, Kinked, at
 
 _HALF = Fraction(1, 2)
 _QUARTER = Range(-math.pi / 2, math.pi / 2)

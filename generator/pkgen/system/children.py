@@ -115,7 +115,7 @@ def _handled(handlers: dict[int, Callable[[int, object], None]]) -> Iterator[Non
                 for number in [*left]:
                     signal.signal(number, left[number])
                     del left[number]
-            except BaseException as error:  # of a handler: all the same each gets its own again
+            except BaseException as error:  # every handler is restored before the error goes on
                 late = error
         if late is not None:
             raise late

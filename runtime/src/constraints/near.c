@@ -11,7 +11,7 @@
 
 #define AHEAD PK_C(2.0)   /* steps: what is so near is passed, */
 #define EARLY PK_C(0.1)   /* or by this sigma of an adaptive method, whose steps may be short */
-#define LESS PK_C(0.6)    /* of the sigma where a step over it was too long: try again */
+#define LESS PK_C(0.6)    /* sigma has to fall to this share before another step over it is tried */
 #define LONG PK_C(1.25)   /* fixed steps: what is nearer than that is within the next, */
 #define MIDDLE PK_C(0.75) /* and what is farther than that wants two */
 #define LITTLE PK_C(1e-4) /* of the time left, for the slope of sigma */

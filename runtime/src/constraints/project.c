@@ -23,7 +23,7 @@
 #define ROUND (PK_EPS / 2) /* of its terms: as good as zero. More, left each step, drifts */
 #define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
 #define NOTICED (PK_C(1e5) * PK_EPS)    /* of its terms: a residual that is no rounding */
-#define MOST_OFF PK_C(10.0)             /* the models shipped: 47, and 470 in one run at 1e-3 */
+#define MOST_OFF PK_C(10.0)             /* as many as a step of Gauss's may err */
 enum { MOST = 20 };                     /* corrections */
 
 int pk_project_dependent(struct pk_integrator *it)

@@ -45,15 +45,14 @@ static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_re
     pk_band_add_sizes(&band, x, sum);
     for (size_t k = 0; k < places; k++) {
         const pk_real diagonal = *pk_band_entry(&band, k, k);
-        if (place[k] < 0 || !pk_finite(sum[k]))
-            sum[k] = 0;
-        else
-            by_p[(size_t)place[k]] = diagonal > 0 ? ROUNDING * sum[k] / diagonal : 0;
+        sum[k] = place[k] < 0 || !pk_finite(sum[k]) ? 0 : ROUNDING * sum[k];
+        if (!(place[k] < 0))
+            by_p[(size_t)place[k]] = diagonal > 0 ? sum[k] / diagonal : 0;
     }
     unsigned long random = 1;
     for (int sample = pk_band_ldl_factor(&band, place) ? SAMPLES : 0; sample < SAMPLES; sample++) {
         for (size_t k = 0; k < places; k++)
-            x[k] = is_up(&random) ? ROUNDING * sum[k] : -ROUNDING * sum[k];
+            x[k] = is_up(&random) ? sum[k] : -sum[k];
         pk_band_ldl_solve(&band, x);
         for (size_t k = 0; k < places; k++)
             if (!(place[k] < 0) && pk_finite(x[k]))

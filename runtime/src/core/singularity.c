@@ -40,7 +40,7 @@ static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const 
         slope[k] = (slope[k] - value[k]) / d;
 }
 
-/* What rounding of the start leaves of a zero is 0: cos(pi/2), or the lock of an attitude. */
+/* A value is 0 where rounding of the start changes it as much: cos(pi/2), the lock of an attitude. */
 static void clear_rounding(struct pk_integrator *it)
 {
     const size_t count = it->n_q + it->n;

@@ -28,7 +28,7 @@ from ..motion import (
     shortest,
 )
 from ..naming import naming
-from ..points.cuts import cut_switches
+from ..points.cuts import switched
 from ..points.locks import lock
 from ..points.singularities import singularities_of
 from .constrain import constrain
@@ -149,8 +149,8 @@ def located(equations: Equations) -> Equations:
     outputs += e.state_rates
     name = naming(e)
     forces = [*e.pdot, *e.force, *e.state_rates]
-    switches = with_impulses(e, switches_of(e.graph, outputs, name), name, _rate_of(e))
-    switches += cut_switches(e, forces, name)
+    found = switches_of(e.graph, outputs, name, switched(e, forces))
+    switches = with_impulses(e, found, name, _rate_of(e))
     if e.constraints is not None:
         outputs += [*e.constraints.positions, *e.constraints.residual]
     return replace(e, switches=switches, marks=marks_of(e.graph, outputs, name))

@@ -52,9 +52,10 @@ class Surfaces:
 
 
 def switches_of(
-    g: Graph, outputs: Iterable[Node], name: Callable[[Symbol], str]
+    g: Graph, outputs: Iterable[Node], name: Callable[[Symbol], str], cuts: Iterable[Node]
 ) -> tuple[Switch, ...]:
-    """Those of the equations that `outputs` are, each surface once: of x and -x the first."""
+    """Those of the equations that `outputs` are, and the zeros of `cuts`, each surface once: of x
+    and -x the first."""
     found: dict[object, Switch] = {}
     calls = [n for n in reachable(g, outputs, VARIABLE) if argument_of(g, n) != ZERO]
     loose = free(g, outputs)
@@ -67,6 +68,8 @@ def switches_of(
         known = found.setdefault(surface, Switch(Quantity(wording(g, x, name), "", ""), x))
         if node in loose:
             found[surface] = replace(known, held=False)
+    for y in cuts:
+        found.setdefault(surfaces(y)[0], Switch(Quantity(wording(g, y, name), "", ""), y))
     return tuple(found.values())
 
 

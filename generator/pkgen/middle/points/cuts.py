@@ -6,16 +6,15 @@ forces alone jump, y is a switch, so that steps end at its zeros.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
-from ...equations import Equations, Quantity, Switch
+from ...equations import Equations
 from ...graph.differentiate import reachable
-from ...graph.graph import VARIABLE, ZERO, Graph, Node, Op, Symbol
+from ...graph.graph import VARIABLE, ZERO, Graph, Node, Op
 from ...graph.normal import Normal
 from ...graph.ranges import Ranges
 from ...graph.substitute import substituted
-from ...graph.wording import wording
 from .squares import bounds_of
 
 PI = Fraction(355, 113)  # a number that stands for it: what cancels for it does for any
@@ -25,23 +24,20 @@ def jumping_angles(g: Graph, nodes: Sequence[Node], ranges: Ranges) -> Iterator[
     """Angles at whose cut any of the nodes may jump. A sine or cosine of a whole multiple does not
     jump, nor does what is even in the angle, or vanishes with y; and x may be positive."""
     for angle in reachable(g, nodes, VARIABLE):
-        if _is_call(g, angle, "atan2") and not ranges(g.args[angle][1]).positive:
-            if any(_jumps(g, node, angle) for node in nodes):
-                yield angle
+        cut = _is_call(g, angle, "atan2") and not ranges(g.args[angle][1]).positive
+        if cut and any(_jumps(g, node, angle) for node in nodes):
+            yield angle
 
 
 def half_cosine(g: Graph, angle: Node) -> Node:
     return g.call("cos", g.multiply(g.number(Fraction(1, 2)), angle))
 
 
-def cut_switches(
-    e: Equations, forces: Sequence[Node], name: Callable[[Symbol], str]
-) -> tuple[Switch, ...]:
+def switched(e: Equations, forces: Sequence[Node]) -> list[Node]:
     """The y of each angle at whose cut forces jump and the energy does not."""
     g, ranges = e.graph, Ranges(e.graph, [bounds_of(e.graph, slot) for slot in e.parameters])
     ends = {*jumping_angles(g, [e.lagrangian], ranges)}
-    found = {g.args[x][0]: None for x in jumping_angles(g, forces, ranges) if x not in ends}
-    return tuple(Switch(Quantity(wording(g, y, name), "", ""), y) for y in found)
+    return [g.args[x][0] for x in jumping_angles(g, forces, ranges) if x not in ends]
 
 
 def _jumps(g: Graph, node: Node, angle: Node) -> bool:

@@ -75,7 +75,9 @@ def singularities_of(
                     motions[node] = use
     found = dict.fromkeys(charts, COORDINATES)
     found |= {node: use for node, use in motions.items() if node not in charts}
-    found |= dict.fromkeys((half_cosine(g, x) for x in jumping_angles(g, [lagrangian], ranges)), CUT)
+    found |= dict.fromkeys(
+        (half_cosine(g, x) for x in jumping_angles(g, [lagrangian], ranges)), CUT
+    )
     squares = {square for node in found for square in squared(g, node)}
     return tuple(
         Singularity(Quantity(wording(g, about(g, node), name), "", ""), node, use)
