@@ -67,7 +67,8 @@ class Linkage:
 
 
 def _compare(pkgen, tmp_path, seed: int, method: str, most: int, span: float, loops: int) -> None:
-    """To 100 of the tolerance, or to what the run says that rounding leaves."""
+    """To 100 of the tolerance, or to what the run says that rounding leaves. Where rows all but
+    depend on each other, a fixed implicit step may have no solution: the run says so and ends."""
     linkage = Linkage(seed, most, span, loops)
     until = 0.3 * math.sqrt(min(linkage.length) / 9.81)
     fixed = ["--step", until / 256] if method in FIXED else ["--rtol", "1e-9"]
@@ -76,8 +77,11 @@ def _compare(pkgen, tmp_path, seed: int, method: str, most: int, span: float, lo
     full = written(tmp_path / "maximal", linkage.text(True))
     free = written(tmp_path, linkage.text(False))
     done = pkgen("run", full, *at, "--method", method, *fixed)
-    assert done.returncode == 0, (seed, done.stderr)
     lost = max(map(int, DIGITS.findall(done.stderr)), default=0)
+    if method in FIXED and lost >= 6 and "by Newton's method there is a solution" in done.stderr:
+        assert done.returncode == 4, done.stderr
+        return
+    assert done.returncode == 0, (seed, done.stderr)
     names, *_, last = done.stdout.strip().splitlines()
     found = dict(zip(names.split(","), map(float, last.split(",")), strict=True))
     right = rows(pkgen, free, *at, "--rtol", "1e-12")[-1]
