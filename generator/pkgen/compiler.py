@@ -126,6 +126,7 @@ def stages(
     symmetric: bool = False,
     canonical: bool = False,
     own: Sequence[Own] = (),
+    plain: bool = False,
 ) -> Iterator[object]:
     """What each of STAGES makes, in order; a caller that wants no more need not go on.
 
@@ -148,7 +149,8 @@ def stages(
 
     called = asked()
     with _no_collection():
-        equations = _equations(model, kernels, called, self_test or canonical, unroll, needs)
+        some = kernels is not None and not plain
+        equations = _equations(model, some, called, self_test or canonical, unroll, needs)
         if isinstance(equations, LoopEquations):
             from .middle.loops.proofs import with_proofs
 
@@ -164,7 +166,8 @@ def stages(
         from .back.c import loops_lower, render
 
         with _in_range(model):
-            loops = loops_lower.lower_loops(equations, libm, asked(equations, equations.facts))
+            wanted = asked(equations, equations.facts)
+            loops = loops_lower.lower_loops(equations, libm, wanted, plain)
         yield loops, ()
         yield render.render_loops(loops)
         return
@@ -199,15 +202,16 @@ def stages(
     yield left.equations, left.structure, report
     from .back.c import lower, render  # a check goes no further
 
+    how = {"libm": libm or plain, "kept": kept, "plain": plain}
     with _no_collection(), _in_range(model):
-        program = lower.lower(*in_c, of_whole, libm=libm, kept=kept)
+        program = lower.lower(*in_c, of_whole, **how)
         parts = tuple(
             CompiledPart(
                 part.equations.model.name,
                 part.coordinates,
                 part.equations,
                 part.structure,
-                lower.lower(*part_in_c, own, libm=libm, kept=kept),
+                lower.lower(*part_in_c, own, **how),
             )
             for part, part_in_c, own in of_parts
         )
@@ -266,14 +270,14 @@ def _no_collection() -> Iterator[None]:
 
 
 def check_model(
-    source: Source, *, sizes: Mapping[str, int] | None = None
+    source: Source, *, sizes: Mapping[str, int] | None = None, unroll: int | None = 0
 ) -> tuple[Model, tuple[Diagnostic, ...]]:
     """A model of which there are no errors, and the warnings about it; no C is made.
 
     Raises ModelError as compile_model() does: what comes after `reduce` finds no more
     than constants that a double cannot hold.
     """
-    made = stages(source, sizes or {})
+    made = stages(source, sizes or {}, unroll=unroll)
     _, (_, model, warnings), _, _, (equations, *_) = islice(made, STAGES.index("reduce") + 1)
     if extreme(equations.graph):
         next(made)
@@ -285,7 +289,7 @@ PAIRS = 1.5  # times the coordinates that are unrolled: with sums over pairs
 
 def _equations(
     model: Model,
-    kernels: frozenset[str] | None,
+    some: bool,
     called: frozenset[str] | None,
     whole: bool,
     unroll: int | None,
@@ -294,7 +298,7 @@ def _equations(
     """With families as loops, or unrolled with the reason."""
     declared = (*model.coordinates, *model.states)
     count = sum(f.count for f in families(model, declared).values())
-    if kernels is not None or whole:
+    if some or whole:
         reason = "asked for are some kernels, a self-test or the canonical form"
     elif unroll is None:
         reason = "single coordinates are looked at"
@@ -333,7 +337,8 @@ def compile_model(
     solved for, which nothing but `explain` and comments in the C show. `canonical` adds H(q, p)
     and its gradients. `portable` C uses no fused multiply-add: the same bits with and without.
     Without `c` there are no files: `program` is made, and its text is not.
-    `own` are methods beside those that the model brings.
+    `own` are methods beside those that the model brings. `plain` C is to be embedded: with
+    libm's sine and cosine, and without what the runtime takes.
     Raises ModelError with every finding of the stage that could not go on.
     """
     made = stages(source, sizes or {}, **how)

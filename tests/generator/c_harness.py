@@ -134,12 +134,12 @@ class Loaded:
         flags = [optimise, "-ffp-contract=off", "-shared", "-fPIC"]
         run(compiler, *STRICT, *flags, f"{self.name}.c", "-o", library, "-lm", cwd=directory)
         self.library = ctypes.CDLL(str(library))
-        count = len(program.parameter_names) + max(1, program.hoisted)
+        count = len(program.parameter_names) + len(program.constants)
         if program.factored:
             n = len(program.equations.coordinates)
             count += n * n + n
         count += len(program.equations.switches)
-        self.params = (ctypes.c_double * count)()
+        self.params = (ctypes.c_double * max(1, count))()
         self.function("defaults", None)(self.params)
 
     def function(self, name: str, result: object):

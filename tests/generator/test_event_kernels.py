@@ -95,7 +95,7 @@ def test_explain_shows_them():
 def test_the_table_for_the_runtime():
     files = compile_model(Source("cart.lag", CART)).files
     assert '{{"high", "m/s", "the bob turns"}, -1, 1}' in files["cart.c"]
-    assert "{.n = 4, .table = cart_events, .values = cart_sys_event}" in files["cart.c"]
+    assert "{.n = 4, .table = cart_events, .values = cart_sys_event}" in files["cart_system.c"]
     assert "cart_e_high = 1" in files["cart.h"] and "cart_EVENTS = 4" in files["cart.h"]
 
 

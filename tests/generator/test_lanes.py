@@ -185,7 +185,7 @@ def test_a_wrong_lane_is_seen(tmp_path):
     source = path.read_text()
     for right, wrong in [
         ("any |= bad[l];", "any |= bad[l] & 2;"),
-        ("p.c_[6] = P[11 * W + l];", "p.c_[6] = P[10 * W + l];"),
+        ("p.m2_l1_l2 = P[11 * W + l];", "p.m2_l1_l2 = P[10 * W + l];"),
     ]:
         assert right in source
         path.write_text(source.replace(right, wrong))

@@ -72,10 +72,10 @@ def potential_text(build) -> tuple[str, list[str]]:
         ),
         (
             lambda g, x, m, k: g.multiply(m, g.multiply(x, k)),
-            "return p->c_[0] * x",
+            "return p->m_k * x",
             ["p->m * p->k"],
         ),
-        (lambda g, x, m, k: g.divide(x, m), "return p->c_[0] * x", ["1 / p->m"]),
+        (lambda g, x, m, k: g.divide(x, m), "return p->inv_m * x", ["1 / p->m"]),
         (
             lambda g, x, m, k: g.divide(g.call("exp", x), g.add(x, k)),
             "return PK_F(exp)(x) / (p->k + x)",

@@ -156,7 +156,7 @@ def particles(text: str, kernels: frozenset[str] | None = ALL):
 def test_found(text: str) -> None:
     found, compilation = particles(text)
     assert found.why == "" and len(found.masses) == FOUND[text]
-    assert f".particles = {{.n = {FOUND[text]}," in compilation.files["a.c"]
+    assert f".particles = {{.n = {FOUND[text]}," in compilation.files["a_system.c"]
 
 
 @pytest.mark.parametrize("text", NOT)
@@ -164,7 +164,7 @@ def test_not_of_particles(text: str) -> None:
     found, compilation = particles(text)
     assert NOT[text] in found.why and not found.masses
     assert compilation.model.source.place(found.span).startswith("a.lag:")
-    assert "particles" not in compilation.files["a.c"]
+    assert "particles" not in compilation.files["a_system.c"]
 
 
 @pytest.mark.parametrize("text", AT)
@@ -228,5 +228,5 @@ def test_models(path: Path) -> None:
 
 def test_only_where_they_are_asked_for() -> None:
     found, compilation = particles(PLANE + "kinetic (x'^2 + y'^2)/2", None)
-    assert found is None and "particles" not in compilation.files["a.c"]
+    assert found is None and "particles" not in compilation.files["a_system.c"]
     assert check_model(compilation.model.source)

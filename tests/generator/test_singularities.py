@@ -107,7 +107,7 @@ def test_the_kernel_and_its_table(tmp_path):
     _, program = read_model(next(p for p in MODELS if p.stem == "heavy_top"))
     loaded = Loaded(program, tmp_path)
     assert loaded.call("singularity", 0, [0.3, 2.385, 0.1], [0, 0, 0])[1] == [[math.sin(2.385)]]
-    source = (tmp_path / "heavy_top.c").read_text()
+    source = (tmp_path / "heavy_top_system.c").read_text()
     assert '{{"sin(theta)", "", ""}, PK_SINGULARITY_COORDINATES},' in source
     table = source[source.index(".singularities = {") :].split("}")[0]
     assert ".n = 1," in table and ".values = heavy_top_sys_singularity" in table

@@ -170,7 +170,7 @@ def test_states_that_nothing_reads_are_left_out_of_newtons_equations(seed, tmp_p
     lines += ["start q = 1.2", *(f"start s{k} = {draw.uniform(-1, 1)!r}" for k in range(n))]
     text = "\n".join(lines) + "\n"
     unread = n - 1 - max(read, default=-1)
-    (c,) = (body for name, body in compiled(text).files.items() if name.endswith(".c"))
+    (c,) = (body for name, body in compiled(text).files.items() if name.endswith("_system.c"))
     assert (f".n_unread = {unread}," in c) == (unread > 0) and c.count("n_unread") == (unread > 0)
     path = tmp_path / "reads.lag"
     path.write_text(text)
@@ -230,7 +230,7 @@ def test_strict_c_that_agrees_with_itself(text: str, tmp_path: Path) -> None:
     run("gcc", *STRICT, "-DPK_RUNTIME", f"-I{include}", "-fsyntax-only", sources[0], cwd=tmp_path)
     header = files[f"{name}.h"]
     n, states = (re.search(rf"{name}_{what} = (\d+)", header)[1] for what in ("N", "FIRST_ORDER"))
-    assert f".n_first_order = {states}," in files[f"{name}.c"]
+    assert f".n_first_order = {states}," in files[f"{name}_system.c"]
     first = int(n) - int(states)
     declared = re.search(r"^state (\w+)", text, re.M)[1]
     assert f"{name}_x_{declared} = {first}" in header

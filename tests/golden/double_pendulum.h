@@ -4,18 +4,8 @@
  * SHA-256 of the model's text:
  *   4cfd5e7c980a555e9f8eec8d91da54e2d0399eb995ce9fe1d123e94974313711
  *
- * Compile:  cc -std=c99 -O3 -march=native -ffp-contract=off -fno-math-errno
- *              -c double_pendulum.c
- * in double (link with -lm); with -DPK_FLOAT in float, with -DPK_LONG_DOUBLE in long double, with
- * -DPK_FLOAT128 in gcc's __float128 (link with -lquadmath). With -DPK_RUNTIME and pkgen's runtime
- * there is also `double_pendulum_system`, for its integrators.
- *
- * -O3 and -march=native (AVX2, AVX-512, fused multiply-add) make vector code of the lane kernels;
- * for the others -O2 is as good. -ffp-contract=off gives the same bits with every compiler, and in
- * every lane; =fast is 6 % faster at best. Sine and cosine have other bits where there is fused
- * multiply-add than where there is none; not with -DPK_PORTABLE. Other functions are those of the C
- * library. -fno-math-errno lets square roots be vector code. Never -ffast-math: it makes tests for
- * what is not a number false.
+ * Compile:  cc -std=c99 -O2 -c double_pendulum.c     (link with -lm)
+ * in double; with -DPK_FLOAT in float, with -DPK_LONG_DOUBLE in long double.
  *
  * Use:
  *
@@ -32,162 +22,33 @@
  *
  * Nothing here allocates, prints or keeps a state: any number of threads may call it.
  *
- * Operations of each kernel, constants aside:
+ * Constant along every motion: energy: time shift.
  *
- *   acceleration  32 operations: 3 +, 4 -, 19 *, 1 /, 1 neg, 2 cos, 2 sin
- *   mass          8 operations: 1 +, 3 *, 2 cos, 2 sin
- *   force         18 operations: 3 -, 10 *, 1 neg, 2 cos, 2 sin
- *   canonical     26 operations: 3 +, 3 -, 15 *, 1 neg, 2 cos, 2 sin
- *   momenta       15 operations: 3 +, 8 *, 2 cos, 2 sin
- *   gradient      15 operations: 3 -, 7 *, 1 neg, 2 cos, 2 sin
- *   jacobian      25 operations: 1 +, 3 -, 13 *, 4 neg, 2 cos, 2 sin
- *   linear        32 operations: 3 +, 4 -, 18 *, 3 neg, 2 cos, 2 sin
- *   energy        19 operations: 3 +, 2 -, 10 *, 2 cos, 2 sin
- *   lagrangian    19 operations: 5 +, 10 *, 2 cos, 2 sin
- *   kinetic       15 operations: 3 +, 8 *, 2 cos, 2 sin
- *   potential     6 operations: 1 -, 2 *, 1 neg, 2 cos
- *   prepare       29 operations: 3 +, 25 *, 1 /
- *
- * Structure of the equations of motion, as far as it is proved:
- *
- *   mass matrix: dense, depends on the coordinates
- *   definite: yes, everywhere
- *   separable: no: verlet does not apply
- *   linear: no
- *   explicit time: no
- *   forces beyond L: none
- *   smooth: yes
- *
- * Constant along every motion:
- *
- *   energy: time shift
- *
- * MIT No Attribution (MIT-0)
- *
- * Permission is hereby granted, free of charge, to any person obtaining a copy of this software
- * and associated documentation files (the "Software"), to deal in the Software without
- * restriction, including without limitation the rights to use, copy, modify, merge, publish,
- * distribute, sublicense, and/or sell copies of the Software, and to permit persons to whom the
- * Software is furnished to do so.
- *
- * THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING
- * BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND
- * NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM,
- * DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM,
- * OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE.
+ * SPDX-License-Identifier: MIT-0
  */
 #ifndef double_pendulum_H
 #define double_pendulum_H
 
 #include <stddef.h>
 
-/* The scalar type of kernels and runtime: double, or with -DPK_FLOAT float, -DPK_LONG_DOUBLE
- * long double, -DPK_FLOAT128 gcc's __float128 (link with -lquadmath).
- *
- * PK_C(0.5) is a constant of that type, PK_F(sin) the <math.h> function for it, PK_EPSILON the
- * gap between 1 and the next number.
- *
- * MIT-0: pkgen pastes this text into the headers that it generates; see LICENSE.
- */
+/* Numbers are double, or with -DPK_FLOAT float, with -DPK_LONG_DOUBLE long double. */
 #ifndef PK_REAL_H
 #define PK_REAL_H
-
-#include <float.h>
-#include <math.h>
-#include <stdint.h>
-
 #if defined PK_FLOAT
 typedef float pk_real;
 #define PK_C(x) x##F
-#define PK_F(name) name##f
 #define PK_EPSILON FLT_EPSILON
-#define PK_INFINITY INFINITY /* a float; not all have HUGE_VALF */
 #elif defined PK_LONG_DOUBLE
 typedef long double pk_real;
 #define PK_C(x) x##L
-#define PK_F(name) name##l
 #define PK_EPSILON LDBL_EPSILON
-#define PK_INFINITY HUGE_VALL
-#elif defined PK_FLOAT128
-#include <quadmath.h>
-__extension__ typedef __float128 pk_real;
-#define PK_C(x) x##Q
-#define PK_F(name) name##q
-#define PK_EPSILON FLT128_EPSILON
-#define PK_INFINITY HUGE_VALQ
 #else
 typedef double pk_real;
 #define PK_C(x) x
-#define PK_F(name) name
 #define PK_EPSILON DBL_EPSILON
-#define PK_INFINITY HUGE_VAL
 #endif
-
-/* What a kernel that can fail returns: 0, or which failure it is and the number of what failed. Of
- * such a value, say PK_FAILED(PK_FAILURE_MASS, i), PK_FAILURE() and PK_FAILURE_AT() are the
- * parts. */
-enum pk_failure {
-    PK_FAILURE_MASS = 1,   /* pivot i of M = L D L^T is not positive: M is singular or indefinite */
-    PK_FAILURE_CONSTRAINT, /* row k of the constraints depends on those before it */
-    PK_FAILURE_PARAMETER,  /* parameter k is outside its bounds, or not finite */
-    PK_FAILURE_DERIVED,    /* what follows from the parameters is not finite (1/m at m = 0) */
-    PK_FAILURE_SIZE        /* a size is too small */
-};
-#define PK_FAILED(failure, number) ((int)(failure) + 8 * (int)(number))
-#define PK_FAILURE(value) ((enum pk_failure)((value) % 8))
-#define PK_FAILURE_AT(value) ((value) / 8)
-
 #define PK_PI PK_C(3.14159265358979323846264338327950288)
-
-/* Unsigned, as wide as pk_real where that can be: flags of a lane beside its numbers. */
-#ifdef PK_FLOAT
-typedef uint32_t pk_bits;
-#else
-typedef uint64_t pk_bits;
-#endif
-
-/* States that a lane kernel takes side by side: two vectors of AVX2, one of AVX-512. On x86 gcc 12
- * makes vector code of lanes from SSE4.2 on, not of plain SSE2: give -march=native. */
-#define PK_LANES 8
-
-/* C++ has no such word, but compilers have. */
-#if defined __cplusplus && (defined __GNUC__ || defined _MSC_VER)
-#define PK_RESTRICT __restrict
-#elif defined __cplusplus
-#define PK_RESTRICT
-#else
-#define PK_RESTRICT restrict
-#endif
-
-#if defined __GNUC__
-#define PK_INLINE inline __attribute__((always_inline, unused))
-#define PK_RARELY __attribute__((noinline, cold))
-#else
-#define PK_INLINE inline
-#define PK_RARELY
-#endif
-
-/* How a kernel that may fail is run: in a lane without any branch, so too as a member with its own
- * parameters (those of lanes are checked ahead), once without slow cases, or carefully, with all
- * of them. */
-enum pk_pass { PK_IN_LANE, PK_IN_MEMBER, PK_ONCE, PK_CAREFULLY };
-
-/* Before a loop whose turns do not depend on each other. gcc would unroll a short one of 8 turns
- * ahead of looking for vectors, and find none. (clang sees that by `restrict`, and would warn
- * where it cannot do what a pragma of its own demands.) */
-#if defined __GNUC__ && !defined __clang__
-#define PK_LANE_LOOP _Pragma("GCC ivdep") _Pragma("GCC unroll 1")
-#else
-#define PK_LANE_LOOP
-#endif
-
-/* A pivot of M smaller than this, relative to its diagonal entry, is lost in rounding. */
-#define PK_PIVOT_MIN (16 * PK_EPSILON)
-
-#endif
-
-#ifdef PK_RUNTIME
-#include <pk/system.h>
+#define PK_PIVOT_MIN (16 * PK_EPSILON) /* a smaller pivot of M, beside its diagonal, is rounding */
 #endif
 
 #ifdef __cplusplus
@@ -197,10 +58,7 @@ extern "C" {
 /* How many there are of each. */
 enum {
     double_pendulum_N = 2, /* degrees of freedom */
-    double_pendulum_PARAMETERS = 5,
-    double_pendulum_INPUTS = 0,
-    double_pendulum_OBSERVED = 0,
-    double_pendulum_CONSERVED = 0
+    double_pendulum_PARAMETERS = 5
 };
 
 /* Indices into q, v, momenta, ... */
@@ -209,35 +67,31 @@ enum {
     double_pendulum_q_theta2 = 1 /* from the downward vertical [rad] */
 };
 
-/* Indices into the table of parameters */
-enum {
-    double_pendulum_p_m1 = 0, /* upper bob [kg] */
-    double_pendulum_p_m2 = 1, /* lower bob [kg] */
-    double_pendulum_p_l1 = 2, /* upper rod [m] */
-    double_pendulum_p_l2 = 3, /* lower rod [m] */
-    double_pendulum_p_g = 4 /* gravity [m/s^2] */
-};
-
 struct double_pendulum_params {
     pk_real m1; /* upper bob [kg] in (0, inf) */
     pk_real m2; /* lower bob [kg] in (0, inf) */
     pk_real l1; /* upper rod [m] in (0, inf) */
     pk_real l2; /* lower rod [m] in (0, inf) */
     pk_real g; /* gravity [m/s^2] */
-    pk_real c_[13]; /* computed by double_pendulum_prepare(); do not set */
+    /* Computed by double_pendulum_prepare(); do not set. */
+    pk_real M_0_0; /* m1 * l1 * l1 + l1 * l1 * m2 */
+    pk_real m2_l2_sq; /* m2 * l2 * l2 */
+    pk_real m2_l1_l2; /* m2 * l1 * l2 */
+    pk_real c1; /* g * l1 * m1 + g * l1 * m2 */
+    pk_real g_l2_m2; /* g * l2 * m2 */
+    pk_real inv_M_0_0; /* 1 / M_0_0 */
+    pk_real c2; /* inv_M_0_0 * l1 * l1 * l2 * l2 * m2 * m2 */
+    pk_real m2_l1_l2_inv_M_0_0; /* m2_l1_l2 * inv_M_0_0 */
+    pk_real half_M_0_0; /* PK_C(0.5) * M_0_0 */
+    pk_real half_m2_l2_sq; /* PK_C(0.5) * m2_l2_sq */
 };
 
 /** Sets every parameter to its default and calls double_pendulum_prepare(). */
 void double_pendulum_defaults(struct double_pendulum_params *p);
 
-/** Computes again the defaults that follow other parameters, but not those of index i with
- * given[i] != 0. `given` may be NULL: none is given. */
-void double_pendulum_derive(struct double_pendulum_params *p, const unsigned char *given);
-
 /** Computes what depends on parameters alone; must follow any change of them. @return 0,
- * PK_FAILED(PK_FAILURE_PARAMETER, k) where parameter k is outside its bounds or not finite, or
- * PK_FAILED(PK_FAILURE_DERIVED, 0) where each is allowed but what is computed from them is not
- * finite. */
+ * 1 + k where parameter k is outside its bounds or not finite, or
+ * -1 where a constant computed from them is not finite. */
 int double_pendulum_prepare(struct double_pendulum_params *p);
 
 /** The bounds of the parameters, infinite where there is none: lo[5], hi[5]. */
@@ -252,105 +106,28 @@ void double_pendulum_start(const struct double_pendulum_params *p, pk_real *q, p
 
 /** a = q'' with M a = f, by M = L D L^T
  * @param[out] a [2]: theta1'' [rad/s^2], theta2'' [rad/s^2]
- * @return 0, or PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or
- * indefinite there, or something is not a number. Then a is not written.
- * @note 32 operations: 3 +, 4 -, 19 *, 1 /, 1 neg, 2 cos, 2 sin. */
+ * @return 0, or 1 + i where pivot i is not positive: M is singular or
+ *   indefinite there, or something is not a number. Then a is not written. */
 int double_pendulum_acceleration(const struct double_pendulum_params *p, pk_real t,
                                  const pk_real *q, const pk_real *v, const pk_real *u, pk_real *a);
 
-/* The same for W = PK_LANES states side by side: q[i*W + l] is coordinate i of lane l, and so
- * on. Bit l of what is returned is set where double_pendulum_acceleration() would fail; a of
- * that lane is not to be used. */
-unsigned long long double_pendulum_lanes(const struct double_pendulum_params *p, const pk_real *t,
-                                         const pk_real *q, const pk_real *v, const pk_real *u,
-                                         pk_real *a);
-
-/* The same, with parameters of its own in each lane: P[k*W + l] is pk_real number k of its
- * struct double_pendulum_params. */
-unsigned long long double_pendulum_members(const pk_real *P, const pk_real *t, const pk_real *q,
-                                           const pk_real *v, const pk_real *u, pk_real *a);
-
 /** M = dp/dv
  * @param[out] M [2*2]: M[i*2 + j] = dp_i/dv_j, row-major, symmetric; the unit of p_i over that
- *   of v_j
- * @note 8 operations: 1 +, 3 *, 2 cos, 2 sin. */
+ *   of v_j */
 void double_pendulum_mass(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                           const pk_real *v, const pk_real *u, pk_real *M);
 
 /** f = pdot - (dp/dq) v - dp/dt
- * @param[out] f [2]: of theta1 [kg*m^2/s^2], of theta2 [kg*m^2/s^2]
- * @note 18 operations: 3 -, 10 *, 1 neg, 2 cos, 2 sin. */
+ * @param[out] f [2]: of theta1 [kg*m^2/s^2], of theta2 [kg*m^2/s^2] */
 void double_pendulum_force(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
                            const pk_real *v, const pk_real *u, pk_real *f);
 
-/** p = dL/dv and pdot = dL/dq + Q - dD/dv
- * @param[out] momenta [2]: p_theta1 [kg*m^2/s], p_theta2 [kg*m^2/s]
- * @param[out] pdot [2]: of theta1 [kg*m^2/s^2], of theta2 [kg*m^2/s^2]
- * @note 26 operations: 3 +, 3 -, 15 *, 1 neg, 2 cos, 2 sin. */
-void double_pendulum_canonical(const struct double_pendulum_params *p, pk_real t,
-                               const pk_real *q, const pk_real *v, const pk_real *u,
-                               pk_real *momenta, pk_real *pdot);
-
-/** p = dL/dv
- * @param[out] momenta [2]: p_theta1 [kg*m^2/s], p_theta2 [kg*m^2/s]
- * @note 15 operations: 3 +, 8 *, 2 cos, 2 sin. */
-void double_pendulum_momenta(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
-                             const pk_real *v, const pk_real *u, pk_real *momenta);
-
-/** dL/dq
- * @param[out] dLdq [2]: of theta1 [kg*m^2/s^2], of theta2 [kg*m^2/s^2]
- * @note 15 operations: 3 -, 7 *, 1 neg, 2 cos, 2 sin. */
-void double_pendulum_gradient(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
-                              const pk_real *v, const pk_real *u, pk_real *dLdq);
-
-/** dp/dq, d(pdot)/dq, d(pdot)/dv
- * @param[out] p_q [2*2]: p_q[i*2 + j] = dp_i/dq_j
- * @param[out] pdot_q [2*2]: pdot_q[i*2 + j] = d(pdot_i)/dq_j
- * @param[out] pdot_v [2*2]: pdot_v[i*2 + j] = d(pdot_i)/dv_j
- * @note 25 operations: 1 +, 3 -, 13 *, 4 neg, 2 cos, 2 sin. */
-void double_pendulum_jacobian(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
-                              const pk_real *v, const pk_real *u, pk_real *p_q, pk_real *pdot_q,
-                              pk_real *pdot_v);
-
-/** derivatives of r = f - M a by q, v and t, with a and the inputs held
- * @param[out] r_q [2*2]: r_q[i*2 + j] = dr_i/dq_j, so that M (da/dq) = r_q where a is the
- *   acceleration
- * @param[out] r_v [2*2]: r_v[i*2 + j] = dr_i/dv_j
- * @param[out] r_t [2]
- * @note 32 operations: 3 +, 4 -, 18 *, 3 neg, 2 cos, 2 sin. */
-void double_pendulum_linear(const struct double_pendulum_params *p, pk_real t, const pk_real *q,
-                            const pk_real *v, const pk_real *u, const pk_real *a, pk_real *r_q,
-                            pk_real *r_v, pk_real *r_t);
-
 /** h = v.p - L
- * @return the value [J]
- * @note 19 operations: 3 +, 2 -, 10 *, 2 cos, 2 sin. */
+ * @return the value [J] */
 pk_real double_pendulum_energy(const struct double_pendulum_params *p, pk_real t,
                                const pk_real *q, const pk_real *v, const pk_real *u);
 
-/** L
- * @return the value [J]
- * @note 19 operations: 5 +, 10 *, 2 cos, 2 sin. */
-pk_real double_pendulum_lagrangian(const struct double_pendulum_params *p, pk_real t,
-                                   const pk_real *q, const pk_real *v, const pk_real *u);
-
-/** T
- * @return the value [J]
- * @note 15 operations: 3 +, 8 *, 2 cos, 2 sin. */
-pk_real double_pendulum_kinetic(const struct double_pendulum_params *p, pk_real t,
-                                const pk_real *q, const pk_real *v, const pk_real *u);
-
-/** V
- * @return the value [J]
- * @note 6 operations: 1 -, 2 *, 1 neg, 2 cos. */
-pk_real double_pendulum_potential(const struct double_pendulum_params *p, pk_real t,
-                                  const pk_real *q, const pk_real *v, const pk_real *u);
-
 /* What the model's author called things. Only the names in C may differ: I is I_ there. */
-#ifdef PK_RUNTIME
-#define double_pendulum_quantity pk_quantity
-#define double_pendulum_parameter pk_parameter
-#else
 struct double_pendulum_quantity {
     const char *name;
     const char *unit; /* SI, "" if it has none */
@@ -363,17 +140,10 @@ struct double_pendulum_parameter {
     int follows;   /* its default is computed from other parameters */
     int lo_open, hi_open;
 };
-#endif
 
-extern const char double_pendulum_source_hash[65];
 extern const struct double_pendulum_parameter double_pendulum_parameters[5];
 extern const struct double_pendulum_quantity double_pendulum_coordinates[2];
 extern const struct double_pendulum_quantity double_pendulum_rates[2];
-extern const struct double_pendulum_quantity double_pendulum_momentum_names[2];
-
-#ifdef PK_RUNTIME
-extern const struct pk_system double_pendulum_system;
-#endif
 
 #ifdef __cplusplus
 }

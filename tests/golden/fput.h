@@ -30,6 +30,8 @@
  *
  * Families are loops: the code is the same for every size. Operations, constants aside:
  *
+ * Operations of each kernel, constants aside:
+ *
  *   force_q: 9 operations: 1 +, 4 -, 4 * a member
  *   canonical_q: 9 operations: 1 +, 4 -, 4 * a member
  *   momenta_q: no operations a member
@@ -50,23 +52,9 @@
  *   forces beyond L: none
  *   smooth: yes
  *
- * Constant along every motion:
+ * Constant along every motion: energy: time shift.
  *
- *   energy: time shift
- *
- * MIT No Attribution (MIT-0)
- *
- * Permission is hereby granted, free of charge, to any person obtaining a copy of this software
- * and associated documentation files (the "Software"), to deal in the Software without
- * restriction, including without limitation the rights to use, copy, modify, merge, publish,
- * distribute, sublicense, and/or sell copies of the Software, and to permit persons to whom the
- * Software is furnished to do so.
- *
- * THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING
- * BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND
- * NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM,
- * DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM,
- * OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE.
+ * SPDX-License-Identifier: MIT-0
  */
 #ifndef fput_H
 #define fput_H
@@ -343,12 +331,12 @@ extern const struct fput_quantity fput_coordinates[1];
 extern const struct fput_quantity fput_rates[1];
 extern const struct fput_quantity fput_momentum_names[1];
 
-#ifdef PK_RUNTIME
-extern const struct pk_system fput_system;
-#endif
-
 #ifdef __cplusplus
 }
+#endif
+
+#ifdef PK_RUNTIME
+#include "fput_system.h"
 #endif
 
 #endif

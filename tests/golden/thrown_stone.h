@@ -4,18 +4,8 @@
  * SHA-256 of the model's text:
  *   c163f66fec67109b75ada1a37ec2ab4eb94a439758b7e8c42201abb11be1aac4
  *
- * Compile:  cc -std=c99 -O3 -march=native -ffp-contract=off -fno-math-errno
- *              -c thrown_stone.c
- * in double (link with -lm); with -DPK_FLOAT in float, with -DPK_LONG_DOUBLE in long double, with
- * -DPK_FLOAT128 in gcc's __float128 (link with -lquadmath). With -DPK_RUNTIME and pkgen's runtime
- * there is also `thrown_stone_system`, for its integrators.
- *
- * -O3 and -march=native (AVX2, AVX-512, fused multiply-add) make vector code of the lane kernels;
- * for the others -O2 is as good. -ffp-contract=off gives the same bits with every compiler, and in
- * every lane; =fast is 6 % faster at best. Sine and cosine have other bits where there is fused
- * multiply-add than where there is none; not with -DPK_PORTABLE. Other functions are those of the C
- * library. -fno-math-errno lets square roots be vector code. Never -ffast-math: it makes tests for
- * what is not a number false.
+ * Compile:  cc -std=c99 -O2 -c thrown_stone.c     (link with -lm)
+ * in double; with -DPK_FLOAT in float, with -DPK_LONG_DOUBLE in long double.
  *
  * Use:
  *
@@ -60,19 +50,7 @@
  *   forces beyond L: yes (force or dissipation)
  *   smooth: between zeros of y', which a run locates
  *
- * MIT No Attribution (MIT-0)
- *
- * Permission is hereby granted, free of charge, to any person obtaining a copy of this software
- * and associated documentation files (the "Software"), to deal in the Software without
- * restriction, including without limitation the rights to use, copy, modify, merge, publish,
- * distribute, sublicense, and/or sell copies of the Software, and to permit persons to whom the
- * Software is furnished to do so.
- *
- * THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING
- * BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND
- * NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM,
- * DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM,
- * OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE.
+ * SPDX-License-Identifier: MIT-0
  */
 #ifndef thrown_stone_H
 #define thrown_stone_H
@@ -224,7 +202,10 @@ struct thrown_stone_params {
     pk_real m; /* [kg] in (0, inf) */
     pk_real k; /* drag over the square of the speed [kg/m] in [0, inf) */
     pk_real g; /* [m/s^2] */
-    pk_real c_[3]; /* computed by thrown_stone_prepare(); do not set */
+    /* Computed by thrown_stone_prepare(); do not set. */
+    pk_real half_m; /* PK_C(0.5) * m */
+    pk_real m_g; /* m * g */
+    pk_real k_per_m; /* k / m */
     /* Which side of its zero each of thrown_stone_switching() is held on, whatever its value: 1 above, -1
      * below. 0, as thrown_stone_defaults() sets it: on that of its value. Set by the runtime's pk/events.h
      * in a copy of its own, so that a step across a zero is one of smooth equations. */
@@ -240,8 +221,7 @@ void thrown_stone_derive(struct thrown_stone_params *p, const unsigned char *giv
 
 /** Computes what depends on parameters alone; must follow any change of them. @return 0,
  * PK_FAILED(PK_FAILURE_PARAMETER, k) where parameter k is outside its bounds or not finite, or
- * PK_FAILED(PK_FAILURE_DERIVED, 0) where each is allowed but what is computed from them is not
- * finite. */
+ * PK_FAILED(PK_FAILURE_DERIVED, 0) where a constant computed from them is not finite. */
 int thrown_stone_prepare(struct thrown_stone_params *p);
 
 /** The bounds of the parameters, infinite where there is none: lo[3], hi[3]. */
@@ -257,7 +237,7 @@ void thrown_stone_start(const struct thrown_stone_params *p, pk_real *q, pk_real
 /** a = q'' with M a = f, by M = L D L^T
  * @param[out] a [1]: y'' [m/s^2]
  * @return 0, or PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or
- * indefinite there, or something is not a number. Then a is not written.
+ *   indefinite there, or something is not a number. Then a is not written.
  * @note 5 operations: 1 -, 2 *, 1 neg, 1 abs. */
 int thrown_stone_acceleration(const struct thrown_stone_params *p, pk_real t, const pk_real *q,
                               const pk_real *v, const pk_real *u, pk_real *a);
@@ -395,12 +375,12 @@ extern const struct thrown_stone_quantity thrown_stone_coordinates[1];
 extern const struct thrown_stone_quantity thrown_stone_rates[1];
 extern const struct thrown_stone_quantity thrown_stone_momentum_names[1];
 
-#ifdef PK_RUNTIME
-extern const struct pk_system thrown_stone_system;
-#endif
-
 #ifdef __cplusplus
 }
+#endif
+
+#ifdef PK_RUNTIME
+#include "thrown_stone_system.h"
 #endif
 
 #endif

@@ -59,7 +59,7 @@ def prepare(
         options,
         libm=options.libm,
         portable=options.portable,
-        unroll=lengths.UNROLL_MEMBERS if several else lengths.UNROLL,
+        unroll=lengths.unroll(options, several),
         kernels=diagnostics.kernels(asked),
         use=scene_use.of_run(options),
     )

@@ -8,10 +8,11 @@ from ..equations import Equations, Matrix, Row
 from ..graph.graph import ZERO, Graph, Node, Op
 from ..graph.solve import Pivots
 from ..record import record
-from .targets import CHECK, FILL, RETURN, STORE, Output, Target
+from .targets import CHECK, FILL, MIRROR, RETURN, STORE, Output, Target
 
 Hint = tuple[Node, str]
 _FEW_ZEROS = 8  # of a matrix, each written out
+_FEW_ROWS = 6  # of a symmetric matrix, each entry below the diagonal written out
 
 
 @record
@@ -112,10 +113,11 @@ def _is_matrix(x: Row | Matrix) -> bool:
 
 
 def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Target]:
-    """All entries; of a symmetric matrix the upper triangle, mirrored. Many zeros are written by
-    a loop at the start."""
+    """All entries; of a symmetric matrix the upper triangle, mirrored, by a loop where it is large.
+    Many zeros are written by a loop at the start."""
     columns = len(matrix[0])
     zeros = sum(node == ZERO for row in matrix for node in row)
+    small = symmetric and columns <= _FEW_ROWS
     targets = []
     if zeros > _FEW_ZEROS:
         targets.append(Target(FILL, name, (), str(len(matrix) * columns)))
@@ -123,8 +125,10 @@ def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Ta
         for j in range(i if symmetric else 0, columns):
             if row[j] == ZERO and targets and targets[0].kind == FILL:
                 continue
-            mirrored = (f"{name}[{j * columns + i}]",) if symmetric and j > i else ()
+            mirrored = (f"{name}[{j * columns + i}]",) if small and j > i else ()
             targets.append(Target(STORE, f"{name}[{i * columns + j}]", (row[j],), also=mirrored))
+    if symmetric and not small:
+        targets.append(Target(MIRROR, name, (), str(columns)))
     return targets
 
 

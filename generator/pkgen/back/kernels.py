@@ -14,10 +14,19 @@ from .kernels_canonical import CANONICAL, CANONICAL_SPECS
 from .targets import Target
 
 
-def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> frozenset[str]:
-    """Those of `wanted` that the model has, and those that these call."""
+# The kernels of C to be embedded.
+PLAIN = frozenset(("acceleration", "energy", "force", "mass", "observe"))
+
+
+def needed_kernels(
+    equations: Equations, wanted: frozenset[str] | None, plain: bool = False
+) -> frozenset[str]:
+    """Those of `wanted` that the model has, and those that these call, or that the runtime calls
+    where it is not `plain`."""
     names = {n for n, spec in KERNELS.items() if n != "start" and spec.exists(equations)}
-    if wanted is not None:
+    if plain:
+        names &= wanted or names
+    elif wanted is not None:
         names &= (
             wanted
             | CANONICAL
@@ -25,8 +34,8 @@ def needed_kernels(equations: Equations, wanted: frozenset[str] | None) -> froze
             | ({"linear"} if LINEAR_OF_FEW in wanted else set())
         )
     for name, needed in (("switching", equations.switches), ("marking", equations.marks)):
-        names |= {name} if needed else set()
-    if equations.jolted:
+        names |= {name} if needed and not plain else set()
+    if equations.jolted and not plain:
         corner = ("corner", "energy", "unconstrained", "inertia")
         names |= {name for name in corner if KERNELS[name].exists(equations)}
     if "acceleration" in names and equations.acceleration is None:

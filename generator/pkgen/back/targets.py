@@ -12,6 +12,7 @@ LOAD = "load"  # the same, of an argument: const pk_real theta1 = q[0];
 STORE = "store"  # TARGET = TEXT;
 ADD = "add"  # TARGET += TEXT;
 FILL = "fill"  # for all k < TEXT: TARGET[k] = 0;
+MIRROR = "mirror"  # of a symmetric TARGET with TEXT rows, the lower triangle from the upper one
 CHECK = "check"  # if (!(TEXT)) return TARGET;
 RETURN = "return"  # return TEXT;
 

@@ -65,6 +65,15 @@ def of_a_model(parser: argparse.ArgumentParser) -> None:
     add("--allow-path", action="append", default=[], metavar="DIR", help=help_)
 
 
+def unrolling(parser: argparse.ArgumentParser) -> None:
+    """Of families: see lengths.unroll()."""
+    one = parser.add_mutually_exclusive_group()
+    help_ = "write families out, of any size (default: up to 16 coordinates)"
+    one.add_argument("--unroll", action="store_const", const="all", help=help_)
+    help_ = "keep families as loops, of any size"
+    one.add_argument("--no-unroll", dest="unroll", action="store_const", const="none", help=help_)
+
+
 def of_a_picture(parser: argparse.ArgumentParser, by_itself: str) -> None:
     """What is drawn of rows; `by_itself` is what is drawn without any of these."""
     add = parser.add_argument
@@ -128,6 +137,7 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
     add("--at", metavar="EVENT", help="a row at each crossing, and by time only with --every")
     add("--ensemble", metavar="FILE", help="CSV or Parquet, a row a trajectory: starts, parameters")
     add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
+    unrolling(parser)
     of_implicit_methods(parser)
     add("--diagnose", metavar="LIST", help=f"{','.join(NAMES)}, or all")
     sincos(parser)

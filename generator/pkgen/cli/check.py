@@ -11,6 +11,7 @@ from ..scenes import check as scene_check
 from ..scenes import lengths
 from ..source import ModelError
 from ..system.exits import DONE
+from . import arguments as shared
 from .compilation import warn, within_limits
 
 EXAMPLES = """
@@ -20,7 +21,7 @@ pkgen check - < models/heavy_top.lag
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """None of its own."""
+    shared.unrolling(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -28,7 +29,8 @@ def run(options: argparse.Namespace) -> int:
     source = read(options.model)
     sizes = lengths.given(options.size)
     with within_limits(options):
-        model, warnings = check_model(source, sizes=sizes)
+        unroll = 0 if options.unroll is None else lengths.unroll(options)
+        model, warnings = check_model(source, sizes=sizes, unroll=unroll)
         # Errors of a scene that only --size causes are left to commands that choose it.
         scenes = [item for item in model.scenes if not item.misfits]
         wrong = [d for item in scenes for d in scene_check.wrong(model, sizes, item)]

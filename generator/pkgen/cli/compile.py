@@ -7,7 +7,7 @@ import json
 import re
 from pathlib import Path
 
-from ..back.kernels import KERNELS
+from ..back.kernels import KERNELS, PLAIN
 from ..back.kernels_canonical import CANONICAL
 from ..compiler import STAGES, Compilation
 from ..front.read import READ, read
@@ -31,9 +31,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     shared.directory(parser, "here; -: both on standard output")
     parser.add_argument("--scene", metavar="NAME", help="compile one scene of the model")
     shared.no_reduce(parser)
-    parser.add_argument("--kernels", metavar="LIST", help="only these, e.g. mass,force")
+    parser.add_argument("--kernels", metavar="LIST", help="more: momenta,jacobian, or all")
+    help_ = "what pkgen's runtime takes: lanes, its table, the inline sine and cosine"
+    parser.add_argument("--runtime", action="store_true", help=help_)
     shared.sincos(parser)
     shared.canonical(parser)
+    shared.unrolling(parser)
     parser.add_argument("--self-test", action="store_true", help="a program that tests the kernels")
     help_ = "for make: the C files depend on these"
     parser.add_argument("--depfile", metavar="FILE", help=help_)
@@ -46,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
     """Compile a model to C: DIR/NAME.h and DIR/NAME.c."""
     refuse_both(options, options.directory)
     source = read(options.model)
-    kernels = parsing.kernels(options.kernels, KERNELS)
+    kernels = _kernels(options)
     if options.dump:
         from ..explain.dump import dump
 
@@ -60,8 +63,10 @@ def run(options: argparse.Namespace) -> int:
         kernels=kernels,
         self_test=options.self_test,
         canonical=options.canonical or bool(kernels and kernels & CANONICAL),
+        unroll=lengths.unroll(options),
         libm=options.libm,
-        portable=options.portable,
+        portable=options.portable and options.runtime,
+        plain=not options.runtime,
         use=scene_use.of_compile(options),
         symmetric=True,
     )
@@ -85,6 +90,14 @@ def run(options: argparse.Namespace) -> int:
         warnings = [w.record(source) for w in compilation.warnings]
         print(json.dumps({"files": files, "warnings": warnings}))
     return DONE
+
+
+def _kernels(options: argparse.Namespace) -> frozenset[str] | None:
+    """Those of an embedder and what --kernels adds; None: all, as of --runtime and a self-test."""
+    if options.kernels == "all" or options.runtime or options.self_test:
+        return None
+    canonical = CANONICAL | {"canonical"} if options.canonical else frozenset()
+    return PLAIN | canonical | (parsing.kernels(options.kernels, KERNELS) or frozenset())
 
 
 def _depends(made: list[Path]) -> str:

@@ -29,6 +29,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", metavar="NAME", help="what one scene leaves of the model")
     shared.no_reduce(parser)
     shared.canonical(parser)
+    shared.unrolling(parser)
     parser.add_argument("--html", metavar="FILE", help="a page with the equations typeset")
 
 
@@ -64,6 +65,7 @@ def run(options: argparse.Namespace) -> int:
         c=False,
         symmetric=True,
         canonical=options.canonical,
+        unroll=0 if options.unroll is None else lengths.unroll(options),
         use=scene_use.of_compile(options),
     )
     scenes = [] if options.scene else _scenes(options, compilation)

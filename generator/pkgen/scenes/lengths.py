@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Iterable
 
 from .. import limits
@@ -9,6 +10,12 @@ from ..system.exits import UsageError
 
 UNROLL = 16  # coordinates up to which a run is faster as straight-line code
 UNROLL_MEMBERS = 64  # those of an ensemble, which straight-line code has in lanes
+
+
+def unroll(options: argparse.Namespace, several: bool = False) -> int | None:
+    """Up to how many coordinates families are written out; None: any number."""
+    usual = UNROLL_MEMBERS if several else UNROLL
+    return {"all": None, "none": 0}.get(getattr(options, "unroll", None), usual)
 
 
 def given(assignments: Iterable[str]) -> dict[str, int]:

@@ -31,7 +31,24 @@ def entries(program: Program, kernel: Kernel) -> list[str]:
     if kernel.result == "pk_real":
         unit = "" if program.equations.model.dimensionless else " [J]"
         lines.append(f"@return the value{unit}")
+    elif kernel.result == "int":
+        names = " and ".join(output.name for output in kernel.outputs)
+        written = f"{names} {'are' if kernel.outputs[1:] else 'is'} not written"
+        lines.append(f"{_RETURNS[bool(program.equations.constraints)]} Then {written}.")
+    if not program.plain:
+        lines.append(f"@note {operations_text(kernel.operations)}.")
     return lines
+
+
+_SINGULAR = (
+    "PK_FAILED(PK_FAILURE_MASS, i) where pivot i is not positive: M is singular or indefinite "
+    "there, or something is not a number."
+)
+_RETURNS = {
+    False: f"@return 0, or {_SINGULAR}",
+    True: "@return 0, PK_FAILED(PK_FAILURE_CONSTRAINT, k) where row k of constraints depends on "
+    f"others, or {_SINGULAR}",
+}
 
 
 _MATRICES = {

@@ -1,4 +1,4 @@
-"""What depends on parameters alone, computed once: the array c_ of struct NAME_params."""
+"""What depends on parameters alone, computed once: members of struct NAME_params."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 
 from ...graph.graph import Graph, Kind, Node, Op, Symbol
 from ..targets import STORE, Target
+from .constants import Constant
 from .expressions import Code, variable
 from .literals import PI
 from .names import Names
@@ -28,7 +29,8 @@ class Hoisting(ABC):
         self.prefix = name + "_"
         self.libm = libm
         self.work = Workspace(graph)
-        self.hoisted: dict[Node, int] = {}
+        self.hoisted: dict[Node, str] = {}  # its place in the struct
+        self.constants: list[Constant] = []  # where they have names
         self.helpers: set[str] = set()
         self._leaves: dict[Node, Code] = {}
 
@@ -47,7 +49,7 @@ class Hoisting(ABC):
     def leaf(self, node: Node) -> Code | None:
         """The same in a kernel of the motion."""
         if node in self.hoisted:
-            return variable(f"p->c_[{self.hoisted[node]}]")
+            return variable(self.hoisted[node])
         return self.fixed_leaf(node)
 
     def _leaf_text(self, node: Node) -> Code:
@@ -74,16 +76,21 @@ class Hoisting(ABC):
     def hoisted_count(self) -> int:
         return len(set(self.hoisted.values()))
 
+    def named(self, nodes: list[Node], found: Mapping[Node, Node]) -> list[str]:
+        """The places of constants in struct NAME_params; `found` is what they are in kernels."""
+        return [f"c_[{k}]" for k in range(len(nodes))]
+
     def hoist(self, roots: Iterable[Node], names: Names) -> Schedule:
-        """Numbers the hoisted constants in the order in which they can be computed; the code that
+        """Places the hoisted constants in the order in which they can be computed; the code that
         stores them."""
         found = self._to_hoist(roots)
         new = rewrite(self.work, found, gather=False)
         distinct = sorted({new[node] for node in found})
-        places = {node: f"p->c_[{k}]" for k, node in enumerate(distinct)}
+        placed = self.named(distinct, {new[node]: node for node in found})
+        places = {node: f"p->{name}" for node, name in zip(distinct, placed, strict=True)}
         targets = [Target(STORE, places[node], (node,)) for node in distinct]
         schedule = self.scheduled(targets, names, True, known_after=frozenset(places.values()))
-        self.hoisted = {node: distinct.index(new[node]) for node in found}
+        self.hoisted = {node: places[new[node]] for node in found}
         return schedule
 
     def _to_hoist(self, roots: Iterable[Node]) -> list[Node]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 from ..kernels import KERNELS
-from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, STORE, TRIG
+from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, STORE, TRIG
 from .chunk import ARGUMENTS
 from .program import Block, Kernel, Statement, operations_text
 from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return, Text
@@ -19,6 +20,7 @@ TYPES = {
     **{x: f"const pk_real *{x}" for x in ("q", "v", "momenta", "u", "a")},
     "w": "pk_real *w",
 }
+_ROOM = 76  # of a line of declarations
 _GROUP = {LOAD: 0, CHECK: 2}  # a blank line stands between groups; others are of group 1
 
 
@@ -37,6 +39,10 @@ def statements(
             yield sincos(s, lane, flag)
         elif s.kind == FILL:
             yield Loop(f"size_t k = 0; k < {s.text}; k++", [Assign(f"{s.target}[k]", "0")])
+        elif s.kind == MIRROR:
+            n, of = s.text, s.target
+            copy = Assign(f"{of}[i * {n} + j]", f"{of}[j * {n} + i]")
+            yield Loop(f"size_t i = 1; i < {n}; i++", [Loop("size_t j = 0; j < i; j++", [copy])])
         elif s.kind == CHECK and lane:
             noted = Assign("bad", f"(pk_bits)!({s.text})", "|=")
             yield If("pass != PK_IN_LANE", [noted]) if s.text in uniform else noted
@@ -59,17 +65,28 @@ def grouped(
     found: Sequence[Statement], lane: str = "", uniform: Collection[str] = ()
 ) -> Iterator[Node]:
     """Statements, with a blank line between loads, work and checks."""
-    last = None
-    for s in found:
-        group = _GROUP.get(s.kind, 1)
-        if last is not None and group != last:
+    for k, (_, several) in enumerate(groupby(found, lambda s: _GROUP.get(s.kind, 1))):
+        if k:
             yield Blank()
-        last = group
-        yield from statements([s], lane, "bad", uniform)
+        for local, together in groupby(several, lambda s: s.kind in (LOAD, LOCAL)):
+            yield from _declared(together) if local else statements(together, lane, "bad", uniform)
+
+
+def _declared(found: Iterable[Statement]) -> Iterator[Node]:
+    """Constants, as many on a line as it has room for."""
+    line = ""
+    for s in found:
+        one = f"{s.target} = {s.text}"
+        if line and len(line) + len(one) > _ROOM:
+            yield Declare("const pk_real", line)
+            line = ""
+        line += f", {one}" if line else one
+    yield Declare("const pk_real", line)
 
 
 def unused(names: Iterable[str]) -> list[Node]:
-    return [Call(f"(void){name}") for name in names]
+    text = ", ".join(f"(void){name}" for name in names)
+    return [Call(text)] if text else []
 
 
 class KernelCode:

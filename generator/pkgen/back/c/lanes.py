@@ -64,9 +64,9 @@ def _read(statements: Iterable[Statement]) -> set[str]:
 def used_fields(program: Program, part: LanePart) -> list[tuple[str, int]]:
     """The members of struct NAME_params that it reads: C text and place."""
     places = {name: k for k, name in enumerate(program.parameter_names)}
-    places |= {f"c_[{k}]": len(places) + k for k in range(program.hoisted)}
+    places |= {x.c_name: len(places) + k for k, x in enumerate(program.constants)}
     n, end = len(program.equations.coordinates), len(program.parameter_names)
-    end += max(program.hoisted, 1) + (n * n + n if program.factored else 0)
+    end += len(program.constants) + (n * n + n if program.factored else 0)
     places |= {f"side_[{k}]": end + k for k in range(len(program.equations.switches))}
     used = {read for s in part.statements for read in s.reads}
     return [(name, k) for name, k in places.items() if f"p->{name}" in used]

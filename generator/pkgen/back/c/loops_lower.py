@@ -42,11 +42,15 @@ from .render import frame, pasted
 
 
 def lower_loops(
-    e: LoopEquations, libm: bool = False, wanted: frozenset[str] | None = None
+    e: LoopEquations,
+    libm: bool = False,
+    wanted: frozenset[str] | None = None,
+    plain: bool = False,
 ) -> LoopProgram:
     """Blocks of C for a model's loops, with the kernels wanted (None: all); raises Unrolled where a
     row cannot be one."""
-    return LoopProgram(e.model.name, _Context(e, wanted, libm).text())
+    text = _Context(e, wanted, libm).text()
+    return LoopProgram(e.model.name, text | {"plain": plain})
 
 
 class _Context:

@@ -14,6 +14,10 @@ BOUNDS = "void {0}_bounds(const struct {0}_params *p, pk_real *lo, pk_real *hi)"
 DERIVE = "void {0}_derive(struct {0}_params *p, const unsigned char *given)"
 
 
+FINITE = "0 times x is 0 unless x is infinite or not a number."
+NOT_FINITE = Return("PK_FAILED(PK_FAILURE_DERIVED, 0)")
+
+
 @record
 class ParameterCode:
     """Of one parameter, or of a family: the code of its default and whether that follows others,
@@ -54,15 +58,13 @@ def checks(rows: Iterable[ParameterCode]) -> Iterator[Node]:
 
 
 def hoisted(count: int, code: Iterable[Node]) -> Iterator[Node]:
-    """What is computed once, by `code`."""
+    """What is computed once, by `code`, into an array."""
     if not count:
         yield Assign("p->c_[0]", "0")
         return
     yield from code
-    yield Blank()
-    yield Comment("x - x is 0 unless x is infinite or not a number.")
-    failed = Return("PK_FAILED(PK_FAILURE_DERIVED, 0)")
-    yield Loop(f"k = 0; k < {count}; k++", [If("!(p->c_[k] - p->c_[k] == 0)", [failed])])
+    yield from (Blank(), Comment(FINITE))
+    yield Loop(f"k = 0; k < {count}; k++", [If("!(0 * p->c_[k] == 0)", [NOT_FINITE])])
 
 
 # -- of straight-line code -----------------------------------------------------------------------
@@ -93,10 +95,12 @@ def functions(program: Program) -> Iterator[Function]:
     model, rows = program.equations.model.name, list(_rows(program))
     type = f"struct {model}_params *p"
     defaults = [node for row in rows for node in row.default]
-    sides = [Assign(f"p->side_[{k}]", "0") for k in range(len(program.equations.switches))]
+    switches = () if program.plain else program.equations.switches
+    sides = [Assign(f"p->side_[{k}]", "0") for k in range(len(switches))]
     prepared = Call(f"(void){model}_prepare(p)")
     yield Function(f"void {model}_defaults({type})", [*defaults, *sides, prepared])
-    yield Function(DERIVE.format(model), derived(rows) or unused(["p", "given"]))
+    if not program.plain or any(row.follows for row in rows):
+        yield Function(DERIVE.format(model), derived(rows) or unused(["p", "given"]))
     prepare = KernelCode(model, program.prepare)
     yield from prepare.parts()
     yield Function(PREPARE.format(model), [*_prepare(program, rows, prepare)])
@@ -108,14 +112,16 @@ def functions(program: Program) -> Iterator[Function]:
 
 
 def _prepare(program: Program, rows: list[ParameterCode], code: KernelCode) -> Iterator[Node]:
-    if program.hoisted:
-        yield Declare("size_t", "k")
-        if program.prepare.work:
-            yield Declare("pk_real", f"w[{program.prepare.work}]")
-        yield Blank()
+    if program.prepare.work:
+        yield from (Declare("pk_real", f"w[{program.prepare.work}]"), Blank())
     if rows:
         yield from (*checks(rows), Blank())
-    yield from hoisted(program.hoisted, code.body())
+    else:
+        yield from unused(["p"])
+    if program.constants:
+        yield from (*code.body(), Blank(), Comment(FINITE))
+        zero = " + ".join(f"0 * p->{x.c_name}" for x in program.constants)
+        yield If(f"!({zero} == 0)", [NOT_FINITE])
     if program.factored:
         yield Call(f"{code.model}_mass(p, 0, NULL, NULL, NULL, p->factors_)")
         yield Call(f"{code.model}_factor(p->factors_, p->inverse_)")

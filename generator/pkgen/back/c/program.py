@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 
 from ...equations import Equations, Structure
 from ...record import record
-from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, RETURN, STORE, TRIG, Output
+from ..targets import ADD, CHECK, FILL, LOAD, LOCAL, MIRROR, RETURN, STORE, TRIG, Output
+from .constants import Constant
 from .expressions import Code, base
 
 LANES = ("lanes", "members")  # many states side by side, with one set of parameters or many
@@ -25,6 +26,7 @@ _SHOWN = {
     STORE: "{target} := {text}",
     ADD: "{target} += {text}",
     FILL: "{target}[0..{text} - 1] := 0",
+    MIRROR: "{target}[j, i] := {target}[i, j], i < j < {text}",
     CHECK: "unless {text}: return {target}",
     RETURN: "return {text}",
 }
@@ -149,12 +151,13 @@ class Program:
     defaults: tuple[Assignment, ...]
     bounds: tuple[Interval, ...]
     prepare: Kernel  # fills the hoisted constants
-    hoisted: int  # their number
+    constants: tuple[Constant, ...]  # those
     start: Kernel
     kernels: tuple[Kernel, ...]
     float_too: bool  # whether float can hold its constants
     helpers: tuple[str, ...]  # functions that the C file must define: "min", "step", ...
     lanes: tuple[str, ...] = ()  # forms of the acceleration of many states: of LANES
+    plain: bool = False  # to be embedded: nothing is there for the runtime
 
     def kernel(self, name: str) -> Kernel | None:
         return next((k for k in self.kernels if k.name == name), None)

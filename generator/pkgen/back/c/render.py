@@ -63,6 +63,9 @@ SYSTEM_KERNELS = {
     "particles": "particles.at",
 }
 
+# Beside the model's header and source: what the runtime takes.
+GLUE = {"_system.h": "glue.h.j2", "_system.c": "glue.c.j2"}
+
 _TESTED = """
     acceleration mass force canonical momenta gradient jacobian energy lagrangian
 """
@@ -71,11 +74,14 @@ _TESTED = """
 def render(
     program: Program, *, self_test: bool = False, report: Report | None = None
 ) -> dict[str, str]:
-    """NAME.h and NAME.c; with `self_test` also NAME_selftest.c, a program that checks them. The
+    """NAME.h and NAME.c, and what the runtime takes unless they are to be embedded; with
+    `self_test` also NAME_selftest.c, a program that checks them. The
     header says what `report` does: what a scene did not need."""
     lines = report.lines if report else ()
     context = _context(program) | {"reductions": [str(line) for line in lines]}
-    templates = {".h": "header.h.j2", ".c": "source.c.j2"}
+    templates = {".h": "header.h.j2", ".c": "source.c.j2", **GLUE}
+    if program.plain:
+        templates = {".h": "header.h.j2", ".c": "source.c.j2"}
     if self_test:
         _refuse_parts(program)
         templates["_selftest.c"] = "selftest.c.j2"
@@ -85,14 +91,39 @@ def render(
 def render_loops(program: LoopProgram) -> dict[str, str]:
     """The same of families kept as loops."""
     context = program.context | {"loops": LoopCode(program.name, program.context["before"])}
-    return _files(program.name, context, {".h": "loop_header.h.j2", ".c": "loop_source.c.j2"})
+    templates = {".h": "loop_header.h.j2", ".c": "loop_source.c.j2"}
+    return _files(program.name, context, templates if context["plain"] else templates | GLUE)
 
 
 def _files(name: str, context: dict[str, Any], templates: dict[str, str]) -> dict[str, str]:
-    return {
+    files = {
         f"{name}{end}": _environment().get_template(template).render(context)
         for end, template in templates.items()
     }
+    if not context["embedded"]:
+        return files
+    return {name: _embedded(text) for name, text in files.items()}
+
+
+# C that is to be embedded has few names of pkgen's: functions of <tgmath.h>, numbers for failures.
+_EMBEDDED = (
+    (r"PK_F\((\w+)\)", r"\1"),
+    (r"PK_RESTRICT ", ""),
+    (r"PK_INLINE static|static PK_INLINE|PK_INLINE\nstatic", "static inline"),
+    (r"PK_INFINITY", "INFINITY"),
+    (r"PK_FAILED\(PK_FAILURE_DERIVED, 0\)", "-1"),
+    (r"PK_FAILED\(PK_FAILURE_SIZE, 0\)", "-2"),
+    (r"PK_FAILED\(PK_FAILURE_CONSTRAINT, (\d+)\)", lambda m: f"{-1 - int(m[1])}"),
+    (r"PK_FAILED\(PK_FAILURE_CONSTRAINT, (\w+)\)", r"-1 - \1"),
+    (r"PK_FAILED\(PK_FAILURE_\w+, (\d+)\)", lambda m: f"{1 + int(m[1])}"),
+    (r"PK_FAILED\(PK_FAILURE_\w+, (\w+)\)", r"1 + \1"),
+)
+
+
+def _embedded(text: str) -> str:
+    for pattern, by in _EMBEDDED:
+        text = re.sub(pattern, by, text)
+    return text
 
 
 PORTABLE = "#define PK_PORTABLE 1 /* no fused multiply-add: the same bits with and without */\n"
@@ -210,6 +241,8 @@ def frame(
         "source_name": model.source.path.replace("\\", "/").rsplit("/", 1)[-1],
         "source_hash": model.source.sha256,
         "real_header": pasted("real.h"),
+        "plain": False,
+        "embedded": False,
         "parameters": parameters,
         "tables": names,
         "n_parameters": len(parameters),
@@ -229,10 +262,12 @@ def _context(program: Program) -> dict[str, Any]:
     equations = program.equations
     redundant = equations.constraints and equations.constraints.redundant
     present = {kernel.name for kernel in program.kernels}
-    parameters, names = tables.parameters(program), tables.tables(equations)
+    parameters, names = tables.parameters(program), tables.tables(program)
     return {
         **frame(equations.model, program.structure, present, parameters, names),
         "sincos_header": pasted("sincos.h") if program.has_sincos else "",
+        "plain": program.plain,
+        **(EMBEDDED if program.plain else {}),
         "sizes": [],
         "n": len(equations.coordinates),
         "n_first_order": equations.n_first_order,
@@ -246,12 +281,13 @@ def _context(program: Program) -> dict[str, Any]:
         "n_redundant": len(redundant.names) if redundant else 0,
         "n_redundant_holonomic": redundant.holonomic if redundant else 0,
         "n_particles": len(equations.particles.masses) if equations.particles else 0,
-        "events": tables.events(equations),
+        "events": tables.events(program),
         "marks": [mark.quantity.name for mark in equations.marks],
         "switches": [switch.quantity.name for switch in equations.switches],
         "impulses": [x.impulse for x in equations.switches] if equations.jolted else [],
-        "n_hoisted": program.hoisted,
+        "constants": program.constants,
         "factored": program.factored,
+        "counts": tables.counts(program),
         "indices": tables.indices(program),
         "fields": tables.fields(program),
         "any_follows": any(p.follows for p in equations.parameters),
@@ -274,6 +310,33 @@ def _context(program: Program) -> dict[str, Any]:
     }
 
 
+REAL = """\
+/* Numbers are double, or with -DPK_FLOAT float, with -DPK_LONG_DOUBLE long double. */
+#ifndef PK_REAL_H
+#define PK_REAL_H
+#if defined PK_FLOAT
+typedef float pk_real;
+#define PK_C(x) x##F
+#define PK_EPSILON FLT_EPSILON
+#elif defined PK_LONG_DOUBLE
+typedef long double pk_real;
+#define PK_C(x) x##L
+#define PK_EPSILON LDBL_EPSILON
+#else
+typedef double pk_real;
+#define PK_C(x) x
+#define PK_EPSILON DBL_EPSILON
+#endif
+#define PK_PI PK_C(3.14159265358979323846264338327950288)
+#define PK_PIVOT_MIN (16 * PK_EPSILON) /* a smaller pivot of M, beside its diagonal, is rounding */
+#endif
+"""
+
+
+# C to be embedded needs no more of pkgen's names, where its functions are those of libm alone.
+EMBEDDED = {"embedded": True, "real_header": REAL}
+
+
 def _functions(program: Program) -> str:
     """All functions of the C file, with a blank line between."""
     names = {"name": program.equations.model.name, "n": len(program.equations.coordinates)}
@@ -284,7 +347,7 @@ def _functions(program: Program) -> str:
         found.insert(0, str(dense.functions()))
     for kernel in program.kernels:
         code = KernelCode(program.equations.model.name, kernel)
-        if kernel.name == "acceleration":
+        if kernel.name == "acceleration" and not program.plain:
             found += LaneCode(program, code).functions(solve)
         else:
             found += [*code.parts(), code.definition(solve)]

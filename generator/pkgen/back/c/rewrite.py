@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
+from math import prod
 
 from ...functions import SIDE as SIDE_OF
 from ...graph.graph import MINUS_ONE, Graph, Node, Op, Symbol
@@ -99,12 +100,16 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
     depends on parameters alone."""
     order = work.reachable(roots)
     absorbed = _absorbed(work, order, roots, gather)
+    signed = _normal_signs(work, order) if gather else {}
     ops, fixed = work.op, work.fixed
     new: dict[Node, Node] = {}
     for node in order:
         if node in absorbed or (gather and fixed[node]):
             # As it is: taken apart by its user, or hoisted as a whole but for its sign.
-            new[node] = node if node in absorbed else _sign_outermost(work, node)
+            new[node] = node
+            if node not in absorbed and ops[node] is not Op.NUMBER:
+                sign, plain = signed[node]
+                new[node] = plain if sign > 0 else work.multiply(MINUS_ONE, plain)
             continue
         op = ops[node]
         if op is Op.ADD:
@@ -149,15 +154,34 @@ def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: boo
     return absorbed
 
 
-def _sign_outermost(work: Workspace, node: Node) -> Node:
-    """-2*m as (-1)*(2*m)."""
-    if work.op[node] is Op.MULTIPLY and work.op[work.args[node][0]] is Op.NUMBER:
-        value = work.data[work.args[node][0]]
-        assert isinstance(value, Fraction)
-        if value < 0 and value != -1:
-            magnitude = work.multiply(work.number(-value), work.args[node][1])
-            return work.multiply(work.number(_MINUS_ONE), magnitude)
-    return node
+def _normal_signs(work: Workspace, order: Iterable[Node]) -> dict[Node, tuple[int, Node]]:
+    """What depends on parameters alone as a sign and a node, so that x and -x, a - b and b - a
+    have the same node. Of a sum the first term has a plus."""
+    signed: dict[Node, tuple[int, Node]] = {}
+    for node in order:
+        if not work.fixed[node]:
+            continue
+        op, args = work.op[node], work.args[node]
+        value = work.data[node]
+        sign, plain = 1, node
+        if op is Op.NUMBER and value < 0:
+            sign, plain = -1, work.number(-value)
+        elif op is Op.MULTIPLY or (op is Op.POWER and value == _MINUS_ONE):
+            sign = prod(signed[a][0] for a in args)
+            parts = tuple(signed[a][1] for a in args)
+            if op is Op.POWER:
+                plain = work.reciprocal(*parts)
+            elif work.op[parts[0]] is Op.NUMBER and work.data[parts[0]] == 1:
+                plain = parts[1]
+            else:
+                plain = work.multiply(*parts)
+        elif op is Op.ADD:
+            (sign, a), (other, b) = (signed[x] for x in args)
+            if sign != other and b < a:
+                sign, a, other, b = other, b, sign, a
+            plain = work.add(a, b if sign == other else work.multiply(MINUS_ONE, b))
+        signed[node] = sign, plain
+    return signed
 
 
 def _is_reciprocal(work: Workspace, node: Node) -> bool:

@@ -12,8 +12,10 @@ from .names import family_of
 from .program import Program
 
 
-def tables(e: Equations) -> dict[str, Sequence[Quantity]]:
-    return {
+def tables(program: Program) -> dict[str, Sequence[Quantity]]:
+    """Names, units and descriptions, by what the array of them is called."""
+    e = program.equations
+    found = {
         "coordinates": e.coordinates,
         "rates": e.rates,
         "momentum_names": e.momenta_names,
@@ -23,6 +25,41 @@ def tables(e: Equations) -> dict[str, Sequence[Quantity]]:
         "constraints": e.constraints.names if e.constraints else (),
         "redundant_rows": e.constraints.redundant.names if e.redundant_terms else (),
     }
+    return {name: row if _has(program, name) else () for name, row in found.items()}
+
+
+# The kernels that write what these are the names of.
+_WRITTEN = {
+    "momentum_names": "momenta",
+    "observed": "observe",
+    "conserved": "conserve",
+    "constraints": "constraint_jacobian",
+    "redundant_rows": "redundant",
+    "events": "event",
+}
+
+
+def _has(program: Program, table: str) -> bool:
+    """C to be embedded has no names of what it does not compute."""
+    kernel = _WRITTEN.get(table)
+    return not program.plain or kernel is None or program.kernel(kernel) is not None
+
+
+def counts(program: Program) -> list[tuple[str, int, str]]:
+    """How many there are of each: the end of a constant's name, its value, a comment."""
+    e, names = program.equations, tables(program)
+    rows = [
+        ("N", len(e.coordinates), "degrees of freedom"),
+        ("FIRST_ORDER", e.n_first_order, "the last of them: first-order variables"),
+        ("PARAMETERS", len(e.parameters), ""),
+        ("INPUTS", len(e.inputs), ""),
+        ("OBSERVED", len(names["observed"]), ""),
+        ("CONSERVED", len(names["conserved"]), ""),
+        ("CONSTRAINTS", len(names["constraints"]), "rows"),
+        ("EVENTS", len(events(program)), ""),
+    ]
+    always = {"N"} if program.plain else {"N", "PARAMETERS", "INPUTS", "OBSERVED", "CONSERVED"}
+    return [row for row in rows if row[1] or row[0] in always]
 
 
 def singularities(program: Program) -> list[dict[str, Any]]:
@@ -35,7 +72,10 @@ def singularities(program: Program) -> list[dict[str, Any]]:
     ]
 
 
-def events(e: Equations | LoopEquations) -> list[dict[str, Any]]:
+def events(of: Program | LoopEquations) -> list[dict[str, Any]]:
+    if isinstance(of, Program) and not _has(of, "events"):
+        return []
+    e = of.equations if isinstance(of, Program) else of
     return [
         vars(quantity) | {"direction": event.direction, "stop": event.stop + event.limit}
         for quantity, event in zip(e.event_names, e.model.events, strict=True)
@@ -44,17 +84,18 @@ def events(e: Equations | LoopEquations) -> list[dict[str, Any]]:
 
 def indices(program: Program) -> list[dict[str, Any]]:
     """Named indices, one for a plain quantity or the first of a family."""
-    e = program.equations
+    e, names = program.equations, tables(program)
     own = e.own
+    parameters = [] if program.plain else [slot.quantity for slot in e.parameters]
     of_states = "into v: a state's value is there, its rate in a; q there has no meaning"
     rows: list[tuple[str, Sequence[Quantity], str]] = [
         ("q", e.coordinates[:own], "into q, v, momenta, ..."),
         ("x", e.rates[own:], of_states),
-        ("p", [slot.quantity for slot in e.parameters], "into the table of parameters"),
+        ("p", parameters, "into the table of parameters"),
         ("u", e.inputs, "into u"),
-        ("o", e.observed_names, "into the observed outputs"),
-        ("c", e.conserved_names, "into the quantities claimed to be constant"),
-        ("e", e.event_names, "into the events"),
+        ("o", names["observed"], "into the observed outputs"),
+        ("c", names["conserved"], "into the quantities claimed to be constant"),
+        ("e", e.event_names if _has(program, "events") else (), "into the events"),
     ]
     return [
         {"stem": stem, "says": says, "rows": families(quantities, own if stem == "x" else 0)}
