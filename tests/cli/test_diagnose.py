@@ -166,7 +166,7 @@ def test_what_is_said(pkgen) -> None:
 def test_the_example_in_c(pkgen, tmp_path: Path) -> None:
     text = (ROOT / "docs/lyapunov.c").read_text()
     assert text in (ROOT / "docs/diagnostics.md").read_text()
-    assert pkgen(DOUBLE, "-o", tmp_path).returncode == 0
+    assert pkgen(DOUBLE, "--runtime", "-o", tmp_path).returncode == 0
     library = build.runtime_library(toolchain.find_toolchain()) / "libpk.a"
     flags = ["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Werror"]
     include = [f"-I{tmp_path}", f"-I{ROOT / 'runtime/include'}", "-DPK_RUNTIME"]

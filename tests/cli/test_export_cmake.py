@@ -118,7 +118,7 @@ def test_what_is_wrong_in_cmake_is_said(
 @needs("make", "pkg-config")
 def test_make_with_pkg_config(prefix: Path, project: Path) -> None:
     rules = """all: swing
-gen/double_pendulum.c: ; pkgen double_pendulum.lag -o gen --depfile gen/double_pendulum.d
+gen/double_pendulum.c: ; pkgen double_pendulum.lag --runtime -o gen --depfile gen/double_pendulum.d
 -include gen/double_pendulum.d
 swing: main.c gen/double_pendulum.c
 	cc main.c gen/double_pendulum.c -Igen `pkg-config --cflags --libs pk` -o $@

@@ -139,7 +139,8 @@ library.Library.run = run
 signal.signal(signal.SIGTERM, lambda *_: None)  # one may come when all is over
 code = main(["sweep", "p.lag", "--plan", "plan.toml", "-o", "made", "--workers", "1"])
 for kill in going:
-    kill.join()
+    if kill.is_alive():  # the one of which the signal came before it was seen to start is not
+        kill.join()
 sys.exit(code)
 """
 

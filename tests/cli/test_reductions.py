@@ -210,7 +210,7 @@ int main(void)
 
 def test_c_of_two_scenes_links_and_has_no_more_than_they_need(pkgen, models, tmp_path):
     for scene in ("nods", "turns"):
-        done = pkgen(models / "top.lag", "--scene", scene, "-o", tmp_path)
+        done = pkgen(models / "top.lag", "--runtime", "--scene", scene, "-o", tmp_path)
         assert done.returncode == 0, done.stderr
     nods, turns = ((tmp_path / f"top_{s}.c").read_text() for s in ("nods", "turns"))
     for kernel in ("mass", "jacobian", "energy", "observe"):

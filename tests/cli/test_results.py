@@ -115,7 +115,7 @@ def test_sources_and_pages_are_written_all_or_none(pkgen, tmp_path: Path) -> Non
         child = start(
             *words,
             cwd=tmp_path,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (9_000, 9_000)),
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (5_000, 5_000)),
         )
         said = child.communicate(timeout=LATE)[1]
         assert (

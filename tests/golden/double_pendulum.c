@@ -24,15 +24,15 @@ void double_pendulum_defaults(struct double_pendulum_params *p)
 int double_pendulum_prepare(struct double_pendulum_params *p)
 {
     /* The comparisons are written so that a NaN fails. */
-    if (!(p->m1 > 0 && p->m1 < INFINITY))
+    if (!(p->m1 > 0 && p->m1 < PK_INFINITY))
         return 1;
-    if (!(p->m2 > 0 && p->m2 < INFINITY))
+    if (!(p->m2 > 0 && p->m2 < PK_INFINITY))
         return 2;
-    if (!(p->l1 > 0 && p->l1 < INFINITY))
+    if (!(p->l1 > 0 && p->l1 < PK_INFINITY))
         return 3;
-    if (!(p->l2 > 0 && p->l2 < INFINITY))
+    if (!(p->l2 > 0 && p->l2 < PK_INFINITY))
         return 4;
-    if (!(p->g > -INFINITY && p->g < INFINITY))
+    if (!(p->g > -PK_INFINITY && p->g < PK_INFINITY))
         return 5;
 
     const pk_real t1 = p->l1 * p->l1;
@@ -61,15 +61,15 @@ void double_pendulum_bounds(const struct double_pendulum_params *p, pk_real *lo,
 {
     (void)p;
     lo[0] = 0;
-    hi[0] = INFINITY;
+    hi[0] = PK_INFINITY;
     lo[1] = 0;
-    hi[1] = INFINITY;
+    hi[1] = PK_INFINITY;
     lo[2] = 0;
-    hi[2] = INFINITY;
+    hi[2] = PK_INFINITY;
     lo[3] = 0;
-    hi[3] = INFINITY;
-    lo[4] = -INFINITY;
-    hi[4] = INFINITY;
+    hi[3] = PK_INFINITY;
+    lo[4] = -PK_INFINITY;
+    hi[4] = PK_INFINITY;
 }
 
 void double_pendulum_start(const struct double_pendulum_params *p, pk_real *q, pk_real *v)

@@ -48,6 +48,7 @@ typedef double pk_real;
 #define PK_EPSILON DBL_EPSILON
 #endif
 #define PK_PI PK_C(3.14159265358979323846264338327950288)
+#define PK_INFINITY ((pk_real)INFINITY)
 #define PK_PIVOT_MIN (16 * PK_EPSILON) /* a smaller pivot of M, beside its diagonal, is rounding */
 #endif
 

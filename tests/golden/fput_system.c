@@ -5,6 +5,8 @@
  *
  * SPDX-License-Identifier: MIT-0
  */
+#include "fput_system.h"
+
 #ifdef fput_SOURCE
 /* For the runtime, which does not know the type of the parameters. */
 static void fput_sys_defaults(void *p)

@@ -5,6 +5,8 @@
  *
  * SPDX-License-Identifier: MIT-0
  */
+#include "thrown_stone_system.h"
+
 #ifdef thrown_stone_SOURCE
 /* For the runtime, which does not know the type of the parameters. */
 static void thrown_stone_sys_defaults(void *p)

@@ -28,6 +28,10 @@ function(pk_add_model target)
     add_library(${target} STATIC)
   endif()
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/${target}.models")
+  set(form --runtime)
+  if(pk_WITHOUT_RUNTIME)
+    set(form)
+  endif()
   get_property(languages GLOBAL PROPERTY ENABLED_LANGUAGES)
   foreach(model IN LISTS pk_UNPARSED_ARGUMENTS)
     get_filename_component(model "${model}" ABSOLUTE)
@@ -44,7 +48,7 @@ function(pk_add_model target)
     set(stem "${folder}/${name}")
     add_custom_command(
       OUTPUT "${stem}.c" "${stem}.h"
-      COMMAND "${pk_PKGEN}" "${model}" -o "${folder}" --depfile "${stem}.d" ${pk_OPTIONS}
+      COMMAND "${pk_PKGEN}" "${model}" -o "${folder}" --depfile "${stem}.d" ${form} ${pk_OPTIONS}
       DEPENDS "${model}" "${pk_PKGEN}"
       DEPFILE "${stem}.d"
       COMMENT "pkgen ${name}"

@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
         unroll=lengths.unroll(options),
         libm=options.libm,
         portable=options.portable and options.runtime,
-        plain=not options.runtime,
+        plain=not (options.runtime or options.self_test),
         use=scene_use.of_compile(options),
         symmetric=True,
     )

@@ -110,7 +110,6 @@ _EMBEDDED = (
     (r"PK_F\((\w+)\)", r"\1"),
     (r"PK_RESTRICT ", ""),
     (r"PK_INLINE static|static PK_INLINE|PK_INLINE\nstatic", "static inline"),
-    (r"PK_INFINITY", "INFINITY"),
     (r"PK_FAILED\(PK_FAILURE_DERIVED, 0\)", "-1"),
     (r"PK_FAILED\(PK_FAILURE_SIZE, 0\)", "-2"),
     (r"PK_FAILED\(PK_FAILURE_CONSTRAINT, (\d+)\)", lambda m: f"{-1 - int(m[1])}"),
@@ -328,6 +327,7 @@ typedef double pk_real;
 #define PK_EPSILON DBL_EPSILON
 #endif
 #define PK_PI PK_C(3.14159265358979323846264338327950288)
+#define PK_INFINITY ((pk_real)INFINITY)
 #define PK_PIVOT_MIN (16 * PK_EPSILON) /* a smaller pivot of M, beside its diagonal, is rounding */
 #endif
 """
