@@ -143,7 +143,7 @@ def test_the_example_of_events_runs(tmp_path: Path) -> None:
     assert done.returncode == 0 and "expected: 2 of 2 met" in done.stderr
     equations = derive.derive(check.check_text(Source("m.lag", trampoline))[0])
     assert [x.quantity.name for x in equations.switches] == ["x"]
-    run_pkgen(model, "-o", tmp_path)
+    run_pkgen(model, "--runtime", "-o", tmp_path)
     (tmp_path / "main.c").write_text(program)
     library = build.runtime_library(toolchain.find_toolchain()) / "libpk.a"
     flags = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-DPK_RUNTIME"]

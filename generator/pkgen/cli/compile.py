@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import re
+import shlex
+import sys
 from pathlib import Path
 
 from ..back.kernels import KERNELS, PLAIN
@@ -89,7 +91,20 @@ def run(options: argparse.Namespace) -> int:
         files = [str(directory / name) for name in compilation.files]
         warnings = [w.record(source) for w in compilation.warnings]
         print(json.dumps({"files": files, "warnings": warnings}))
+    elif sys.stdout.isatty():
+        print(_made(compilation, directory, options))
     return DONE
+
+
+def _made(compilation: Compilation, directory: Path, options: argparse.Namespace) -> str:
+    """For a terminal: the files, how large they are, the next command to type."""
+    files, name = compilation.files, compilation.model.name
+    size = f"{sum(text.count(chr(10)) for text in files.values()):,} lines, "
+    size += f"{sum(len(text.encode()) for text in files.values()) / 1000:.3g} kB"
+    runtime = " -DPK_RUNTIME -I pkgen/runtime/include" if options.runtime else ""
+    source = shlex.quote(str(directory / f"{name}.c"))
+    names = ", ".join(str(directory / file) for file in files)
+    return f"{names}: {size}\nnext: cc -std=c99 -O2{runtime} -c {source}"
 
 
 def _kernels(options: argparse.Namespace) -> frozenset[str] | None:

@@ -218,7 +218,7 @@ class Schedule:
         else:
             counted = row.c or function
             name = f"PK_F({counted})"
-        return called(name, [forms[a] for a in args], counted)
+        return called(name, [_typed(forms[a]) for a in args], counted)
 
     def _fit(self, args: tuple[Node, ...], longest: int) -> None:
         """Makes locals of the longer arguments until all fit on a line."""
@@ -252,6 +252,12 @@ class Schedule:
         if wish and len(wish) <= _LONGEST_NAME and self.names.is_free(wish):
             return self.names.take(wish)
         return self.names.number("t")
+
+
+def _typed(form: Form) -> Form:
+    """An integer as a number: <tgmath.h> would take the function of double."""
+    text = code(form)
+    return constant(f"PK_C({text}.0)") if text.isdigit() else form
 
 
 def _at_hand(value: Code) -> bool:
