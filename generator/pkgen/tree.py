@@ -124,12 +124,14 @@ class Vector:
 
 @record
 class Quantity:
-    """`EXPR [unit]` before checking; `check` replaces it by a product with the SI factor."""
+    """`EXPR [unit]` before checking; `check` replaces it by a product with the SI factor. `whole`:
+    the unit ends an item, as in `1 - 0.3 [m]`, and not a factor, as in `2 [N]*cos(w*t)`."""
 
     of: Expr
     unit: str
     unit_span: Span
     span: Span
+    whole: bool = True
 
 
 Expr = (

@@ -34,7 +34,16 @@ class Loaded:
         folder.mkdir()
         for file, content in made.files.items():
             (folder / file).write_text(content, encoding="utf-8")
-        flags = ("-O1", "-ffp-contract=off", "-shared", "-fPIC", f"{self.name}.c", "-o", "m.so", "-lm")
+        flags = (
+            "-O1",
+            "-ffp-contract=off",
+            "-shared",
+            "-fPIC",
+            f"{self.name}.c",
+            "-o",
+            "m.so",
+            "-lm",
+        )
         run("gcc", *STRICT, *flags, cwd=folder)
         self.c = ctypes.CDLL(str(folder / "m.so"))
         self.params = (ctypes.c_double * 100_000)()
@@ -54,7 +63,9 @@ class Loaded:
         return {kernel: self.call(kernel, *state, out=size) for kernel, size in there.items()}
 
 
-@pytest.mark.parametrize("path", long_but([p for p in PATHS if p.stem in QUICK], PATHS), ids=lambda p: p.stem)
+@pytest.mark.parametrize(
+    "path", long_but([p for p in PATHS if p.stem in QUICK], PATHS), ids=lambda p: p.stem
+)
 def test_values_are_those_of_the_runtimes_kernels(path, tmp_path):
     text = path.read_text()
     if path.parent.name == "chains" and "size" in text and path.stem != "beats":
@@ -66,7 +77,9 @@ def test_values_are_those_of_the_runtimes_kernels(path, tmp_path):
     for form, (q, v) in zip(forms, start, strict=True):
         form.call("start", q, v)
     assert [list(x) for x in start[0]] == [list(x) for x in start[1]]
-    u = (ctypes.c_double * max(1, forms[0].inputs))(*(draw.uniform(-1, 1) for _ in range(forms[0].inputs)))
+    u = (ctypes.c_double * max(1, forms[0].inputs))(
+        *(draw.uniform(-1, 1) for _ in range(forms[0].inputs))
+    )
     for _ in range(3):
         q = vector(*(x + draw.uniform(-0.1, 0.1) for x in start[0][0]))
         v = vector(*(x + draw.uniform(-0.1, 0.1) for x in start[0][1]))
@@ -77,7 +90,9 @@ def test_values_are_those_of_the_runtimes_kernels(path, tmp_path):
             assert found == pytest.approx(whole[kernel], rel=1e-11, abs=1e-12 * largest), kernel
 
 
-@pytest.mark.parametrize("path", long_but([p for p in PATHS if p.stem in QUICK], PATHS), ids=lambda p: p.stem)
+@pytest.mark.parametrize(
+    "path", long_but([p for p in PATHS if p.stem in QUICK], PATHS), ids=lambda p: p.stem
+)
 def test_in_float_there_is_no_operation_of_double(pkgen, path, tmp_path):
     assert pkgen(path, "-o", tmp_path).returncode == 0
     for source in tmp_path.glob("*.c"):
@@ -89,7 +104,10 @@ def test_in_float_there_is_no_operation_of_double(pkgen, path, tmp_path):
 
 
 def test_it_is_short(pkgen, tmp_path):
-    for model, lines, size in (("double_pendulum", 350, 14_000), ("coupled_oscillators", 330, 12_000)):
+    for model, lines, size in (
+        ("double_pendulum", 350, 14_000),
+        ("coupled_oscillators", 330, 12_000),
+    ):
         folder = tmp_path / model
         assert pkgen(ROOT / f"models/{model}.lag", "-o", folder).returncode == 0
         texts = [path.read_text() for path in folder.iterdir()]
@@ -116,7 +134,8 @@ def test_a_failure_says_which(tmp_path):
 
 def test_a_large_acceleration_is_a_loop():
     text = "model m\nsize N = 20\nparam l = 1 in (0, inf)\ncoord a[1..N]\n"
-    text += "let x[i = 0..N] = sum(l*sin(a[k]), k = 1..i)\nlet y[i = 0..N] = sum(l*cos(a[k]), k = 1..i)\n"
+    text += "let x[i = 0..N] = sum(l*sin(a[k]), k = 1..i)\n"
+    text += "let y[i = 0..N] = sum(l*cos(a[k]), k = 1..i)\n"
     text += "kinetic sum((x[i]'^2 + y[i]'^2)/2, i = 1..N)\npotential -9.81*sum(y[i], i = 1..N)\n"
     made = compile_model(from_text("m.lag", text), unroll=None, plain=True, kernels=PLAIN)
     assert "m_solved(" in made.files["m.c"]

@@ -5,7 +5,9 @@
  *
  * SPDX-License-Identifier: MIT-0
  */
+#ifdef PK_RUNTIME
 #include "fput_system.h"
+#endif
 
 #ifdef fput_SOURCE
 /* For the runtime, which does not know the type of the parameters. */

@@ -5,7 +5,9 @@
  *
  * SPDX-License-Identifier: MIT-0
  */
+#ifdef PK_RUNTIME
 #include "thrown_stone_system.h"
+#endif
 
 #ifdef thrown_stone_SOURCE
 /* For the runtime, which does not know the type of the parameters. */

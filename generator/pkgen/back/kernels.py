@@ -13,7 +13,6 @@ from .kernels_bound import ALWAYS, BOUND
 from .kernels_canonical import CANONICAL, CANONICAL_SPECS
 from .targets import Target
 
-
 # The kernels of C to be embedded.
 PLAIN = frozenset(("acceleration", "energy", "force", "mass", "observe"))
 

@@ -34,6 +34,10 @@ def _chain(node: type, parts: tuple) -> tree.Expr:
     return node(parts[::2], signs, _over(parts[0], parts[-1]))
 
 
+def _product(parts: tuple) -> tree.Expr:
+    return _chain(tree.Multiply, parts) if len(parts) > 1 else parts[0]
+
+
 @v_args(inline=True)
 class Build(Transformer):
     """One method a rule of the grammar; `comment` is that of the statement at hand."""
@@ -80,10 +84,27 @@ class Build(Transformer):
         return _chain(tree.Add, parts)
 
     def multiply(self, *parts):
-        return _chain(tree.Multiply, parts)
+        """A unit belongs to what stands before it: check/quantities.py says to how much of that."""
+        made: tuple = ()
+        for part in parts:
+            if getattr(part, "type", "") == "UNIT":
+                of = _product(made)
+                made = (tree.Quantity(of, str(part), _span(part), _over(of, part), whole=False),)
+            else:
+                made = (*made, part)
+        return _product(made)
 
-    def quantity(self, of, unit):
-        return tree.Quantity(of, str(unit), _span(unit), _over(of, unit))
+    def item(self, of):
+        """The unit at its end is that of all of it, where it fits."""
+        last = of.terms[-1] if isinstance(of, tree.Add) else of
+        if not isinstance(last, tree.Quantity) or last.whole:
+            return of
+        if of is not last:
+            span = tree.Span(of.span.start, last.of.span.end)
+            terms = (*of.terms[:-1], last.of)
+            of = tree.Add(terms, of.signs, span)
+            return replace(last, of=of, span=tree.Span(span.start, last.span.end), whole=True)
+        return replace(last, whole=True)
 
     def group(self, opens, of, closes):
         return replace(of, span=_over(opens, closes))

@@ -162,8 +162,9 @@ def _index_without_space(spot: Spot):
 def _unit_in_the_middle(spot: Spot):
     if spot.before.type == "UNIT" and spot.token.type in BINARY | _VALUE_STARTS | {"UNIT"}:
         unit = spot.text(spot.before)
-        message = f"the unit {unit} ends the value before it; nothing can follow but the next item"
-        return message, f"put the quantity in brackets, e.g. (2 {unit})*x"
+        if spot.token.type == "POWER":
+            return f"a power of what has the unit {unit}", f"put it in brackets, e.g. (2 {unit})^2"
+        return f"an operator is missing after the unit {unit}", f"a product is written 2 {unit}*x"
 
 
 def _one_name_a_line(spot: Spot):

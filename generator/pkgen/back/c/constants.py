@@ -89,7 +89,7 @@ def _name(form: Form) -> str:
     scale = [_SCALED[x] for x in above if x in _SCALED][:1]
     top = _product(x for x in above if x not in _SCALED)
     below = _product(form.below)
-    if top is None or below is None or len(above) - len(scale) > 4 or "half" in scale and below:
+    if top is None or below is None or len(above) - len(scale) > 4 or ("half" in scale and below):
         return ""
     if above == ["1"]:
         return f"inv_{below}"

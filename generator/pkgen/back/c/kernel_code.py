@@ -68,8 +68,9 @@ def grouped(
     for k, (_, several) in enumerate(groupby(found, lambda s: _GROUP.get(s.kind, 1))):
         if k:
             yield Blank()
-        for local, together in groupby(several, lambda s: s.kind in (LOAD, LOCAL)):
-            yield from _declared(together) if local else statements(together, lane, "bad", uniform)
+        for local, found_here in groupby(several, lambda s: s.kind in (LOAD, LOCAL)):
+            run = list(found_here)
+            yield from _declared(run) if local else statements(run, lane, "bad", uniform)
 
 
 def _declared(found: Iterable[Statement]) -> Iterator[Node]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ...equations import Equations, Quantity
+from ...equations import Quantity
 from ...middle.loops.loops import LoopEquations
 from .describe import families, field_says
 from .names import family_of

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from difflib import get_close_matches
 from fractions import Fraction
 
 from ...functions import FUNCTIONS, VECTOR_FUNCTIONS, WRITTEN_OUT
 from ...source import Span
-from ...tree import Call, Expr, Multiply, Name, Number, Quantity, Sum, Vector
+from ...tree import Call, Expr, Name, Sum, Vector
 from .. import units
 from ..units import NONE, Dimension
 from . import values
@@ -138,49 +137,9 @@ class Calls(RotationCalls):
         dimension = self.mismatch.common(expr.items, facts, "a vector")
         return Vector(tuple(e for e, _ in parts), expr.span), joined(dimension, True, facts)
 
-    def quantity(self, expr: Quantity, scope: Scope) -> Checked:
-        of, facts = self.check(expr.of, scope)
-        unit = self.unit(expr.unit, expr.unit_span)
-        if unit is None:
-            return of, replace(facts, dimension=None, value=None)
-        # A pure number becomes a quantity, 0.3*sin(theta) [m] as much as 0.3 [m]; but an angle
-        # that is declared in radians is not turned into degrees by saying so.
-        pure = facts.dimension == NONE and (unit.dimension != NONE or not facts.united)
-        if facts.dimension is None or pure:
-            value = facts.value
-            if not unit.is_si:
-                factor = unit.factor if not unit.pi else float(unit.factor) * math.pi**unit.pi
-                value = self.constant(
-                    expr, [facts], lambda x: values.multiplied([*x, factor], (1, 1))
-                )
-            scaled = replace(facts, dimension=unit.dimension, value=value, bare=False, united=True)
-            return _scaled(of, unit, expr.span), scaled
-        if facts.dimension != unit.dimension:
-            self.mismatch.unit(expr, facts, unit.dimension)
-            return of, replace(facts, dimension=None)
-        if not unit.is_si:
-            si = units.si_text(unit.dimension, unit.angle) or "1"
-            self.report.warn(
-                f"{self.mismatch.text(expr.of)} has a unit already; [{expr.unit}] is only checked",
-                expr.unit_span,
-                f"values are in SI: [{si}]",
-            )
-        return of, facts
-
 
 def _written_out(expr: Call) -> Call:
     x, *ends = expr.arguments
     if not ends:
         return replace(expr, function="log")
     return Call("min", (Call("max", (x, ends[0]), expr.span), ends[1]), expr.span)
-
-
-def _scaled(of: Expr, unit: units.Unit, span: Span) -> Expr:
-    """`of` times the unit's factor."""
-    if unit.is_si:
-        return of
-    if isinstance(of, Number) and not unit.pi:
-        return Number(of.value * unit.factor, span)
-    count = abs(unit.pi)
-    factors = (Number(unit.factor, span), of, *(Name("pi", None, span),) * count)
-    return Multiply(factors, (1, 1, *(1 if unit.pi > 0 else -1,) * count), span)

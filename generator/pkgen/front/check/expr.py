@@ -20,6 +20,7 @@ from .calls import Calls
 from .checking import Checked
 from .names import BUILT_IN, KIND_TEXT, UNKNOWN, Entry, Facts, Members, Turn, Wrong, joined
 from .operators import Operators
+from .quantities import Quantities
 from .rotations import attitude
 from .scope import Place, Scope
 from .vectors import EXAMPLE, output_vector
@@ -35,7 +36,7 @@ class Target:
     bare: bool = False
 
 
-class Expressions(Operators, Calls):
+class Expressions(Operators, Calls, Quantities):
     """What each class of expression means, by a method that has its name."""
 
     def __init__(self, *given, lagrangian: bool) -> None:
@@ -80,13 +81,13 @@ class Expressions(Operators, Calls):
     def wanted(self, expr: Expr, scope: Scope, target: Target) -> Checked:
         """Checks an expression whose dimension is given; each term of a sum by itself."""
         if isinstance(expr, Add) and not target.bare:
-            parts = [self.wanted(term, scope, target) for term in expr.terms]
+            parts = [self.wanted(term, scope, target) for term in self.terms(expr)]
             return self.summed(expr, parts, target.dimension)
         if isinstance(expr, Negate):
             of, facts = self.wanted(expr.of, scope, target)
             return self.negated(expr, of, facts)
         if isinstance(expr, Add):
-            parts = [self.check(term, scope) for term in expr.terms]
+            parts = [self.check(term, scope) for term in self.terms(expr)]
             if not all(f.bare and f.dimension in (None, NONE) for _, f in parts):
                 for part, (_, facts) in zip(expr.terms, parts, strict=True):
                     self._against(part, facts, replace(target, bare=False), numbers=True)

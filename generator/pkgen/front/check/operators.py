@@ -85,8 +85,9 @@ class Operators(Checking):
         return Negate(of, expr.span), replace(facts, value=value)
 
     def add(self, expr: Add, scope: Scope) -> Checked:
-        parts = [self.check(term, scope) for term in expr.terms]
-        dimension = self.mismatch.common(expr.terms, [f for _, f in parts])
+        terms = self.terms(expr)
+        parts = [self.check(term, scope) for term in terms]
+        dimension = self.mismatch.common(terms, [f for _, f in parts])
         return self.summed(expr, parts, dimension)
 
     def summed(self, expr: Add, parts: list[Checked], dimension: Dimension | None) -> Checked:
