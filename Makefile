@@ -31,10 +31,15 @@ help:
 	@echo 'make deb        build/dist: the Debian package'
 	@echo 'make setup lint format golden asan clean, make install PREFIX=DIR'
 
+# What running needs; and what tests, pages, exports and checks need besides.
 STAMP := $(VENV)/.setup-done
+TESTS := $(VENV)/.tests-done
 setup: $(STAMP)
 $(STAMP): pyproject.toml tools/setup.sh
 	@sh tools/setup.sh
+	@touch $@
+$(TESTS): $(STAMP)
+	@sh tools/setup.sh tests
 	@touch $@
 
 include tests/runtime/runtime.mk
@@ -42,18 +47,18 @@ include tests/runtime/runtime.mk
 demo: $(STAMP)
 	$(PYTHON) tools/demo.py
 
-test: $(STAMP)
+test: $(TESTS)
 	@$(MAKE) -s -j 2 -O test-runtime
 	@$(MAKE) -s test-licence test-python
 
 test-licence: runtime
 	@sh tools/check_licence.sh
 
-test-python: $(STAMP)
+test-python: $(TESTS)
 	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m 'not long' tests
 
 # SHARD=K/N: every Nth of them, from the Kth; the C tests in quad precision belong to the first shard.
-test-long: $(STAMP)
+test-long: $(TESTS)
 	@$(if $(filter-out 1/%,$(SHARD)),:,$(MAKE) -s check-runtime-quad-inlined)
 	$(PYTHON) -m pytest -q -n 2 -m long $(if $(SHARD),--shard $(SHARD)) tests
 
@@ -74,24 +79,24 @@ stability chart: $(STAMP)
 	@for model in models/*.lag; do $(PYTHON) -m pkgen $@ $$model -o build/$@ || exit 1; done
 
 # Every picture of docs/, which tools/pictures has a table of; ONLY="kepler.png show.png" for some.
-pictures: $(STAMP)
+pictures: $(TESTS)
 	@$(PYTHON) tools/pictures $(ONLY)
 
 # The peers have a Python environment of their own, build/bench/venv.
 BENCH_OPTIONS = $(if $(QUICK),--quick) $(if $(DOCS),--docs) $(if $(MODELS),--models $(MODELS))
-bench: $(STAMP)
+bench: $(TESTS)
 	@$(PYTHON) bench/environment.py
 	@build/bench/venv/bin/python -m bench $(BENCH_OPTIONS)
 	@build/bench/venv/bin/python -m bench arms $(if $(QUICK),--quick) $(if $(DOCS),--docs)
 
 # docs/ and models/ as a site in build/site, which needs no server (docs/site.md); three minutes.
-site: $(STAMP)
+site: $(TESTS)
 	@$(PYTHON) -c 'import material' 2>/dev/null || $(PYTHON) -m pip install -q -e '.[site]'
 	@$(PYTHON) tools/site/pages.py
 	@NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build -q --strict -f build/site.yml
 	@echo 'site: open build/site/index.html'
 
-golden: $(STAMP)
+golden: $(TESTS)
 	PKGEN_UPDATE=1 $(PYTHON) -m pytest -q tests/generator/test_golden.py tests/generator/test_wrong_models.py
 	$(PYTHON) tools/errors_page.py
 	@git --no-pager diff --stat -- tests
@@ -100,7 +105,7 @@ golden: $(STAMP)
 PYTHON_CODE := generator tests tools bench
 C_CODE = $(shell find runtime generator/pkgen/back/live generator/pkgen/back/fmu/c tests/runtime tests/fuzz -name '*.[ch]')
 CLANG_FORMAT = $(VENV)/bin/clang-format
-lint: $(STAMP) runtime
+lint: $(TESTS) runtime
 	@$(PYTHON) -m ruff --version || { echo 'lint: no ruff here; pip install ruff'; exit 1; }
 	$(PYTHON) -m ruff check $(PYTHON_CODE)
 	$(PYTHON) -m ruff format --check $(PYTHON_CODE)
@@ -108,18 +113,18 @@ lint: $(STAMP) runtime
 	$(PYTHON) -m mypy
 	@sh tools/check_licence.sh
 
-format: $(STAMP)
+format: $(TESTS)
 	$(PYTHON) -m ruff format $(PYTHON_CODE)
 	$(PYTHON) -m ruff check --fix $(PYTHON_CODE)
 	$(CLANG_FORMAT) -i $(C_CODE)
 
 # Sanitizers: gcc's and clang's over the runtime, clang's over emitted C.
-asan: $(STAMP) asan-runtime msan-runtime
+asan: $(TESTS) asan-runtime msan-runtime
 	$(PYTHON) -m pytest -q -m '' tests/generator/test_sanitized.py
 
 # An hour in all: the compiler by mutated models, the runtime by libFuzzer. See docs/fuzzing.md.
 FUZZ_SECONDS ?= 3600
-fuzz: $(STAMP)
+fuzz: $(TESTS)
 	$(PYTHON) tests/fuzz/models.py $$(($(FUZZ_SECONDS) / 2)) $(SEED)
 	@$(MAKE) fuzz-runtime FUZZ_SECONDS=$$(($(FUZZ_SECONDS) / 2))
 
@@ -151,7 +156,7 @@ install-runtime:
 	install -m 644 tools/install/pkConfig.cmake $(PREFIX)/lib/cmake/pk/
 	sed 's|@VERSION@|$(VERSION)|' tools/install/pkConfigVersion.cmake.in > $(PREFIX)/lib/cmake/pk/pkConfigVersion.cmake
 
-wheel: $(STAMP)
+wheel: $(TESTS)
 	@$(PYTHON) tools/release
 
 deb:

@@ -1,8 +1,10 @@
 #!/bin/sh
-# Everything that `make demo` and `make test` need, on a fresh Debian machine: system packages
-# by apt where missing, and .venv with pkgen in it. The package comes from the Python registry;
-# where none can be reached, from Debian's own python3-* packages.
+# Two layers, on a fresh Debian machine: what running needs (gcc, GSL, .venv with pkgen in it), and with
+# `tests` also what tests, live pages, films, exports and sanitizers need. System packages come by apt
+# where missing; pkgen from the Python registry, and where none can be reached, from Debian's own
+# python3-* packages.
 #
+#   sh tools/setup.sh [tests]
 #   PKGEN_SETUP=registry|debian   force one of the two ways
 #   PKGEN_PREFIX=DIR              install for use, not for work on it (see `make install`)
 set -eu
@@ -12,12 +14,14 @@ way=${PKGEN_SETUP:-any}
 if [ -n "${PKGEN_PREFIX:-}" ]; then
     venv=$PKGEN_PREFIX/lib/pkgen
     editable=
-    extra='[completion,lsp]'
+    extra='[plot,completion,lsp]'
 else
     venv=.venv
     editable=-e
-    extra='[dev]'
+    extra='[plot]'
 fi
+tests=
+[ "${1:-}" != tests ] || tests=yes extra='[dev]'
 mkdir -p build
 log=build/setup.log
 : >"$log"
@@ -54,18 +58,22 @@ apt_install() {
 
 has_header() { echo "#include <$1>" | cc -E - >/dev/null 2>&1; }
 
+programs='gcc:gcc ar:binutils'
+[ -z "$tests" ] || programs="$programs clang:clang g++:g++"
 missing=
-for pair in gcc:gcc clang:clang g++:g++ ar:binutils; do
+for pair in $programs; do
     command -v "${pair%%:*}" >/dev/null || missing="$missing ${pair#*:}"
 done
 [ -z "$missing" ] || apt_install $missing libc6-dev
 missing=
 has_header gsl/gsl_odeiv2.h || missing="$missing libgsl-dev"
-has_header CUnit/CUnit.h || missing="$missing libcunit1-dev"
+[ -z "$tests" ] || has_header CUnit/CUnit.h || missing="$missing libcunit1-dev"
 [ -z "$missing" ] || apt_install $missing
+
+tests_alone() {
 # Lane kernels are also compiled for NEON and run in an emulator; without, that test is skipped.
 cross=aarch64-linux-gnu
-if [ -z "${PKGEN_PREFIX:-}" ] && [ "$(uname -m)" != aarch64 ]; then
+if [ "$(uname -m)" != aarch64 ]; then
     if ! command -v $cross-gcc >/dev/null || ! command -v qemu-aarch64 >/dev/null; then
         (apt_install gcc-$cross libc6-dev-arm64-cross qemu-user) 2>>"$log" ||
             say "not to be had here: gcc-$cross and qemu-user; NEON will not be tested"
@@ -73,9 +81,7 @@ if [ -z "${PKGEN_PREFIX:-}" ] && [ "$(uname -m)" != aarch64 ]; then
 fi
 
 # The run-time parts of clang's sanitizers and of libFuzzer: make asan, make fuzz.
-if [ -z "${PKGEN_PREFIX:-}" ] &&
-    ! echo 'int main(void) { return 0; }' | clang -fsanitize=memory -x c - -o /dev/null 2>/dev/null
-then
+if ! echo 'int main(void) { return 0; }' | clang -fsanitize=memory -x c - -o /dev/null 2>/dev/null; then
     (apt_install libclang-rt-dev) 2>>"$log" ||
         say "not to be had here: libclang-rt-dev; make asan and make fuzz will leave out what wants it"
 fi
@@ -87,15 +93,21 @@ command -v wasm-ld >/dev/null || missing="$missing lld"
 find /usr/lib/llvm-*/lib/clang -name '*builtins*wasm32*' 2>/dev/null | grep -q . ||
     missing="$missing libclang-rt-dev-wasm32"
 command -v ffmpeg >/dev/null || missing="$missing ffmpeg"
-[ -n "${PKGEN_PREFIX:-}" ] || command -v node >/dev/null || missing="$missing nodejs"
+command -v node >/dev/null || missing="$missing nodejs"
 [ -z "$missing" ] || (apt_install $missing) 2>>"$log" || say "not to be had here:$missing"
 
 # A browser for the tests of live pages; without, they are skipped.
-if [ -z "${PKGEN_PREFIX:-}" ] && ! command -v chromium >/dev/null; then
-    (apt_install chromium) 2>>"$log" || say "not to be had here: chromium; pages will not be tested"
-fi
+command -v chromium >/dev/null || (apt_install chromium) 2>>"$log" ||
+    say "not to be had here: chromium; pages will not be tested"
+}
+[ -z "$tests" ] || tests_alone
 
 from_registry() {
+    if [ -n "$tests" ] && [ -x "$venv/bin/python" ]; then
+        "$venv/bin/python" -m pip install --disable-pip-version-check --retries 1 --timeout 30 \
+            $editable ".$extra" >>"$log" 2>&1
+        return
+    fi
     # Some Debian machines have python3 without venv and pip; those come from apt.
     command -v python3 >/dev/null || apt_install python3 python3-venv
     rm -rf "$venv"
@@ -109,13 +121,17 @@ from_registry() {
 }
 
 from_debian() {
+    if [ -n "$tests" ]; then
+        apt_install python3-pytest python3-pytest-xdist
+        # Of these two some releases have none, or older ones: then these commands say what they lack.
+        for package in python3-shtab python3-pygls; do
+            (apt_install $package) 2>>"$log" || say "not to be had here: $package"
+        done
+        [ ! -x "$venv/bin/python" ] || return 0
+    fi
     apt_install python3 python3-venv python3-pip python3-setuptools python3-wheel \
         python3-jinja2 python3-lark python3-numpy python3-pint python3-rich python3-sympy \
-        python3-matplotlib python3-pytest python3-pytest-xdist
-    # Of these two some releases have none, or older ones: then these commands say what they lack.
-    for package in python3-shtab python3-pygls; do
-        (apt_install $package) 2>>"$log" || say "not to be had here: $package"
-    done
+        python3-matplotlib
     rm -rf "$venv"
     # Debian's own python3: another one that comes first in PATH does not see its packages.
     /usr/bin/python3 -m venv --system-site-packages "$venv" >>"$log" 2>&1 &&

@@ -34,6 +34,7 @@ from .system.toolchain import BuildError
 
 __all__ = ["main", "parser_of"]
 
+OPTIONAL = {"matplotlib", "rich", "scipy"}  # imported where they are used
 # What each way to fail ends with.
 CODES: dict[type[BaseException], int] = {
     ResourcesExceeded: MODEL_WRONG,
@@ -73,6 +74,7 @@ def _main(words: list[str] | None) -> int:
         return DONE if words else USAGE
     if words[0] in ("-V", "--version"):
         print(f"pkgen {__version__}")
+        _warn_of_the_other()
         return DONE
     try:
         command, options = parsed(words)
@@ -80,6 +82,15 @@ def _main(words: list[str] | None) -> int:
         return _fail("--json" in words, str(error), USAGE)
     with allowing(*getattr(options, "allow_path", ())):
         return _guarded(command.module.run, options)
+
+
+def _warn_of_the_other() -> None:
+    """`pkgen` in Python's registry is another project, with the same import name."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    with suppress(PackageNotFoundError):
+        said = f"the distribution 'pkgen' {version('pkgen')} is here too, which has the same files"
+        print(f"pkgen: {said}: pip uninstall pkgen, then install pkgen-lag again", file=sys.stderr)
 
 
 def _open_streams() -> None:
@@ -116,6 +127,10 @@ def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Nam
             raise
         return _fail(options.json, f"{error.filename}: {error.strerror}", USAGE)
     except Exception as error:
+        missing = error.name or "" if isinstance(error, ModuleNotFoundError) else ""
+        if (name := missing.partition(".")[0]) in OPTIONAL:
+            said = f"pip install {name} (Debian: apt install python3-{name})"
+            return _fail(options.json, f"this needs {name}, which is optional: {said}", USAGE)
         return _fail(
             options.json,
             f"internal error ({type(error).__name__}: {error}); this is a defect of pkgen: "

@@ -52,6 +52,13 @@ def copy(folder: Path) -> None:
         place.chmod(0o644)
 
 
+def tagged() -> str:
+    """The version of the last commit's tag, v1.2.3; "" where it has none."""
+    command = ["git", "describe", "--tags", "--exact-match", "--match", "v[0-9]*"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    return done.stdout.strip().removeprefix("v") if done.returncode == 0 else ""
+
+
 def wanted() -> str:
     """The setuptools of pyproject.toml's `dist`."""
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
@@ -66,6 +73,10 @@ def build(directory: Path, epoch: int) -> Path:
         tree, made = Path(scratch, "tree"), Path(scratch, "made")
         made.mkdir()
         copy(tree)
+        if tag := tagged():
+            place = tree / "generator/pkgen/version.py"
+            text = re.sub(r"(?m)^(__version__ = ).*", rf'\1"{tag}"', place.read_text())
+            place.write_text(text)
         env = {**os.environ, "SOURCE_DATE_EPOCH": str(epoch)}
         command = [sys.executable, "-c", BUILD, str(made)]
         done = subprocess.run(command, cwd=tree, env=env, capture_output=True, text=True)

@@ -87,7 +87,7 @@ def _needed(metadata: bytes) -> Iterator[Component]:
     found: dict[str, list[Requirement]] = {}
     for text in message_from_bytes(metadata).get_all("Requires-Dist", ()):
         requirement = Requirement(text)
-        if requirement.name != "pkgen":  # an extra that has another
+        if requirement.name != "pkgen-lag":  # an extra that has another
             found.setdefault(requirement.name.lower(), []).append(requirement)
     for name, requirements in sorted(found.items()):
         always = any(r.marker is None for r in requirements)

@@ -21,6 +21,7 @@ from ..scenes.asked import unknown
 from ..system.exits import UsageError
 from ..system.files import place
 from ..system.near import near
+from .said import needs
 
 if TYPE_CHECKING:
     from ..plot.table import Table
@@ -82,6 +83,7 @@ def width(options: argparse.Namespace) -> float | None:
 
 def look_of(options: argparse.Namespace) -> style.Look:
     """Of arguments.of_a_look(). Raises UsageError."""
+    needs("matplotlib")
     formats = tuple(kind.strip() for kind in options.format.split(",") if kind.strip())
     known = (*style.FORMATS, style.OF_LATEX)
     for kind in formats:

@@ -19,7 +19,7 @@ from ..system.files import PARTIAL, STANDARD, scratch
 from . import arguments as shared
 from . import pictures
 from .run import judge, prepared, table_of, tell, to_scratch
-from .said import refuse_both
+from .said import needs, refuse_both
 
 if TYPE_CHECKING:
     from ..api.prepare import Prepared
@@ -51,6 +51,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Draw motions over time, in the phase plane or in space, their sections, spectra and drifts:
     of models, which are run, and of rows that a run has left."""
+    needs("matplotlib")
     view, width = views.asked(options), pictures.width(options)
     sweeps = [name for name in options.files if is_sweep(place(name))]
     if not sweeps:

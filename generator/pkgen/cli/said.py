@@ -9,6 +9,7 @@ import os
 import re
 import sys
 from collections.abc import Callable
+from importlib.util import find_spec
 from typing import TextIO
 
 from ..system import progress
@@ -46,6 +47,12 @@ def refuse_both(options: argparse.Namespace, output: str | None) -> None:
     """Raises UsageError where a result and what describes it would be mixed."""
     if options.json and output == "-":
         raise UsageError("-o - and --json both write to standard output; take one of them")
+
+
+def needs(module: str) -> None:
+    """Says at once that an optional package is missing, not after a long run."""
+    if find_spec(module) is None:
+        raise ModuleNotFoundError(name=module)
 
 
 def told(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:

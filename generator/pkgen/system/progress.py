@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import Protocol
 
 
@@ -53,7 +54,7 @@ def trace(text: str) -> None:
 @contextmanager
 def progress(title: str) -> Iterator[Show | None]:
     """Yields what to call, or None where standard error is no terminal."""
-    if not sys.stderr.isatty():
+    if not sys.stderr.isatty() or find_spec("rich") is None:
         yield None
         return
     from rich.console import Console
