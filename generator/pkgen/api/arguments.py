@@ -26,7 +26,7 @@ NUMBERS = ("until", "every", "step", "max_step", "rtol", "atol")
 # Options of `pkgen run` that a call has none for.
 DEFAULTS = {
     **dict.fromkeys((*NUMBERS, "method", "record", "at", "ensemble", "threads", "diagnose")),
-    **dict.fromkeys(("no_reduce", "output", "unroll")),
+    **dict.fromkeys(("no_reduce", "output", "unroll", "watch")),
     "tableau": (),
     "composition": (),
     "iteration": "newton",

@@ -138,6 +138,8 @@ def of_an_integration(parser: argparse.ArgumentParser) -> None:
     add("--ensemble", metavar="FILE", help="CSV or Parquet, a row a trajectory: starts, parameters")
     add("--threads", type=int, metavar="N", help="of an ensemble (default: all cores)")
     unrolling(parser)
+    help_ = "none: constants are not watched, and their drifts not told"
+    add("--watch", choices=("all", "none"), default="all", help=help_)
     of_implicit_methods(parser)
     add("--diagnose", metavar="LIST", help=f"{','.join(NAMES)}, or all")
     sincos(parser)

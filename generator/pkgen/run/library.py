@@ -91,7 +91,7 @@ class Library:
             s.diagnose |= self.c.pk_run_diagnostic(name.encode())
         parts = [(p.method.encode(), p.step or 0, p.rtol, p.max_step or 0) for p in given.parts]
         _fill(s, "parts", parts)
-        s.watch = {"": 0, "events": 1, "times": 2}[given.watch]
+        s.watch = {"": 0, "events": 1, "times": 2, "none": -1}[given.watch]
         for name, value in more.items():
             (_fill if isinstance(value, tuple) else setattr)(s, name, value)
         return s

@@ -78,7 +78,8 @@ class Settings:
     start_v: tuple[tuple[int, float], ...]
     show: tuple[Shown, ...] = ()  # the columns behind t; none: all
     at: int | None = None  # the event that has rows
-    watch: str = ""  # of members "events", or "times" too, are looked for; "": none
+    # Of members "events", or "times" too, are looked for, "": none; "none": no drifts either.
+    watch: str = ""
     diagnose: tuple[str, ...] = ()
     watched: Watched = NOTHING  # what a scene expects
     rows: str = ""  # land or dense: by steps that end there, or between steps; "": as it is best

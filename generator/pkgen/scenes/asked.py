@@ -136,6 +136,7 @@ def settings(
         show=show,
         at=at,
         units=options.units,
+        watch="none" if getattr(options, "watch", None) == "none" else "",
         diagnose=diagnostics.asked(options.diagnose),
         accuracy=None if _author_chooses(options) else said.accuracy,
         parts=()

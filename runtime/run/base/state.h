@@ -167,6 +167,8 @@ struct pk_run {
     int begun;            /* it could start */
     int lean;             /* of a member: nobody looks at its steps, but where it begins and ends */
     pk_real h_min, h_max; /* steps made; the least of those that their error alone bounds */
+    unsigned long look_at; /* the step at which drifts are looked at next; see look/drifts.c */
+    int looked;            /* whether they were at this one */
     pk_real trusted;      /* until when the energy was what it is to be; see look.h */
     int distrusted;
     pk_real ends;  /* end of the motion according to dop853 */

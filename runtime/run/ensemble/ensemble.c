@@ -138,7 +138,7 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
 static const char *ended(const struct settings *s, const struct tally *tally)
 {
     int stops = 0;
-    for (size_t k = 0; s->asked.watch && k < s->system->events.n; k++)
+    for (size_t k = 0; s->asked.watch > 0 && k < s->system->events.n; k++)
         stops |= s->system->events.table[k].stop;
     return !stops          ? "they failed"
            : tally->failed ? "they failed or an event stopped them"

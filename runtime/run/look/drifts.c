@@ -3,9 +3,15 @@
 
 #define LARGE PK_C(0.1) /* a drift, of its scale */
 
+/* The first steps are all looked at. Then a look costs a twentieth of the steps up to the next one: it
+ * takes as long as some three evaluations of the forces. */
+enum { ALL = 1024, STEPS_BY_ONE = 60 };
+
 void drift_begin(struct pk_run *run, const struct pk_problem *problem)
 {
     const size_t size = pk_monitor_size(problem);
+    if (run->settings.asked.watch < 0 && !run->settings.asked.n_drifts)
+        return;
     if (!run->monitor_block)
         run->monitor_block = memory_take(&run->memory, size, 1);
     pk_monitor_init(&run->monitor, problem, run->monitor_block, size);
@@ -14,8 +20,21 @@ void drift_begin(struct pk_run *run, const struct pk_problem *problem)
 
 static void step(struct pk_run *run, const struct moment *at)
 {
-    if (run->monitor_block)
-        pk_monitor_update(&run->monitor, at->t, at->q, at->v);
+    const struct pk_counters *count = &run->it.count;
+    run->looked = run->monitor_block && count->steps >= run->look_at;
+    if (!run->looked)
+        return;
+    pk_monitor_update(&run->monitor, at->t, at->q, at->v);
+    if (count->steps >= ALL && !run->settings.asked.n_drifts)
+        run->look_at = count->steps + STEPS_BY_ONE * count->steps / (count->evaluations + 1);
+}
+
+static void end(struct pk_run *run)
+{
+    const int looked = run->looked;
+    run->look_at = 0;
+    if (!looked && run->monitor_block)
+        step(run, &run->now);
 }
 
 void report_drift(struct json *j, const char *key, const char *name, const struct pk_drift *drift)
@@ -55,6 +74,8 @@ static void keep(struct pk_run *run, struct pk_keep *k)
 {
     if (run->monitor_block && !run->settings.asked.members)
         pk_monitor_keep(&run->monitor, k);
+    pk_keep(k, &run->look_at, sizeof run->look_at);
+    pk_keep(k, &run->looked, sizeof run->looked);
 }
 
-const struct observer drift_observer = {.step = step, .report = report, .keep = keep};
+const struct observer drift_observer = {.step = step, .end = end, .report = report, .keep = keep};

@@ -12,7 +12,7 @@ enum { MOST_VALUES = 5000000 }; /* of accelerations by the judge: a second or so
 
 static void step(struct pk_run *run, const struct moment *at)
 {
-    if (!run->monitor.has_energy || run->distrusted)
+    if (!run->looked || !run->monitor.has_energy || run->distrusted)
         return;
     run->distrusted = !(pk_drift_max(&run->monitor.energy) <= TRUST_WRONG); /* true of a NaN */
     if (!run->distrusted)

@@ -29,11 +29,39 @@ static int fused(const struct pk_run *run)
     return system->families.advance && run_fixed(run) && !system->events.n && !system->switches.n;
 }
 
+static int by_time(const struct pk_run *run)
+{
+    const struct settings *s = &run->settings;
+    return s->has_every || (!s->asked.bare && !s->asked.at);
+}
+
+/* Fixed steps between two looks: 1, or up to the next multiple of LOOK where nothing is asked of each
+ * and no row is due. */
+static unsigned long unseen(const struct pk_run *run)
+{
+    enum { ALL = 1024, LOOK = 16 };
+    const struct pk_integrator *it = &run->it;
+    const struct settings *s = &run->settings;
+    const unsigned long steps = it->count.steps;
+    if (steps < ALL || !run_fixed(run) || run->crossed || s->asked.diagnose || s->asked.n_drifts ||
+        s->asked.n_expected || s->n_parts || (by_time(run) && !(s->every > 0)))
+        return 1;
+    const pk_real left = run_wanted(run, it->t, s->until) - it->t;
+    const unsigned long most = LOOK - steps % LOOK;
+    return left > (pk_real)(most + 2) * it->options.h ? most : 1;
+}
+
+static enum pk_status steps(struct pk_run *run, pk_real end)
+{
+    const unsigned long count = unseen(run);
+    return count > 1 ? pk_integrator_steps(&run->it, end, count) : crossings_step(run, end);
+}
+
 static int step(struct pk_run *run)
 {
     struct pk_integrator *it = &run->it;
     const pk_real end = run_limit(run), before = it->t - it->last_t;
-    const enum pk_status status = fused(run) ? many(run, end) : crossings_step(run, end);
+    const enum pk_status status = fused(run) ? many(run, end) : steps(run, end);
     if (status < 0)
         return 0;
     if (pk_waits(it))
@@ -79,12 +107,6 @@ static int goes_on(struct pk_run *run)
     if (!run->settings.asked.members)
         checkpoint_look(run, keep, NULL);
     return !run->interrupted;
-}
-
-static int by_time(const struct pk_run *run)
-{
-    const struct settings *s = &run->settings;
-    return s->has_every || (!s->asked.bare && !s->asked.at);
 }
 
 int run_starts(struct pk_run *run)

@@ -1,5 +1,6 @@
-/* Many steps of a splitting method in one call of the system's own fused code. The state is copied
- * first: steps that end in what is not finite are undone, and half as many are tried, so that the
+/* Many fixed steps at once: of a splitting method in one call of the system's own fused code, or one by
+ * one without what pk_integrator_step() does between two. The bits are the same. A fused state is
+ * copied first: steps that end in what is not finite are undone, and half as many are tried, so that the
  * first that fails is found by bisection.
  */
 #include <string.h>
@@ -51,12 +52,47 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     return steps;
 }
 
+/* Steps on the grid, where nothing asks for more than the step itself. One that fails is left to be made
+ * again by pk_integrator_step(), which says why. */
+static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned long most)
+{
+    const struct pk_system *system = it->problem.system;
+    const pk_real h = (pk_real)it->own->direction * it->options.h;
+    if (it->method->traits & PK_ADAPTIVE || it->own->singularities || it->own->project ||
+        it->own->passage || it->own->ahead || it->own->atol || system->marks.n ||
+        system->switches.n || (it->options.stop && it->options.stop(it->options.context)))
+        return 0;
+    unsigned long steps = pk_step_whole(it, limit, most);
+    if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
+        steps = it->options.max_steps - it->count.steps;
+    unsigned long made = 0;
+    for (; made < steps; made++) {
+        it->own->h = h;
+        it->own->next_t = it->own->anchor + (it->own->grid + PK_C(1.0)) * h;
+        it->own->off_grid = 0;
+        if (it->own->step(it, limit) < 0 ||
+            !pk_all_finite(it->own->next, pk_before(it->n_q, it->n, PK_LOW_Q))) {
+            it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
+            break;
+        }
+        pk_exchange(it);
+        pk_step_made(it, 1);
+    }
+    return made;
+}
+
+static unsigned long many(struct pk_integrator *it, pk_real limit, unsigned long most)
+{
+    const unsigned long made = advance(it, limit, most);
+    return made ? made : plain(it, limit, most);
+}
+
 enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsigned long steps)
 {
     unsigned long left = steps ? steps : (unsigned long)-1;
     if (pk_ready(it) && it->own->direction &&
         it->own->direction == (limit > it->t) - (limit < it->t))
-        left -= advance(it, limit, left);
+        left -= many(it, limit, left);
     while (left) {
         /* A step sets the direction and the grid, and meets whatever is wrong. */
         const enum pk_status status = pk_integrator_step(it, limit);
@@ -66,7 +102,7 @@ enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsi
         if (!(it->t < limit || it->t > limit))
             break;
         if (left)
-            left -= advance(it, limit, left);
+            left -= many(it, limit, left);
     }
     return PK_DONE;
 }
