@@ -34,6 +34,10 @@ __all__ += ["UsageError", "load"]
 _HOMES = {"load": "model", "Model": "model", "Result": "result"}
 
 
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 def __getattr__(name: str) -> object:
     """Imported where it is used: the command line needs none of it."""
     if name not in __all__:

@@ -79,42 +79,42 @@ static struct kernel find(const struct settings *s, const char *name)
 
 /* One state. 0 where M is singular: `out` is not a number then. */
 static int at(const struct settings *s, const struct pk_problem *problem, const struct kernel *k,
-              pk_real t, const pk_real *q, const pk_real *v, pk_real *out, pk_real *work)
+              pk_real t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *out,
+              pk_real *work)
 {
     const struct pk_system *system = s->system;
     switch (k->kind) {
     case ACCELERATION:
-        return system->acceleration(s->params, t, q, v, s->u, out) == 0;
+        return system->acceleration(s->params, t, q, v, u, out) == 0;
     case JACOBIAN:
-        return jacobian(problem, t, q, v, s->u, out, out + s->n * s->n, work);
+        return jacobian(problem, t, q, v, u, out, out + s->n * s->n, work);
     case MOMENTA:
-        system->canonical(s->params, t, q, v, s->u, out, work);
+        system->canonical(s->params, t, q, v, u, out, work);
         return 1;
     case ENERGY:
-        *out = system->energy(s->params, t, q, v, s->u);
+        *out = system->energy(s->params, t, q, v, u);
         return 1;
     default:
-        k->plain(s->params, t, q, v, s->u, out);
+        k->plain(s->params, t, q, v, u, out);
         return 1;
     }
 }
 
 /* Blocks of PK_LANES states. */
 static size_t in_lanes(const struct settings *s, size_t count, const double *t, const double *q,
-                       const double *v, double *out, pk_real *work)
+                       const double *v, const double *u, double *out, pk_real *work)
 {
     const size_t n = s->n, m = s->system->n_inputs;
     pk_real *T = work, *Q = T + PK_LANES, *V = Q + n * PK_LANES, *A = V + n * PK_LANES,
             *U = A + n * PK_LANES;
-    for (size_t i = 0; i < m; i++)
-        for (size_t l = 0; l < PK_LANES; l++)
-            U[i * PK_LANES + l] = s->u[i];
     size_t failed = 0;
     for (size_t k = 0; k < count; k += PK_LANES) {
         const size_t some = count - k < PK_LANES ? count - k : PK_LANES;
         for (size_t l = 0; l < PK_LANES; l++) {
             const size_t from = k + (l < some ? l : 0);
             T[l] = (pk_real)t[from];
+            for (size_t i = 0; i < m; i++)
+                U[i * PK_LANES + l] = u ? (pk_real)u[from * m + i] : s->u[i];
             for (size_t i = 0; i < n; i++) {
                 Q[i * PK_LANES + l] = (pk_real)q[from * n + i];
                 V[i * PK_LANES + l] = (pk_real)v[from * n + i];
@@ -131,37 +131,55 @@ static size_t in_lanes(const struct settings *s, size_t count, const double *t, 
     return failed;
 }
 
+struct held {
+    const pk_real *u;
+    size_t n;
+};
+
+static void give(void *context, pk_real t, pk_real *u)
+{
+    const struct held *held = context;
+    (void)t;
+    memcpy(u, held->u, held->n * sizeof *u);
+}
+
 size_t pk_run_width(const struct pk_run *run, const char *what)
 {
     return find(&run->settings, what).width;
 }
 
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
-                       const double *q, const double *v, double *out)
+                       const double *q, const double *v, const double *u, double *out)
 {
     const struct settings *s = &run->settings;
     const struct kernel kernel = find(s, what);
     const size_t n = s->n, wide = kernel.width;
     if (!wide || run->code)
         return count;
-    const struct pk_problem problem = run_problem(run);
-    const size_t lanes = (3 * n + 1 + s->system->n_inputs) * PK_LANES, one = 3 * n + wide;
+    struct pk_problem problem = run_problem(run);
+    const size_t m = s->system->n_inputs;
+    const size_t lanes = (3 * n + 1 + m) * PK_LANES, one = 3 * n + m + wide;
     pk_real *work = memory_ask(&run->memory, lanes + one + jacobian_size(&problem), sizeof *work);
     if (!work)
         return count;
     if (kernel.kind == ACCELERATION && s->system->lanes && count > 1) {
-        const size_t failed = in_lanes(s, count, t, q, v, out, work);
+        const size_t failed = in_lanes(s, count, t, q, v, u, out, work);
         memory_drop(&run->memory, work);
         return failed;
     }
-    pk_real *Q = work, *V = Q + n, *found = V + n, *rest = found + wide;
+    pk_real *Q = work, *V = Q + n, *U = V + n, *found = U + m, *rest = found + wide;
     size_t failed = 0;
+    struct held held = {U, m};
+    problem.input = give;
+    problem.context = &held;
     for (size_t k = 0; k < count; k++) {
         for (size_t i = 0; i < n; i++) {
             Q[i] = (pk_real)q[k * n + i];
             V[i] = (pk_real)v[k * n + i];
         }
-        const int good = at(s, &problem, &kernel, (pk_real)t[k], Q, V, found, rest);
+        for (size_t i = 0; i < m; i++)
+            U[i] = u ? (pk_real)u[k * m + i] : s->u[i];
+        const int good = at(s, &problem, &kernel, (pk_real)t[k], Q, V, U, found, rest);
         failed += !good;
         for (size_t i = 0; i < wide; i++)
             out[k * wide + i] = good ? (double)found[i] : (double)NAN;

@@ -50,7 +50,8 @@ def parts(tmp_path: Path) -> Path:
 
 def test_emission_keeps_loops_whatever_the_size(pkgen, tmp_path: Path) -> None:
     for size in (2, 5_000_000):
-        assert pkgen(FPUT, "--runtime", "--no-unroll", "-o", tmp_path, "--size", f"N={size}").returncode == 0
+        options = ("--runtime", "--no-unroll", "--size", f"N={size}")
+        assert pkgen(FPUT, *options, "-o", tmp_path).returncode == 0
         text = (tmp_path / "fput.c").read_text()
         assert "fput_advance" in text and f"p->N = {size};" in text
 

@@ -35,6 +35,10 @@ from .result import Result
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from .symbols import Symbolic, Typeset
+
+    U = ArrayLike | Mapping[str, ArrayLike] | None
+
 
 def load(
     path: str | os.PathLike[str],
@@ -97,8 +101,9 @@ class Model:
 
     Kernels (`M`, `f`, `acceleration`, ...) are those of the whole model, whatever the scene leaves
     of it, at the values of `params`. q and v have the model's coordinates and rates along their
-    last axis, in the order of `coordinates` and `rates`, in SI; all other axes, those of t too, are
-    any that NumPy broadcasts.
+    last axis, in the order of `coordinates` and `rates`, in SI. u has the inputs in the order of
+    `inputs`, or is a dictionary of them; those that are not given are 0. All other axes, those of t
+    too, are any that NumPy broadcasts.
     """
 
     @in_words()
@@ -243,52 +248,79 @@ class Model:
         library = load_library(build(compilation, settings, None))
         return library.run(replace(settings, every=None, show=()), bare=True, idle=True)
 
-    def _kernel(self, what: str, q: ArrayLike, v: ArrayLike, t: ArrayLike) -> NDArray[Any]:
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        return tuple(named.inputs(self.compilation).names())
+
+    def _inputs(self, u: U) -> NDArray[Any]:
+        """Of shape (..., inputs), those that are not named at their values."""
+        import numpy
+
+        names = self.inputs
+        if not isinstance(u, Mapping):
+            (given,) = arguments.arrays(u=u)
+            if given.shape[-1:] != (len(names),):
+                raise ArrayError(f"u must be of shape (..., {len(names)}): {', '.join(names)}")
+            return given
+        for name in u.keys() - {*names}:
+            raise UsageError(f"u: {near(name, names, 'input')}")
+        columns = arguments.arrays(**{name: u.get(name, 0.0) for name in names})
+        return numpy.stack(numpy.broadcast_arrays(*columns), -1)
+
+    def _kernel(self, what: str, q: ArrayLike, v: ArrayLike, t: ArrayLike, u: U) -> NDArray[Any]:
         import numpy
 
         n, m = len(self.coordinates), len(self.rates)
         places, rates, times = arguments.arrays(q=q, v=v, t=t)
         if places.shape[-1:] != (n,) or rates.shape[-1:] != (m,):
             raise ArrayError(f"q must be of shape (..., {n}), v of shape (..., {m})")
+        inputs = None if u is None else self._inputs(u)
+        others = [places.shape[:-1], rates.shape[:-1], times.shape]
+        others += [] if inputs is None else [inputs.shape[:-1]]
         try:
-            shape = numpy.broadcast_shapes(places.shape[:-1], rates.shape[:-1], times.shape)
+            shape = numpy.broadcast_shapes(*others)
         except ValueError as error:
-            raise ArrayError(f"q, v and t: {error}") from None
+            raise ArrayError(f"q, v, t and u: {error}") from None
         count = math.prod(shape)  # -1 is not for a model of rotations alone, without coordinates
         found = self._handle.evaluate(
             what,
             numpy.broadcast_to(times, shape).reshape(-1),
             numpy.broadcast_to(places, (*shape, n)).reshape(count, n),
             numpy.broadcast_to(rates, (*shape, m)).reshape(count, m),
+            None
+            if inputs is None
+            else numpy.broadcast_to(inputs, (*shape, inputs.shape[-1])).reshape(count, -1),
         )
         return found.reshape(*shape, found.shape[1])
 
-    def acceleration(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+    def acceleration(
+        self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None
+    ) -> NDArray[Any]:
         """q'' (and x' of first-order variables), of shape (..., n); not a number where M is
         singular."""
-        return self._kernel("acceleration", q, v, t)
+        return self._kernel("acceleration", q, v, t, u)
 
-    def f(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+    def f(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
         """The force, M a = f, of shape (..., n)."""
-        return self._kernel("force", q, v, t)
+        return self._kernel("force", q, v, t, u)
 
-    def M(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+    def M(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
         """The mass matrix, of shape (..., n, n)."""
-        found = self._kernel("mass", q, v, t)
+        found = self._kernel("mass", q, v, t, u)
         n = len(self.rates)
         return found.reshape(*found.shape[:-1], n, found.shape[-1] // n)
 
-    def momenta(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+    def momenta(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
         """dL/dv, of shape (..., n)."""
-        return self._kernel("momenta", q, v, t)
+        return self._kernel("momenta", q, v, t, u)
 
-    def energy(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+    def energy(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
         """v.dL/dv - L, of shape (...)."""
-        return self._kernel("energy", q, v, t)[..., 0]
+        return self._kernel("energy", q, v, t, u)[..., 0]
 
-    def jacobian(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0) -> NDArray[Any]:
+    def jacobian(self, q: ArrayLike, v: ArrayLike, t: ArrayLike = 0.0, u: U = None) -> NDArray[Any]:
         """da/dq and da/dv, of shape (..., 2, n, n)."""
-        found = self._kernel("jacobian", q, v, t)
+        found = self._kernel("jacobian", q, v, t, u)
         n = len(self.rates)
         return found.reshape(*found.shape[:-1], 2, n, found.shape[-1] // (2 * n))
 
@@ -312,9 +344,40 @@ class Model:
         q, v = state[:n].T, state[n:].T
         return numpy.concatenate([state[n : 2 * n], self.acceleration(q, v, t).T])
 
+    # -- looks --------------------------------------------------------------------------------
+
+    def sympy(self) -> Symbolic:
+        """L, M and f of M a = f, and the symbols q and v, as SymPy has them."""
+        from .symbols import symbolic
+
+        return symbolic(self._compiled(argparse.Namespace(scene=None), unroll=None))
+
+    def equations(self) -> Typeset:
+        """M a = f as LaTeX, which a notebook shows."""
+        from .symbols import typeset
+
+        return typeset(self.sympy())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Of a copy, or in another process: the same file, with the same values."""
+        given = self.path, self.scene, self._sizes, self._allowed, dict(self.params._set)
+        return _again, given
+
     def __repr__(self) -> str:
         scene = f", scene {self.scene}" if self.scene else ""
         return f"<pkgen model {self.name}: {', '.join(self.coordinates)}{scene}>"
+
+
+def _again(
+    path: str,
+    scene: str | None,
+    sizes: Mapping[str, int],
+    allowed: Sequence[str],
+    values: Mapping[str, float],
+) -> Model:
+    made = Model(path, scene, sizes, allowed)
+    made.params.update(values)
+    return made
 
 
 def _members(compilation: Compilation, table: Any) -> Ensemble:

@@ -93,11 +93,24 @@ class Result:
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
-        """A variable for each column with its unit, over `t`. Needs xarray."""
+        """A variable for each column with its unit, over `t`. An ensemble has them over `member`
+        and `t`, or over `member` and `row` where members have times of their own. Needs xarray."""
+        import numpy
         import xarray
 
-        variables = {n: ("t", self[n], {"units": self.units[n]}) for n in self if n != "t"}
-        return xarray.Dataset(variables, {"t": ("t", self.t, {"units": self.units["t"]})})
+        of = {n: ("t", self[n], {"units": self.units[n]}) for n in self}
+        if not self._several:
+            return xarray.Dataset({n: x for n, x in of.items() if n != "t"}, {"t": of["t"]})
+        times = self.by_member("t")
+        alike = bool(numpy.all(times == times[:1]))
+        dims = ("member", "t" if alike else "row")
+        of = {n: (dims, self.by_member(n), {"units": self.units[n]}) for n in self}
+        del of[self.columns[0]]
+        coordinates = {"member": numpy.unique(self.member)}
+        if alike:
+            del of["t"]
+            coordinates["t"] = ("t", times[0], {"units": self.units["t"]})
+        return xarray.Dataset(of, coordinates)
 
     def __repr__(self) -> str:
         way = f"{self.report.get('method')}, {len(self)} rows of {', '.join(self)}"

@@ -185,10 +185,15 @@ class Run:
         return self._c.pk_run_laps(self._run, seconds) or float("inf")
 
     def evaluate(
-        self, what: str, t: numpy.ndarray, q: numpy.ndarray, v: numpy.ndarray
+        self,
+        what: str,
+        t: numpy.ndarray,
+        q: numpy.ndarray,
+        v: numpy.ndarray,
+        u: numpy.ndarray | None = None,
     ) -> numpy.ndarray:
-        """A kernel at many states: q and v of shape (count, n), t (count,); the result (count,
-        width), not a number where M is singular."""
+        """A kernel at many states: q and v of shape (count, n), t (count,), u (count, inputs) or
+        None, which is the run's; the result (count, width), not a number where M is singular."""
         import numpy
 
         count, n = v.shape
@@ -198,7 +203,9 @@ class Run:
         whole[:, : q.shape[1]] = q
         v = numpy.ascontiguousarray(v, dtype=float)
         out = numpy.empty((count, self._c.pk_run_width(self._run, what.encode())))
-        pointers = [x.ctypes.data_as(POINTER(c_double)) for x in (t, whole, v, out)]
+        given = None if u is None else numpy.ascontiguousarray(u, dtype=float)
+        arrays = (t, whole, v, given, out)
+        pointers = [None if x is None else x.ctypes.data_as(POINTER(c_double)) for x in arrays]
         self._c.pk_run_evaluate(self._run, what.encode(), count, *pointers)
         return out
 
@@ -219,7 +226,7 @@ class Run:
         def rates(time: float, state: numpy.ndarray) -> numpy.ndarray:
             t[0], y[:] = time, state
             q[:seen] = y[:seen]
-            evaluate(self._run, what, 1, *pointers)
+            evaluate(self._run, what, 1, *pointers[:-1], None, pointers[-1])
             out[:seen] = y[seen : 2 * seen]
             return out.copy()
 

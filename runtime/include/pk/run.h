@@ -165,10 +165,11 @@ int pk_run_refused(const struct pk_run *run);
 double pk_run_laps(struct pk_run *run, double seconds);
 /* A kernel at `count` states: "acceleration", "force", "momenta" (n numbers a state), "mass" (n by
  * n), "energy" (1), "outputs", or "jacobian" (da/dq, then da/dv, n by n each), with the run's
- * parameters and inputs. q and v have n numbers a state, out as many as pk_run_width() says, t one.
+ * parameters. q and v have n numbers a state, u one for each input (NULL: the run's own), out as many as
+ * pk_run_width() says, t one.
  * How many failed, whose numbers are NAN: M is singular there. */
 size_t pk_run_evaluate(struct pk_run *run, const char *what, size_t count, const double *t,
-                       const double *q, const double *v, double *out);
+                       const double *q, const double *v, const double *u, double *out);
 size_t pk_run_width(const struct pk_run *run, const char *what); /* 0: there is no such kernel */
 /* Parameters and start in JSON, as they are in memory. */
 const char *pk_run_given(struct pk_run *run);
