@@ -208,3 +208,13 @@ def test_a_line_that_begins_with_a_dot_is_no_request_of_roff() -> None:
 
 def test_names_in_a_rule_of_make_are_what_make_reads() -> None:
     assert _depends([Path("a$b #c d.c")]).startswith("a$$b\\ \\#c\\ d.c:")
+
+
+def test_a_model_is_found_by_its_name(pkgen, tmp_path) -> None:
+    """`pkgen check heavy_top` in a clone; a file of that very name comes first."""
+    assert pkgen("check", "heavy_top", cwd=ROOT).returncode == 0
+    assert pkgen("run", "kepler", "--until", "0.1", "--every", "0.1", cwd=ROOT).returncode == 0
+    done = pkgen("check", "heavy_tops", cwd=ROOT)
+    assert done.returncode == 2 and "there is no such file" in done.stderr
+    (tmp_path / "kepler").write_text("model m\n")
+    assert "no coordinates" in pkgen("check", "kepler", cwd=tmp_path).stderr

@@ -8,8 +8,10 @@ begins with MODEL.lag takes a model, and the options that all of these have.
 from __future__ import annotations
 
 import argparse
+import os
 import re
 from collections.abc import Iterable
+from glob import glob
 from importlib import import_module
 from types import ModuleType
 
@@ -152,9 +154,7 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
     named = words[0] in COMMANDS
     command = COMMANDS[words[0] if named else USUAL]
     if not named and words[0].isalpha():
-        from os.path import exists
-
-        if not exists(words[0]):
+        if not os.path.exists(model_file(words[0])):
             said = near(words[0], list(COMMANDS), "command")
             raise UsageError(f"there is no command '{words[0]}'; {said}")
     parser = parser_of(command.name)
@@ -166,4 +166,14 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
         known = [name for name in parser._option_string_actions if name not in ("-h", "--help")]
         raise UsageError(f"there is no option {flag}; {near(flag, known, 'option')}")
     options.words = words[named:]
+    if isinstance(getattr(options, "model", None), str):
+        options.model = model_file(options.model)
     return command, options
+
+
+def model_file(name: str) -> str:
+    """`heavy_top` is heavy_top.lag, here or below models/, where there is no file of that name."""
+    if not name.isidentifier() or os.path.exists(name):
+        return name
+    below = (f"models/{name}.lag", *sorted(glob(f"models/*/{name}.lag")))
+    return next(filter(os.path.exists, (f"{name}.lag", *below)), name)
