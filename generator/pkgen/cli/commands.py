@@ -153,10 +153,9 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
     words = [*words[leading:], *words[:leading]]
     named = words[0] in COMMANDS
     command = COMMANDS[words[0] if named else USUAL]
-    if not named and words[0].isalpha():
-        if not os.path.exists(model_file(words[0])):
-            said = near(words[0], list(COMMANDS), "command")
-            raise UsageError(f"there is no command '{words[0]}'; {said}")
+    if not named and words[0].isalpha() and not os.path.exists(model_file(words[0])):
+        said = near(words[0], list(COMMANDS), "command")
+        raise UsageError(f"there is no command '{words[0]}'; {said}")
     parser = parser_of(command.name)
     options, unknown = parser.parse_known_intermixed_args(words[named:])
     if unknown:

@@ -236,7 +236,10 @@ class _Lexer:
             return self._add("COMPONENT", _AXES[spelt], at, end)
         if spelt[1:] in MEMBERS:
             return self._add("POINT" if spelt == ".point" else "MEMBER", spelt, at, end)
-        return self._error(f"'{spelt}' is not a component", at, end, "a vector has .x, .y and .z")
+        help = "a vector has .x, .y and .z"
+        if self.text[:at].endswith(("np", "math", "numpy", "sympy", "sp", "Math", "std")):
+            help = f"functions have no prefix: write {spelt[1:]}"
+        return self._error(f"'{spelt}' is not a component", at, end, help)
 
     def _operator(self, spelt: str, at: int) -> int:
         if spelt in "([":

@@ -13,6 +13,7 @@ from lark.lexer import Token
 from lark.parsers.lalr_analysis import Shift
 
 from ..source import Diagnostic, Source, Span
+from . import foreign
 from .lexed import Lexed
 from .parse_mistakes import BINARY, RULES, Spot
 from .table import ALL, FIRST, SCENE, STATEMENTS
@@ -83,16 +84,21 @@ def _not_a_statement(source: Source, lexed: Lexed) -> Diagnostic:
     shown = source.text[first.start_pos : first.end_pos]
     types = [t.type for t in lexed.tokens]
     if first.type in BINARY:
+        comment = foreign.statement(source.text[first.start_pos : lexed.span.end])
         return Diagnostic(
             f"a statement cannot start with '{shown}'",
             span,
-            "an expression goes on in the next line only while a bracket is open: put it in ( )",
+            comment
+            or "an expression goes on in the next line only while a bracket is open: put it in ( )",
         )
     if shown in _ENERGIES and types[1:2] == ["EQUAL"]:
         help = f"write '{_ENERGIES[shown]} …', which needs no name and no '='"
         return Diagnostic(f"a statement cannot start with '{shown}'", span, help)
     near = get_close_matches(shown.lower(), sorted(STATEMENTS), 1, 0.7)
-    if near and (len(types) < 2 or types[1] not in ("EQUAL", "LINDEX", "PRIME")):
+    line = source.text[first.start_pos : lexed.span.end]
+    if shown not in STATEMENTS and (help := foreign.statement(line)):
+        pass
+    elif near and (len(types) < 2 or types[1] not in ("EQUAL", "LINDEX", "PRIME")):
         help = f"did you mean '{near[0]}'?"
     elif first.type in ("NAME", "LINDEX") and "EQUAL" in types:
         help = f"write 'let {shown} = …' for a definition, 'param {shown} = …' for a parameter"

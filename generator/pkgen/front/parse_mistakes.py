@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 from lark.lexer import Token
 
+from ..functions import FUNCTIONS
 from ..record import record
 from ..source import Source, Span
 from .lexed import Lexed
@@ -184,6 +185,15 @@ def _missing_operator(spot: Spot):
     if spot.before.type == "NUMBER" and unit:
         at = spot.token.start_pos
         return f"the unit {unit} has no brackets", bracketed(left, unit), Span(at, at + len(unit))
+    if left in FUNCTIONS:
+        return f"the argument of '{left}' stands in brackets", f"write {left}({right})"
+    if right in ("if", "when", "else", "where"):
+        help = "step(x) is 0 below 0 and 1 from 0 on; max(0, x), min, abs and clamp bend"
+        return f"'{right}' has no place in an expression", help
+    power = re.search(r"(\w+)\s*(\^|\*\*)\s*$", spot.source.text[: spot.before.start_pos])
+    if right == "(" and power and power[1] in FUNCTIONS:
+        message = f"the argument of '{power[1]}' stands right behind it"
+        return message, f"write {power[1]}(…)^{left}"
     left = "…" if "[" in left else left
     product = f"{'(…)' if left == ')' else left}*{right}" + ("…)" if right == "(" else "")
     message = f"an operator is missing between '{left}' and '{right}'"
@@ -199,6 +209,8 @@ def _no_name_wanted(spot: Spot):
     if spot.word in ("kinetic", "potential", "lagrangian", "dissipation"):
         help = f"e.g. {spot.form}; a name is defined with 'let'"
         return f"'{spot.word}' takes an expression, not a definition", help
+    if spot.word == "coord":
+        return "a coordinate has no value", f"its start is a statement: start {spot.before} = …"
     return "this '=' has no place here", f"the form is: {spot.form}"
 
 
@@ -236,7 +248,9 @@ def _value_missing(spot: Spot):
         side = f"after '{spot.text(spot.before)}'"
     else:
         side = f"before '{spot.text(spot.token)}'"
-    return f"a value is missing {side}", ""
+    before = spot.source.text[: spot.token.start_pos].rstrip()
+    comment = spot.text(spot.token) == "/" == before[-1:]
+    return f"a value is missing {side}", "a comment begins with #" if comment else ""
 
 
 def _something_missing(spot: Spot):

@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 import unicodedata
 
+from .foreign import CHARACTERS
+
 _INSTEAD = {
     "−": "-", "–": "-", "—": "-", "·": "*", "×": "*", "⋅": "*", "∗": "*", "÷": "/", "∕": "/",
     "′": "'", "’": "'", "‘": "'", "`": "'", "″": "''", "²": "^2", "³": "^3",
     "⁴": "^4", "½": "1/2", "¼": "1/4", "√": "sqrt( )", "∑": "sum( )", "∞": "inf",
-    "°": "[deg]", "…": "..", "\u00a0": "a plain space", "{": "(", "}": ")", "\\": "/",
+    "°": "[deg]", "…": "..", "\u00a0": "a plain space", "{": "(", "}": ")",
 }  # fmt: skip
 
 
@@ -25,7 +27,7 @@ def stray_character(character: str, where: str) -> tuple[str, str]:
         message = f"{shown} means nothing in a model"
     else:
         message = f"{shown} (U+{ord(character):04X} {name}) cannot be used in {where}"
-    help = f"write {instead}" if instead else ""
+    help = f"write {instead}" if instead else CHARACTERS.get(character, "")
     if not help and unicodedata.category(character) in ("Lu", "Ll", "Mn"):
         help = "names use ASCII letters, digits, '_' and Greek letters"
     return message, help

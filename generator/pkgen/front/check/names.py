@@ -15,6 +15,7 @@ from ...indices import indexed
 from ...record import record
 from ...source import Diagnostic, Span
 from ...tree import Expr
+from .. import foreign
 from ..units import Dimension
 from ..words import reserved
 
@@ -279,6 +280,8 @@ class Names:
             return f"a product is written {name}*(…)"
         if not called and name in callable_names() | SPECIAL:
             return f"'{name}' is a function: write {name}(…)"
+        if other := (foreign.FUNCTIONS if called else foreign.NAMES).get(name):
+            return other
         if called and name in MEANT:
             return f"write {MEANT[name]}(…)"
         if not called and (rate := self._rate(name)):

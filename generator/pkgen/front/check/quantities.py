@@ -12,7 +12,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from ...source import Span
-from ...tree import Add, Call, Expr, Multiply, Name, Negate, Number, Power, Quantity
+from ...tree import Add, Call, Expr, Multiply, Name, Negate, Number, Power, Quantity, names
 from .. import units
 from ..units import NONE
 from . import values
@@ -79,6 +79,10 @@ class Quantities(Checking):
     def _measured(self, expr: Quantity, of: Expr, facts: Facts, unit: units.Unit) -> Checked:
         if _is_pure(facts, unit):
             value = facts.value
+            if unit.pi and "pi" in names(expr.of):
+                text = self.mismatch.text(expr.of)
+                said = f"{text} [{expr.unit}] has pi in degrees"
+                self.report.warn(said, expr.unit_span, f"write {text} [rad], or degrees without pi")
             if not unit.is_si:
                 factor = unit.factor if not unit.pi else float(unit.factor) * math.pi**unit.pi
                 value = self.constant(
