@@ -218,3 +218,15 @@ def test_a_model_is_found_by_its_name(pkgen, tmp_path) -> None:
     assert done.returncode == 2 and "there is no such file" in done.stderr
     (tmp_path / "kepler").write_text("model m\n")
     assert "no coordinates" in pkgen("check", "kepler", cwd=tmp_path).stderr
+
+
+@pytest.mark.skipif(shutil.which("script") is None, reason="no `script` here")
+def test_a_terminal_gets_ten_rows_and_a_pipe_all(pkgen, tmp_path) -> None:
+    words = [sys.executable, "-m", "pkgen", "run", ROOT / "models/heavy_top.lag", "--until", "1"]
+    command = shlex.join(map(str, [*words, "--every", "0.01"]))
+    done = subprocess.run(["script", "-qec", command, "/dev/null"], capture_output=True, text=True)
+    lines = [line.split() for line in done.stdout.splitlines()]
+    rows = [line for line in lines if len(line) == 8 and line[0] != "t"]
+    assert [row[0] for row in rows[:2]] == ["0", "0.01"] and rows[5] == ["…"] * 8
+    assert len(rows) == 11 and "(101 rows: -o rows.csv keeps them" in done.stdout
+    assert len(pkgen(*words[3:], "--every", "0.01").stdout.splitlines()) == 102

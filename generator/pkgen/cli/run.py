@@ -64,9 +64,14 @@ def run(options: argparse.Namespace) -> int:
     wanted = pictures.wanted(options)
     checkpoints.refuse(options, output, wanted is not None)
     what = prepared(options, wanted.view if wanted else None)
-    if output is None and not options.json and wanted is None:
+    more = checkpoints.settings(options, what)
+    alone = output is None and not options.json and wanted is None
+    if alone and not more and options.output is None and sys.stdout.isatty():
+        with scratch() as folder:
+            outcome, left = to_scratch(what, folder / "rows.csv"), None
+            print(_some_rows(folder / "rows.csv"))
+    elif alone:
         sys.stdout.flush()
-        more = checkpoints.settings(options, what)
         outcome, left = _simulate(what, sys.stdout.fileno(), **more), None
         _finishing(outcome)
     elif output is None:
@@ -120,6 +125,19 @@ def table_of(what: Prepared, outcome: Outcome, path: Path, label: str) -> Table 
     if not path.exists() or not path.stat().st_size:
         return None
     return pictures.rows_of(path, label, _describe(what, outcome, path.name))
+
+
+def _some_rows(path: Path) -> str:
+    """For a terminal: ten rows, and how to have all."""
+    with open(path, newline="", encoding="utf-8") as file:
+        head, *rows = list(csv.reader(file)) or [[]]
+    some = rows if len(rows) <= 10 else [*rows[:5], ["…"] * len(head), *rows[-5:]]
+    cells = [head, *([x if x == "…" else f"{float(x):.6g}" for x in row] for row in some)]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    lines = ["  ".join(map(str.rjust, row, widths)) for row in cells]
+    if len(rows) > 10:
+        lines.append(f"({len(rows):,} rows: -o rows.csv keeps them, --plot motion.svg draws them)")
+    return "\n".join(lines)
 
 
 def _pictures(
