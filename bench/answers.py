@@ -161,7 +161,7 @@ def judged(case: Case, seconds: float) -> list[Judged]:
     chart, program, methods = measured(case, seconds)
     answers = [a for a in chart.answers if a.accuracy > 10 * chart.reference.error]
     most = {
-        axis: max((a.point.cost(axis) if a.point else 1e6 for a in answers if a.axis == axis))
+        axis: max(a.point.cost(axis) if a.point else 1e6 for a in answers if a.axis == axis)
         for axis in ("seconds", "work")
     }
     scan = Scan(program, chart)

@@ -63,8 +63,9 @@ def _some(one: Check) -> Check:
     """One, or a sequence of them."""
 
     def check(x: object) -> bool:
-        many = isinstance(x, Collection) and not isinstance(x, Mapping | bytes)
-        return one(x) or (many and getattr(x, "ndim", 1) == 1 and all(map(one, x)))
+        if one(x) or not isinstance(x, Collection) or isinstance(x, Mapping | bytes):
+            return one(x)
+        return getattr(x, "ndim", 1) == 1 and all(map(one, x))
 
     return check
 

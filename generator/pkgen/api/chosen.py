@@ -19,7 +19,7 @@ def data(settings: Settings) -> dict[str, Any]:
     return {**found, "compiled_for": list(settings.compiled_for), "parts": parts}
 
 
-def settled(settings: Settings, said: object) -> Settings:
+def settled(settings: Settings, said: Any) -> Settings:
     """The settings that `said` is of. Raises UsageError where it is nothing of the kind."""
     try:
         found = {name: _is(said[name], str) for name in TEXTS}
@@ -40,5 +40,5 @@ def _is(x: Any, *types: type) -> Any:
     return x
 
 
-def _number(x: object) -> float | None:
+def _number(x: object) -> Any:
     return _is(x, int, float, type(None))

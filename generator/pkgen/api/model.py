@@ -263,7 +263,7 @@ class Model:
                 raise ArrayError(f"u must be of shape (..., {len(names)}): {', '.join(names)}")
             return given
         for name in u.keys() - {*names}:
-            raise UsageError(f"u: {near(name, names, 'input')}")
+            raise UsageError(f"u: {near(name, [*names], 'input')}")
         columns = arguments.arrays(**{name: u.get(name, 0.0) for name in names})
         return numpy.stack(numpy.broadcast_arrays(*columns), -1)
 

@@ -104,13 +104,15 @@ class Result:
         times = self.by_member("t")
         alike = bool(numpy.all(times == times[:1]))
         dims = ("member", "t" if alike else "row")
-        of = {n: (dims, self.by_member(n), {"units": self.units[n]}) for n in self}
-        del of[self.columns[0]]
-        coordinates = {"member": numpy.unique(self.member)}
+        each: dict[str, Any] = {
+            n: (dims, self.by_member(n), {"units": self.units[n]}) for n in self
+        }
+        del each[self.columns[0]]
+        coordinates: dict[str, Any] = {"member": numpy.unique(self.member)}
         if alike:
-            del of["t"]
+            del each["t"]
             coordinates["t"] = ("t", times[0], {"units": self.units["t"]})
-        return xarray.Dataset(of, coordinates)
+        return xarray.Dataset(each, coordinates)
 
     def __repr__(self) -> str:
         way = f"{self.report.get('method')}, {len(self)} rows of {', '.join(self)}"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..compiler import Compilation
 from ..equations import Equations
@@ -56,10 +57,10 @@ def symbolic(compilation: Compilation) -> Symbolic:
             "pkgen explain shows its equations"
         )
 
-    def made(nodes: Any) -> list[sp.Expr]:
+    def made(nodes: Iterable[Node]) -> list[sp.Expr]:
         return [expression(e, node, _LONGEST) for node in nodes]
 
-    def numbered(kind: Kind) -> list[Node]:
+    def numbered(kind: str) -> list[Node]:
         return [e.graph.symbol(Symbol(kind, i)) for i in range(e.own)]
 
     (L,) = made([e.lagrangian])

@@ -114,7 +114,7 @@ struct pk_run_settings {
     const char *member_name;     /* of the column that counts members; NULL: "member" */
     long first_member;
     size_t threads; /* 0: all */
-    int watch;      /* events of members are looked for; 2: and their first times reported; < 0, of one
+    int watch; /* events of members are looked for; 2: and their first times reported; < 0, of one
                        trajectory too: no drifts, but those that are expected */
     size_t n_reduced;
     const struct pk_run_reduced *reduced; /* what pk_run_members() has */

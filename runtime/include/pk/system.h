@@ -269,7 +269,7 @@ static inline size_t pk_system_singularity_count(const struct pk_system *system,
 
 /* Which singularity value number k is of. */
 static inline struct pk_place pk_system_singularity(const struct pk_system *system,
-                                                                const void *params, size_t k)
+                                                    const void *params, size_t k)
 {
     struct pk_place place = {k, 0, 0};
     if (system->singularities.place)

@@ -32,7 +32,7 @@ struct pk_part_constraints {
      * says how many rows there are. No row may depend on others. */
     size_t (*count)(const void *params, int holonomic); /* NULL: n, n_holonomic */
     size_t n_declared;
-    pk_kernel *rates;    /* J v + j0 */
+    pk_kernel *rates; /* J v + j0 */
     void (*spread)(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                    const pk_real *u, const pk_real *x, pk_real *out); /* |J| x */
     void (*pull)(const void *params, pk_real t, const pk_real *q, const pk_real *v,

@@ -169,7 +169,7 @@ struct pk_run {
     pk_real h_min, h_max; /* steps made; the least of those that their error alone bounds */
     unsigned long look_at; /* the step at which drifts are looked at next; see look/drifts.c */
     int looked;            /* whether they were at this one */
-    pk_real trusted;      /* until when the energy was what it is to be; see look.h */
+    pk_real trusted;       /* until when the energy was what it is to be; see look.h */
     int distrusted;
     pk_real ends;  /* end of the motion according to dop853 */
     int beyond;    /* the steps have gone on past that end */

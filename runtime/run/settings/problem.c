@@ -40,7 +40,10 @@ long member_number(const struct settings *s, size_t member)
     return s->asked.first_member + (long)member;
 }
 
-int member_by_one(const struct settings *s) { return s->asked.watch > 0 || s->system->switches.n > 0; }
+int member_by_one(const struct settings *s)
+{
+    return s->asked.watch > 0 || s->system->switches.n > 0;
+}
 
 int member_fixed(const struct settings *s)
 {

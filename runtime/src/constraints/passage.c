@@ -23,7 +23,7 @@ enum { FEWEST = 6, ROUNDS = 60 };
 #define SURE PK_C(1e-3)    /* of the way: how far the constraints may be from where it leads */
 #define SETTLED PK_C(1e-9) /* what no longer shrinks below this is rounding */
 #define ROUND (64 * PK_EPS)
-#define LAST PK_C(0.01)   /* sigma, below which rounding forbids to come nearer */
+#define LAST PK_C(0.01) /* sigma, below which rounding forbids to come nearer */
 #define SHORTER PK_C(0.8)
 #define ACCEPT PK_C(10.0) /* tolerances; as of the adaptive Gauss method */
 

@@ -12,11 +12,11 @@ struct pk_passage {
     pk_real falls; /* whether it does */
     pk_real t, h;  /* of the step over it */
     pk_real stages;
-    pk_real error; /* in tolerances, of a step over it that was too long; */
+    pk_real error;         /* in tolerances, of a step over it that was too long; */
     pk_real tried, length; /* the sigma where it began, and its h */
-    pk_real passing; /* it is made, and its end is still to come */
-    pk_real row;     /* which of them has the last sigma */
-    pk_real unseen;  /* whether the last step left it unknown */
+    pk_real passing;       /* it is made, and its end is still to come */
+    pk_real row;           /* which of them has the last sigma */
+    pk_real unseen;        /* whether the last step left it unknown */
 };
 
 struct pk_passage_parts {

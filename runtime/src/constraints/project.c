@@ -37,7 +37,7 @@ int pk_project_dependent(struct pk_integrator *it)
         return 0;
     pk_project_rows(&w, it->q, it->v);
     if (pk_project_factor(&w, w.c, it->q, it->v))
-        return 0;                          /* steps say so themselves */
+        return 0; /* steps say so themselves */
     pk_project_rank(&w);
     for (size_t row = 0; row < w.c; row++)
         if (w.sines[row] < PK_DEPENDENT) {

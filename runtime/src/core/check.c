@@ -74,7 +74,11 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
          system->constraints.values != NULL},
         {"redundant", system->constraints.n_redundant ? ~0u : 0,
          system->constraints.redundant != NULL},
-        {"inertia", loops ? 0 : c ? ~0u : own, system->inertia != NULL},
+        {"inertia",
+         loops ? 0
+         : c   ? ~0u
+               : own,
+         system->inertia != NULL},
         {"unconstrained", own, system->unconstrained != NULL},
         {"acceleration", ~0u, system->acceleration != NULL},
         {"canonical", PK_JACOBIANS, system->canonical != NULL},

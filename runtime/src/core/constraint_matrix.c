@@ -5,7 +5,7 @@
 
 #include "project.h"
 
-enum { SWEEPS = 3 };        /* of rows and columns */
+enum { SWEEPS = 3 };      /* of rows and columns */
 #define COUNTS PK_C(1e-3) /* smaller shares of a row's largest entry may be errors of the state */
 
 static inline pk_real *take(pk_real *base, size_t *used, size_t count)

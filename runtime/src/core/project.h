@@ -20,7 +20,7 @@ struct pk_projection {
     pk_real *phi, *rate;         /* residuals of position and of the rates */
     pk_real *phi_size;           /* of the terms that a residual is made of */
     pk_real *rate_size;
-    pk_real *mu, *d; /* multipliers; 2 n numbers: a correction, and what is behind it */
+    pk_real *mu, *d;          /* multipliers; 2 n numbers: a correction, and what is behind it */
     pk_real *gram;            /* of J with scaled columns, factored */
     pk_real *sizes, *columns; /* the largest |J_ik| of the motion, rounded up; scales of columns */
     pk_real *sines;           /* squares of the sines between each row and those before it */

@@ -40,7 +40,8 @@ static inline int pk_splitting_ends(const struct pk_splitting *table)
     return last > 0 || last < 0;
 }
 /* Numbers that it takes, where the system is not separable; 0 of any other. */
-size_t pk_splitting_size(const struct pk_method *method, const struct pk_problem *problem, size_t n);
+size_t pk_splitting_size(const struct pk_method *method, const struct pk_problem *problem,
+                         size_t n);
 size_t pk_linear_drag_size(const struct pk_splitting *table, size_t n);
 enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_splitting *table);
 /* Those of an explicit Runge-Kutta method, adaptive or not. */

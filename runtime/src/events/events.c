@@ -14,8 +14,8 @@
 
 #include "events.h"
 
-enum { HALVINGS = 20 };  /* of what is left to a singularity: to a millionth of a step */
-enum { SHORTER = 17 };   /* times that a step is made anew, each an eighth of the last */
+enum { HALVINGS = 20 }; /* of what is left to a singularity: to a millionth of a step */
+enum { SHORTER = 17 };  /* times that a step is made anew, each an eighth of the last */
 #define GROWTH PK_C(64.0)
 enum { ROUNDINGS = 16 }; /* of the largest number, within which a limit or its rate is zero */
 

@@ -46,12 +46,12 @@ static size_t lay_out(struct work *w, size_t n_q, size_t n, pk_real *base)
 {
     const size_t m = n_q + n + 1, mm = m * m, terms = (PK_EXPM_TERMS + 1) * m;
     const struct pk_slot slots[] = {
-        {&w->L.hi, mm},    {&w->L.lo, mm},    {&w->E[0].hi, mm},
-        {&w->E[0].lo, mm}, {&w->E[1].hi, mm}, {&w->E[1].lo, mm},
-        {&w->x.hi, m},     {&w->x.lo, m},     {&w->y.hi, m},
-        {&w->y.lo, m},     {&w->scale, m},    {&w->h, KEPT},
-        {&w->norm, 1},     {&w->last, 1},     {&w->room, room_size(m, n)},
-        {&w->piece, 1},    {&w->at, 1},       {&w->series.hi, terms},
+        {&w->L.hi, mm},        {&w->L.lo, mm},    {&w->E[0].hi, mm},
+        {&w->E[0].lo, mm},     {&w->E[1].hi, mm}, {&w->E[1].lo, mm},
+        {&w->x.hi, m},         {&w->x.lo, m},     {&w->y.hi, m},
+        {&w->y.lo, m},         {&w->scale, m},    {&w->h, KEPT},
+        {&w->norm, 1},         {&w->last, 1},     {&w->room, room_size(m, n)},
+        {&w->piece, 1},        {&w->at, 1},       {&w->series.hi, terms},
         {&w->series.lo, terms}};
     w->n_q = n_q;
     w->n = n;

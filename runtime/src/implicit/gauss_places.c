@@ -82,7 +82,7 @@ int pk_gauss_mass_factor(const struct pk_gauss_work *w, pk_real *M)
         return 0;
     while (!w->pattern.dense && at && w->place[at] < 0) /* of what it moves */
         at--;
-    return PK_FAILED(PK_FAILURE_MASS, w->pattern.dense     ? at
+    return PK_FAILED(PK_FAILURE_MASS, w->pattern.dense   ? at
                                       : w->place[at] < 0 ? 0
                                                          : pk_index(w->place[at], w->n));
 }

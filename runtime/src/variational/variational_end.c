@@ -21,7 +21,7 @@ static pk_real fastest(const struct pk_variational_work *w, const pk_real *v, co
 /* What is left of J v + j0 beside its terms. A row may be of rates that are rounding alone, as those
  * across the axle of a body that spins: the fastest tells what that is. */
 static pk_real left_of_rows(struct pk_variational_work *w, const pk_real *q, pk_real most,
-                      const pk_real *v)
+                            const pk_real *v)
 {
     struct pk_projection *at = &w->at;
     pk_real worst = 0, *all = at->mu;
@@ -59,7 +59,7 @@ static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_w
 
 /* Of families under constraints: M d - J^T mu = p - p(v), J d = -(J v + j0) at once. */
 static pk_real settled(struct pk_variational_work *w, const pk_real *q, pk_real *v, pk_real *p,
-                    pk_real *low_p)
+                       pk_real *low_p)
 {
     struct pk_projection *at = &w->at;
     pk_real left = left_of_rows(w, q, fastest(w, v, p), v), most;
