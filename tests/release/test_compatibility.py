@@ -111,7 +111,7 @@ def test_the_page_of_installing_shows_what_is_printed(write) -> None:
     (shown,), (model,) = (re.findall(rf"^```{k}\n(.*?)^```", page, re.M | re.S) for k in KINDS)
     commands = [line.split()[1:] for line in shown.splitlines() if line.startswith("$ ")]
     assert [c[:2] for c in commands] == [["pip", "install"], ["pkgen", "-V"], ["pkgen", "run"]]
-    assert f"\npkgen {__version__}\n" in shown and f"/pkgen-{__version__}-py3" in shown
+    assert f"\npkgen {__version__}\n" in shown and f"/pkgen_lag-{__version__}-py3" in shown
     rows = shown.splitlines()[-4:]
     done = run_pkgen("run", write(model), *commands[2][3:])
     printed = done.stdout.splitlines()
