@@ -49,7 +49,7 @@ def clocks() -> tuple[float, float]:
     tools = toolchain.find_toolchain()
     include, sources = toolchain.RUNTIME / "include", (toolchain.RUNTIME / "src").rglob("*.c")
     with tempfile.TemporaryDirectory() as folder:
-        assert run_pkgen(MODELS / "far.lag", "-o", folder).returncode == 0
+        assert run_pkgen(MODELS / "far.lag", "--runtime", "-o", folder).returncode == 0
         command = [*tools.cc, "-std=c11", "-DPK_FLOAT", "-DPK_RUNTIME", f"-I{include}", "-I."]
         command += ["far.c", HERE / "clock.c", *sources, "-lm", "-o", "clock"]
         subprocess.run(command, cwd=folder, check=True)

@@ -86,7 +86,8 @@ def test_the_bill_says_what_the_wheel_holds_and_needs(made: tuple[Path, Path]) -
         for name in ("pkgen:requires", "pkgen:holds")
     )
     assert (
-        sorted(map(plain, told)) == sorted(plain(a) for a in asked if not a.startswith("pkgen-lag["))
+        sorted(map(plain, told))
+        == sorted(plain(a) for a in asked if not a.startswith("pkgen-lag["))
         and len(told) > 10
     )
     assert parts["needed:sympy"]["scope"] == "required"
