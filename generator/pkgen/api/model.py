@@ -253,7 +253,7 @@ class Model:
         return tuple(named.inputs(self.compilation).names())
 
     def _inputs(self, u: U) -> NDArray[Any]:
-        """Of shape (..., inputs), those that are not named at their values."""
+        """The inputs, of shape (..., inputs); those that are not named are 0."""
         import numpy
 
         names = self.inputs
@@ -359,7 +359,7 @@ class Model:
         return typeset(self.sympy())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Of a copy, or in another process: the same file, with the same values."""
+        """A copy, also in another process, reads the same file and has the same values."""
         given = self.path, self.scene, self._sizes, self._allowed, dict(self.params._set)
         return _again, given
 

@@ -12,7 +12,7 @@ from .targets import CHECK, FILL, MIRROR, RETURN, STORE, Output, Target
 
 Hint = tuple[Node, str]
 _FEW_ZEROS = 8  # of a matrix, each written out
-_FEW_ROWS = 6  # of a symmetric matrix, each entry below the diagonal written out
+_FEW_ROWS = 6  # A symmetric matrix of more rows is mirrored by a loop.
 
 
 @record

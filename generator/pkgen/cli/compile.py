@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         canonical=options.canonical or bool(kernels and kernels & CANONICAL),
         unroll=lengths.unroll(options),
         libm=options.libm,
-        portable=options.portable and options.runtime,
+        portable=options.portable,
         plain=not (options.runtime or options.self_test),
         use=scene_use.of_compile(options),
         symmetric=True,

@@ -7,6 +7,8 @@ import re
 _RATE = "a rate is written x', and x'' where outputs may have accelerations"
 _MOTION = "pkgen derives the motion: write 'kinetic …', 'potential …' and 'force x = …'"
 _FIRST_ORDER = f"{_RATE}; for x' = f(x) write 'state x' and 'rate x = …'"
+STEP = "step(x) is 0 below 0 and 1 from 0 on; max(0, x), min, abs and clamp bend"
+_LATEX = r"\frac{a}{b} is a/b, \dot{x} is x', \theta is theta"
 
 # Statements, by how they begin.
 _STATEMENTS = tuple(
@@ -21,8 +23,7 @@ _STATEMENTS = tuple(
          "a model imports nothing: pi, sin, cos, exp, … are there"),
         (r"(for|while|foreach|do)\b",
          "a sum over members is sum(m/2*q[i]'^2, i = 1..N), with 'size N = 3' and 'coord q[1..N]'"),
-        (r"(if|else|elif|when|switch)\b",
-         "step(x) is 0 below 0 and 1 from 0 on; max(0, x), min, abs and clamp bend"),
+        (r"(if|else|elif|when|switch)\b", STEP),
         (r"(def|function|fun|lambda|func)\b", "a name for an expression: let y = -l*cos(theta)"),
         (r"(var|variables?|Real|real|double|float|int|Integer|dof|syms|symbols|generalized)\b",
          "write 'coord x [m]' for a coordinate, 'param m = 1 [kg]' for a parameter"),
@@ -41,32 +42,28 @@ _STATEMENTS = tuple(
         (r"(energy|hamiltonian|H)\b", "write 'kinetic …' and 'potential …', or 'lagrangian …'"),
         (r"(class|record|begin|end_model)\b", "the first line is 'model NAME'; nothing closes it"),
         (r"(//|/\*|--|;)", "a comment begins with #"),
-        (r"\\(begin|end|\[|\(|dot|ddot|frac|theta|left|mathcal|partial)",
-         r"\frac{a}{b} is a/b, \dot{x} is x', \theta is theta"),
     )
 )  # fmt: skip
 # Functions that others have.
 FUNCTIONS = {
-    **dict.fromkeys(("diff", "der", "dot_", "ddt", "D", "Derivative", "deriv"), _RATE),
+    **dict.fromkeys(("diff", "der", "ddt", "D", "Derivative", "deriv"), _RATE),
     **dict.fromkeys(("ddot", "dder"), _RATE),
     "pow": "x to the power of y is x^y",
-    "if": "step(x) is 0 below 0 and 1 from 0 on; max(0, x), min, abs and clamp bend",
-    "piecewise": "step(x) is 0 below 0 and 1 from 0 on",
-    "Piecewise": "step(x) is 0 below 0 and 1 from 0 on",
+    **dict.fromkeys(("if", "piecewise", "Piecewise"), STEP),
 }
 NAMES = {"e": "e^x is exp(x)", "Pi": "write pi", "PI": "write pi", "M_PI": "write pi"}
 # Characters.
 CHARACTERS = {
     ";": "a statement ends with its line",
     "|": "the absolute value is abs(x)",
-    "?": "step(x) is 0 below 0 and 1 from 0 on; max(0, x), min and abs bend",
+    "?": STEP,
     "%": "a comment begins with #",
-    "\\": r"\frac{a}{b} is a/b, \dot{x} is x', \theta is theta",
+    "\\": _LATEX,
     "!": "a comment begins with #",
     '"': "a name needs no quotes",
     "&": "a product is written a*b",
     "@": "an event is 'event hit: y falling stop'",
-    "$": r"LaTeX is not read: \theta is theta",
+    "$": _LATEX,
 }
 
 

@@ -14,6 +14,7 @@ from lark.lexer import Token
 from ..functions import FUNCTIONS
 from ..record import record
 from ..source import Source, Span
+from .foreign import STEP
 from .lexed import Lexed
 from .table import STATEMENTS, SYNTAX
 from .units import bare_unit, bracketed
@@ -188,8 +189,7 @@ def _missing_operator(spot: Spot):
     if left in FUNCTIONS:
         return f"the argument of '{left}' stands in brackets", f"write {left}({right})"
     if right in ("if", "when", "else", "where"):
-        help = "step(x) is 0 below 0 and 1 from 0 on; max(0, x), min, abs and clamp bend"
-        return f"'{right}' has no place in an expression", help
+        return f"'{right}' has no place in an expression", STEP
     power = re.search(r"(\w+)\s*(\^|\*\*)\s*$", spot.source.text[: spot.before.start_pos])
     if right == "(" and power and power[1] in FUNCTIONS:
         message = f"the argument of '{power[1]}' stands right behind it"

@@ -12,7 +12,7 @@
 #define MAGIC "pkgen checkpoint"
 #define ORDER 0x0102030405060708u
 
-enum { VERSION = 1, SUMMED = 24, TAIL = 1 << 16 };
+enum { VERSION = 2, SUMMED = 24, TAIL = 1 << 16 };
 
 struct head {
     char magic[16];

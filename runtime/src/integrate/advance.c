@@ -62,10 +62,13 @@ static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned lon
         it->own->passage || it->own->ahead || it->own->atol || system->marks.n ||
         system->switches.n || (it->options.stop && it->options.stop(it->options.context)))
         return 0;
+    if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(limit))
+        return 0;
     unsigned long steps = pk_step_whole(it, limit, most);
     if (it->options.max_steps && it->options.max_steps - it->count.steps < steps)
         steps = it->options.max_steps - it->count.steps;
     unsigned long made = 0;
+    it->own->trouble = PK_DONE;
     for (; made < steps; made++) {
         it->own->h = h;
         it->own->next_t = it->own->anchor + (it->own->grid + PK_C(1.0)) * h;

@@ -1,4 +1,4 @@
-"""What depends on parameters alone, computed once: members of struct NAME_params."""
+"""Constants of the parameters alone, computed once: members of struct NAME_params."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ TYPES = {
     **{x: f"const pk_real *{x}" for x in ("q", "v", "momenta", "u", "a")},
     "w": "pk_real *w",
 }
-_ROOM = 76  # of a line of declarations
+_ROOM = 76  # characters that the declarations of a line may take
 _GROUP = {LOAD: 0, CHECK: 2}  # a blank line stands between groups; others are of group 1
 
 

@@ -58,7 +58,7 @@ def checks(rows: Iterable[ParameterCode]) -> Iterator[Node]:
 
 
 def hoisted(count: int, code: Iterable[Node]) -> Iterator[Node]:
-    """What is computed once, by `code`, into an array."""
+    """The code that fills the array of constants."""
     if not count:
         yield Assign("p->c_[0]", "0")
         return

@@ -155,8 +155,8 @@ def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: boo
 
 
 def _normal_signs(work: Workspace, order: Iterable[Node]) -> dict[Node, tuple[int, Node]]:
-    """What depends on parameters alone as a sign and a node, so that x and -x, a - b and b - a
-    have the same node. Of a sum the first term has a plus."""
+    """Each constant as a sign and a node: x and -x have the same node, and so have a - b and b - a.
+    The first term of a sum has a plus."""
     signed: dict[Node, tuple[int, Node]] = {}
     for node in order:
         if not work.fixed[node]:
