@@ -22,7 +22,7 @@ from ..system.files import beside, partial
 from ..version import __version__
 
 USUAL = 60.0  # seconds from one to the next
-MAGIC, VERSION = b"pkgen checkpoint", 1
+MAGIC, VERSION = b"pkgen checkpoint", 2  # as in runtime/run/base/checkpoint.c
 HEAD = struct.Struct("=16sIIQQII")  # magic, version, sum; order, size of the file, real, note
 SUMMED = 24
 ORDER = 0x0102030405060708
