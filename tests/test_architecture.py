@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 from pkgen.back import runtime
-from pkgen.run import build
+from pkgen.run import runtime as runtime_parts
 from pkgen.system import toolchain
 
 PKGEN = ROOT / "generator" / "pkgen"
@@ -122,14 +122,14 @@ src/constraints src/explicit src/implicit src/variational
 src/integrate
 src/events src/method
 src/reason
+src/apart src/watch
 src/ensemble src/diagnose
 gsl omp
 run/base
 run/settings
 run/look
-run/diagnose
 run/steps
-run/ensemble
+run/ensemble run/diagnose
 run/run run/evaluate
 run/stability
 program
@@ -142,23 +142,28 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
     here are those that the runtime's libraries are without."""
     source, folder = ROOT / "runtime", tmp_path_factory.mktemp("objects")
     tools = toolchain.find_toolchain()
-    library = build.runtime_library(tools)
-    kept = {name: parts for name, parts in build.ARCHIVES.items() if (library / name).exists()}
+    library = runtime_parts.runtime_library(tools)
+    kept: dict[str, set[str]] = {}
+    for top, name in runtime_parts.ARCHIVES.items():
+        if (library / name).exists():
+            kept.setdefault(name, set()).add(top)
     others = {"program", "gsl"} - {part for parts in kept.values() for part in parts}
     for path in (path for part in others for path in (source / part).rglob("*.c")):
         command = ["gcc", "-c", "-O0", f"-I{source / 'include'}", path]
         subprocess.run([*command, "-o", folder / f"{path.parent.name}_{path.stem}.o"], check=True)
     home, uses = {}, {}
-    for parts, objects in [(others, [*folder.iterdir()])] + [
-        (parts, [library / name]) for name, parts in kept.items()
+    for head, parts, objects in [("", others, [*folder.iterdir()])] + [
+        (f"{name}-", parts, [library / name]) for name, parts in kept.items()
     ]:
         own = {
-            f"{path.parent.name}_{path.stem}.o": path.relative_to(source).with_suffix("").as_posix()
+            f"{head}{path.parent.name}_{path.stem}.o": path.relative_to(source)
+            .with_suffix("")
+            .as_posix()
             for part in parts
             for path in (source / part).rglob("*.c")
         }
         said = subprocess.run(["nm", "-A", "-g", *objects], capture_output=True, text=True)
-        symbols = re.findall(r"(\w+\.o):.* (\w) (\w+)$", said.stdout, re.MULTILINE)
+        symbols = re.findall(r"([\w.-]+\.o):.* (\w) (\w+)$", said.stdout, re.MULTILINE)
         assert {of for of, _, _ in symbols} == own.keys()
         uses |= {own[of]: {n for o, kind, n in symbols if o == of and kind == "U"} for of in own}
         home |= {name: own[of] for of, kind, name in symbols if kind != "U"}

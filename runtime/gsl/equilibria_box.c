@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <pk/methods.h>
+
 #include "equilibria_search.h"
 #include "halton.h"
 
@@ -83,7 +85,7 @@ static int is_turn(struct search *s, size_t i)
  * something is RUNAWAY times as far as at the first that counts ends it. */
 static void extent(struct search *s, const double *q0, const double *v0)
 {
-    const struct pk_method *method = pk_method_find("dop853");
+    const struct pk_method *method = &pk_method_dop853;
     struct pk_options options = pk_options_default();
     struct pk_integrator it;
     const size_t size = pk_integrator_size(s->problem, method);

@@ -3,8 +3,6 @@
 
 #include <pk/stability.h>
 
-#include "diagnose/diagnose.h"
-#include "ensemble/ensemble.h"
 #include "look/condition.h"
 #include "settings/settings.h"
 #include "steps/steps.h"
@@ -94,7 +92,8 @@ static enum pk_run_code one(struct pk_run *run)
     if (run->checkpoint.left)
         return leave(run);
     ends(run);
-    code = diagnose_run(run, code);
+    if (run->model->diagnose)
+        code = run->model->diagnose->run(run, code);
     return finish(run, code);
 }
 
@@ -128,7 +127,7 @@ static void go(void *context)
     struct pk_run *run = context;
     run->code = run_settle(run);
     if (!run->code)
-        run->code = run->settings.asked.members ? ensemble_run(run) : one(run);
+        run->code = run->settings.asked.members ? run->model->ensemble->run(run) : one(run);
 }
 
 enum pk_run_code pk_run_go(struct pk_run *run)

@@ -75,7 +75,7 @@ def executed(path: Path, name: str, folder: Path) -> tuple[set[str], set[str], b
     for file, text in made.files.items():
         (folder / file).write_text(text)
     parts = [(part.name, part.coordinates) for part in made.parts]
-    (folder / "choice.c").write_text(_choice("pk_model", made.model.name, parts))
+    (folder / "choice.c").write_text(_choice("pk_model", made.model.name, parts, gsl=tools.has_gsl))
     sources = [file for file in made.files if file.endswith(".c")]
     linked = ["-Wl,--whole-archive", str(library / "librun.a"), "-Wl,--no-whole-archive"]
     linked += runtime_links(tools, library)

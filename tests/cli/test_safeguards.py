@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 from pkgen.methods import METHODS, called
-from pkgen.run import build
+from pkgen.run import build, runtime
 from pkgen.system import toolchain
 from pkgen.system.resources import ResourcesExceeded, bounded
 
@@ -53,11 +53,11 @@ def test_stages_are_told_apart(pkgen) -> None:
 
 def test_a_cache_that_comes_to_another_processor_is_not_used(monkeypatch, tmp_path: Path) -> None:
     monkeypatch.setenv("PKGEN_CACHE", str(tmp_path))
-    monkeypatch.setattr(build, "_build_runtime", lambda tools, directory: None)
+    monkeypatch.setattr(runtime, "_compiled", lambda tools, part: tmp_path)
     tools = toolchain.find_toolchain()
     assert len(tools.target) == 24 and ("-march=native" in tools.flags or not toolchain.NATIVE)
     elsewhere = replace(tools, target="another processor")
-    assert build.runtime_library(tools) != build.runtime_library(elsewhere)
+    assert runtime.runtime_library(tools) != runtime.runtime_library(elsewhere)
 
 
 def test_what_is_known_of_methods_is_as_the_runtime_says() -> None:

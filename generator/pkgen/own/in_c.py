@@ -18,13 +18,18 @@ def flags(own: Sequence[Own]) -> list[str]:
     return ["-I.", f'-DPK_OWN_TABLES="{FILE}"'] if own else []
 
 
-def rows(own: Sequence[Own]) -> str:
-    """An array `own_methods`; nothing where there are none."""
-    if not own:
-        return ""
-    lines = ["#include <pk/families.h>", "#include <pk/step/tables.h>"]
+def definitions(own: Sequence[Own]) -> str:
+    lines = ["#include <pk/families.h>", "#include <pk/step/tables.h>"] if own else []
     for method in own:
         lines += [f"extern const struct pk_method pk_method_{method.name};", method.row]
-    named = ", ".join(f"&pk_method_{method.name}" for method in own)
-    lines.append(f"static const struct pk_method *own_methods[] = {{{named}}};")
-    return "\n".join(lines) + "\n"
+    return "".join(f"{line}\n" for line in lines)
+
+
+def addresses(own: Sequence[Own]) -> str:
+    return ", ".join(f"&pk_method_{method.name}" for method in own)
+
+
+def rows(own: Sequence[Own]) -> str:
+    """Definitions and an array `own_methods`; nothing where there are none."""
+    array = f"static const struct pk_method *own_methods[] = {{{addresses(own)}}};\n"
+    return definitions(own) + array if own else ""

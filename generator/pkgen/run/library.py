@@ -49,20 +49,16 @@ class Library:
         except OSError as error:
             raise BuildError(f"cannot load the compiled model: {error}") from None
         for name, (result, arguments) in FUNCTIONS.items():
-            function = getattr(self.c, name)
-            function.restype, function.argtypes = result, arguments
+            if function := getattr(self.c, name, None):  # not all libraries have pk_stability_*
+                function.restype, function.argtypes = result, arguments
         if [self.c.pk_run_size(k) for k in range(len(_SIZED))] != [*map(ctypes.sizeof, _SIZED)]:
             raise BuildError("the compiled model is of another version of pkgen")
         children.on_end(self.c.pk_run_stop)
         self.model = STRUCTURES["struct pk_run_model"].in_dll(self.c, "pk_model")
 
-    def methods(self) -> list[dict[str, object]]:
-        """What the runtime says of its methods."""
-        return json.loads(self.c.pk_run_methods())
-
-    def own_methods(self) -> list[dict[str, object]]:
-        """The same of those that the model brings."""
-        return json.loads(self.c.pk_run_own_methods(self.model))
+    def methods(self, own: bool = False) -> list[dict[str, object]]:
+        """The runtime describes its methods, or the model's own."""
+        return json.loads(self.c.pk_stability_methods(self.model, own))
 
     def settings(self, given: Settings, **more: object) -> Structure:
         """As C has them; `more` are members that are set as they stand."""

@@ -63,6 +63,7 @@ def build(compilation: Compilation, settings: Settings, ensemble: Ensemble | Non
         compilation.model.name,
         *(settings.compiled_for or (settings.method, *(part.method for part in settings.parts))),
         ensemble=ensemble is not None,
+        diagnose=bool(settings.diagnose),
         parts=[(part.name, part.coordinates) for part in compilation.parts],
         own=compilation.model.methods,
     )

@@ -23,14 +23,22 @@
 
 PK_BEGIN
 
-/* A model; the blocks of coordinates that it is integrated in, each by itself, or no blocks; and
- * the methods that it brings beside the runtime's. */
+struct pk_run;
+/* Tables of functions of the runtime: diagnostics, and ensembles. */
+struct pk_run_diagnose;
+struct pk_run_ensemble;
+extern const struct pk_run_diagnose pk_run_diagnose;
+extern const struct pk_run_ensemble pk_run_ensemble;
+
+/* A model, and what a program that runs it is linked with. */
 struct pk_run_model {
     const struct pk_system *system;
-    const struct pk_part *parts;
+    const struct pk_part *parts; /* blocks of coordinates, each integrated by itself; or NULL */
     size_t n_parts;
-    const struct pk_method **methods;
-    size_t n_methods;
+    const struct pk_method *const *methods; /* those of the model come first */
+    size_t n_own, n_methods;
+    const struct pk_run_diagnose *diagnose; /* &pk_run_diagnose, or NULL */
+    const struct pk_run_ensemble *ensemble; /* &pk_run_ensemble, or NULL */
 };
 
 /* What a run ends with: also the exit code of a program. */
@@ -135,8 +143,6 @@ struct pk_run_settings {
     void *context;
 };
 
-struct pk_run;
-
 struct pk_run_settings pk_run_defaults(void);
 
 /* Copies what it needs of the settings. Never NULL but without memory. */
@@ -181,11 +187,8 @@ void pk_run_stop(int whether);
 /* sizeof of pk_run_settings, pk_run_expected, pk_run_part, pk_run_reduced, pk_stability_question: 0
  * to 4. */
 size_t pk_run_size(int which);
-/* The bit of a diagnostic, 0: there is none of that name. The list of methods in JSON; and that of
- * a model's own, which stands until the next call. */
+/* The bit of a diagnostic; 0: there is none of that name. */
 unsigned pk_run_diagnostic(const char *name);
-const char *pk_run_methods(void);
-const char *pk_run_own_methods(const struct pk_run_model *model);
 
 PK_END
 

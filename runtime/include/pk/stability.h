@@ -52,6 +52,10 @@ const char *pk_stability_ask(struct pk_stability *stability, const char *what,
 const char *pk_stability_wrong(const struct pk_stability *stability);
 void pk_stability_free(struct pk_stability *stability);
 
+/* The methods of a model, its `own` or the runtime's, in JSON: what each is and needs, and where its
+ * steps grow on linear equations. Valid until the next call. */
+const char *pk_stability_methods(const struct pk_run_model *model, int own);
+
 PK_END
 
 #endif

@@ -277,7 +277,7 @@ static void find(struct pk_run *run, struct diagnostics *d)
     struct finding f = {.l = l, .common = rows_of_all(l)};
     char reason[512] = "";
     f.smooth = (run->settings.system->facts & PK_SMOOTH) != 0;
-    f.adaptive = !member_fixed(&run->settings);
+    f.adaptive = !run->model->ensemble->fixed(&run->settings);
     f.winding = memory_take(&run->memory, l->n, sizeof *f.winding);
     f.parts = memory_take(&run->memory, l->rows * l->n, sizeof *f.parts);
     struct ends *ends = memory_take(&run->memory, 2 * l->n, sizeof *ends);
@@ -303,8 +303,6 @@ static void find(struct pk_run *run, struct diagnostics *d)
 
 enum pk_run_code area_find(struct pk_run *run, enum pk_run_code code, const char *gone)
 {
-    if (!run->loop)
-        return code;
     run->loop->gone = gone;
     struct diagnostics *d = diagnose_open(run);
     diagnose_one(d, "area", find);

@@ -24,7 +24,7 @@ static int stop(void *context)
     return run_stopped(run, 1);
 }
 
-enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code)
+static enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code)
 {
     const unsigned wanted = run->settings.asked.diagnose;
     if (!wanted || code || run->interrupted || run->write_failed || run->it.status < 0 ||
@@ -46,3 +46,14 @@ enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code)
     d->text = NULL;
     return PK_RUN_INTERRUPTED;
 }
+
+const struct pk_run_diagnose pk_run_diagnose = {
+    .observers = {&diagnose_observer, &area_observer},
+    .run = diagnose_run,
+    .report = diagnose_report,
+    .free = diagnose_free,
+    .lyapunov = diagnose_exponent,
+    .area_begin = area_begin,
+    .area_note = area_note,
+    .area_find = area_find,
+};

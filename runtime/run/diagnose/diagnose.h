@@ -1,10 +1,12 @@
-/* What `pkgen run --diagnose` asks for: made after the run, from its start, by its method. */
+/* Diagnostics of `pkgen run --diagnose`, made after the run, from its start, by its method:
+ * functions of the table in look/look.h. */
 #ifndef RUN_DIAGNOSE_H
 #define RUN_DIAGNOSE_H
 
 #include "diagnostics.h"
 #include "../base/json.h"
 #include "../base/state.h"
+#include "../look/look.h"
 
 /* Flags, one a diagnostic. */
 #define DIAGNOSE_PLACE(name, of, kernels) DIAGNOSE_PLACE_##name,
@@ -15,19 +17,14 @@ enum {
     DIAGNOSE_AREA = 1u << (DIAGNOSE_PLACES + 1)       /* of an ensemble, which has no other */
 };
 
-/* Makes what the settings ask for and keeps it as JSON for the report; messages too.
- * The code, `code` unless a diagnostic failed. */
-enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code);
-/* The member "diagnostics", or nothing. */
 void diagnose_report(const struct pk_run *run, struct json *j);
 void diagnose_free(struct pk_run *run);
+pk_real diagnose_exponent(struct pk_run *of);
+extern const struct observer diagnose_observer, area_observer;
 
-/* Of an ensemble whose members are a closed loop of starts: area.c.
- * Room for them at the start and `count` times; else the exit code. */
+/* area.c and area_find.c */
 enum pk_run_code area_begin(struct pk_run *run, const pk_real *t, size_t count);
-/* A member's state, its parameters in the settings; kept where it is at the next of its rows. */
 void area_note(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v);
-/* What came of it, as JSON for the report; returns the exit code, `code` unless it failed. */
 enum pk_run_code area_find(struct pk_run *run, enum pk_run_code code, const char *gone);
 
 #endif

@@ -7,6 +7,8 @@
  * Bendixson).
  */
 
+#include <pk/lyapunov.h>
+
 #include "parts.h"
 
 enum { BLOCKS = 1000 };
@@ -96,4 +98,27 @@ void diagnose_lyapunov(struct pk_run *run, struct diagnostics *d)
         json_text(&d->json, "motion", leaving ? "leaving" : motions[motion]);
     }
     pk_lyapunov_free(&l);
+}
+
+/* Of a member that runs by itself. */
+pk_real diagnose_exponent(struct pk_run *of)
+{
+    const struct settings *s = &of->settings;
+    const struct pk_problem *problem = &of->problem;
+    const pk_real until = of->it.t;
+    struct pk_lyapunov l = {0};
+    enum pk_status status = PK_REFUSED;
+    const size_t size = problem->system->constraints.n ? 0 : pk_lyapunov_size(problem, s->method);
+    void *block = size ? memory_ask(&of->memory, size, 1) : NULL;
+    if (block)
+        status = pk_lyapunov_init(&l, problem, s->method, &s->options, 0, s->q, s->v,
+                                  until / BLOCKS, block, size);
+    for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < until; k++)
+        status = pk_lyapunov_step(&l);
+    const pk_real found = status < 0 ? (pk_real)NAN : pk_lyapunov_exponent(&l, NULL);
+    if (block) {
+        pk_lyapunov_free(&l);
+        memory_drop(&of->memory, block);
+    }
+    return found;
 }

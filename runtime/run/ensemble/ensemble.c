@@ -3,7 +3,6 @@
  * are checked before the first one runs.
  */
 
-#include "../diagnose/diagnose.h"
 #include "../settings/settings.h"
 #include "ensemble.h"
 
@@ -31,7 +30,8 @@ static void show_all(const struct batch *b, struct pk_run *run, size_t i)
     if (run->monitor_block)
         drift_begin(run, &problem);
     show(run, s->has_every, &at);
-    area_note(run, at.t, at.q, at.v);
+    if (run->loop)
+        run->model->diagnose->area_note(run, at.t, at.q, at.v);
     for (size_t row = 0; row < e->done[i]; row++) {
         const size_t k = (i * e->rows + row) * b->n;
         at = (struct moment){b->t[row], e->q + k, e->v + k};
@@ -130,7 +130,8 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
     json_flag(j, "whole", rows_whole(run));
     json_counts(j, {"rows", run->rows}, {"threads", b->threads});
     json_reals(j, {"seconds", (pk_real)run->seconds}, {"processor", (pk_real)run->processor});
-    diagnose_report(run, j);
+    if (run->model->diagnose)
+        run->model->diagnose->report(run, j);
     json_close(j, '}');
 }
 
@@ -166,8 +167,8 @@ static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const 
                 (double)TRUST_WRONG, tally->astray, run->settings.asked.members,
                 member_number(&run->settings, tally->first_astray));
     code = rows_told(run, code);
-    if (!run->control.stop)
-        code = area_find(run, code, ended(&run->settings, tally));
+    if (run->loop && !run->control.stop)
+        code = run->model->diagnose->area_find(run, code, ended(&run->settings, tally));
     run->interrupted = run->control.stop;
     if (run->checkpoint.left) {
         run_say(run, "left after %zu of %zu members with the checkpoint %s", tally->done,
@@ -247,7 +248,8 @@ static void make_all(struct pk_run *run, struct ensemble *of)
     }
 }
 
-enum pk_run_code ensemble_run(struct pk_run *run)
+/* Rows at equal times up to the end. */
+static enum pk_run_code ensemble_run(struct pk_run *run)
 {
     struct ensemble of = {0};
     struct batch *b = &of.b;
@@ -275,7 +277,8 @@ enum pk_run_code ensemble_run(struct pk_run *run)
     if (watched)
         watched_begin(&of.tally, run);
     observe_begin(run);
-    code = code ? code : area_begin(run, b->t, rows);
+    if (!code && s->asked.diagnose)
+        code = run->model->diagnose->area_begin(run, b->t, rows);
     if (code)
         return code;
     run->checkpoint.began = began;
@@ -288,3 +291,5 @@ enum pk_run_code ensemble_run(struct pk_run *run)
     run->processor += run_processor() - processor;
     return finish(run, b, &of.tally);
 }
+
+const struct pk_run_ensemble pk_run_ensemble = {.run = ensemble_run, .fixed = member_fixed};

@@ -25,6 +25,9 @@ enum pk_run_code members_set(struct batch *b, size_t first, size_t count, struct
 /* Every member once, without running: a parameter out of bounds shows before the first row. */
 enum pk_run_code members_check(struct batch *b, struct pk_run *run);
 
+/* Whether the members take fixed steps. */
+int member_fixed(const struct settings *s);
+
 /* Members that failed in the same way, and the first of them. */
 struct failed {
     enum pk_status status;
@@ -58,8 +61,5 @@ void watched_report(const struct tally *tally, const struct settings *s, struct 
  * characters. */
 #define TALLY_REASON sizeof((struct failed *)0)->reason
 char *tally_note(struct tally *tally, size_t member, enum pk_status status, pk_real t, int astray);
-
-/* All of it, rows at equal times up to the end. */
-enum pk_run_code ensemble_run(struct pk_run *run);
 
 #endif

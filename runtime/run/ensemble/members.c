@@ -127,3 +127,11 @@ void members_allocate(struct batch *b, struct pk_run *run, size_t rows)
     b->block_size = b->threads * pk_ensemble_size(e);
     b->block = memory_take(memory, b->block_size, 1);
 }
+
+int member_fixed(const struct settings *s)
+{
+    if (member_by_one(s))
+        return !(s->method->traits & PK_ADAPTIVE);
+    const struct pk_ensemble e = {.system = s->system, .method = s->method, .options = s->options};
+    return pk_ensemble_fixed(&e);
+}

@@ -36,6 +36,7 @@ static void prepare(struct pk_run *run, const struct work *w, size_t i)
 {
     const struct batch *b = w->b;
     struct settings *s = &run->settings;
+    run->model = w->run->model;
     *s = w->run->settings;
     s->run = run;
     s->memory = &run->memory;
@@ -49,7 +50,8 @@ static void prepare(struct pk_run *run, const struct work *w, size_t i)
     run->next = 1;
     run->count = w->run->count;
     run->loop = w->run->loop;
-    area_note(run, 0, s->q, s->v);
+    if (run->loop)
+        run->model->diagnose->area_note(run, 0, s->q, s->v);
 }
 
 static void start(void *context)

@@ -23,7 +23,32 @@ struct observer {
 };
 
 extern const struct observer watch_observer, rows_observer, expect_observer, drift_observer,
-    trust_observer, condition_observer, diagnose_observer, area_observer, reduce_observer;
+    trust_observer, condition_observer, reduce_observer;
+
+/* run/diagnose, which a program may be linked without. */
+struct pk_run_diagnose {
+    const struct observer *observers[2];
+    /* Makes what the settings ask for and keeps it as JSON for the report; messages too. The code,
+     * `code` unless a diagnostic failed. */
+    enum pk_run_code (*run)(struct pk_run *run, enum pk_run_code code);
+    void (*report)(const struct pk_run *run, struct json *j); /* the member "diagnostics" */
+    void (*free)(struct pk_run *run);
+    /* The largest exponent of a member that runs by itself; not a number where it fails. */
+    pk_real (*lyapunov)(struct pk_run *of);
+    /* The area of an ensemble whose members are a closed loop of starts. Room for them at the start
+     * and `count` times; else the exit code. */
+    enum pk_run_code (*area_begin)(struct pk_run *run, const pk_real *t, size_t count);
+    /* A member's state, its parameters in the settings; kept where it is at the next of its rows. */
+    void (*area_note)(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v);
+    /* Into the report; the code, `code` unless it failed. `gone`: why members may have ended. */
+    enum pk_run_code (*area_find)(struct pk_run *run, enum pk_run_code code, const char *gone);
+};
+
+/* run/ensemble, which a program may be linked without. */
+struct pk_run_ensemble {
+    enum pk_run_code (*run)(struct pk_run *run);
+    int (*fixed)(const struct settings *s); /* whether the members take fixed steps */
+};
 
 /* Rows. */
 void rows_header(struct pk_run *run);

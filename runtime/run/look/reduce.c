@@ -1,8 +1,6 @@
 /* What is kept of each member of an ensemble, some numbers in place of its rows or beside them; an
  * observer. Of columns it sees the cells of each row, as they are written.
  */
-#include <pk/lyapunov.h>
-
 #include "look.h"
 
 #include "../settings/settings.h"
@@ -56,30 +54,6 @@ static int met(struct expected *x)
     return found;
 }
 
-/* The largest exponent of a member that runs by itself, as diagnose/lyapunov.c has it. */
-static pk_real lyapunov(struct pk_run *of)
-{
-    enum { BLOCKS = 1000 };
-    const struct settings *s = &of->settings;
-    const struct pk_problem *problem = &of->problem;
-    const pk_real until = of->it.t;
-    struct pk_lyapunov l = {0};
-    enum pk_status status = PK_REFUSED;
-    const size_t size = problem->system->constraints.n ? 0 : pk_lyapunov_size(problem, s->method);
-    void *block = size ? memory_ask(&of->memory, size, 1) : NULL;
-    if (block)
-        status = pk_lyapunov_init(&l, problem, s->method, &s->options, 0, s->q, s->v,
-                                  until / BLOCKS, block, size);
-    for (int k = 0; status >= 0 && k < BLOCKS && l.it.t < until; k++)
-        status = pk_lyapunov_step(&l);
-    const pk_real found = status < 0 ? (pk_real)NAN : pk_lyapunov_exponent(&l, NULL);
-    if (block) {
-        pk_lyapunov_free(&l);
-        memory_drop(&of->memory, block);
-    }
-    return found;
-}
-
 static pk_real number(struct pk_run *of, size_t k)
 {
     const struct pk_run_reduced r = of->settings.asked.reduced[k];
@@ -96,7 +70,7 @@ static pk_real number(struct pk_run *of, size_t k)
     case 'd':
         return of->settings.drifting[r.index].last;
     case 'l':
-        return lyapunov(of);
+        return of->model->diagnose->lyapunov(of);
     case 'x':
         return met(&of->settings.expected[r.index]);
     default:

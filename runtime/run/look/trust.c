@@ -1,7 +1,8 @@
 /* How far a run can be trusted; an observer. */
-#include "look.h"
+#include <pk/methods.h>
 
 #include "../settings/settings.h"
+#include "look.h"
 
 #define OFF "the energy, which the motion keeps, is off by more than %g of its scale after t = %.9g"
 #define LOOSE PK_C(1e-8)
@@ -43,7 +44,7 @@ static int doubtful(const struct pk_run *run)
 static void judge(struct pk_run *run, pk_real t, FILE *file)
 {
     const struct settings *s = &run->settings;
-    const struct pk_method *method = pk_method_find(JUDGE);
+    const struct pk_method *method = &pk_method_dop853;
     const size_t size = pk_integrator_size(&run->problem, method);
     struct pk_options options = pk_options_default();
     struct pk_integrator it;

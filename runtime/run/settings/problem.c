@@ -44,11 +44,3 @@ int member_by_one(const struct settings *s)
 {
     return s->asked.watch > 0 || s->system->switches.n > 0;
 }
-
-int member_fixed(const struct settings *s)
-{
-    if (member_by_one(s))
-        return !(s->method->traits & PK_ADAPTIVE);
-    const struct pk_ensemble e = {.system = s->system, .method = s->method, .options = s->options};
-    return pk_ensemble_fixed(&e);
-}

@@ -286,6 +286,17 @@ static const char *prepare(struct settings *s)
     return run->refused ? "" : NULL;
 }
 
+/* A table of functions that a program needs for these settings and was linked without, or NULL. */
+static const char *lack(const struct pk_run_settings *x, const struct pk_run_model *model)
+{
+    int diagnoses = x->diagnose != 0;
+    for (size_t k = 0; k < x->n_reduced; k++)
+        diagnoses |= x->reduced[k].what == 'l';
+    return diagnoses && !model->diagnose    ? "pk_run_diagnose"
+           : x->members && !model->ensemble ? "pk_run_ensemble"
+                                            : NULL;
+}
+
 enum pk_run_code settings_take(struct pk_run *run)
 {
     const struct pk_run_model *model = run->model;
@@ -307,7 +318,9 @@ enum pk_run_code settings_take(struct pk_run *run)
         run_say(run, "the model was compiled for another runtime: compile it anew");
     else if (!s->method)
         run_say(run, "there is no such method: %s%s", method, run_method_lack(method));
-    if (system->abi != PK_ABI || !s->method)
+    else if (lack(&s->asked, model))
+        run_say(run, "the program was linked without %s", lack(&s->asked, model));
+    if (system->abi != PK_ABI || !s->method || lack(&s->asked, model))
         return PK_RUN_USAGE;
     s->params = memory_take(s->memory, 1, system->params_size);
     s->given = memory_take(s->memory, system->n_parameters, 1);

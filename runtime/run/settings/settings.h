@@ -28,18 +28,13 @@ void settle_every(struct settings *s);
 /* How the options of `pkgen run`, and of a program that it builds, call settings. */
 extern const struct pk_words run_options;
 
-/* Of the model's own methods and run_method_at()'s. */
 const struct pk_method *run_method_find(const struct pk_run_model *model, const char *name);
 /* What there would be with more: behind a name that is not found. */
 const char *run_method_lack(const char *name);
-/* The core's methods, then GSL's. */
-const struct pk_method *run_method_at(size_t index);
 
 /* The number under which a member, from 0 on, is spoken of. */
 long member_number(const struct settings *s, size_t member);
 /* Whether each runs by itself: its events are watched, or there are switches. */
 int member_by_one(const struct settings *s);
-/* Whether the members take fixed steps. */
-int member_fixed(const struct settings *s);
 
 #endif

@@ -8,6 +8,8 @@
  * that is driven and a chain that drifts while it vibrates do not.
  */
 
+#include <pk/methods.h>
+
 #include "../settings/settings.h"
 #include "stability.h"
 
@@ -112,8 +114,7 @@ struct pk_integrator *stability_motion_begun(struct pk_stability *s, double loos
     options.rtol = looser * 1e-10;
     options.atol = PK_ATOL_OF_MOTION;
     options.h = 0;
-    return stability_begin(s, pk_method_find("dop853"), &options, s->settings->q, s->settings->v,
-                           status);
+    return stability_begin(s, &pk_method_dop853, &options, s->settings->q, s->settings->v, status);
 }
 
 static void stretch(double *low, double *high, const double *x, size_t count)

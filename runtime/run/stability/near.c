@@ -10,6 +10,7 @@
  * Built with GSL alone.
  */
 #include <pk/constraint.h>
+#include <pk/methods.h>
 
 #include "stability.h"
 
@@ -229,7 +230,7 @@ int stability_leave(struct pk_stability *s, const struct pk_stability_question *
     const double first = displacement(s, s->work, s->work + s->n);
     enum pk_status status;
     struct pk_integrator *it =
-        stability_begin(s, pk_method_find("dop853"), &options, s->work, s->work + s->n, &status);
+        stability_begin(s, &pk_method_dop853, &options, s->work, s->work + s->n, &status);
     double rate = 0;
     if (it && (status = pk_integrator_to(it, until)) >= 0)
         rate = log(displacement(s, it->q, it->v) / first) / until;

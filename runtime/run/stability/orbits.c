@@ -1,4 +1,6 @@
 /* Orbits that close; all is measured in units of what the motion covers. */
+#include <pk/methods.h>
+
 #include "../settings/settings.h"
 #include "stability.h"
 
@@ -150,7 +152,7 @@ int stability_orbits(struct pk_stability *s, const struct pk_stability_question 
 {
     const size_t n = s->n;
     struct pk_options options = s->settings->options;
-    const struct pk_method *method = pk_method_find("dop853");
+    const struct pk_method *method = &pk_method_dop853;
     if (x->method && !(method = stability_method(s, x->method)))
         return 0;
     if (!(x->h > 0) || !x->count)

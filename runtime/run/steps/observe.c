@@ -4,14 +4,26 @@
 #include "steps.h"
 
 static const struct observer *const observers[] = {
-    &watch_observer,  &rows_observer,      &expect_observer,   &drift_observer, &trust_observer,
-    &reduce_observer, &condition_observer, &diagnose_observer, &area_observer,
+    &watch_observer, &rows_observer,   &expect_observer,    &drift_observer,
+    &trust_observer, &reduce_observer, &condition_observer,
 };
 
-#define EACH(call)                                                    \
-    for (size_t i = 0; i < sizeof observers / sizeof *observers; i++) \
-        if (observers[i]->call)                                       \
-    observers[i]->call
+/* NULL behind the last. */
+static const struct observer *observer(const struct pk_run *run, size_t i)
+{
+    enum { OWN = sizeof observers / sizeof *observers };
+    const struct pk_run_diagnose *more = run->model->diagnose;
+    if (i < OWN)
+        return observers[i];
+    return more && i - OWN < sizeof more->observers / sizeof *more->observers
+               ? more->observers[i - OWN]
+               : NULL;
+}
+
+#define EACH(call)                                    \
+    for (size_t i = 0; observer(run, i) != NULL; i++) \
+        if (observer(run, i)->call)                   \
+    observer(run, i)->call
 
 void observe_begin(struct pk_run *run) { EACH(begin)(run); }
 

@@ -1,5 +1,5 @@
 /* One trajectory: its settings settled, begun, its steps, and what it took given back. */
-#include "../diagnose/diagnose.h"
+#include "../look/look.h"
 #include "../settings/settings.h"
 #include "steps.h"
 
@@ -7,7 +7,8 @@
 static enum pk_run_code settle(struct pk_run *run)
 {
     struct settings *s = &run->settings;
-    const int fixed = s->asked.members ? member_fixed(s) : !(s->method->traits & PK_ADAPTIVE);
+    const int fixed =
+        s->asked.members ? run->model->ensemble->fixed(s) : !(s->method->traits & PK_ADAPTIVE);
     settle_every(s);
     if ((!fixed || s->asked.members) && !(s->every > 0)) {
         run_say(run, "every 0 (each step) is for one run of a method of a fixed step");
@@ -86,7 +87,8 @@ void run_end(struct pk_run *run)
     pk_events_free(&run->events);
     pk_integrator_free(&run->it);
     pk_integrator_free(&run->aside);
-    diagnose_free(run);
+    if (run->model->diagnose)
+        run->model->diagnose->free(run);
     free(run->besides);
     run->besides = NULL;
 }

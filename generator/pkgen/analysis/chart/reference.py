@@ -91,7 +91,8 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
     for scalar in TYPES:
         for tools in precise_tools(scalar):
             try:
-                program = build_library(compilation.files, compilation.model.name, tools=tools)
+                made = compilation.files, compilation.model.name
+                program = build_library(*made, able=("gauss", "dop853"), tools=tools)
             except BuildError as error:
                 refusal = error
                 continue

@@ -8,7 +8,7 @@
 #include <pk/apart.h>
 #include <pk/keep.h>
 
-#include "../core/internal.h"
+#include "core/internal.h"
 
 enum { ALIGNED = 64 };
 

@@ -1,0 +1,161 @@
+"""The C runtime, compiled in parts: each once for a compiler, its flags and the processor, when a
+model first needs it. Parts are kept in the cache (system/cache.py). A cache that comes to another
+processor is not used there.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shlex
+import shutil
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+from ..methods import Method
+from ..system.cache import cached
+from ..system.progress import say
+from ..system.toolchain import NATIVE, RUNTIME, STANDARD, BuildError, Toolchain, compile_c, run
+
+SHARED = ("-fPIC", "-fno-semantic-interposition")
+HIDDEN = "-fvisibility=hidden"  # what no header declares
+GSL = "libpk_gsl.a"
+LINK_WITH = "link"  # the file beside the libraries with what their users link with
+# The runtime's parts, each compiled when a model first needs it: its folders.
+CORE = ("core", "constraints", "explicit", "integrate", "events", "watch")
+PARTS = {
+    "core": (
+        *("run", "run/base", "run/settings", "run/look", "run/steps", "src"),
+        *(f"src/{name}" for name in CORE),
+    ),
+    "implicit": ("src/implicit",),
+    "variational": ("src/variational",),
+    "ensemble": ("run/ensemble", "omp", "src/ensemble"),
+    "diagnose": ("run/diagnose", "run/stability", "src/diagnose", "gsl"),
+}
+WHOLE = tuple(PARTS)
+ARCHIVES = {"run": "librun.a", "omp": "librun.a", "gsl": GSL, "src": "libpk.a"}  # by top folder
+# Loops over lanes and steps that are not inlined in the model, compiled by all flags. The rest
+# compiles in half the time at -O1, src, or -Og, and a run takes at most 5 % longer.
+HOT = (
+    *("src/ensemble/*.c", "src/variational/*.c", "src/implicit/gauss_dense.c"),
+    *("src/explicit/embedded.c", "src/explicit/erk.c", "src/explicit/splitting.c"),
+    *("src/core/scale.c", "src/constraints/project.c", "src/watch/diagnostics.c"),
+)
+FAMILIES = {  # of methods that are not in the core
+    **dict.fromkeys(("COLLOCATION", "GAUSS", "RADAU", "EXPONENTIAL"), "implicit"),
+    **dict.fromkeys(("LIE_MIDPOINT", "RATTLE"), "variational"),
+    "GSL": "diagnose",
+}
+
+
+def runtime_library(tools: Toolchain, parts: Sequence[str] = WHOLE) -> Path:
+    """The directory with librun.a, libpk.a and, where there is GSL, libpk_gsl.a of these parts for
+    this compiler, made if missing."""
+    names = [part for part in PARTS if part in parts]
+
+    def make(new: Path) -> None:
+        archives: dict[str, list[str]] = {}
+        with ThreadPoolExecutor(len(names)) as pool:
+            folders = list(pool.map(lambda part: _compiled(tools, part), names))
+        for folder in folders:
+            for path in sorted(folder.glob("*.o")):
+                archives.setdefault(path.name.partition("-")[0], []).append(str(path))
+            if (folder / LINK_WITH).exists():
+                shutil.copy(folder / LINK_WITH, new)
+        for archive, objects in archives.items():
+            run([_ar(), "rcs", archive, *objects], new)
+
+    return cached("runtime", f"{runtime_name(tools)}-{'-'.join(names)}", make)
+
+
+def runtime_name(tools: Toolchain) -> str:
+    """A digest of the sources, the compiler and its flags."""
+    digest = hashlib.sha256(repr((tools, STANDARD)).encode())
+    for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # what is linked, and how
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:24]
+
+
+def _ar() -> str:
+    if found := shutil.which("ar"):
+        return found
+    raise BuildError("'ar' is missing; install binutils")
+
+
+def _compiled(tools: Toolchain, part: str) -> Path:
+    """The objects of a part, named ARCHIVE-FOLDER_FILE.o."""
+
+    def make(new: Path) -> None:
+        say(f"compiling the runtime: {part} (once)")
+        if part == "ensemble":
+            (new / LINK_WITH).write_text(shlex.join(_threads(tools, new)), encoding="utf-8")
+
+        def one(folder: str) -> None:
+            within = new / f"of_{folder.replace('/', '_')}"
+            within.mkdir()
+            more = [*_gsl(tools), *(_link_with(new) if folder == "omp" else [])]
+            hot = {path for pattern in HOT for path in RUNTIME.glob(pattern)}
+            every = {*(RUNTIME / folder).glob("*.c")}
+            light = _light(tools, "-O1" if folder.startswith("src") else "-Og")
+            for kind, sources in ((tools, every & hot), (light, every - hot)):
+                if sources:  # one call of the compiler
+                    names = map(str, sorted(sources))
+                    compile_c(kind, ["-c", *SHARED, HIDDEN, *more, *names], within)
+            for path in within.glob("*.o"):
+                archive = ARCHIVES[folder.partition("/")[0]]
+                path.rename(new / f"{archive}-{Path(folder).name}_{path.name}")
+            within.rmdir()
+
+        folders = [f for f in PARTS[part] if f != "gsl" or tools.has_gsl]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(one, folders))
+
+    return cached("objects", f"{part}-{runtime_name(tools)}", make)
+
+
+def _light(tools: Toolchain, level: str) -> Toolchain:
+    native = {flag for flags in NATIVE for flag in flags}
+    flags = (level if flag == "-O3" else flag for flag in tools.flags if flag not in native)
+    return replace(tools, flags=tuple(flags))
+
+
+def _link_with(library: Path) -> list[str]:
+    path = library / LINK_WITH
+    return shlex.split(path.read_text(encoding="utf-8")) if path.exists() else []
+
+
+def _threads(tools: Toolchain, directory: Path) -> list[str]:
+    """Flags for OpenMP, where the compiler can link with it."""
+    (directory / "omp.c").write_text(
+        "#include <omp.h>\nint main(void) { return omp_get_max_threads() < 1; }\n",
+        encoding="utf-8",
+    )
+    try:
+        compile_c(tools, ["-fopenmp", "omp.c", "-o", "omp"], directory)
+    except BuildError:
+        return []
+    return ["-fopenmp"]
+
+
+def runtime_links(tools: Toolchain, library: Path) -> list[str]:
+    """What librun.a is linked with: GSL's methods beside the core, which is without them."""
+    gsl = [str(library / GSL), *tools.gsl_libs] if (library / GSL).exists() else []
+    return [*gsl[:1], str(library / "libpk.a"), *gsl[1:], "-lm", *_link_with(library)]
+
+
+def _gsl(tools: Toolchain) -> list[str]:
+    return ["-DPK_WITH_GSL", *(tools.gsl_cflags or ())] if tools.has_gsl else []
+
+
+def needed(methods: Iterable[Method], more: Iterable[str] = ()) -> tuple[str, ...]:
+    """The parts that runs by these methods need, with `more`."""
+    found = {"core", *more, *(part_of(method.family) for method in methods)}
+    return tuple(part for part in PARTS if part in found)
+
+
+def part_of(family: str) -> str:
+    """The part that has the methods of a family."""
+    return FAMILIES.get(family, "core")
