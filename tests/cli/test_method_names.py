@@ -2,9 +2,36 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
 
-from pkgen.run.build import runtime_methods
+from pkgen.methods import METHODS
+from pkgen.run.build import LISTED, described_methods, runtime_methods
+from pkgen.run.methods_table import USES, methods_text
+
+
+def rounded(found: object) -> object:
+    """Compilers differ in the last digits."""
+    return json.loads(json.dumps(found), parse_float=lambda x: f"{float(x):.9g}")
+
+
+def test_the_list_is_as_the_compiled_runtime_says() -> None:
+    """PKGEN_UPDATE=1 writes it."""
+    found = described_methods()
+    if os.environ.get("PKGEN_UPDATE"):
+        rows = ",\n".join(map(json.dumps, found))
+        LISTED.write_text(f"[\n{rows}\n]\n", encoding="utf-8")
+    listed = json.loads(LISTED.read_text(encoding="utf-8"))
+    assert [m["name"] for m in listed] == list(METHODS)
+    there = {m["name"] for m in found}
+    assert rounded([m for m in listed if m["name"] in there]) == rounded(found)
+
+
+def test_each_method_stands_under_a_use() -> None:
+    assert {method.family for method in METHODS.values()} == USES.keys()
+    table = methods_text(runtime_methods()).split("\n\n")[1]
+    assert {line.split()[0] for line in table.splitlines()[2:]} == METHODS.keys()
 
 
 def test_the_digit_is_the_order_or_of_some_the_stages() -> None:

@@ -18,7 +18,7 @@ from ..methods import METHODS, NONE, Own, inline_flags, known
 from ..own import in_c
 from ..system.cache import cached
 from ..system.files import scratch
-from ..system.toolchain import NATIVE, RUNTIME, Toolchain, compile_c, find_toolchain
+from ..system.toolchain import NATIVE, RUNTIME, Toolchain, compile_c, find_gsl, find_toolchain
 from .library import load
 from .runtime import SHARED, WHOLE, needed, part_of, runtime_library, runtime_links, runtime_name
 
@@ -93,8 +93,8 @@ def _linked(
     form: Sequence[str] = (),
     own: Sequence[Own] = (),
 ) -> None:
-    """Compiles the files of a model and links it by these arguments. Of a model with blocks the steps
-    are inlined in the blocks."""
+    """Compiles the files of a model and links it by these arguments. Where it has blocks, steps are
+    inlined in these."""
     form = [*form, *in_c.flags(own)]
     files = {**files, in_c.FILE: in_c.tables(own)} if own else files
     for file_name, text in files.items():
@@ -202,11 +202,18 @@ def own_methods(own: Sequence[Own]) -> list[dict[str, object]]:
     return load(build_library({"no_model.c": NO_MODEL}, "no_model", own=own)).methods(own=True)
 
 
+LISTED = RUNTIME / "methods.json"  # limits take seconds to find
+
+
 def runtime_methods() -> list[dict[str, object]]:
-    """The methods of the runtime, GSL's included where GSL is installed, as it describes them."""
-    path = build_library({"no_model.c": NO_MODEL}, "no_model")
+    """The methods of the runtime as it describes them, GSL's where GSL is installed."""
+    listed: list[dict[str, object]] = json.loads(LISTED.read_text(encoding="utf-8"))
+    if {str(m["name"]) for m in listed} != METHODS.keys():  # a method is new
+        listed = described_methods()
+    gsl = find_gsl()[0] is not None
+    return [m for m in listed if gsl or METHODS[str(m["name"])].family != "GSL"]
 
-    def make(new: Path) -> None:  # to find their limits takes seconds
-        (new / "methods").write_text(json.dumps(load(path).methods()), encoding="utf-8")
 
-    return json.loads((cached("methods", path.parent.name, make) / "methods").read_text("utf-8"))
+def described_methods() -> list[dict[str, object]]:
+    """The same from the compiled runtime."""
+    return load(build_library({"no_model.c": NO_MODEL}, "no_model")).methods()

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from ..methods import METHODS
 from ..own.trees import MOST_ORDER
+
+SOME = 5  # methods named in the line of a use
 
 HEADER = (
     "method",
@@ -27,6 +30,24 @@ h lambda  the same of a decay q'' = -lambda q'
 """
 
 
+# By family, in this order: when to take its methods.
+USES = {
+    "GAUSS": "smooth motions, to any accuracy (the default)",
+    "EMBEDDED": "motions with kinks, or of many coordinates",
+    "RADAU": "stiff or strongly damped motions",
+    "EXPONENTIAL": "linear models, exactly",
+    "SPLITTING": "long runs of particles: M constant, V of q alone",
+    "ADAPTIVE_VERLET": "the same with close encounters",
+    "BORIS": "the same with magnetic forces",
+    "RESPA": "the same with fast forces beside slow ones",
+    "COLLOCATION": "long runs of any L; radau5, radau9: stiff",
+    "RATTLE": "long runs with constraints or rotations",
+    "LIE_MIDPOINT": "long runs with rotations",
+    "RKMK": "rotations, few steps",
+    "ERK": "fixed steps at the lowest cost each",
+    "GSL": "comparison with GSL",
+}
+
 WORDS = {
     "linear drag": "separable but for linear drag",
     "fast": "of which a part is named fast",
@@ -35,16 +56,24 @@ WORDS = {
 
 
 def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
-    """A line a method, and below each one's reference."""
-    rows = [HEADER, *(_row(m) for m in found)]
+    """Uses with their methods; then a line a method, in the same order; then each one's reference."""
+    named = {str(m["name"]): m for m in found}
+    uses = {use: [n for n in named if METHODS[n].family == of] for of, use in USES.items()}
+    uses = {use: names for use, names in uses.items() if names}
+    rows = [HEADER, *(_row(named[n]) for names in uses.values() for n in names)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEADER))]
-    lines = ["  ".join(f"{c:<{w}}" for c, w in zip(row, widths, strict=True)) for row in rows]
-    lines = [line.rstrip() for line in lines]
-    lines.insert(1, "  ".join("-" * w for w in widths))
-    lines += ["", NOTE]
-    width = max(len(str(m["name"])) for m in found)
-    lines += [f"{m['name']:<{width}}  {m['doc']}" for m in found]
-    return "\n".join(lines)
+    table = ["  ".join(f"{c:<{w}}" for c, w in zip(row, widths, strict=True)) for row in rows]
+    table = [line.rstrip() for line in table]
+    table.insert(1, "  ".join("-" * w for w in widths))
+    wide = max(map(len, uses))
+    lines = [f"{use:<{wide}}  {_some(names)}" for use, names in uses.items()]
+    width = max(map(len, named))
+    docs = [f"{n:<{width}}  {named[n]['doc']}" for names in uses.values() for n in names]
+    return "\n".join([*lines, "", *table, "", NOTE, *docs])
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names if len(names) <= SOME else [*names[:SOME], f"{len(names) - SOME} more"])
 
 
 def own_text(found: Sequence[Mapping[str, Any]]) -> str:

@@ -7,6 +7,7 @@ import os
 import shlex
 import shutil
 import subprocess
+from functools import cache
 from pathlib import Path
 
 import pkgen_runtime
@@ -62,7 +63,7 @@ def find_toolchain() -> Toolchain:
             version = _output([*candidate, "--version"]) or ""
             native, macros = _native(candidate)
             flags = FLAGS + native + tuple(_words("CFLAGS", os.environ.get("CFLAGS", "")))
-            cflags, libs = _find_gsl()
+            cflags, libs = find_gsl()
             return Toolchain(
                 tuple(candidate),
                 flags,
@@ -96,7 +97,9 @@ def _native(cc: list[str]) -> tuple[tuple[str, ...], str]:
     return (), ""
 
 
-def _find_gsl() -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
+@cache
+def find_gsl() -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
+    """GSL's flags for the compiler, None without GSL, and for the linker."""
     config = shutil.which("gsl-config")
     if config is None:
         return None, ()
