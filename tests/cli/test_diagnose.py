@@ -144,9 +144,10 @@ def test_a_chain_is_unrolled_for_its_derivatives(pkgen) -> None:
 @pytest.mark.long  # least_action takes 22 s
 def test_what_is_said(pkgen) -> None:
     arguments = ["--until", "60", "--method", "rk4", "--step", "0.05"]
-    done = pkgen("run", DOUBLE, "--diagnose", "all", *starts(2), *arguments)
+    done = pkgen("run", DOUBLE, "--diagnose", "all", *starts(2), *arguments, "-v")
     assert done.returncode == 0, done.stderr
-    kinds = [line.partition(":")[0] for line in done.stderr.splitlines()]
+    lines = [line for line in done.stderr.splitlines() if not line.startswith("pkgen: ")]
+    kinds = [line.partition(":")[0] for line in lines]
     assert "run: warning: the energy" in done.stderr  # off by .1
     assert "run: diagnose action: 2 coordinates" in done.stderr
     assert "run: diagnose lrl: at the start the two do not attract" in done.stderr

@@ -255,4 +255,4 @@ def test_an_angle_whose_rate_varies_faster_than_what_is_left_has_its_share_in_th
     )
     done = pkgen("run", model, "--scene", "s")
     assert done.returncode == 0 and "2 of 2 met" in done.stderr, done.stderr
-    assert "drift(p_phi)" not in done.stderr  # which is a parameter now
+    assert "p_phi kept" not in done.stderr  # which is a parameter now

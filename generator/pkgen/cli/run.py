@@ -310,7 +310,8 @@ def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:
             print(f"event {event['name']}: {_crossings(event)}", file=sys.stderr)
     if far:
         print(f"limits not met: {len(far)}", file=sys.stderr)
-    said = diagnostics_text.drift_lines(report["drifts"])
+    drifts = diagnostics_text.drift_lines if options.verbose else diagnostics_text.kept_line
+    said = drifts(report["drifts"])
     said += diagnostics_text.lines(report.get("diagnostics", {}), time)
     for line in said:
         print(line, file=sys.stderr)

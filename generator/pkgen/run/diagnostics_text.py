@@ -7,13 +7,33 @@ import math
 UNIFORM = 1e-9  # of a coordinate's size: what is left of it beside a mean and a rate
 NO_TORQUE = 1e-12  # of the size of what it is the sum of
 CONJUGATE_SHOWN = 64  # points that a report has at most
+OFF, SHOWN = 1e-3, 5  # a drift that is told as an error; constants that are named
 LOST, MAGNIFIED = 1e-6, 1e3  # a drift of X's own value; times that of its scale
 EPSILON = 1e-13  # of the scale: a value below it is 0 but for rounding
 BROAD = 0.03  # a residual that lines do not explain
 
 
+def kept_line(drifts: list[dict]) -> list[str]:
+    """One line of all constants: how well each was kept, or by how much it is off. Then a line for
+    each that lost digits. Nothing where nothing is constant."""
+    said = []
+    for drift in drifts:
+        name, most = drift["name"], drift["max"]
+        if most is None:
+            said.append(f"{name} not finite")
+        elif most > OFF:
+            said.append(f"{name} off by {most:.1e} of its scale")
+        else:
+            said.append(f"{name} kept " + (f"to {most:.0e}" if most else "exactly"))
+    if len(said) > SHOWN:
+        most = max(drift["max"] or 0.0 for drift in drifts[SHOWN:])
+        said[SHOWN:] = [f"{len(said) - SHOWN} more to {most:.0e}"]
+    lost = [f"{drift['name']}{text}" for drift in drifts if (text := _lost(drift))]
+    return [", ".join(said), *lost] if said else []
+
+
 def drift_lines(drifts: list[dict]) -> list[str]:
-    """Two lines a constant: its drift, and how that grows."""
+    """A line a constant: its drift, and how that grows."""
     said = []
     for drift in drifts:
         name, scale = drift["name"], drift["scale"]
@@ -27,17 +47,19 @@ def drift_lines(drifts: list[dict]) -> list[str]:
             growth += f" (t^{drift['exponent']:.2f})"
         if not drift["first"] and drift["max"] == 1:  # of what is not beside something larger
             growth += f"; it starts at 0, so this is relative to its own largest value, {scale:.1e}"
-        said.append(f"{line}: {growth}{_lost(drift)}")
+        said.append(f"{line}: {growth}{_lost(drift).replace(': ', '; ', 1)}")
     return said
 
 
 def _lost(drift: dict) -> str:
     """Digits that a constant loses where it is small beside what it is a sum of."""
     first, scale = abs(drift["first"]), drift["scale"]
+    if drift["max"] is None:
+        return ""
     off = drift["max"] * scale / first if first > EPSILON * scale else 0.0
     if off < LOST or off < MAGNIFIED * drift["max"]:
         return ""
-    return f"; of its own value {drift['first']:.2g} that is {off:.1e}: digits are lost"
+    return f": of its own value {drift['first']:.2g} that is {off:.1e}: digits are lost"
 
 
 def lines(found: dict[str, dict], time: str) -> list[str]:
