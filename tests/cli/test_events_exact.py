@@ -9,7 +9,7 @@ from functools import cache
 
 import pkgen
 import pytest
-from conftest import long_but
+from conftest import ROOT, long_but
 
 EPS = 2.0**-52
 MODEL = """model pushed
@@ -131,3 +131,18 @@ def test_the_first_step_spans_the_run(load, method: str, until: float) -> None:
     r = m.run(until=until, every=until, method=method)
     assert r.t[-1] == pytest.approx(1, abs=1e-14)
     assert r["x"][-1] == pytest.approx(1, abs=1e-14)
+
+
+@pytest.mark.parametrize("method", ["gauss", "dop853"])
+def test_rounding_at_a_start_crosses_nothing(method: str) -> None:
+    """r . v is 0 but for rounding at a pericentre: it falls through zero at the apocentre alone."""
+    model = pkgen.load(ROOT / "models/particles/kepler_space.lag")
+    rng = random.Random(1)
+    for _ in range(20):
+        for name in ("i", "Omega", "omega"):
+            model.params[name] = rng.uniform(0, math.pi)
+        model.params["e"] = e = rng.uniform(0.1, 0.8)
+        found = model.run(1e5, method=method, rtol=1e-10).report["events"]
+        (apogee,) = [x for x in found if x["name"] == "apogee"]
+        half = math.pi * math.sqrt(26600e3**3 / 3.986004418e14)
+        assert apogee["times"] == pytest.approx([half, 3 * half], rel=1e-6), e

@@ -17,7 +17,7 @@
 enum { HALVINGS = 20 }; /* of what is left to a singularity: to a millionth of a step */
 enum { SHORTER = 17 };  /* times that a step is made anew, each an eighth of the last */
 #define GROWTH PK_C(64.0)
-enum { ROUNDINGS = 16 }; /* of the largest number, within which a limit or its rate is zero */
+enum { ROUNDINGS = 16 }; /* units in the last place within which a number is zero */
 
 static size_t lay_out(struct pk_events *e, const struct pk_problem *problem, pk_real *base)
 {
@@ -204,10 +204,26 @@ static int beyond(struct pk_events *e, struct pk_integrator *it, int backwards)
     return 1;
 }
 
+/* The rounding of function k at the start of the step: by how much numbers that are off by some units
+ * in the last place change it. */
+static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, size_t k)
+{
+    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* sums and differences of all kinds */
+    enum { OFF = sizeof off / sizeof *off };
+    const pk_real small = PK_C(1e-6);
+    pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
+    for (size_t i = 0; i < e->n_q; i++)
+        e->trial[i] = e->q0[i] + small * off[i % OFF] * e->q0[i];
+    for (size_t i = 0; i < e->n; i++)
+        e->trial_v[i] = e->v0[i] + small * off[(i + 3) % OFF] * e->v0[i];
+    pk_events_functions(e, it, e->from, e->trial, e->trial_v, g);
+    return ROUNDINGS * PK_EPS / small * pk_abs(g[k] - pk_events_end(e, 0)[k]);
+}
+
 /* Whether an adaptive step is so much longer than all time before it, and a function has grown so
  * much in it, that the step does not show how the function began. A first step can be so long: of a
  * motion from zero no scale is known but that of the run. */
-static int outgrown(const struct pk_events *e, const struct pk_integrator *it)
+static int outgrown(struct pk_events *e, const struct pk_integrator *it)
 {
     const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
     const pk_real h = pk_abs(it->t - e->from);
@@ -221,7 +237,7 @@ static int outgrown(const struct pk_events *e, const struct pk_integrator *it)
         if (!(pk_abs(begin[k]) > PK_TINY) && at_rest < 0)
             at_rest = !(largest(e->q0, e->n_q) > 0) && !(largest(e->v0, e->n) > 0);
         found = !(pk_abs(end[k]) <= GROWTH * pk_abs(begin[k])) &&
-                (pk_abs(begin[k]) > PK_TINY || at_rest);
+                (pk_abs(begin[k]) > PK_TINY ? pk_abs(begin[k]) > rounding(e, it, k) : at_rest);
     }
     return found;
 }
