@@ -21,7 +21,7 @@ FIXED = {  # the step, and the order that what a coarse one lets the energy move
     "rattle": (0.01, 2),
     "lie_midpoint4": (0.02, 4),
 }
-HALVINGS = 3
+HALVINGS = 4
 UNTIL, EVERY, SECONDS = 2.5, 0.25, 60
 
 
