@@ -21,7 +21,7 @@ FIXED = {  # the step, and the order that what a coarse one lets the energy move
     "rattle": (0.01, 2),
     "lie_midpoint4": (0.02, 4),
 }
-HALVINGS = 4
+HALVINGS = 3
 UNTIL, EVERY, SECONDS = 2.5, 0.25, 60
 
 
@@ -182,8 +182,9 @@ def falls(path: Path, names: list[str], method: str, first: float) -> bool:
         found, said = run(path, names, "--method", method, "--step", repr(step / 2**k))
         if not found or "energy" in said:
             return True
-        if drift(found) < 2e-2 and drift(found) < first / 2 ** (k * order - 1):
+        if drift(found) < 2e-2 and drift(found) < first / 2 ** (order - 1):
             return True
+        first = drift(found)
     return False
 
 
