@@ -130,7 +130,7 @@ run/settings
 run/look
 run/steps
 run/ensemble run/diagnose
-run/run run/evaluate
+run/run run/evaluate run/advance
 run/stability
 program
 """

@@ -74,6 +74,10 @@ def _named(one: Check) -> Check:
     return lambda x: isinstance(x, Mapping) and all(map(_is_text, x)) and all(map(one, x.values()))
 
 
+def _is_input(x: object) -> bool:
+    return _is_value(x) or callable(x) or (isinstance(x, tuple) and len(x) in (2, 3))
+
+
 _VALUE = "a number in SI, or a text with a unit, as '2 [kg]'"
 # Each argument: what it may be, and the words for that.
 ALLOWED: dict[str, tuple[Check, str]] = {
@@ -82,7 +86,7 @@ ALLOWED: dict[str, tuple[Check, str]] = {
     "allow_path": (_some(is_path), "a folder, or a list of folders"),
     "params": (_named(_is_value), _VALUE),
     "start": (_named(_is_value), "a dictionary of values by name, as {'theta1': 0.5}"),
-    "inputs": (_named(_is_value), "a dictionary of values by name, as {'u': 'sin(3*t)'}"),
+    "inputs": (_named(_is_input), "a dictionary by name: {'u': 2.5}, {'u': f}, {'u': (t, values)}"),
     "iteration": (lambda x: _is_text(x) and x in ("newton", "fixed"), "'newton' or 'fixed'"),
     "tableau": (_some(is_path), "a path, or a list of paths"),
     "composition": (_some(_is_value), "a text of weights, or a list of numbers"),
@@ -142,11 +146,12 @@ def options(model: Any, given: dict[str, Any]) -> argparse.Namespace:
     if unknown:
         raise TypeError(f"run() has no argument {sorted(unknown)[0]!r}")
     checked(start=start, inputs=inputs, **given)
+    constants = {k: x for k, x in (inputs or {}).items() if _is_value(x)}
     texts = {k: text(given[k]) for k in NUMBERS if given.get(k) is not None}
     made = argparse.Namespace(**{**DEFAULTS, **given, **texts})
     made.model, made.scene = model.path, model.scene
     made.size = [f"{name}={length}" for name, length in model._sizes.items()]
-    made.set = [f"{k}={text(x)}" for k, x in {**model.params._set, **(inputs or {})}.items()]
+    made.set = [f"{k}={text(x)}" for k, x in {**model.params._set, **constants}.items()]
     made.start = [f"{name}={text(value)}" for name, value in (start or {}).items()]
     made.record = None if made.record is None else ",".join(several(made.record))
     made.diagnose = ",".join(several(made.diagnose)) or None

@@ -19,8 +19,9 @@ class ArrayError(UsageError, ValueError):
 
 class RunError(NumericsFailed):
     """The numerics of a run failed. `status` is the runtime's (PK_STEP_UNDERFLOW, ...),
-    `last_valid` the last time up to which its rows hold, `result` what there is of it."""
+    `last_valid` the last time up to which its rows hold, `result` what there is of it, None of an
+    integrator."""
 
-    def __init__(self, message: str, status: str, last_valid: float, result: Result):
+    def __init__(self, message: str, status: str, last_valid: float, result: Result | None):
         super().__init__(message)
         self.status, self.last_valid, self.result = status, last_valid, result

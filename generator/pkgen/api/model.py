@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import html
 import math
 import os
+import subprocess
+import sys
 import warnings
 from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..compiler import Compilation, compile_model
@@ -29,6 +33,8 @@ from ..system.near import near
 from . import arguments
 from .arguments import DEFAULTS, Files, Names, Value, Weights, in_words
 from .errors import ArrayError, RunError, UsageError
+from .inputs import Computed, Function, Table, is_computed
+from .integrator import Integrator
 from .prepare import prepare
 from .result import Result
 
@@ -94,6 +100,20 @@ class Parameters(MutableMapping[str, float]):
 
     def __repr__(self) -> str:
         return repr(dict(self))
+
+
+class Page:
+    """A file that opens in a browser."""
+
+    def __init__(self, path: Path):
+        self.path = path
+
+    def __repr__(self) -> str:
+        return f"Page({str(self.path)!r})"
+
+    def _repr_html_(self) -> str:
+        text = html.escape(self.path.read_text(encoding="utf-8"))
+        return f'<iframe srcdoc="{text}" width="100%" height="640" style="border: 0"></iframe>'
 
 
 class Model:
@@ -176,7 +196,9 @@ class Model:
         rtol: float | None = None,
         atol: float | None = None,
         start: Mapping[str, Value] | None = None,
-        inputs: Mapping[str, Value] | None = None,
+        inputs: Mapping[str, Value | Function | Table] | None = None,
+        hold: float | None = None,
+        linear: float | None = None,
         record: Names | None = None,
         at: str | None = None,
         diagnose: Names = (),
@@ -190,11 +212,21 @@ class Model:
         `tableau` (a file or several) and `composition` (its weights) bring methods; the first of
         them is taken unless `method` names one.
 
+        An input is a value, a table (t, values) joined by straight lines, (t, values, "hold"), or a
+        function of (t, q, v): called at each evaluation of an explicit method (dop853 where none is
+        named), at multiples of `hold` and held in between, or as f(t, None, None) at multiples of
+        `linear` and joined by straight lines.
+
         Raises UsageError for what cannot be asked, RunError where the numerics fail (its `result`
         has the rows up to the last valid time), and KeyboardInterrupt.
         """
-        given = locals()
-        return self._run(arguments.options(self, {k: given[k] for k in given if k != "self"}))
+        given = {k: x for k, x in locals().items() if k not in ("self", "hold", "linear")}
+        arguments.checked(inputs=inputs)
+        functions = {k: x for k, x in (inputs or {}).items() if is_computed(x)}
+        computed = Computed(functions, hold, linear) if functions or hold or linear else None
+        if computed is not None and computed.needs_explicit and method is None:
+            given["method"] = "dop853"
+        return self._run(arguments.options(self, given), computed=computed)
 
     def ensemble(
         self, table: Any, until: Value | None = None, *, threads: int | None = None, **more: Any
@@ -210,11 +242,19 @@ class Model:
         return self._run(options, lambda made: _members(made, table))
 
     @in_words()
-    def _run(self, options: argparse.Namespace, table: Any = None) -> Result:
+    def _run(
+        self, options: argparse.Namespace, table: Any = None, computed: Computed | None = None
+    ) -> Result:
+        if computed is not None:
+            options.no_reduce = "all"  # q and v are the model's
         prepared = prepare(options, self._compiled, table).built()
         assert prepared.library is not None
         made = prepared.compilation, prepared.library, prepared.settings, prepared.ensemble
-        done, told = followed(*made, threads=prepared.threads or 0)
+        errors: list[BaseException] = []
+        more = computed.settings(prepared, errors) if computed else {}
+        done, told = followed(*made, threads=prepared.threads or 0, **more)
+        for error in errors:
+            raise error
         expects = []
         if prepared.scene is not None and told.report:
             seen = prepared.compilation, prepared.scene, prepared.settings
@@ -234,6 +274,42 @@ class Model:
             valid = first.get("last_valid", first.get("t", 0.0))
             raise RunError(said, first.get("status", ""), valid, result)
         return result
+
+    def show(self, path: str | os.PathLike[str] | None = None) -> Page:
+        """Writes the model's live page, NAME.html or `path`: it moves there, with its parameters at
+        hand (`pkgen show`). In a notebook the page is shown. Raises UsageError."""
+        target = Path(path or f"{self.name}.html")
+        command = [sys.executable, "-m", "pkgen", "show", os.fspath(self.path), "-o", str(target)]
+        command += ["--scene", self.scene] if self.scene else []
+        command += [f"--size={name}={length}" for name, length in self._sizes.items()]
+        command += [f"--set={name}={x!r}" for name, x in self.params._set.items()]
+        command += [f"--allow-path={folder}" for folder in self._allowed]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode:
+            raise UsageError(arguments.worded(done.stderr.strip()))
+        return Page(target)
+
+    def integrator(
+        self,
+        method: str | None = None,
+        *,
+        step: Value | None = None,
+        max_step: Value | None = None,
+        rtol: float | None = None,
+        atol: float | None = None,
+        start: Mapping[str, Value] | None = None,
+        inputs: Mapping[str, Value] | None = None,
+    ) -> Integrator:
+        """A motion from the start that goes on step by step; arguments as in `run`. Raises
+        UsageError."""
+        given = {k: x for k, x in locals().items() if k != "self"}
+        with in_words():
+            options = arguments.options(self, {**given, "until": 1.0})
+            options.no_reduce = "all"
+            prepared = prepare(options, self._compiled, None).built()
+            assert prepared.library is not None
+            library = load_library(prepared.library)
+            return Integrator(prepared, library.run(prepared.settings, idle=True, watch=-1))
 
     # -- kernels ------------------------------------------------------------------------------
 

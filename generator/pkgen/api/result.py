@@ -7,11 +7,14 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from ..equations import Quantity
+from ..system.exits import UsageError
+from .arguments import in_words
 
 if TYPE_CHECKING:
     import numpy
     import pandas
     import xarray
+    from matplotlib.figure import Figure
 
 SHOWN = 5  # rows at either end of a table in a notebook
 
@@ -66,6 +69,24 @@ class Result:
         if name not in self._index:
             raise KeyError(f"{name}: the rows have {', '.join(self._index)}")
         return self._rows[:, self._index[name]]
+
+    def plot(self, *names: str, kind: str = "") -> Figure:
+        """A picture of columns over time, or of all; `kind`: phase, path, spectrum or drift, as
+        options of `pkgen plot`. A matplotlib figure: `.savefig("motion.svg")`. Raises
+        UsageError."""
+        from ..plot import compose, draw
+        from ..plot.table import Table
+        from ..plot.view import KINDS, View
+
+        if kind not in ("", *KINDS):
+            raise UsageError(f"kind={kind!r}: {', '.join(KINDS)}")
+        if kind in ("path", "spectrum") and not names:
+            raise UsageError(f"kind={kind!r}: name columns")
+        columns = tuple(Quantity(name, unit, "") for name, unit in self.units.items())
+        table = Table(self.model, columns, self._rows, self._several, {"report": self.report})
+        curves = (names,) if kind in ("phase", "path") else tuple((name,) for name in names)
+        with in_words():
+            return draw.draw(compose.picture(View(kind, curves), [table]))
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._index)

@@ -33,6 +33,7 @@ _SIZED = [
 ]
 _Settings, *_, _Question = _SIZED
 _FIELDS = dict(_Settings._fields_)
+COMPUTE = _FIELDS["compute"]
 Poll = Callable[[float], bool]  # of the part that is done; True: stop
 
 
@@ -138,7 +139,7 @@ class Run:
         for error in ended:
             if isinstance(error, BaseException):
                 raise error
-        self.messages = self._c.pk_run_messages(self._run).decode()
+        self.messages = self.said()
         self.not_finite = self._c.pk_run_refused(self._run) % 8 == DERIVED
         self.report = json.loads(self._c.pk_run_report(self._run))
 
@@ -204,6 +205,19 @@ class Run:
         pointers = [None if x is None else x.ctypes.data_as(POINTER(c_double)) for x in arrays]
         self._c.pk_run_evaluate(self._run, what.encode(), count, *pointers)
         return out
+
+    def begin(self, state: numpy.ndarray, u: numpy.ndarray) -> Callable[[float, int], int]:
+        """Starts to integrate step by step. The function returned takes a time and whether to make
+        one step alone, with the inputs u; it writes t, q and v to `state` and returns the status
+        (enum pk_status). Raises UsageError."""
+        if self._c.pk_run_begin(self._run):
+            raise UsageError(self.said().strip())
+        inputs, at = (x.ctypes.data_as(POINTER(c_double)) for x in (u, state))
+        run, advance = self._run, self._c.pk_run_advance
+        return lambda t, one: advance(run, t, one, inputs, at)
+
+    def said(self) -> str:
+        return str(self._c.pk_run_messages(self._run).decode())
 
     def rates(self) -> Callable[[float, numpy.ndarray], numpy.ndarray]:
         """y' as a function of t and y, for one caller at a time; y = (coordinates, rates and

@@ -56,7 +56,7 @@ WORDS = {
 
 
 def methods_text(found: Sequence[Mapping[str, Any]]) -> str:
-    """Uses with their methods; then a line a method, in the same order; then each one's reference."""
+    """Uses with their methods; then a line a method, in this order; then each one's reference."""
     named = {str(m["name"]): m for m in found}
     uses = {use: [n for n in named if METHODS[n].family == of] for of, use in USES.items()}
     uses = {use: names for use, names in uses.items() if names}

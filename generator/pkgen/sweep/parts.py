@@ -7,7 +7,6 @@ number that there is none of (of a member that failed, the time of an event that
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
@@ -15,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..equations import Quantity
+from ..run.header import STATUSES
 from ..system.exits import UsageError
-from ..system.toolchain import RUNTIME
 from ..version import __version__
 from .job import AT_START, Job
 from .shards import Folder, added, blocks, digest_of, failures_of, head
@@ -113,16 +112,6 @@ class _Writer:
         if self.pa.types.is_integer(field.type):
             return self.pa.array(x.astype(np.int64))
         return self.pa.array(x, mask=np.isnan(x))
-
-
-def statuses() -> list[str]:
-    """The names of enum pk_status, from 1 down."""
-    text = (RUNTIME / "include/pk/status.h").read_text(encoding="utf-8")
-    found = {int(n): name for name, n in re.findall(r"X\((PK_\w+), (-?\d+), ", text)}
-    return [found[n] for n in range(1, min(found) - 1, -1)]
-
-
-STATUSES = statuses()
 
 
 def merge(job: Job, folder: Folder, part: int) -> dict:

@@ -28,7 +28,7 @@ def took(began: float) -> str:
 
 
 def say(text: str) -> None:
-    print(f"pkgen: {text}", file=sys.stderr, flush=True)
+    print(f"pkgen: {text}\n", end="", file=sys.stderr, flush=True)  # lines of threads stay whole
 
 
 _watched: float | None = None  # when `-v` began to tell what is done

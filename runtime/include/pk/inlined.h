@@ -16,6 +16,7 @@
  *     PK_STEPPER_N(it)                rates and states
  *     PK_STEPPER_COORDINATES(it)      coordinates, whose rates are the first of these
  *     PK_STEPPER_INPUT(it, t)         the inputs at t
+ *     PK_STEPPER_FEEDBACK(it, t, q, v)              the inputs at a state
  *     PK_STEPPER_ACCELERATION(it, t, q, v, u, a)    0, or 1 + the coordinate that failed
  *     PK_STEPPER_LANES(it, t, q, v, u, a)           the bits of lanes that failed
  *     PK_BLOCK_...                    see pk/step/ensemble.h
@@ -37,6 +38,8 @@
 #define PK_STEPPER_COORDINATES(it) ((void)(it), (size_t)PK_MODEL(N) - PK_MODEL_FIRST_ORDER)
 #endif
 #define PK_STEPPER_INPUT(it, t) (PK_MODEL(INPUTS) ? pk_eval_input(it, t) : (it)->own->u)
+#define PK_STEPPER_FEEDBACK(it, t, q, v) \
+    (PK_MODEL(INPUTS) ? pk_eval_feedback(it, t, q, v) : (it)->own->u)
 #define PK_STEPPER_ACCELERATION(it, t, q, v, u, a) \
     PK_MODEL(acceleration)((const struct PK_MODEL(params) *)(it)->problem.params, t, q, v, u, a)
 #define PK_STEPPER_LANES(it, t, q, v, u, a)                                                       \

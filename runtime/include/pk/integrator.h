@@ -28,12 +28,14 @@ PK_BEGIN
  * already prepared: init and reset refuse one that is out of bounds or was changed without
  * prepare(). `input` fills the n_inputs numbers u at time t, in the order and units of
  * system->inputs; it must be a function of t, since methods ask for any t of a step in any order.
- * Without it inputs are zero. */
+ * Without it inputs are zero. `feedback`, or NULL, does the same at a state: it is called in place of
+ * `input` for accelerations and events. Only explicit methods keep their order then. */
 struct pk_problem {
     const struct pk_system *system;
     const void *params;
     void (*input)(void *context, pk_real t, pk_real *u);
     void *context;
+    void (*feedback)(void *context, pk_real t, const pk_real *q, const pk_real *v, pk_real *u);
 };
 
 /* The default of atol: a size for each component, from the motion (see pk_options.atol). */

@@ -136,6 +136,15 @@ struct pk_run_settings {
                                        the run leaves with one; 0: it goes on */
     int resume;                     /* it goes on from there, after the last row */
 
+    /* Inputs that the caller computes: called with t, while q and v stand in `seen`, it writes all
+     * of them to `computed`; not 0: end the run. NULL: inputs are constant. `stop` is 1 at the times
+     * of `stops`, in order, where steps end; 0 at each evaluation, unless `only_stops`. */
+    int (*compute)(void *context, double t, int stop);
+    int only_stops;
+    size_t n_stops;
+    const double *stops;
+    double *seen, *computed;
+
     int csv;    /* file descriptor for rows as CSV; < 0: they are kept in memory */
     int header; /* of names above the CSV */
     int (*poll)(void *context, double part); /* some ten times a second, with the part of the way
@@ -149,6 +158,11 @@ struct pk_run_settings pk_run_defaults(void);
 struct pk_run *pk_run_new(const struct pk_run_model *model, const struct pk_run_settings *settings);
 /* To the end; the code. Rows up to the last valid time are there, whatever it is. */
 enum pk_run_code pk_run_go(struct pk_run *run);
+/* Step by step, in place of pk_run_go(): begun, then advanced to t, or by one step towards it. `u` are
+ * the inputs until the next call; `state` becomes t, q and v. The status (enum pk_status): below 0 it
+ * has failed, PK_STOPPED_EVENT at an event that stops. Without rows and report. */
+enum pk_run_code pk_run_begin(struct pk_run *run);
+int pk_run_advance(struct pk_run *run, double t, int one_step, const double *u, double *state);
 /* How many rows are kept; each has *columns numbers, t first. Where pk_real has more digits than a
  * double, low[i] is what rows[i] lacks: the value is rows[i] + low[i]; else low is NULL. */
 size_t pk_run_rows(const struct pk_run *run, const double **rows, const double **low,

@@ -157,6 +157,7 @@ struct pk_run {
     unsigned long reduces; /* from so many rows */
     int reduces_rows;      /* some of it is of these */
     struct moment now;     /* of run_moment() */
+    size_t stops;          /* of computed inputs, that are behind */
     pk_real count, next;   /* rows by time behind the first, and the number of the next one */
     pk_real expecting;     /* what is expected at times within steps was looked at up to here */
     struct pk_integrator aside; /* for states within fixed steps, made when one is asked for */

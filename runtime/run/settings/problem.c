@@ -17,13 +17,41 @@ static void constant_input(void *context, pk_real t, pk_real *u)
     memcpy(u, s->u, s->system->n_inputs * sizeof *u);
 }
 
+void compute_inputs(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v,
+                    int stop)
+{
+    const struct pk_run_settings *x = &s->asked;
+    const size_t n_q = pk_system_coordinates(s->system, s->params);
+    for (size_t i = 0; q && i < n_q; i++)
+        x->seen[i] = (double)q[i];
+    for (size_t i = 0; v && i < s->n; i++)
+        x->seen[n_q + i] = (double)v[i];
+    if (x->compute(x->context, (double)t, stop))
+        s->control->stop = 1;
+    for (size_t i = 0; i < s->system->n_inputs; i++)
+        s->u[i] = (pk_real)x->computed[i];
+}
+
+static void computed_at(void *context, pk_real t, const pk_real *q, const pk_real *v, pk_real *u)
+{
+    compute_inputs(context, t, q, v, 0);
+    constant_input(context, t, u);
+}
+
+static void computed(void *context, pk_real t, pk_real *u)
+{
+    computed_at(context, t, NULL, NULL, u);
+}
+
 struct pk_problem run_problem(struct pk_run *run)
 {
     struct settings *s = &run->settings;
     run->bare = *s->system;
     if (s->asked.bare)
         run->bare.events.n = 0;
-    return (struct pk_problem){&run->bare, s->params, constant_input, s};
+    if (s->asked.compute && !s->asked.only_stops)
+        return (struct pk_problem){&run->bare, s->params, computed, s, computed_at};
+    return (struct pk_problem){&run->bare, s->params, constant_input, s, NULL};
 }
 
 void settle_every(struct settings *s)

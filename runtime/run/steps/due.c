@@ -80,15 +80,24 @@ pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit)
     return expect_limit(run, from, row < limit ? row : limit);
 }
 
+/* The next of the times where steps end for the inputs, at most `limit`. */
+static pk_real stop(const struct pk_run *run, pk_real limit)
+{
+    const struct pk_run_settings *x = &run->settings.asked;
+    const size_t k = run->stops;
+    return k < x->n_stops && (pk_real)x->stops[k] < limit ? (pk_real)x->stops[k] : limit;
+}
+
 /* Where a step is to end at the latest. Adaptive ones land on rows, or not, and on what is
  * expected. */
 pk_real run_limit(const struct pk_run *run)
 {
     const struct settings *s = &run->settings;
     if (!run_fixed(run))
-        return s->asked.land ? run_wanted(run, run->it.t, s->until)
-                             : expect_limit(run, run->it.t, s->until);
-    return pk_integrator_limit(&run->it, run_wanted(run, run->it.t, s->until), s->until);
+        return stop(run, s->asked.land ? run_wanted(run, run->it.t, s->until)
+                                       : expect_limit(run, run->it.t, s->until));
+    const pk_real wanted = stop(run, run_wanted(run, run->it.t, s->until));
+    return pk_integrator_limit(&run->it, wanted, s->until);
 }
 
 int run_due(struct pk_run *run, pk_real end)

@@ -1,6 +1,7 @@
 /* One trajectory from the start to the end, row by row. */
 #include <pk/abreast.h>
 
+#include "../settings/settings.h"
 #include "checkpoint.h"
 
 enum { CLOSE = 8 }; /* steps between two looks at drifts where steps may be too long for a pole */
@@ -23,8 +24,26 @@ static enum pk_status many(struct pk_run *run, pk_real end)
                                end > next && whole < (pk_real)most ? (unsigned long)whole : most);
 }
 
+/* At a stop of the inputs, where forces may jump. */
+static void stop(struct pk_run *run)
+{
+    const struct pk_run_settings *x = &run->settings.asked;
+    struct pk_integrator *it = &run->it;
+    const size_t before = run->stops;
+    while (run->stops < x->n_stops && (it->t >= (pk_real)x->stops[run->stops] ||
+                                       pk_integrator_is_at(it, (pk_real)x->stops[run->stops])))
+        run->stops++;
+    if (run->stops == before)
+        return;
+    compute_inputs(&run->settings, it->t, it->q, it->v, 1);
+    if (it->count.steps)
+        pk_integrator_reset(it, it->t, it->q, it->v);
+}
+
 static int fused(const struct pk_run *run)
 {
+    if (run->settings.asked.compute)
+        return 0;
     const struct pk_system *system = run->problem.system;
     return system->families.advance && run_fixed(run) && !system->events.n && !system->switches.n;
 }
@@ -43,8 +62,8 @@ static unsigned long unseen(const struct pk_run *run)
     const struct pk_integrator *it = &run->it;
     const struct settings *s = &run->settings;
     const unsigned long steps = it->count.steps;
-    if (steps < ALL || !run_fixed(run) || run->crossed || s->asked.diagnose || s->asked.n_drifts ||
-        s->asked.n_expected || s->n_parts || (by_time(run) && !(s->every > 0)))
+    if (steps < ALL || !run_fixed(run) || s->asked.compute || run->crossed || s->asked.diagnose ||
+        s->asked.n_drifts || s->asked.n_expected || s->n_parts || (by_time(run) && !(s->every > 0)))
         return 1;
     const pk_real left = run_wanted(run, it->t, s->until) - it->t;
     const unsigned long most = LOOK - steps % LOOK;
@@ -60,6 +79,7 @@ static enum pk_status steps(struct pk_run *run, pk_real end)
 static int step(struct pk_run *run)
 {
     struct pk_integrator *it = &run->it;
+    stop(run);
     const pk_real end = run_limit(run), before = it->t - it->last_t;
     const enum pk_status status = fused(run) ? many(run, end) : steps(run, end);
     if (status < 0)
@@ -115,6 +135,7 @@ int run_starts(struct pk_run *run)
     if (!s->asked.members && !checkpoint_begin(run, keep, NULL))
         return 0;
     if (!run->checkpoint.resumed) {
+        stop(run);
         if (by_time(run) && (s->has_every || !s->asked.members)) /* of a member the final state */
             observe_row(run, run_moment(run));
         observe_step(run, run_moment(run));

@@ -32,6 +32,23 @@ const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t)
     return it->own->u;
 }
 
+void pk_feedback(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
+                 pk_real *u)
+{
+    if (problem->system->n_inputs && problem->feedback)
+        problem->feedback(problem->context, t, q, v, u);
+    else
+        pk_input(problem, t, u);
+}
+
+const pk_real *pk_eval_feedback(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                const pk_real *v)
+{
+    if (it->problem.system->n_inputs)
+        pk_feedback(&it->problem, t, q, v, it->own->u);
+    return it->own->u;
+}
+
 enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
                                     const pk_real *v, pk_real *a)
 {

@@ -14,6 +14,7 @@
 #define PK_STEPPER_ACCELERATION(it, t, q, v, u, a) \
     (it)->problem.system->acceleration((it)->problem.params, t, q, v, u, a)
 #define PK_STEPPER_INPUT(it, t) pk_eval_input(it, t)
+#define PK_STEPPER_FEEDBACK(it, t, q, v) pk_eval_feedback(it, t, q, v)
 #define PK_STEPPER_LANES(it, t, q, v, u, a) pk_eval_lanes(it, t, q, v, u, a)
 
 #include <pk/step/evaluate.h>

@@ -29,7 +29,7 @@ void pk_switches_values(const struct pk_events *e, const struct pk_integrator *i
                         const pk_real *q, const pk_real *v, pk_real *x)
 {
     const struct pk_problem *p = &it->problem;
-    pk_input(p, t, e->u);
+    pk_feedback(p, t, q, v, e->u);
     p->system->switches.values(e->params, t, q, v, e->u, x);
 }
 
@@ -50,7 +50,7 @@ void pk_events_functions(const struct pk_events *e, const struct pk_integrator *
                          const pk_real *q, const pk_real *v, pk_real *g)
 {
     const struct pk_problem *p = &it->problem;
-    pk_input(p, t, e->u);
+    pk_feedback(p, t, q, v, e->u);
     if (e->n_events)
         p->system->events.values(e->params ? e->params : p->params, t, q, v, e->u, g);
     for (size_t k = 0; k < e->n_events; k++)

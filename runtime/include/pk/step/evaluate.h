@@ -5,7 +5,7 @@ static inline enum pk_status PK_STEPPER(acceleration)(struct pk_integrator *it, 
                                                       const pk_real *q, const pk_real *v,
                                                       pk_real *a)
 {
-    const pk_real *u = PK_STEPPER_INPUT(it, t);
+    const pk_real *u = PK_STEPPER_FEEDBACK(it, t, q, v);
     const int failed = PK_STEPPER_ACCELERATION(it, t, q, v, u, a);
     it->count.evaluations++;
     return failed ? pk_eval_failed(it, t, q, v, failed) : PK_DONE;

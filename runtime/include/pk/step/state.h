@@ -176,6 +176,11 @@ int pk_all_finite(const pk_real *x, size_t count);
 /* The inputs at t, into u, which is 0 where nobody fills it; and into it->own->u. */
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u);
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
+/* The same at a state. */
+void pk_feedback(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
+                 pk_real *u);
+const pk_real *pk_eval_feedback(struct pk_integrator *it, pk_real t, const pk_real *q,
+                                const pk_real *v);
 /* The status of an acceleration that returned `failed`, with the coordinate and the time. */
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, int failed);

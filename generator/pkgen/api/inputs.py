@@ -1,0 +1,144 @@
+"""Inputs of a run that are functions or tables: `inputs={"u": f}`, `inputs={"u": (t, values)}`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from ctypes import POINTER, c_double
+from typing import TYPE_CHECKING, Any
+
+from ..methods import known
+from ..record import record
+from ..run import named
+from ..run.library import COMPUTE
+from ..system.exits import UsageError
+from ..system.near import near
+from . import arguments
+from .prepare import Prepared
+
+if TYPE_CHECKING:
+    import numpy
+
+Function = Callable[[float, Any, Any], float]
+Table = tuple[Any, ...]
+SMALL = 1e-12
+
+
+@record(eq=False)
+class Law:
+    """An input at a time and state. Steps end at `stops`, where forces jump or bend. `held`: it is
+    asked there alone."""
+
+    at: Function
+    stops: numpy.ndarray
+    held: bool = False
+
+
+EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}  # families that keep their order where u depends on q, v
+
+
+def is_computed(x: object) -> bool:
+    return callable(x) or (isinstance(x, tuple) and len(x) in (2, 3))
+
+
+class Computed:
+    """The inputs of `given` that are functions f(t, q, v), or tables (t, values) joined by straight
+    lines, (t, values, "hold") by steps. `hold`: functions are called at its multiples, and held in
+    between; `linear`: joined by straight lines, and called as f(t, None, None)."""
+
+    def __init__(self, given: Mapping[str, Any], hold: float | None, linear: float | None):
+        if hold is not None and linear is not None:
+            raise UsageError("hold= and linear=: give one of them")
+        self.given, self.hold, self.linear = given, hold, linear
+        functions = any(map(callable, given.values()))
+        for name, step in (("hold", hold), ("linear", linear)):
+            if step is not None and not (functions and step > 0):
+                raise UsageError(f"{name}={step!r}: a time between samples of an input's function")
+        # Whether they may depend on the state at every evaluation.
+        self.needs_explicit = functions and hold is None and linear is None
+
+    def settings(self, prepared: Prepared, errors: list[BaseException]) -> dict[str, Any]:
+        """Members of the runtime's settings. Raises UsageError."""
+        import numpy
+
+        compilation, settings = prepared.compilation, prepared.settings
+        index = {name: i for i, name in enumerate(named.inputs(compilation).names())}
+        for name in self.given.keys() - index.keys():
+            raise UsageError(f"inputs={{{name!r}: ...}}: {near(name, [*index], 'input')}")
+        method = known(compilation.model.methods).get(settings.method)
+        if self.needs_explicit and (method is None or method.family not in EXPLICIT):
+            raise UsageError(
+                f"method={settings.method!r}: an input that is a function of the state is for "
+                "explicit methods, as dop853 or rk4; or give hold="
+            )
+        laws = [(index[name], self._law(name, settings.until)) for name in self.given]
+        fixed = method is not None and method.fixed
+        held = [law.stops for _, law in laws if law.held]
+        if (
+            fixed
+            and settings.step
+            and any(map(_parts, numpy.concatenate([*held, [0]]) / settings.step))
+        ):
+            raise UsageError(f"step={settings.step!r}: inputs are held for a whole number of steps")
+        stops = held if fixed else [law.stops for _, law in laws]
+        times = numpy.unique(numpy.concatenate([*stops, [0.0]]))
+        n = len([*named.coordinates(compilation).names()])
+        seen = numpy.zeros(n + len([*named.coordinates(compilation, rates=True).names()]))
+        q, v, values = seen[:n], seen[n:], numpy.zeros(len(index))
+        for i, x in settings.inputs:
+            values[i] = x
+
+        def compute(_context: object, t: float, stop: int) -> int:
+            try:
+                for i, law in laws:
+                    if stop or not law.held:
+                        values[i] = law.at(t, q, v)
+            except BaseException as error:  # nothing may go through C
+                errors.append(error)
+            return len(errors)
+
+        pointer = POINTER(c_double)
+        return {
+            "compute": COMPUTE(compute),
+            "only_stops": all(law.held for _, law in laws),
+            "n_stops": len(times),
+            "stops": times.ctypes.data_as(pointer),
+            "seen": seen.ctypes.data_as(pointer),
+            "computed": values.ctypes.data_as(pointer),
+        }
+
+    def _law(self, name: str, until: float) -> Law:
+        """Raises UsageError."""
+        import numpy
+
+        x = self.given[name]
+        if callable(x):
+            if self.hold is not None:
+                return Law(x, numpy.arange(0.0, until, self.hold), held=True)
+            if self.linear is None:
+                return Law(x, numpy.zeros(0))
+            t = numpy.arange(0.0, until + self.linear, self.linear)
+            return _joined(t, numpy.array([x(float(at), None, None) for at in t]))
+        t, values = arguments.arrays(**{f"inputs[{name!r}]": x[0], "values": x[1]})
+        if t.ndim != 1 or t.shape != values.shape or not len(t) or (numpy.diff(t) <= 0).any():
+            raise UsageError(f"inputs[{name!r}]: times in order, and as many values")
+        if t[0] > 0 or t[-1] < until:
+            raise UsageError(
+                f"inputs[{name!r}]: the table goes from {t[0]:g} to {t[-1]:g}, the run from 0 to "
+                f"{until:g}"
+            )
+        if x[2:] not in ((), ("hold",)):
+            raise UsageError(f"inputs[{name!r}]: (t, values) or (t, values, 'hold')")
+        if not x[2:]:
+            return _joined(t, values)
+        places = t * (1 - SMALL)  # a stop may be off by rounding
+        return Law(lambda at, _q, _v: values[places.searchsorted(at, "right") - 1], t, held=True)
+
+
+def _joined(t: numpy.ndarray, values: numpy.ndarray) -> Law:
+    import numpy
+
+    return Law(lambda at, _q, _v: numpy.interp(at, t, values), t)
+
+
+def _parts(x: float) -> bool:
+    return bool(abs(x - round(x)) > 1e-9 * abs(x))

@@ -1,0 +1,57 @@
+"""A motion step by step, as for a controller in Python."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..run import named
+from ..run.header import STATUSES
+from ..run.library import Run
+from .errors import RunError
+from .prepare import Prepared
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+class Integrator:
+    """A motion that goes on when it is told to: `to(t)`, or by `step()`. t is the time, q and v are
+    the coordinates and rates in the order of the model, arrays that change with each call. `u` are
+    the inputs, which are constant during a call and may be set before it. `stopped`: an event of
+    the model has stopped it."""
+
+    def __init__(self, prepared: Prepared, run: Run):
+        import numpy
+
+        compilation, self._run = prepared.compilation, run
+        n = len([*named.coordinates(compilation).names()])
+        m = len([*named.coordinates(compilation, rates=True).names()])
+        self.u: NDArray[Any] = numpy.zeros(len([*named.inputs(compilation).names()]))
+        for i, x in prepared.settings.inputs:
+            self.u[i] = x
+        self._state = numpy.zeros(1 + n + m)
+        self.q, self.v = self._state[1 : 1 + n], self._state[1 + n :]
+        self.stopped = False
+        self._advance = run.begin(self._state, self.u)
+        self._advance(0.0, 0)
+
+    @property
+    def t(self) -> float:
+        return float(self._state[0])
+
+    def to(self, t: float) -> None:
+        """Integrates to the time t. Raises RunError where the numerics fail."""
+        status = self._advance(t, 0)
+        if status:
+            self._told(status)
+
+    def step(self, limit: float = float("inf")) -> None:
+        """One step of the method, not beyond `limit`. Raises RunError."""
+        status = self._advance(min(limit, 1e300), 1)
+        if status:
+            self._told(status)
+
+    def _told(self, status: int) -> None:
+        if status < 0:
+            raise RunError(self._run.said().strip(), STATUSES[1 - status], self.t, None)
+        self.stopped = True
