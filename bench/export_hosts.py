@@ -175,7 +175,7 @@ int main(void)
     if (s->prepare(p))
         return 2;
     const size_t n = pk_system_count(s, p), n_q = pk_system_coordinates(s, p);
-    const struct pk_problem problem = {s, p, 0, 0};
+    const struct pk_problem problem = {.system = s, .params = p};
     const struct pk_method *method = pk_method_find("@METHOD@");
     struct pk_options options = pk_options_default();
     options.h = @STEP@;

@@ -23,7 +23,7 @@ int main(void)
     double q[2], v[2];
     double_pendulum_system.defaults(&params);
     double_pendulum_system.start(&params, q, v);
-    const struct pk_problem problem = {&double_pendulum_system, &params, 0, 0};
+    const struct pk_problem problem = {.system = &double_pendulum_system, .params = &params};
     const struct pk_method *method = pk_method_find("gauss");
     const struct pk_options options = pk_options_default();
     struct pk_integrator it;

@@ -136,7 +136,7 @@ static const double q0[] = {0.5, 1, 0}, v0[] = {0, 10, 1};
 static enum pk_status begin(struct test *t, const struct pk_part *of)
 {
     whole_defaults(&t->params);
-    t->whole = (struct pk_problem){&whole_system, &t->params, push, NULL};
+    t->whole = (struct pk_problem){.system = &whole_system, .params = &t->params, .input = push};
     for (int k = 0; k < 2; k++) {
         t->choices[k].method = pk_method_find(k ? "gauss" : "kahan_li8");
         t->choices[k].options = pk_options_default();

@@ -93,7 +93,8 @@ struct live *EXPORT(live_new)(const void *params, const char *method, double h, 
 {
     struct live *m = (struct live *)calloc(1, sizeof *m);
     struct pk_options options = pk_options_default();
-    const struct pk_problem problem = {live_system, params, give_inputs, m};
+    const struct pk_problem problem = {
+        .system = live_system, .params = params, .input = give_inputs, .context = m};
     const struct pk_method *const found = live_method(method);
     const char *const why = !m                         ? "there is no memory"
                             : !found                   ? "there is no such method"

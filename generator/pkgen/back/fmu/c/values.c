@@ -273,7 +273,8 @@ static void held_inputs(void *context, double t, double *u)
 
 struct pk_problem unit_problem(struct unit *unit)
 {
-    const struct pk_problem problem = {unit->system, unit_params(unit),
-                                       unit->co_simulation ? unit_inputs : held_inputs, unit};
-    return problem;
+    return (struct pk_problem){.system = unit->system,
+                               .params = unit_params(unit),
+                               .input = unit->co_simulation ? unit_inputs : held_inputs,
+                               .context = unit};
 }
