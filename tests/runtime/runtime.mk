@@ -70,9 +70,9 @@ $(RT_TESTS)/run/%.o: runtime/run/%.c $(RT_HEADERS)
 	@mkdir -p $(@D)
 	$(CC) $(RT_RUN_CFLAGS) -c $< -o $@
 $(RT_TESTS)/run_%.so: $(RT_RUN) $(RT_SYSTEMS) $(RT_OMP) $(RT_DIR)/libpk_gsl.a $(RT_DIR)/libpk.a
-	printf '#include <pk/run.h>\n#include "systems.h"\n%s\n%s\n' \
+	printf '#include "run_model.h"\n%s\n%s\n' \
 	    'extern const struct pk_run_model pk_model; const struct pk_run_model pk_model =' \
-	    '{&$*_system, $(if $(filter pair,$*),pair_parts$(comma) 2,NULL$(comma) 0), NULL, 0};' >$@.c
+	    'RUN_MODEL($*_system, $(if $(filter pair,$*),pair_parts$(comma) 2,NULL$(comma) 0));' >$@.c
 	$(CC) $(RT_RUN_CFLAGS) -fvisibility=default -shared $@.c $^ $(RT_OPENMP) -lgsl -lgslcblas -lm -o $@
 
 # The program in runtime/README.md, on the hand-written double pendulum in the model's place.
