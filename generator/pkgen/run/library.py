@@ -34,6 +34,8 @@ _SIZED = [
 _Settings, *_, _Question = _SIZED
 _FIELDS = dict(_Settings._fields_)
 COMPUTE = _FIELDS["compute"]
+# Members that have no meaning in a program of its own.
+OF_A_CALL = ("poll", "context", "member_values", "compute", "stops", "seen", "computed")
 Poll = Callable[[float], bool]  # of the part that is done; True: stop
 
 
@@ -307,7 +309,7 @@ def initializer(s: Structure) -> str:
     lists, members = [], []
     for name, kind in _FIELDS.items():
         value = getattr(s, name)
-        if name in ("poll", "context", "member_values"):
+        if name in OF_A_CALL:
             continue
         if not issubclass(kind, ctypes._Pointer):
             members.append(f".{name} = {_literal(value)}")
