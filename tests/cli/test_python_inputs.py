@@ -190,3 +190,14 @@ def test_inputs_of_each_kind_together(tmp_path) -> None:
         )
         areas = (held[:-1] + (joined[1:] + joined[:-1]) / 2 + c) * numpy.diff(t)
         assert r["x"][-1] == pytest.approx(areas.sum(), abs=1e-9)
+
+
+def test_a_result_is_drawn(model: pkgen.Model) -> None:
+    r = model.run(10, every=0.02)
+    assert len(r.plot("x", "pushed").axes) == 2 and r.plot(kind="phase").axes
+    with pytest.raises(pkgen.UsageError, match="names: foo"):
+        r.plot("foo")
+    with pytest.raises(pkgen.UsageError, match="name columns"):
+        r.plot(kind="spectrum")
+    with pytest.raises(pkgen.UsageError, match="phase, path"):
+        r.plot(kind="pie")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 from ..equations import Quantity
 from ..system.exits import UsageError
-from .arguments import in_words
 
 if TYPE_CHECKING:
     import numpy
@@ -85,8 +85,10 @@ class Result:
         columns = tuple(Quantity(name, unit, "") for name, unit in self.units.items())
         table = Table(self.model, columns, self._rows, self._several, {"report": self.report})
         curves = (names,) if kind in ("phase", "path") else tuple((name,) for name in names)
-        with in_words():
+        try:
             return draw.draw(compose.picture(View(kind, curves), [table]))
+        except UsageError as error:
+            raise UsageError(re.sub("^--[a-z]+ ", "names: ", str(error))) from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._index)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import json
 from importlib.util import find_spec
 from pathlib import Path
 
 from ..compiler import Compilation
+from ..equations import Equations
 from ..explain import scenes as explain_scenes
 from ..explain.explain import explain, record
 from ..explain.html import fragment, html
 from ..explain.scenes import SceneShown, scene_shown
+from ..middle.dependence import to_be_shown
 from ..scenes import lengths
 from ..scenes import use as scene_use
 from ..system.exits import DONE, UsageError
@@ -38,10 +41,18 @@ def explained(options: argparse.Namespace) -> str:
     where SymPy is not installed."""
     if find_spec("sympy") is None:
         return ""
-    compilation = compile_within_limits(options, quiet=True, c=False, symmetric=True)
+    compilation = _shown(compile_within_limits(options, quiet=True, c=False, symmetric=True))
     scenes = _scenes(options, compilation, options.scene)
     with within_limits(options):
         return fragment(compilation, scenes, level=3)
+
+
+def _shown(compilation: Compilation) -> Compilation:
+    """With the shortest M and f."""
+    e = compilation.equations
+    if not isinstance(e, Equations):
+        return compilation
+    return dataclasses.replace(compilation, equations=to_be_shown(e))
 
 
 def _scenes(
@@ -68,6 +79,7 @@ def run(options: argparse.Namespace) -> int:
         unroll=0 if options.unroll is None else lengths.unroll(options),
         use=scene_use.of_compile(options),
     )
+    compilation = _shown(compilation)
     scenes = [] if options.scene else _scenes(options, compilation)
     with within_limits(options):
         written = html(compilation, scenes) if options.html else ""

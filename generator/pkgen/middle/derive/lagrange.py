@@ -15,6 +15,7 @@ from ...graph.count import operations
 from ...graph.graph import ZERO, Graph, Kind, Node, Symbol
 from ...graph.solve import Solution
 from ...record import record
+from ..dependence import without_coordinates
 from ..motion import (
     NO_JACOBIANS,
     Energies,
@@ -86,7 +87,7 @@ def derived(
 
     Raises SingularMass, CannotConstrain, and what `check` does.
     """
-    raw = motion_of(g, energies, forces, rate_of, attitudes)
+    raw = _independent(g, motion_of(g, energies, forces, rate_of, attitudes))
     check(raw)
     bound = bool(states) or rows is not None
     motion, solution = shortest(g, energies.lagrangian, raw, wanted, bound)
@@ -115,6 +116,17 @@ def derived(
         free,
         constraints,
     )
+
+
+def _independent(g: Graph, motion: Motion) -> Motion:
+    """Without coordinates that M and f only seem to depend on."""
+    n = len(motion.force)
+    nodes = [*sum(motion.mass, ()), *motion.force]
+    made = without_coordinates(g, nodes, n)
+    if made == nodes:
+        return motion
+    mass = tuple(tuple(made[i * n : i * n + n]) for i in range(n))
+    return replace(motion, mass=mass, force=tuple(made[n * n :]))
 
 
 def singularities(
