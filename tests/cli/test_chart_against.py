@@ -46,7 +46,7 @@ def motion_of(path: Path, *words: object, unroll: int | None = None) -> Motion:
     options = parser_of("chart").parse_args([str(path), *map(str, words)])
     compilation = compile_within_limits(options, unroll=unroll, use=whole(options))
     settings = asked.settings(options, compilation)
-    library = build_library(compilation.files, compilation.model.name, "rk4")
+    library = build_library(compilation.files, compilation.model.name, "rk4", able=("gauss",))
     return Motion(compilation, Program(library, settings), [1.0])
 
 

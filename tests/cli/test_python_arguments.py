@@ -90,7 +90,7 @@ def test_random_pairs_of_wrong_values(double: api.Model) -> None:
         ({"every": [1]}, "every=[1]: give a number in SI, or a text with a unit"),
         ({"start": [0.5, 0.1]}, "start=[0.5, 0.1]: give a dictionary of values by name"),
         ({"start": {"theta9": 1}}, "start['theta9']: the model has no such coordinate"),
-        ({"inputs": {"u": ([0], [1])}}, "inputs={'u': ([0], [1])}: give a dictionary of values"),
+        ({"inputs": {"u": ([0], [1])}}, "inputs['u']: the model has no such input; it has: none"),
         ({"inputs": {"u": 1}}, "inputs['u']: the model has no such"),
         ({"max_steps": "9"}, "max_steps='9': give a whole number"),
         ({"iteration": "none"}, "iteration='none': give 'newton' or 'fixed'"),

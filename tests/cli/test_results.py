@@ -287,7 +287,7 @@ WRITES = re.compile(r"\bopen\([^)]*, \"[wax]b?\"|write_text\(|write_bytes\(|save
 # Into folders of pkgen's own, which nobody sees before they are whole, or beside, under a name of
 # its own until it is whole.
 OWN = {"__main__.py", "cli/chart.py", "cli/run.py", "cli/stability.py", "run/build.py"}
-OWN |= {"run/simulate.py", "system/cache.py", "system/files.py"}
+OWN |= {"run/simulate.py", "run/runtime.py", "system/cache.py", "system/files.py"}
 OWN |= {"plot/style.py"}  # of pictures
 OWN |= {"film/film.py", "film/write.py", "back/web/build.py", "back/library.py"}
 OWN |= {"sweep/store.py"}

@@ -11,7 +11,6 @@ from ..record import record
 from ..run import named
 from ..run.library import COMPUTE
 from ..system.exits import UsageError
-from ..system.near import near
 from . import arguments
 from .prepare import Prepared
 
@@ -63,7 +62,8 @@ class Computed:
         compilation, settings = prepared.compilation, prepared.settings
         index = {name: i for i, name in enumerate(named.inputs(compilation).names())}
         for name in self.given.keys() - index.keys():
-            raise UsageError(f"inputs={{{name!r}: ...}}: {near(name, [*index], 'input')}")
+            known_as = ", ".join(index) or "none"
+            raise UsageError(f"inputs[{name!r}]: the model has no such input; it has: {known_as}")
         method = known(compilation.model.methods).get(settings.method)
         if self.needs_explicit and (method is None or method.family not in EXPLICIT):
             raise UsageError(

@@ -72,7 +72,7 @@ class Result:
 
     def plot(self, *names: str, kind: str = "") -> Figure:
         """A picture of columns over time, or of all; `kind`: phase, path, spectrum or drift, as
-        options of `pkgen plot`. A matplotlib figure: `.savefig("motion.svg")`. Raises
+        options of `pkgen plot`. A matplotlib figure. Raises
         UsageError."""
         from ..plot import compose, draw
         from ..plot.table import Table
@@ -80,7 +80,7 @@ class Result:
 
         if kind not in ("", *KINDS):
             raise UsageError(f"kind={kind!r}: {', '.join(KINDS)}")
-        if kind in ("path", "spectrum") and not names:
+        if kind in ("phase", "path", "spectrum") and not names:
             raise UsageError(f"kind={kind!r}: name columns")
         columns = tuple(Quantity(name, unit, "") for name, unit in self.units.items())
         table = Table(self.model, columns, self._rows, self._several, {"report": self.report})

@@ -142,8 +142,9 @@ def _threads(tools: Toolchain, directory: Path) -> list[str]:
 
 def runtime_links(tools: Toolchain, library: Path) -> list[str]:
     """What librun.a is linked with: GSL's methods beside the core, which is without them."""
-    gsl = [str(library / GSL), *tools.gsl_libs] if (library / GSL).exists() else []
-    return [*gsl[:1], str(library / "libpk.a"), *gsl[1:], "-lm", *_link_with(library)]
+    gsl = [str(library / GSL)] if (library / GSL).exists() else []
+    libraries = tools.gsl_libs if gsl or not tools.has_gsl else ()
+    return [*gsl, str(library / "libpk.a"), *libraries, "-lm", *_link_with(library)]
 
 
 def _gsl(tools: Toolchain) -> list[str]:

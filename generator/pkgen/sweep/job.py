@@ -201,7 +201,10 @@ def _make(
         name=model.name,
         digest=hashlib.sha256(json.dumps(made_of).encode()).hexdigest(),
         files=compilation.files,
-        build={"methods": methods, "ensemble": True, "parts": parts, "own": own},
+        build={
+            **{"methods": methods, "ensemble": True, "parts": parts, "own": own},
+            "diagnose": any(what == b"l" for what, _ in keeping.reduced),
+        },
         settings=settings,
         starts=found["starts"],
         kept=keeping,

@@ -126,7 +126,7 @@ class Slurm:
             lenient=1,
             threads=1,
         )
-        build = dict(job.build)
+        build = {name: x for name, x in job.build.items() if name != "diagnose"}
         build_program(
             job.files,
             job.name,

@@ -24,7 +24,7 @@ from .exact import Exact
 from .measure import Program
 from .peers import Peer
 from .points import ChartedMethod, Track
-from .reference import Reference
+from .reference import PRECISE, Reference
 from .spectrum import Spectrum
 from .sweep import Bench, Effort
 
@@ -108,7 +108,11 @@ def measure(
     if not chosen:
         raise UsageError(f"--error {kind.name}: {STEPWISE}")
     path = build_library(
-        compilation.files, name, *(m.name for m in chosen), own=compilation.model.methods
+        compilation.files,
+        name,
+        *(m.name for m in chosen),
+        able=PRECISE,
+        own=compilation.model.methods,
     )
     program = Program(path, settings, compilation.model.methods)
     given = program.given()

@@ -22,6 +22,7 @@ from ...system.progress import Show
 from . import spectrum
 from .measure import Program
 from .points import ChartedMethod
+from .reference import PRECISE
 from .sweep import Effort
 
 PERIOD = 32  # steps, of the fastest oscillation
@@ -80,7 +81,7 @@ def measure(
     if not fixed:
         raise UsageError("--long follows methods with fixed steps, and --methods names none")
     own = compilation.model.methods
-    path = build_library(compilation.files, name, *(m.name for m in fixed), own=own)
+    path = build_library(compilation.files, name, *(m.name for m in fixed), able=PRECISE, own=own)
     program = Program(path, settings, own)
     if step is None:
         follower = "gauss" if compilation.structure.smooth_in_pieces else "dop853"

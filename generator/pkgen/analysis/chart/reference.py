@@ -27,6 +27,7 @@ from .exact import Exact, difference
 from .measure import Program
 
 TIMES = 100
+PRECISE = ("gauss", "dop853")  # methods that make the reference
 MUST_AGREE = 1e-13  # where the reference is worse the chart is cut
 SLOWEST = 60.0  # seconds for one integration
 
@@ -92,7 +93,7 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
         for tools in precise_tools(scalar):
             try:
                 made = compilation.files, compilation.model.name
-                program = build_library(*made, able=("gauss", "dop853"), tools=tools)
+                program = build_library(*made, able=PRECISE, tools=tools)
             except BuildError as error:
                 refusal = error
                 continue

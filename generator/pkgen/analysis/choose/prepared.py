@@ -44,7 +44,8 @@ class Prepared:
         began = time.perf_counter()
         able = candidates(structure, all_methods(None))  # of the runtime, which is compiled first
         methods = tuple(dict.fromkeys(c.name for c in able))
-        program = build_library(files, name, *methods)
+        exact = reference.methods(structure, events)
+        program = build_library(files, name, *methods, able=("gauss", *exact))
         return Prepared(
             program,
             files,
@@ -52,7 +53,7 @@ class Prepared:
             methods,
             time.perf_counter() - began,
             tuple(c for c in able if c.rows == LAND or not land),
-            reference.methods(structure, events),
+            exact,
             not getattr(structure, "variational", False),
             not getattr(structure, "autonomous", True),
         )
@@ -78,7 +79,7 @@ class Prepared:
         wide = numpy.finfo(numpy.longdouble).nmant >= WIDE
         tools = precise_tools("long double" if wide else "__float128")[0]
         try:
-            program = build_library(self.files, self.name, able=("gauss", "dop853"), tools=tools)
+            program = build_library(self.files, self.name, able=("gauss", *self.exact), tools=tools)
         except BuildError:
             return None
         return Trials(program, trials.given())
