@@ -136,4 +136,4 @@ def test_every_model_to_the_byte_for_ten_hash_seeds(model: Path, tmp_path: Path)
         command = [sys.executable, "-m", "pkgen", str(model), "-o", str(out), "--self-test"]
         subprocess.run(command, env=env, check=True)
         texts.add(tuple((p.name, p.read_bytes()) for p in sorted(out.iterdir())))
-    assert len(texts) == 1 and len(next(iter(texts))) == 3
+    assert len(texts) == 1 and len(next(iter(texts))) == 5
