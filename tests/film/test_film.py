@@ -316,3 +316,19 @@ def test_labels_of_pixels(tmp_path: Path) -> None:
     names = differ[:, 40:-40, 100:]
     assert all(20 < frame.sum() < 1500 for frame in names)
     assert (names[0] & names[-1]).sum() < 0.5 * names[0].sum()
+
+
+def test_a_graph_grows_beside_the_motion(tmp_path: Path, write) -> None:
+    """The point at its end goes as the column does, from the left to the right."""
+    model, out = write(SWINGS), tmp_path / "film.svg"
+    film(model, "--until", 2, "--fps", 10, "--beside", "theta'", "-o", out)
+    circles = ElementTree.parse(out).getroot().findall(f".//{NS}circle")
+    moves = [{a.get("attributeName"): a.get("values") for a in c} for c in circles]
+    (x, y) = (numpy.array(moves[-1][name].split(";"), float) for name in ("cx", "cy"))
+    done = run_pkgen("run", model, "--until", 2, "--every", 2 / 19)
+    rate = numpy.array([float(line.split(",")[2]) for line in done.stdout.splitlines()[1:]])
+    assert numpy.ptp(numpy.diff(x)) < 0.3 and 960 * 0.6 < x[0] < x[-1] < 960
+    slope, offset = numpy.polyfit(rate, y, 1)
+    assert slope < 0 and numpy.abs(slope * rate + offset - y).max() < 0.1
+    done = run_pkgen("film", model, "--beside", "thet", "-o", out)
+    assert done.returncode == 2 and "did you mean 'theta'" in done.stderr

@@ -39,6 +39,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--pixels", metavar="1280x720", help="width and height (default; .gif: 480x270)")
     add("--seconds", type=float, metavar="S", help="of the film (default: the motion's, or 10)")
     add("--no-labels", action="store_true", help="no title, no time, no names of bobs")
+    add("--beside", metavar="COLUMN", help="draw its graph, which grows, beside the motion")
     shared.of_a_motion(parser, "10")
     add("--method", metavar="NAME", help="see pkgen methods")
     add("--step", metavar="H", help="of a method with fixed steps")
@@ -65,7 +66,10 @@ def run(options: argparse.Namespace) -> int:
         of = describe(options, lambda o, **how: compile_within_limits(o, **how))
     until = of.settings.until
     usual = until if SHORTEST <= until <= LONGEST else USUAL
-    asked = Asked(fps, size, options.seconds or usual, not options.no_labels)
+    labels, beside = not options.no_labels, options.beside or ""
+    if swarm and beside:
+        raise UsageError("--beside: a swarm has no graph of one motion")
+    asked = Asked(fps, size, options.seconds or usual, labels, beside)
     if asked.frames > MOST:
         raise UsageError(
             f"{asked.frames:,} frames: {MOST:,} at most; take fewer --seconds or --fps"

@@ -11,10 +11,17 @@ import numpy
 
 from ..compiler import Compilation
 from ..describe.made import Described
+from ..equations import Quantity
+from ..indices import hidden
 from ..record import record
+from ..run import named
+from ..run.settings import Shown
 from ..run.simulate import Outcome
+from ..system.exits import UsageError
+from ..system.near import near
 from ..system.progress import Show
 from . import write
+from .graph import SCENE, graph
 from .motion import moved
 from .svg import film as svg_film
 from .tracks import Track, tracks
@@ -38,6 +45,7 @@ class Asked:
     size: tuple[int, int]
     seconds: float
     labels: bool = True  # title, time, and names of bobs
+    beside: str = ""  # a column whose graph grows beside the motion
 
     @property
     def frames(self) -> int:
@@ -56,6 +64,7 @@ def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
     """Made at `path`, a file of a scratch folder. A motion without rows makes none."""
     compilation, settings = described.compilation, described.settings
     found = described.description
+    shown, quantity = _column(compilation, asked.beside)
     motion = moved(
         compilation,
         described.library,
@@ -63,14 +72,34 @@ def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
         asked.frames,
         asked.fps,
         lambda part: show(INTEGRATED * part, "integrated"),
+        shown,
     )
     if not len(motion.t):
         return Film(0, motion.outcome)
-    made, _ = tracks(found["drawing"], motion, asked.size)  # type: ignore[arg-type]
+    width, height = asked.size
+    size = (round(SCENE * width), height) if shown else asked.size
+    made, _ = tracks(found["drawing"], motion, size)  # type: ignore[arg-type]
+    texts = []
+    if quantity is not None:
+        more, texts = graph(motion, quantity, asked.size)
+        made += more
     times = motion.t[:: motion.fine]
     title = _title(str(found["model"]), str(found["scene"] or ""))
-    _written(made, [], times, title, compilation, asked, path, show)
+    _written(made, texts, times, title, compilation, asked, path, show)
     return Film(len(times), motion.outcome)
+
+
+def _column(compilation: Compilation, name: str) -> tuple[Shown | None, Quantity | None]:
+    """Raises UsageError."""
+    if not name:
+        return None, None
+    kinds = named.kinds(compilation)
+    for kind, columns in kinds.items():
+        if name in columns:
+            index, quantity = columns[name]
+            return Shown(kind, index, name), quantity
+    every = [c for columns in kinds.values() for c in columns.names() if not hidden(c)]
+    raise UsageError(f"--beside {name}: {near(name, every, 'column')}")
 
 
 def of_swarm(prepared: Prepared, asked: Asked, path: Path, show: Show) -> Film:

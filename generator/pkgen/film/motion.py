@@ -34,6 +34,7 @@ class Motion:
     fine: int
     idle: Run  # whose kernels are called for what does not move: levels
     outcome: Outcome
+    beside: numpy.ndarray | None = None  # of shape (samples,): of a graph
 
     def number(self, entry: float | dict[str, int]) -> numpy.ndarray:
         """A number of the drawing, of shape (samples,)."""
@@ -53,6 +54,7 @@ def moved(
     frames: int,
     fps: float,
     on_progress: Callable[[float], None] | None = None,
+    beside: Shown | None = None,
 ) -> Motion:
     """Integrated to the end, or as far as it came: `outcome` says which. The first of the frames
     is the start, the last the end."""
@@ -61,6 +63,7 @@ def moved(
     rates = named.coordinates(compilation, rates=True).columns(10**9)
     show = [Shown("q", k, c.name) for k, c in enumerate(places)]
     show += [Shown("v", k, c.name) for k, c in enumerate(rates)]
+    show += [beside] if beside else []
     every = settings.until / ((frames - 1) * fine)
     own = replace(
         settings, every=every, at=None, show=tuple(show), watched=NOTHING, diagnose=(), parts=()
@@ -74,7 +77,9 @@ def moved(
 
         done = load(library).run(own, poll)
     rows = done.rows()
-    t, q, v = rows[:, 0], rows[:, 1 : 1 + len(places)], rows[:, 1 + len(places) :]
+    of_state = rows[:, 1 : 1 + len(places) + len(rates)]
+    t, q, v = rows[:, 0], of_state[:, : len(places)], of_state[:, len(places) :]
     idle: Run = load(library).run(replace(own, every=None, show=()), bare=True, idle=True)
     found: Any = idle.evaluate("outputs", t, q, v) if len(t) else numpy.zeros((0, 0))
-    return Motion(t, q, v, found, fine, idle, outcome(compilation, settings, done))
+    graph = rows[:, -1] if beside else None
+    return Motion(t, q, v, found, fine, idle, outcome(compilation, settings, done), graph)

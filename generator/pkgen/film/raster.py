@@ -55,6 +55,9 @@ class Raster:
         if track.kind == "trail":
             self._trail(track, k)
             return
+        if track.kind == "graph":
+            self._draw(track.points[0, : track.span[k, 1] + 1], track.colour, track.width, "")
+            return
         points = track.points[k]
         points = points[numpy.isfinite(points).all(axis=1)] if track.kind == "cloud" else points
         if not numpy.isfinite(points).all():

@@ -97,7 +97,7 @@ def _element(track: Track, height: int, beat: str) -> str:
         look += f' fill="{track.fill}"'
     if track.alpha < 1:
         look += f' stroke-opacity="{track.alpha:g}"'
-    if track.kind == "trail":
+    if track.kind in ("trail", "graph"):
         return _trail(track, height, beat, look)
     points = _flipped(track.points, height)
     if track.kind == "disc":

@@ -33,7 +33,7 @@ class Track:
     """`points`: (frames, n, 2), pixels from the lower left; `depth`: (frames,). A disc has one
     point and a radius; a trail the points of all samples, and of each frame the first and last."""
 
-    kind: str  # path, disc, trail
+    kind: str  # path, disc, trail, cloud; graph: a trail that does not fade
     points: numpy.ndarray
     depth: numpy.ndarray
     colour: str
