@@ -59,7 +59,7 @@ def test_the_c_and_what_stands_beside_the_rows_say_so(pkgen, tmp_path: Path) -> 
 def test_the_runtime_is_portable_as_well(monkeypatch) -> None:
     """It is compiled by itself, with the flags of the model."""
     seen = []
-    monkeypatch.setattr("pkgen.run.build._runtime_name", lambda tools: seen.append(tools) or "x")
+    monkeypatch.setattr("pkgen.run.build.runtime_name", lambda tools: seen.append(tools) or "x")
     monkeypatch.setattr("pkgen.run.build.cached", lambda *_: Path())
     for portable in (False, True):
         build_library(compile_model(read(DOUBLE), portable=portable).files, "double_pendulum")

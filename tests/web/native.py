@@ -9,6 +9,7 @@ from pkgen.__main__ import parser_of
 from pkgen.cli.compilation import compile_within_limits
 from pkgen.describe.made import Described, describe
 from pkgen.methods import known
+from pkgen.run.build import build_library
 from pkgen.run.library import load
 from pkgen.run.settings import Shown
 
@@ -16,7 +17,10 @@ from pkgen.run.settings import Shown
 def made(model: Path) -> Described:
     """The model as the page has it, and its library."""
     options = parser_of("describe").parse_args([str(model)])
-    return describe(options, lambda options, **how: compile_within_limits(options, **how))
+    of = describe(options, lambda options, **how: compile_within_limits(options, **how))
+    made = of.compilation
+    library = build_library(made.files, made.model.name, own=made.model.methods)  # of all methods
+    return replace(of, library=library)
 
 
 def rows(of: Described, method: dict, **more: object) -> tuple[str, list[list[float]]]:
