@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
             found = record(compilation) | {"scenes": explain_scenes.record(scenes)}
             text = json.dumps(found, indent=1)
         elif not options.html:
-            text = explain(compilation).rstrip("\n")
+            text = explain(compilation, options.verbose).rstrip("\n")
             text += f"\n\n{explain_scenes.text(scenes)}" if scenes else ""
     if options.html:
         replace({Path(options.html): written})

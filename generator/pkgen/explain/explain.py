@@ -23,8 +23,8 @@ def contents(compilation: Compilation) -> Contents:
     return (loops if compilation.looped else flat).contents(compilation)
 
 
-def explain(compilation: Compilation) -> str:
-    """The whole report."""
+def explain(compilation: Compilation, costs: bool = False) -> str:
+    """The whole report; with the operations of each kernel if `costs`."""
     e, structure, model = compilation.equations, compilation.structure, compilation.model
     c = contents(compilation)
     said = model.name + (f": {model.description}" if model.description else "")
@@ -42,7 +42,7 @@ def explain(compilation: Compilation) -> str:
         section("Structure", (f"{name:<16} {text}" for name, text in rows)),
         constants_text(invariants(e, structure), structure.symmetries),
         section("Reductions", map(str, compilation.report.lines)),
-        section(*c.costs),
+        section(*c.costs) if costs else "",
     ]
     return "\n\n".join(section for section in sections if section) + "\n"
 
