@@ -16,6 +16,7 @@ SAID = {
     "equation x'' + x = 0": "derives the motion",
     "der(x) = v": "a rate is written x'",
     "dx/dt = v": "a rate is written x'",
+    "x' = -k*x": "write 'state x' and 'rate x = …'",
     "d/dt x = 3": "a rate is written x'",
     "kinetic m/2*xdot^2": "written x'",
     "kinetic m/2*x_dot^2": "written x'",

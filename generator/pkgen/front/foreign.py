@@ -14,7 +14,7 @@ _LATEX = r"\frac{a}{b} is a/b, \dot{x} is x', \theta is theta"
 _STATEMENTS = tuple(
     (re.compile(pattern), help)
     for pattern, help in (
-        (r"(d\w*|∂\w*)\s*/\s*d?t\b", _FIRST_ORDER),
+        (r"(d\w*|∂\w*)\s*/\s*d?t\b|\w+'\s*=", _FIRST_ORDER),
         (r"(\w+\s*\*\s*)?\w+(''|\.\.)\s*[=+-]", _MOTION),
         (r"(eq|eqn|equations?|ode|dynamics)\b", _MOTION),
         (r"(der|diff|dot|Derivative)\s*\(", _FIRST_ORDER),
