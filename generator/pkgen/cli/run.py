@@ -291,9 +291,10 @@ def tell(options: argparse.Namespace, what: Prepared, outcome: Outcome) -> None:
         for line in diagnostics_text.lines(report.get("diagnostics", {}), time):
             print(line, file=sys.stderr)
         return
+    evaluations = report["evaluations"]
     print(
         f"{report['method']}: t = {report['t']:g} after {report['steps']} steps{_length(report)}, "
-        f"{report['rejections']} rejected, {report['evaluations']} evaluations, "
+        f"{report['rejections']} rejected, {evaluations} evaluation{'s' * (evaluations != 1)}, "
         f"{1000 * report['seconds']:.3g} ms",
         file=sys.stderr,
     )

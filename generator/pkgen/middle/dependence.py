@@ -24,9 +24,7 @@ def without_coordinates(g: Graph, nodes: Sequence[Node], count: int) -> list[Nod
     for i in range(count):
         symbol = g.symbol(Symbol(Kind.COORDINATE, i))
         there = Residues(g, BIT[Kind.COORDINATE], i)
-        found = _without(
-            g, found, {symbol: ZERO}, here, lambda node, w=there: here(node) == w(node)
-        )
+        found = _without(g, found, {symbol: ZERO}, here, here, there)
     return found
 
 
@@ -39,10 +37,7 @@ def without_attitudes(g: Graph, nodes: Sequence[Node], attitudes: Sequence[Attit
         w, *vector = numbers(g, at)
         unit = dict(zip(found, substituted(g, found, on_sphere(g, (at,))), strict=True))
         plain = {w: ONE, **dict.fromkeys(vector, ZERO)}
-        values = dict(zip(found, substituted(g, found, plain), strict=True))
-        found = _without(
-            g, found, plain, here, lambda n, u=unit, p=values: here(u[n]) == here(p[n])
-        )
+        found = _without(g, found, plain, here, lambda n, u=unit: here(u[n]), None)
     return found
 
 
@@ -51,15 +46,19 @@ def _without(
     nodes: Sequence[Node],
     plain: dict[Node, Node],
     here: Residues,
-    same: Callable[[Node], bool],
+    value: Callable[[Node], int | None],
+    there: Residues | None,
 ) -> list[Node]:
-    """Expressions whose values are the `same` in the place of others."""
+    """Expressions with the `plain` nodes put in, where their `value` stays the same; only those
+    tried that have it `there` too."""
     new = {}
     for node in dict.fromkeys(nodes):
-        if here(node) is not None and same(node):
-            (made,) = substituted(g, [node], plain)
-            shorter = operations(g, [made]) < operations(g, [node])
-            new[node] = made if shorter and here(made) is not None else node
+        known = value(node)
+        if known is None or (there is not None and there(node) != known):
+            continue
+        (made,) = substituted(g, [node], plain)
+        if here(made) == known and operations(g, [made]) < operations(g, [node]):
+            new[node] = made
     return [new.get(node, node) for node in nodes]
 
 
