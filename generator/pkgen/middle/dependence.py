@@ -16,12 +16,14 @@ from ..graph.residues import Residues
 from ..graph.substitute import substituted
 from .attitudes import numbers, on_sphere
 
+MOST = 24  # coordinates: each takes a sweep of all expressions
+
 
 def without_coordinates(g: Graph, nodes: Sequence[Node], count: int) -> list[Node]:
     """The same expressions, of which none depends on one of the first `count` coordinates where its
     value does not."""
     found, here = list(nodes), Residues(g)
-    for i in range(count):
+    for i in range(count if count <= MOST else 0):
         symbol = g.symbol(Symbol(Kind.COORDINATE, i))
         there = Residues(g, BIT[Kind.COORDINATE], i)
         found = _without(g, found, {symbol: ZERO}, here, here, there)
