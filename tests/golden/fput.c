@@ -1287,6 +1287,6 @@ const struct fput_quantity fput_momentum_names[1] = {
 };
 
 #ifdef PK_RUNTIME
-#define fput_SOURCE
+#define fput_kernels_are_here
 #include "fput_system.c"
 #endif

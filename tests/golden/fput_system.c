@@ -9,7 +9,7 @@
 #include "fput_system.h"
 #endif
 
-#ifdef fput_SOURCE
+#ifdef fput_kernels_are_here
 /* For the runtime, which does not know the type of the parameters. */
 static void fput_sys_defaults(void *p)
 {

@@ -407,6 +407,6 @@ const struct thrown_stone_quantity thrown_stone_momentum_names[1] = {
 };
 
 #ifdef PK_RUNTIME
-#define thrown_stone_SOURCE
+#define thrown_stone_kernels_are_here
 #include "thrown_stone_system.c"
 #endif

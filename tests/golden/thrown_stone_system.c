@@ -9,7 +9,7 @@
 #include "thrown_stone_system.h"
 #endif
 
-#ifdef thrown_stone_SOURCE
+#ifdef thrown_stone_kernels_are_here
 /* For the runtime, which does not know the type of the parameters. */
 static void thrown_stone_sys_defaults(void *p)
 {

@@ -35,12 +35,12 @@ class Dynamics(Checks):
             statement.value, Scope(PLACES["energy"]), Target(dimension, needs)
         )
         if facts.rough:
+            families = "; of many members give --unroll" if self.shared.sizes else ""
             self.report.warn(
                 f"{keyword} contains {facts.rough} of the motion, which has no derivative where"
                 " it bends or jumps",
                 statement.value.span,
-                "the force jumps there, or the rates: steps of `pkgen run` end at it, but in"
-                " families kept as loops",
+                f"the force jumps there, or the rates: steps of `pkgen run` end at it{families}",
             )
         if facts.state_rates:
             message = f"{keyword} cannot use the rate of the state '{min(facts.state_rates)}'"
