@@ -151,6 +151,8 @@ def test_tables_and_functions_hold_or_join(model: pkgen.Model) -> None:
             "whole",
         ),
         ({"hold": 0.1}, "a time between samples"),
+        ({"inputs": {"u": lambda t, q, v: 1}, "hold": "0.1 [s]"}, "hold='0.1 .s.': give a number"),
+        ({"inputs": {"u": lambda t, q, v: 1}, "linear": 1e-12}, "more than 10,000,000 samples"),
         ({"inputs": {"u": lambda t, q, v: 1}, "hold": 0.1, "linear": 0.2}, "one of them"),
         ({"inputs": {"u": lambda t, q, v: 1}, "hold": -1}, "a time between samples"),
         ({"inputs": {"push": lambda t, q, v: 1}}, "no such input; it has: u"),

@@ -91,6 +91,7 @@ ALLOWED: dict[str, tuple[Check, str]] = {
     "tableau": (_some(is_path), "a path, or a list of paths"),
     "composition": (_some(_is_value), "a text of weights, or a list of numbers"),
     **dict.fromkeys(NUMBERS, (_is_value, _VALUE)),
+    **dict.fromkeys(("hold", "linear"), (_is_number, "a number, in the model's unit of time")),
     **dict.fromkeys(("scene", "method", "at"), (_is_text, "a text")),
     **dict.fromkeys(("record", "diagnose"), (_some(_is_text), "a name, or a list of names")),
     **dict.fromkeys(("max_steps", "threads"), (_is_whole, "a whole number")),

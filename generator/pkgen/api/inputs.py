@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 Function = Callable[[float, Any, Any], float]
 Table = tuple[Any, ...]
 SMALL = 1e-12
+MOST = 10_000_000  # samples
 
 
 @record(eq=False)
@@ -73,11 +74,8 @@ class Computed:
         laws = [(index[name], self._law(name, settings.until)) for name in self.given]
         fixed = method is not None and method.fixed
         held = [law.stops for _, law in laws if law.held]
-        if (
-            fixed
-            and settings.step
-            and any(map(_parts, numpy.concatenate([*held, [0]]) / settings.step))
-        ):
+        step = settings.step if fixed else None
+        if step and any(_parts(t / step) for times in held for t in times):
             raise UsageError(f"step={settings.step!r}: inputs are held for a whole number of steps")
         stops = held if fixed else [law.stops for _, law in laws]
         times = numpy.unique(numpy.concatenate([*stops, [0.0]]))
@@ -112,6 +110,9 @@ class Computed:
 
         x = self.given[name]
         if callable(x):
+            every = self.hold or self.linear
+            if every and until / every > MOST:
+                raise UsageError(f"inputs[{name!r}]: more than {MOST:,} samples")
             if self.hold is not None:
                 return Law(x, numpy.arange(0.0, until, self.hold), held=True)
             if self.linear is None:

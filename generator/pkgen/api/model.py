@@ -221,7 +221,7 @@ class Model:
         has the rows up to the last valid time), and KeyboardInterrupt.
         """
         given = {k: x for k, x in locals().items() if k not in ("self", "hold", "linear")}
-        arguments.checked(inputs=inputs)
+        arguments.checked(inputs=inputs, hold=hold, linear=linear)
         functions = {k: x for k, x in (inputs or {}).items() if is_computed(x)}
         computed = Computed(functions, hold, linear) if functions or hold or linear else None
         if computed is not None and computed.needs_explicit and method is None:
