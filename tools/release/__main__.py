@@ -32,7 +32,7 @@ def tracked() -> list[str]:
     if done.returncode == 0 and done.stdout:
         return [name for name in done.stdout.rstrip("\0").split("\0") if (ROOT / name).exists()]
     files = (path for name in TAKEN for path in [ROOT / name, *(ROOT / name).rglob("*")])
-    names = (path.relative_to(ROOT).as_posix() for path in files if path.is_file())
+    names = (path.relative_to(ROOT).as_posix() for path in files if path.is_file() or path.is_symlink())
     return sorted(name for name in names if not re.search(r"__pycache__/|\.egg-info/", name))
 
 
@@ -48,8 +48,9 @@ def copy(folder: Path) -> None:
     for name in tracked():
         place = folder / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(ROOT / name, place)
-        place.chmod(0o644)
+        shutil.copyfile(ROOT / name, place, follow_symlinks=False)
+        if not place.is_symlink():
+            place.chmod(0o644)
 
 
 def tagged() -> str:
