@@ -25,7 +25,7 @@ def copied(folder: Path) -> Path:
     for name in names.splitlines():
         if name.startswith(("generator/", "runtime/", TOOL)) or "/" not in name:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(ROOT / name, folder / name)
+            shutil.copyfile(ROOT / name, folder / name, follow_symlinks=False)
             os.chmod(folder / name, 0o600)
     stale = folder / "generator/pkgen/__pycache__/stale.cpython-311.pyc"
     stale.parent.mkdir()
