@@ -26,7 +26,8 @@ def copied(folder: Path) -> Path:
         if name.startswith(("generator/", "runtime/", TOOL)) or "/" not in name:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(ROOT / name, folder / name, follow_symlinks=False)
-            os.chmod(folder / name, 0o600)
+            if not (folder / name).is_symlink():
+                os.chmod(folder / name, 0o600)
     stale = folder / "generator/pkgen/__pycache__/stale.cpython-311.pyc"
     stale.parent.mkdir()
     stale.write_bytes(b"")
