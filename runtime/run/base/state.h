@@ -127,6 +127,7 @@ struct crossed {
 
 struct pk_run {
     const struct pk_run_model *model;
+    const struct observer *observers[16]; /* NULL behind the last; see look/look.h */
     struct settings settings;
     struct memory memory;
     struct control control;

@@ -8,24 +8,20 @@ static const struct observer *const observers[] = {
     &trust_observer, &reduce_observer, &condition_observer,
 };
 
-/* NULL behind the last. */
-static const struct observer *observer(const struct pk_run *run, size_t i)
+#define EACH(call)                                     \
+    for (size_t i = 0; run->observers[i] != NULL; i++) \
+        if (run->observers[i]->call)                   \
+    run->observers[i]->call
+
+void observe_begin(struct pk_run *run)
 {
     enum { OWN = sizeof observers / sizeof *observers };
     const struct pk_run_diagnose *more = run->model->diagnose;
-    if (i < OWN)
-        return observers[i];
-    return more && i - OWN < sizeof more->observers / sizeof *more->observers
-               ? more->observers[i - OWN]
-               : NULL;
+    memcpy(run->observers, observers, sizeof observers);
+    if (more)
+        memcpy(run->observers + OWN, more->observers, sizeof more->observers);
+    EACH(begin)(run);
 }
-
-#define EACH(call)                                    \
-    for (size_t i = 0; observer(run, i) != NULL; i++) \
-        if (observer(run, i)->call)                   \
-    observer(run, i)->call
-
-void observe_begin(struct pk_run *run) { EACH(begin)(run); }
 
 void observe_step(struct pk_run *run, const struct moment *at) { EACH(step)(run, at); }
 
