@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -114,3 +115,12 @@ def test_python_3_10_compiles_and_runs(tmp_path: Path) -> None:
         done = subprocess.run(command, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
     assert out.read_text().count("\n") == 1002
+
+
+@pytest.mark.long  # mypy reads NumPy's types
+def test_types_are_seen_from_outside(tmp_path: Path) -> None:
+    pytest.importorskip("mypy")
+    text = 'import pkgen; reveal_type(pkgen.load("x.lag").run(1))'
+    command = [sys.executable, "-m", "mypy", "--cache-dir", tmp_path, "-c", text]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert 'Revealed type is "pkgen.api.result.Result"' in done.stdout
