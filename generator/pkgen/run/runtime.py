@@ -39,7 +39,7 @@ PARTS = {
 WHOLE = tuple(PARTS)
 ARCHIVES = {"run": "librun.a", "omp": "librun.a", "gsl": GSL, "src": "libpk.a"}  # by top folder
 # Loops over lanes and steps that are not inlined in the model, compiled by all flags. The rest
-# compiles in half the time at -O1, or -Og; a run takes 5 % longer, one of many events 10 %.
+# compiles in half the time at -O1, or -Og. A run takes 0 to 5 % longer, of many rows or events 10.
 QUICK = ("src/core", "src/explicit", "src/implicit", "src/integrate", "src/variational")
 HOT = (
     *("src/ensemble/*.c", "src/variational/*.c", "src/implicit/gauss_dense.c"),
