@@ -35,7 +35,9 @@ def test_no_model_can_have_a_symbol_of_the_driver(pkgen, tmp_path: Path) -> None
     (tmp_path / "switched.lag").write_text(SWITCHED)
     endings = set()
     for model, options in ((tmp_path / "switched", ()), *MODELS):
-        done = pkgen((ROOT / "models" / model).with_suffix(".lag"), *options, "-o", tmp_path)
+        done = pkgen(
+            (ROOT / "models" / model).with_suffix(".lag"), "--runtime", *options, "-o", tmp_path
+        )
         assert done.returncode == 0, done.stderr
         name = Path(model).name
         command = ["gcc", *SYSTEM, "-c", f"{name}.c"]
