@@ -74,8 +74,13 @@ def _named(one: Check) -> Check:
     return lambda x: isinstance(x, Mapping) and all(map(_is_text, x)) and all(map(one, x.values()))
 
 
+def is_computed(x: object) -> bool:
+    """Whether an input is a function or a table."""
+    return callable(x) or (isinstance(x, tuple) and len(x) in (2, 3))
+
+
 def _is_input(x: object) -> bool:
-    return _is_value(x) or callable(x) or (isinstance(x, tuple) and len(x) in (2, 3))
+    return _is_value(x) or is_computed(x)
 
 
 _VALUE = "a number in SI, or a text with a unit, as '2 [kg]'"

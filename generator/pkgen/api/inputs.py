@@ -36,10 +36,6 @@ class Law:
 EXPLICIT = {"ERK", "EMBEDDED", "RKMK"}  # families that keep their order where u depends on q, v
 
 
-def is_computed(x: object) -> bool:
-    return callable(x) or (isinstance(x, tuple) and len(x) in (2, 3))
-
-
 class Computed:
     """The inputs of `given` that are functions f(t, q, v), or tables (t, values) joined by straight
     lines, (t, values, "hold") by steps. `hold`: functions are called at its multiples, and held in
@@ -75,12 +71,12 @@ class Computed:
         fixed = method is not None and method.fixed
         held = [law.stops for _, law in laws if law.held]
         step = settings.step if fixed else None
-        if step and any(_parts(t / step) for times in held for t in times):
+        if step and any(_uneven(t / step) for times in held for t in times):
             raise UsageError(f"step={settings.step!r}: inputs are held for a whole number of steps")
         stops = held if fixed else [law.stops for _, law in laws]
         times = numpy.unique(numpy.concatenate([*stops, [0.0]]))
-        n = len([*named.coordinates(compilation).names()])
-        seen = numpy.zeros(n + len([*named.coordinates(compilation, rates=True).names()]))
+        n = named.coordinates(compilation).count
+        seen = numpy.zeros(n + named.coordinates(compilation, rates=True).count)
         q, v, values = seen[:n], seen[n:], numpy.zeros(len(index))
         for i, x in settings.inputs:
             values[i] = x
@@ -141,5 +137,5 @@ def _joined(t: numpy.ndarray, values: numpy.ndarray) -> Law:
     return Law(lambda at, _q, _v: numpy.interp(at, t, values), t)
 
 
-def _parts(x: float) -> bool:
+def _uneven(x: float) -> bool:
     return bool(abs(x - round(x)) > 1e-9 * abs(x))

@@ -24,9 +24,9 @@ class Integrator:
         import numpy
 
         compilation, self._run = prepared.compilation, run
-        n = len([*named.coordinates(compilation).names()])
-        m = len([*named.coordinates(compilation, rates=True).names()])
-        self.u: NDArray[Any] = numpy.zeros(len([*named.inputs(compilation).names()]))
+        n = named.coordinates(compilation).count
+        m = named.coordinates(compilation, rates=True).count
+        self.u: NDArray[Any] = numpy.zeros(named.inputs(compilation).count)
         for i, x in prepared.settings.inputs:
             self.u[i] = x
         self._state = numpy.zeros(1 + n + m)

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import html
 import math
 import os
-import subprocess
-import sys
 import warnings
-from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -24,7 +21,6 @@ from ..run.library import INTERRUPTED, USAGE, Run
 from ..run.library import load as load_library
 from ..run.settings import Settings
 from ..run.simulate import build, columns, followed
-from ..run.values import Values
 from ..scenes import asked as parsing
 from ..scenes import lengths
 from ..scenes import run as scene_run
@@ -33,8 +29,10 @@ from ..system.near import near
 from . import arguments
 from .arguments import DEFAULTS, Files, Names, Value, Weights, in_words
 from .errors import ArrayError, RunError, UsageError
-from .inputs import Computed, Function, Table, is_computed
+from .inputs import Computed, Function, Table
 from .integrator import Integrator
+from .page import Page, shown
+from .parameters import Parameters
 from .prepare import prepare
 from .result import Result
 
@@ -56,64 +54,6 @@ def load(
     be others than the file's; `allow_path` folders, besides its own, that it may name files of.
     Raises ModelError with the places of all that is wrong in it."""
     return Model(path, scene, {} if sizes is None else sizes, allow_path)
-
-
-class Parameters(MutableMapping[str, float]):
-    """Values of parameters in SI, by name (`m1`, `k[2]`). What is set may carry a unit: `"2 [kg]"`.
-    Raises KeyError for a name that the model has not, UsageError for a value that cannot be."""
-
-    def __init__(self, model: Model):
-        self._model = model
-        self._set: dict[str, float] = {}
-
-    def _known(self, name: str) -> tuple[int, Any]:
-        known = named.parameters(self._model.compilation)
-        if not isinstance(name, str) or name not in known:
-            raise KeyError(f"{name}: {near(str(name), [*known], 'parameter')}")
-        return known[name]
-
-    def __getitem__(self, name: str) -> float:
-        index, _ = self._known(name)
-        if name in self._set:
-            return self._set[name]
-        return float(self._model._handle.given()["parameters"][index])
-
-    def __setitem__(self, name: str, value: Value) -> None:
-        _, quantity = self._known(name)
-        arguments.checked(params={name: value})
-        values, said = Values(self._model.compilation), arguments.text(value)
-        with in_words():
-            self._set[name] = values.value("params", said, quantity.unit, name)
-        self._model._forget()
-
-    def __delitem__(self, name: str) -> None:
-        """Back to the model's own value."""
-        self._known(name)
-        self._set.pop(name, None)
-        self._model._forget()
-
-    def __iter__(self) -> Iterator[str]:
-        return named.parameters(self._model.compilation).names()
-
-    def __len__(self) -> int:
-        return sum(1 for _ in self)
-
-    def __repr__(self) -> str:
-        return repr(dict(self))
-
-
-class Page:
-    """A file that opens in a browser."""
-
-    def __init__(self, path: Path):
-        self.path = path
-
-    def __repr__(self) -> str:
-        return f"Page({str(self.path)!r})"
-
-    def _repr_html_(self) -> str:
-        text = html.escape(self.path.read_text(encoding="utf-8"))
-        return f'<iframe srcdoc="{text}" width="100%" height="640" style="border: 0"></iframe>'
 
 
 class Model:
@@ -222,7 +162,7 @@ class Model:
         """
         given = {k: x for k, x in locals().items() if k not in ("self", "hold", "linear")}
         arguments.checked(inputs=inputs, hold=hold, linear=linear)
-        functions = {k: x for k, x in (inputs or {}).items() if is_computed(x)}
+        functions = {k: x for k, x in (inputs or {}).items() if arguments.is_computed(x)}
         computed = Computed(functions, hold, linear) if functions or hold or linear else None
         if computed is not None and computed.needs_explicit and method is None:
             given["method"] = "dop853"
@@ -278,16 +218,7 @@ class Model:
     def show(self, path: str | os.PathLike[str] | None = None) -> Page:
         """Writes the model's live page, NAME.html or `path`: it moves there, with its parameters at
         hand (`pkgen show`). In a notebook the page is shown. Raises UsageError."""
-        target = Path(path or f"{self.name}.html")
-        command = [sys.executable, "-m", "pkgen", "show", os.fspath(self.path), "-o", str(target)]
-        command += ["--scene", self.scene] if self.scene else []
-        command += [f"--size={name}={length}" for name, length in self._sizes.items()]
-        command += [f"--set={name}={x!r}" for name, x in self.params._set.items()]
-        command += [f"--allow-path={folder}" for folder in self._allowed]
-        done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode:
-            raise UsageError(arguments.worded(done.stderr.strip()))
-        return Page(target)
+        return shown(self, Path(path or f"{self.name}.html"))
 
     def integrator(
         self,

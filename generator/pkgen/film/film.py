@@ -11,14 +11,10 @@ import numpy
 
 from ..compiler import Compilation
 from ..describe.made import Described
-from ..equations import Quantity
-from ..indices import hidden
 from ..record import record
 from ..run import named
-from ..run.settings import Shown
 from ..run.simulate import Outcome
-from ..system.exits import UsageError
-from ..system.near import near
+from ..run.values import Values
 from ..system.progress import Show
 from . import write
 from .graph import SCENE, graph
@@ -64,7 +60,7 @@ def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
     """Made at `path`, a file of a scratch folder. A motion without rows makes none."""
     compilation, settings = described.compilation, described.settings
     found = described.description
-    shown, quantity = _column(compilation, asked.beside)
+    shown = Values(compilation).shown(asked.beside, "--beside") if asked.beside else None
     motion = moved(
         compilation,
         described.library,
@@ -80,26 +76,14 @@ def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
     size = (round(SCENE * width), height) if shown else asked.size
     made, _ = tracks(found["drawing"], motion, size)  # type: ignore[arg-type]
     texts = []
-    if quantity is not None:
+    if shown is not None:
+        _, quantity = named.kinds(compilation)[shown.kind][shown.name]
         more, texts = graph(motion, quantity, asked.size)
         made += more
     times = motion.t[:: motion.fine]
     title = _title(str(found["model"]), str(found["scene"] or ""))
     _written(made, texts, times, title, compilation, asked, path, show)
     return Film(len(times), motion.outcome)
-
-
-def _column(compilation: Compilation, name: str) -> tuple[Shown | None, Quantity | None]:
-    """Raises UsageError."""
-    if not name:
-        return None, None
-    kinds = named.kinds(compilation)
-    for kind, columns in kinds.items():
-        if name in columns:
-            index, quantity = columns[name]
-            return Shown(kind, index, name), quantity
-    every = [c for columns in kinds.values() for c in columns.names() if not hidden(c)]
-    raise UsageError(f"--beside {name}: {near(name, every, 'column')}")
 
 
 def of_swarm(prepared: Prepared, asked: Asked, path: Path, show: Show) -> Film:

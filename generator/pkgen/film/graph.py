@@ -9,7 +9,7 @@ from ..plot.style import BLUE
 from .motion import Motion
 from .tracks import Track
 
-SCENE = 0.6  # of the width, left of the graph
+SCENE = 0.6  # the part of the width that the motion has
 PALE = "#CCCCCC"
 
 

@@ -22,7 +22,7 @@ from ..system.toolchain import NATIVE, RUNTIME, Toolchain, compile_c, find_gsl, 
 from .library import load
 from .runtime import SHARED, WHOLE, needed, part_of, runtime_library, runtime_links, runtime_name
 
-# What says which model is run, in which blocks and by what; no model can be called that.
+# This file names the model, its blocks and methods. No model can have its name.
 CHOICE_FILE = "which-model.c"
 CHOICE = """#include <pk/gsl.h>
 #include <pk/methods.h>
@@ -38,7 +38,7 @@ const struct pk_run_model {of} = {{&{name}_system, {given}, {count}, methods, {n
 EXPORTS_FILE = "exports"
 EXPORTS = "{{ global: pk_model; pk_run_*; pk_stability_*; {name}_*; local: *; }};\n"
 
-Blocks = Sequence[tuple[str, Sequence[int]]]  # of a model: the name of each, its coordinates
+Blocks = Sequence[tuple[str, Sequence[int]]]  # names and coordinates of a model's blocks
 
 
 def _choice(

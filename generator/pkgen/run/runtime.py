@@ -21,7 +21,7 @@ from ..system.progress import say
 from ..system.toolchain import NATIVE, RUNTIME, STANDARD, BuildError, Toolchain, compile_c, run
 
 SHARED = ("-fPIC", "-fno-semantic-interposition")
-HIDDEN = "-fvisibility=hidden"  # what no header declares
+HIDDEN = "-fvisibility=hidden"  # names that no header declares are not exported
 GSL = "libpk_gsl.a"
 LINK_WITH = "link"  # the file beside the libraries with what their users link with
 # The runtime's parts, each compiled when a model first needs it: its folders.
@@ -77,7 +77,7 @@ def runtime_library(tools: Toolchain, parts: Sequence[str] = WHOLE) -> Path:
 def runtime_name(tools: Toolchain) -> str:
     """A digest of the sources, the compiler and its flags."""
     digest = hashlib.sha256(repr((tools, STANDARD)).encode())
-    for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # what is linked, and how
+    for path in (Path(__file__), *sorted(RUNTIME.rglob("*.[ch]"))):  # the flags stand in this file
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:24]
 
@@ -149,7 +149,7 @@ def _threads(tools: Toolchain, directory: Path) -> list[str]:
 
 
 def runtime_links(tools: Toolchain, library: Path) -> list[str]:
-    """What librun.a is linked with: GSL's methods beside the core, which is without them."""
+    """Libraries to link after librun.a. The core needs no GSL."""
     gsl = [str(library / GSL)] if (library / GSL).exists() else []
     libraries = tools.gsl_libs if gsl or not tools.has_gsl else ()
     return [*gsl, str(library / "libpk.a"), *libraries, "-lm", *_link_with(library)]

@@ -34,8 +34,7 @@ static void compare(struct pk_run *run, struct expected *x, pk_real t, pk_real a
 static const pk_real *outputs(struct pk_run *run, const struct moment *at)
 {
     const struct settings *s = &run->settings;
-    if (s->asked.compute && !s->asked.only_stops)
-        compute_inputs(s, at->t, at->q, at->v, 0);
+    refresh_inputs(s, at->t, at->q, at->v);
     if (run->settings.system->n_observed)
         run->settings.system->observe(s->params, at->t, at->q, at->v, s->u, run->expected);
     return run->expected;

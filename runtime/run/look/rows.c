@@ -138,8 +138,7 @@ const struct pk_run_column *rows_fill(struct pk_run *run, const struct moment *a
     const struct pk_system *system = s->system;
     const struct pk_run_column *bad = NULL;
     pk_real *out = run->row + 2 * s->n;
-    if (s->asked.compute && !s->asked.only_stops)
-        compute_inputs(s, at->t, at->q, at->v, 0);
+    refresh_inputs(s, at->t, at->q, at->v);
     if (system->n_observed)
         system->observe(s->params, at->t, at->q, at->v, s->u, out);
     const int singular = system->n_observed && system->constraints.n &&

@@ -32,6 +32,12 @@ void compute_inputs(const struct settings *s, pk_real t, const pk_real *q, const
         s->u[i] = (pk_real)x->computed[i];
 }
 
+void refresh_inputs(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v)
+{
+    if (s->asked.compute && !s->asked.only_stops)
+        compute_inputs(s, t, q, v, 0);
+}
+
 static void computed_at(void *context, pk_real t, const pk_real *q, const pk_real *v, pk_real *u)
 {
     compute_inputs(context, t, q, v, 0);

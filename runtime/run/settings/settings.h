@@ -23,9 +23,11 @@ void settings_refused(struct pk_run *run, const void *params, int outside, const
 /* Of the model with these parameters, its inputs constant.
  */
 struct pk_problem run_problem(struct pk_run *run);
-/* Into settings->u what the caller computes at a state. */
+/* Into settings->u the inputs that the caller computes at a state; and where he does so at each
+ * evaluation. */
 void compute_inputs(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v,
                     int stop);
+void refresh_inputs(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v);
 /* The interval of rows where none was asked for, and at most all. */
 void settle_every(struct settings *s);
 /* How the options of `pkgen run`, and of a program that it builds, call settings. */
