@@ -60,7 +60,7 @@ test-python: $(TESTS)
 # SHARD=K/N: every Nth of them, from the Kth; the C tests in quad precision belong to the first shard.
 test-long: $(TESTS)
 	@$(if $(filter-out 1/%,$(SHARD)),:,$(MAKE) -s check-runtime-quad-inlined)
-	$(PYTHON) -m pytest -q -n 2 -m long $(if $(SHARD),--shard $(SHARD)) tests
+	$(PYTHON) -m pytest -q -n 2 --dist loadgroup -m long $(if $(SHARD),--shard $(SHARD)) tests
 
 # The generator's tests on Debian's own python3, half a minute.
 test-debian:

@@ -62,7 +62,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if shard := config.getoption("--shard"):
         first, count = map(int, shard.split("/"))
         slow = [item for item in items if item.get_closest_marker("long")]
-        kept = set(slow[first - 1 :: count])
+        whole = {item for item in slow if item.get_closest_marker("xdist_group")}
+        kept = whole if first == 1 else set()  # a group has one worker, in the first shard
+        kept |= set([item for item in slow if item not in whole][first - 1 :: count])
         config.hook.pytest_deselected(items=[item for item in items if item not in kept])
         items[:] = [item for item in items if item in kept]
 

@@ -177,6 +177,17 @@ def test_settings_and_bounds(rig) -> None:
     assert "not positive" in u.refused(u.fmu.enterInitializationMode, -1.0)
 
 
+def test_a_communication_step_has_an_end(rig) -> None:
+    """A step of 1 s takes 1e12 steps of the method: the unit stops on its way and says so."""
+    u = rig()
+    u.fmu.setInt64([u.by_name["integrator.method"]], [method(u.path, "rk4")])
+    u.set(**{"integrator.step": 1e-12})
+    u.start()
+    said = u.refused(u.fmu.doStep, 0.0, 1.0)
+    assert "10000000 steps did not reach t = 1" in said and "at t = 9.99" in said
+    assert 0.9e-5 < u.get("time")[0] < 1.1e-5
+
+
 def test_what_a_callback_may_do(rig) -> None:
     """The inputs it is asked for; nothing else of the unit changes within a step."""
     refused: list[str] = []

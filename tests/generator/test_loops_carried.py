@@ -37,7 +37,7 @@ start theta[i = 1..N] = 0.1*i
 """
 
 
-@pytest.mark.parametrize("seed", long_but({44}, range(60)))
+@pytest.mark.parametrize("seed", long_but({14}, range(20)))
 def test_chains_equal_the_unrolled_code(seed: int, tmp_path) -> None:
     text, dice = links(random.Random(seed)), random.Random(seed)
     loops = Looped(text, tmp_path / "loops")

@@ -17,7 +17,7 @@ from urllib.parse import unquote, urldefrag
 import pytest
 from conftest import ROOT
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.xdist_group("site")]  # the site is made once
 SITE = ROOT / "build" / "site"
 AXE = "axe-core@4.14.1"
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]

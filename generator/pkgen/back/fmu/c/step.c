@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { UNIT_MOST_STEPS = 10000000 }; /* of the method in one call, which takes seconds */
+
 static int cross(void *context, const struct pk_events *events)
 {
     const struct unit *unit = (const struct unit *)context;
@@ -119,7 +121,11 @@ enum unit_status unit_step(struct unit *unit, double t, double length, struct un
         status = make_ready(unit, length);
     if (status != UNIT_OK || length == 0)
         return status;
-    while (!pk_integrator_is_at(it, end)) {
+    for (long steps = 0; !pk_integrator_is_at(it, end); steps++) {
+        if (steps == UNIT_MOST_STEPS)
+            return unit_say(unit, UNIT_DISCARD, "logStatusDiscard",
+                            "%ld steps did not reach t = %g: the unit is at t = %.17g", steps, end,
+                            *unit->time);
         const enum pk_status found = pk_events_step(&unit->events, it, end);
         take(unit);
         made->t = it->t;
