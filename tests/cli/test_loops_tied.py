@@ -26,7 +26,7 @@ MADE = {"rope": rope, "bodies": bodies, "spins": lambda dice: made(dice, 3).text
 CASES = [
     pytest.param(name, seed, marks=[] if (name, seed) in SHORT else pytest.mark.long)
     for name in MADE
-    for seed in range(8)
+    for seed in range(5)
 ]
 
 

@@ -21,7 +21,7 @@ from conftest import ROOT
 
 pytestmark = pytest.mark.long
 
-KILLS = 200
+KILLS = 100
 SIGNALS = (signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGUSR1)
 LEFT = 75
 # A model, methods of one family, and seconds that some of them take.
@@ -106,7 +106,7 @@ def undisturbed(command: list[str], folder: Path) -> tuple[float, int, bytes]:
 
 
 @pytest.mark.parametrize("family", CASES)
-def test_two_hundred_kills(family: str, programs, page: list[str], tmp_path: Path) -> None:
+def test_a_hundred_kills(family: str, programs, page: list[str], tmp_path: Path) -> None:
     name, method, *words = CASES[family]
     dice = random.Random(family)
     with open(tmp_path / "table.csv", "w") as file:

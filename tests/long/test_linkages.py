@@ -188,7 +188,7 @@ def falls(path: Path, names: list[str], method: str, first: float) -> bool:
     return False
 
 
-@pytest.mark.parametrize("seed", [pytest.param(k, marks=pytest.mark.long) for k in range(24)])
+@pytest.mark.parametrize("seed", [pytest.param(k, marks=pytest.mark.long) for k in range(16)])
 def test_no_linkage_is_silent(seed: int, tmp_path: Path) -> None:
     text, names = model(seed)
     path = tmp_path / "linkage.lag"

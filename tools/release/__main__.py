@@ -32,7 +32,9 @@ def tracked() -> list[str]:
     if done.returncode == 0 and done.stdout:
         return [name for name in done.stdout.rstrip("\0").split("\0") if (ROOT / name).exists()]
     files = (path for name in TAKEN for path in [ROOT / name, *(ROOT / name).rglob("*")])
-    names = (path.relative_to(ROOT).as_posix() for path in files if path.is_file() or path.is_symlink())
+    names = (
+        path.relative_to(ROOT).as_posix() for path in files if path.is_file() or path.is_symlink()
+    )
     return sorted(name for name in names if not re.search(r"__pycache__/|\.egg-info/", name))
 
 
