@@ -4,8 +4,8 @@
     python tools/long_tests.py times.xml
 
 A test function has 1.2 s in `make test`: its quickest cases, one of them at least unless that takes
-more than 3 s, or 9 s where there are others. Lines of today's table stay, since their cases were not measured; delete the file
-and leave out `-m 'not long'` to begin anew.
+more than 3 s, or 9 s where there are others. Lines of today's table stay, since their cases were
+not measured; delete the file and leave out `-m 'not long'` to begin anew.
 """
 
 from __future__ import annotations
