@@ -8,6 +8,7 @@ import math
 from dataclasses import asdict, dataclass
 
 import numpy
+
 from pkgen.analysis.chart.reference import precise_tools
 from pkgen.analysis.choose.trials import LAND, Rows, Trials
 from pkgen.compiler import Compilation

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from pkgen.back.bound.names import tables
+from pkgen_hosts.bound.names import tables
 
 from .builds import OUTPUT
 
@@ -111,6 +111,7 @@ def _exchanged(case: Case) -> float:
     """Accelerations at states beside the start, against the kernels', of their size."""
     import fmpy
     import numpy as np
+
     import pkgen
 
     found = pkgen.load(case.model)

@@ -25,6 +25,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy
+
 from pkgen.__main__ import main as command
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.choose.search import TIGHTEST

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy
+
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart.reference import precise_tools
 from pkgen.analysis.choose.trials import DENSE, LAND, Rows, Trial, Trials

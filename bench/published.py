@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import mpmath
+
 from pkgen import __main__ as command
 from pkgen.analysis.choose.trials import Trials
 from pkgen.compiler import compile_model

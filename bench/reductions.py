@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from pkgen import __main__ as command
 from pkgen.analysis.choose.trials import DENSE, LAND, Trials
 from pkgen.compiler import Compilation, compile_model

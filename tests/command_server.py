@@ -22,8 +22,9 @@ from contextlib import suppress
 
 import matplotlib.backends.backend_svg
 import matplotlib.pyplot  # noqa: F401
-import pkgen
 import sympy.combinatorics  # noqa: F401
+
+import pkgen
 from pkgen.__main__ import main
 from pkgen.compiler import compile_model
 from pkgen.source import Source

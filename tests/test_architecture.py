@@ -13,6 +13,7 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 from pkgen.back import runtime
 from pkgen.run import runtime as runtime_parts

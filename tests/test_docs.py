@@ -11,11 +11,12 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-import pkgen
 import pytest
+
+import pkgen
 from conftest import ROOT, run_pkgen
 from pkgen import limits
-from pkgen.back.web.build import missing
+from pkgen.back.wasm.build import missing
 from pkgen.cli.commands import overview
 from pkgen.front.check import check
 from pkgen.middle.derive import derive

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from pkgen.analysis.chart import chart as charts
 
 from bench import answers
+from pkgen.analysis.chart import chart as charts
 
 
 @pytest.mark.long

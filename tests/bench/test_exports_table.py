@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from conftest import ROOT
 
 from bench import exports, machine
+from conftest import ROOT
 
 
 @pytest.fixture

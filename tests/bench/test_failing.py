@@ -7,10 +7,10 @@ import subprocess
 import sys
 
 import pytest
-from conftest import ROOT
 
 from bench import __main__ as bench
 from bench import accuracy, builds, derivation, measure
+from conftest import ROOT
 
 PARTS = ("_kernels", "_methods", "_ensembles", "_chains", "_long_run", "_derivation")
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from conftest import long_but
-from pkgen.analysis.choose import race
 
 from bench import kept
 from bench.kept_cases import asking, cases
+from conftest import long_but
+from pkgen.analysis.choose import race
 
 EVERY = {case.name: case for case in cases(quick=False)}
 QUICK = (

@@ -11,9 +11,9 @@ import subprocess
 import sys
 
 import pytest
-from conftest import ROOT
 
 from bench import environment
+from conftest import ROOT
 
 MODEL = "double_pendulum"
 PARTS = ("Kernels", "Double pendulum", "Ensembles", "Chains", "Long run", "Derivation")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from conftest import long_but
 
 from bench.scale_farm import Farm, simulated
+from conftest import long_but
 
 
 @pytest.mark.parametrize("seed", long_but({0}, range(5)))

@@ -7,6 +7,7 @@ import json
 import math
 
 import pytest
+
 from conftest import table, written
 
 PENDULUM = """\

@@ -8,6 +8,7 @@ import math
 from pathlib import Path
 
 import pytest
+
 from conftest import run_pkgen
 
 # The scenes share their C: it is the model's, and of what they record.

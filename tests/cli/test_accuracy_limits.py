@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import pytest
-from conftest import run_pkgen
 from test_accuracy import run
+
+from conftest import run_pkgen
 
 LINEAR = """model damped
 coord q

@@ -7,8 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import long_but
 from test_loops_features import both, rows
+
+from conftest import long_but
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "generator"))
 from carried_models import links

@@ -15,6 +15,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+
 from conftest import run_pkgen
 from pkgen.analysis.chart import (
     chart,

@@ -21,6 +21,7 @@ from pathlib import Path
 
 import numpy
 import pytest
+
 from pkgen.__main__ import main, parser_of
 from pkgen.analysis.chart import against, peers
 from pkgen.analysis.chart.measure import Program

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import pytest
+
 from pkgen.analysis.chart import answer, search
 from pkgen.analysis.chart.points import ChartedMethod, Point, Track
 from pkgen.analysis.chart.sweep import Effort

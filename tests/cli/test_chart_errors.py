@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from conftest import long_but
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart.errors import KINDS, ErrorKind, Measure

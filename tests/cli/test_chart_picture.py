@@ -6,6 +6,7 @@ import math
 from itertools import combinations
 
 import pytest
+
 from pkgen.analysis.chart import chart, draw, picture, reference, spectrum
 from pkgen.analysis.chart.answer import Answer
 from pkgen.analysis.chart.errors import KINDS

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from checkpoint_runs import BLOCKS
+
 from pkgen.analysis import choose
 from pkgen.api.chosen import data, settled
 from pkgen.cli import checkpoints

@@ -17,6 +17,7 @@ from pathlib import Path
 import checkpoint_runs as runs
 import numpy
 import pytest
+
 from conftest import long_but
 
 GSLS_OWN = ("gsl_msadams", "gsl_msbdf", "gsl_bsimp")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import checkpoint_runs as runs
 import pytest
+
 from conftest import ROOT
 from pkgen.run.library import load
 

@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, long_but, run_pkgen
 from pkgen.cli.commands import COMMANDS, OVERVIEW_WIDTH, overview, parser_of
 from pkgen.cli.compile import _depends

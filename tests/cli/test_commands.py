@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy
 import pytest
+
 from conftest import MODELS, ROOT
 
 DOUBLE = ROOT / "models/double_pendulum.lag"

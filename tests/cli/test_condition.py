@@ -5,10 +5,11 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-import pkgen as api
 import pytest
-from conftest import ROOT
 from stability_asker import asker
+
+import pkgen as api
+from conftest import ROOT
 
 EPSILON = 2.0**-52
 DOUBLE = ROOT / "models/double_pendulum.lag"

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 from pkgen.back.facts import facts, found_by_symmetry, invariants
 from pkgen.compiler import compile_model

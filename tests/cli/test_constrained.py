@@ -7,6 +7,7 @@ import math
 import re
 
 import pytest
+
 from conftest import ROOT, rows, written
 
 ROD = """\

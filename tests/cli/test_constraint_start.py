@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
+
 from conftest import written
 
 UNITS = "kinetic (1 [kg])/2*x'^2 + (1 [kg*m^2])/2*(a'^2 + b'^2)\n"

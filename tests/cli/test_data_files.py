@@ -6,6 +6,7 @@ import random
 from pathlib import Path
 
 import pytest
+
 from conftest import long_but
 from pkgen.__main__ import main
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from conftest import ROOT, run_pkgen
 from pkgen.api.model import DEFAULTS
 from pkgen.compiler import compile_model

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 from pkgen.run import build
 from pkgen.system import toolchain

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy
 import pytest
+
 from pkgen.__main__ import main
 
 ORBIT = """model orbit

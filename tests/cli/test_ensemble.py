@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 
 DOUBLE = ROOT / "models/double_pendulum.lag"

@@ -9,6 +9,7 @@ import random
 from pathlib import Path
 
 import pytest
+
 from pkgen.__main__ import parser_of
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability.ask import Asker, Rest

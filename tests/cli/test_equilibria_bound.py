@@ -9,6 +9,8 @@ import random
 from dataclasses import replace
 
 import pytest
+from stability_asker import asker
+
 from conftest import long_but
 from pkgen.__main__ import main
 from pkgen.analysis.chart.chart import methods
@@ -16,7 +18,6 @@ from pkgen.analysis.stability import measure
 from pkgen.analysis.stability.ask import Asker, Rest
 from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import limit
-from stability_asker import asker
 
 ANGLE = """model angle
 param l = {l}

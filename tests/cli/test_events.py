@@ -9,6 +9,7 @@ import math
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 
 STONE = ROOT / "models/particles/thrown_stone.lag"

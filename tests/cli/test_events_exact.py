@@ -7,8 +7,9 @@ import math
 import random
 from functools import cache
 
-import pkgen
 import pytest
+
+import pkgen
 from conftest import ROOT, long_but
 
 EPS = 2.0**-52

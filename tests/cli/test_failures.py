@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from conftest import MODELS, ROOT
 from pkgen import limits
 from pkgen.compiler import compile_model

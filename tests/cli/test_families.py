@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 from pkgen.scenes import lengths
 

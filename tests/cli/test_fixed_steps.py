@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+
 from conftest import ROOT, rows, written
 
 DRIVEN = "model driven\ncoord x\nkinetic x'^2/2\npotential x^4/4\nforce x = sin(3*t)\nstart x = 1\n"

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from conftest import long_but
 from pkgen.compiler import check_model
 from pkgen.front.check.names import callable_names

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
+
 from conftest import ROOT, long_but, written
 
 GIMBALS = ROOT / "models" / "constrained" / "gimbals.lag"

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable, Iterator
 
 import pytest
+
 from conftest import long_but
 from pkgen.__main__ import main
 from pkgen.analysis.chart import long

@@ -6,6 +6,7 @@ import math
 import random
 
 import pytest
+
 from pkgen.front.check.check import check_text
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol

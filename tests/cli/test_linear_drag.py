@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from conftest import run_pkgen
 
 FREE = "kinetic x'^2/2 + y'^2 + x'*y'/3\npotential x^2 + x^4/4 + cos(x - y)\n"

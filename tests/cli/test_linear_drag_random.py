@@ -6,10 +6,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pkgen as api
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
+
+import pkgen as api
 
 UNTIL = 1.5
 CONSTANT = {"verlet": 2, "mclachlan4": 4, "blanes_moan4": 4, "kahan_li6": 6, "blanes_moan6": 6}

@@ -7,10 +7,11 @@ import warnings
 from pathlib import Path
 
 import numpy
-import pkgen
 import pytest
-from conftest import ROOT, long_but, rows, written
 from linkages import Linkage, linkage
+
+import pkgen
+from conftest import ROOT, long_but, rows, written
 
 ADAPTIVE = ("gauss", "dop853", "dopri5", "radau", "gsl_rk8pd", "gsl_msadams")
 FIXED = ("rk4", "gauss2", "lobatto3", "radau5", "rattle", "rkmk4")

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from conftest import long_but
 from pkgen.__main__ import main
 from pkgen.compiler import compile_model

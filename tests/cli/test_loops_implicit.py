@@ -12,8 +12,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import long_but
 from test_loops_features import both, chain, rows  # noqa: F401 (a fixture)
+
+from conftest import long_but
 
 METHODS = {
     "radau": ("--rtol", "1e-10"),

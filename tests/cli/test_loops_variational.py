@@ -7,10 +7,11 @@ import random
 from pathlib import Path
 
 import pytest
-from conftest import rows
 from loop_runs import bodies, rope
 from rotation_models import made
 from test_loops_features import both  # noqa: F401 (a fixture)
+
+from conftest import rows
 
 MADE = {
     "rope": (rope, (0, 1, 2, 3, 4, 6, 9, 10)),

@@ -7,8 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import pkgen
 import pytest
+
+import pkgen
 
 PENDULUM = """model twice
 param m2 = 1 in (0, inf)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy
 import pytest
+
 from pkgen.compiler import Compilation, compile_model
 from pkgen.run import members_file, plain_csv
 from pkgen.source import Source

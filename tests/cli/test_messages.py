@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 from pkgen.__main__ import main
 from pkgen.analysis.chart import text

@@ -17,6 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, long_but, written
 from pkgen import __main__ as command
 from pkgen.back.kernels import KERNELS

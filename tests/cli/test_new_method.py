@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 
 # A. Ralston, Math. Comp. 16 (1962) 431: order 3 of least error.

@@ -9,8 +9,9 @@ import random
 from fractions import Fraction
 from pathlib import Path
 
-import pkgen as api
 import pytest
+
+import pkgen as api
 from conftest import ROOT, run_pkgen
 from pkgen.front.read import from_text
 from pkgen.own.made import of_text, of_weights

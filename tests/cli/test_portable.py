@@ -9,6 +9,7 @@ import platform
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, run_pkgen
 from pkgen.compiler import compile_model
 from pkgen.front.read import read

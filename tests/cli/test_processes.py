@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, skip_if_ignored
 from pkgen.system import files
 

@@ -10,8 +10,9 @@ import signal
 import threading
 
 import numpy as np
-import pkgen as api
 import pytest
+
+import pkgen as api
 from conftest import ROOT
 
 DOUBLE = ROOT / "models/double_pendulum.lag"

@@ -8,8 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import pkgen as api
 import pytest
+
+import pkgen as api
 from conftest import ROOT
 
 DOUBLE = ROOT / "models/double_pendulum.lag"

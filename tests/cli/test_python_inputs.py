@@ -7,8 +7,9 @@ import math
 import random
 
 import numpy
-import pkgen
 import pytest
+
+import pkgen
 
 MODEL = """model driven
 param k = 4 in (0, inf)

@@ -7,8 +7,9 @@ import multiprocessing
 import pickle
 
 import numpy as np
-import pkgen as api
 import pytest
+
+import pkgen as api
 from conftest import ROOT
 
 DOUBLE = ROOT / "models/double_pendulum.lag"

@@ -7,6 +7,7 @@ import math
 import re
 
 import pytest
+
 from conftest import table, written
 from pkgen import __main__ as command
 from pkgen.compiler import compile_model

@@ -8,10 +8,11 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-import pkgen as api
 import pytest
-from conftest import long_but, run_pkgen
 from scipy.integrate import solve_ivp
+
+import pkgen as api
+from conftest import long_but, run_pkgen
 
 UNTIL = 1.0
 

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy
 import pytest
+
 from conftest import ROOT, skip_if_ignored
 from pkgen.system import files
 from pkgen.system.exits import UsageError

@@ -4,8 +4,9 @@ out, by residuals, and where they are refused or end."""
 from __future__ import annotations
 
 import pytest
-from conftest import long_but
 from test_loops_features import both  # noqa: F401  a fixture
+
+from conftest import long_but
 
 ROPE = """\
 model rope

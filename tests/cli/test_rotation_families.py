@@ -8,12 +8,13 @@ import random
 from pathlib import Path
 
 import pytest
+from rotation_models import made
+
 from conftest import long_but
 from pkgen.__main__ import main
 from pkgen.compiler import compile_model
 from pkgen.scenes import lengths
 from pkgen.source import Source
-from rotation_models import made
 
 
 def numbers(pkgen, model: Path, *options: object) -> list[list[float]]:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 from pkgen.methods import METHODS, called
 from pkgen.run import build, runtime

@@ -7,6 +7,7 @@ import math
 import random
 
 import pytest
+
 from conftest import long_but, rows, written
 
 METHODS = ["gauss", "dop853", "dopri5", "radau", "gsl_rk8pd"]

@@ -11,6 +11,7 @@ import re
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, written
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))

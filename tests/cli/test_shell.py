@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, run_pkgen
 from pkgen.cli.commands import COMMANDS, parser_of
 

@@ -9,8 +9,9 @@ import math
 import random
 
 import pytest
-from conftest import long_but
 from mpmath import exp, log, mpf, quad, sqrt
+
+from conftest import long_but
 
 WIDTHS = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
 T0, X0 = 5.3, 3.3

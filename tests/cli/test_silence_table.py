@@ -18,9 +18,10 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from silence_cases import CASES, IN_C, Case
+
 from conftest import ROOT
 from pkgen.__main__ import main
-from silence_cases import CASES, IN_C, Case
 
 PAGE = ROOT / "docs/never-silent.md"
 UPDATE = bool(os.environ.get("PKGEN_UPDATE"))

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 from pkgen.__main__ import main
 from pkgen.analysis.stability import measure

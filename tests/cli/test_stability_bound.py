@@ -9,9 +9,10 @@ import random
 from collections.abc import Callable
 
 import pytest
+from stability_asker import asker
+
 from conftest import ROOT, long_but
 from pkgen.__main__ import main
-from stability_asker import asker
 
 
 def first(off: Callable[[float], float]) -> float:

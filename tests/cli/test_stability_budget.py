@@ -7,6 +7,7 @@ import random
 import time
 
 import pytest
+
 from conftest import ROOT
 from pkgen.__main__ import main
 from pkgen.analysis.stability import budget

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import numpy
 import pytest
+from stability_asker import PENDULUM, asker, start
+
 from pkgen.__main__ import main
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import map as maps
@@ -22,7 +24,6 @@ from pkgen.analysis.stability.predict import predictions
 from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
 from pkgen.middle.analyze import affine
-from stability_asker import PENDULUM, asker, start
 
 PAIR = """model pair
 coord x, y

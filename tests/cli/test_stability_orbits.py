@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy
 import pytest
+from stability_asker import PENDULUM, asker, start
+
 from pkgen.__main__ import main
 from pkgen.analysis.stability import cycles, ghosts, orbits
 from pkgen.analysis.stability.orbits import closed
 from pkgen.compiler import compile_model
 from pkgen.front.read import from_text
-from stability_asker import PENDULUM, asker, start
 
 LOGISTIC = """model logistic
 param d = {size}

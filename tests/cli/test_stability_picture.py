@@ -11,10 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT
 from matplotlib import pyplot
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
+
+from conftest import ROOT
 from pkgen.__main__ import main
 from pkgen.analysis.stability import classes, draw, overlay
 from pkgen.analysis.stability import map as maps

@@ -6,8 +6,9 @@ import math
 from dataclasses import replace
 
 import pytest
-from pkgen.analysis.stability.ask import Asker
 from stability_asker import PENDULUM, asker, start
+
+from pkgen.analysis.stability.ask import Asker
 
 
 @pytest.fixture(scope="module")

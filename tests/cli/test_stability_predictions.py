@@ -6,13 +6,14 @@ import math
 from dataclasses import replace
 
 import pytest
+from stability_asker import PENDULUM, asker, start
+
 from conftest import ROOT
 from pkgen.analysis.chart.chart import methods
 from pkgen.analysis.stability import measure, misses, plan
 from pkgen.analysis.stability.ask import Asker, Close
 from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import Prediction, limit, predictions
-from stability_asker import PENDULUM, asker, start
 
 MAGNETIC = """model magnetic
 param w = 1.3

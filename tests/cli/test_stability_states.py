@@ -8,6 +8,7 @@ import random
 from pathlib import Path
 
 import pytest
+
 from pkgen.__main__ import main
 
 # The limit of u' = lambda u on the negative real axis: 1 + z + z^2/2 + z^3/6 + z^4/24 = 1.

@@ -7,8 +7,9 @@ import random
 from dataclasses import replace
 
 import pytest
-from pkgen.analysis.stability.ask import Asker, Point
 from stability_asker import asker
+
+from pkgen.analysis.stability.ask import Asker, Point
 
 # Off its resonance: the swing of a motion that stretches stays as small as it was.
 ELASTIC = (

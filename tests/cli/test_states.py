@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
+
 from conftest import table, written
 
 # Of an orbit from its pericentre: the action of a revolution is that of T - V, whose means are a

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
+
 from conftest import table, written
 
 pytestmark = pytest.mark.long

@@ -8,6 +8,7 @@ import math
 from pathlib import Path
 
 import pytest
+
 from pkgen.front.check.check import check_text
 from pkgen.front.check.scene_numbers import Values
 from pkgen.run.ensemble import Column

@@ -8,10 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from test_loops_features import both
+
 from conftest import long_but
 from pkgen.compiler import compile_model
 from pkgen.source import Source
-from test_loops_features import both
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "generator"))
 from carried_models import held, links, turned

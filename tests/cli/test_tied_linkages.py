@@ -7,6 +7,7 @@ import random
 import re
 
 import pytest
+
 from conftest import long_but, rows, written
 
 ADAPTIVE = ["gauss", "dop853", "dopri5", "radau"]

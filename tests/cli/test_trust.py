@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from pkgen.__main__ import main
 
 FALL = """model fall

@@ -9,6 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+
 from conftest import STRICT
 
 # A free particle, in coordinates of a frame that is tilted and then turns: it moves straight on in

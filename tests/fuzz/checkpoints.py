@@ -75,6 +75,7 @@ def hunted(seconds: float, seed: int, file: Path) -> None:
     import signal
 
     import checkpoint_runs as runs
+
     from pkgen.run.library import load
 
     dice = random.Random(seed)

@@ -30,11 +30,12 @@ sys.path[:0] = [str(ROOT / x) for x in ("generator", "tests", "tests/generator")
 from carried_models import held, links, turned  # noqa: E402
 from chain_models import drawn  # noqa: E402
 from loop_runs import rope  # noqa: E402
+from rotation_models import made  # noqa: E402
+
 from pkgen.__main__ import main as command  # noqa: E402
 from pkgen.compiler import compile_model  # noqa: E402
 from pkgen.scenes import lengths  # noqa: E402
 from pkgen.source import ModelError, Source  # noqa: E402
-from rotation_models import made  # noqa: E402
 
 SECONDS = 150
 STEPS = ("--step", "0.02")

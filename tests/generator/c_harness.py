@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+
 from conftest import STRICT
 from pkgen.back.c import lower, render
 from pkgen.back.c.program import Program

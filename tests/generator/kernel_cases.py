@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from building import links, model
-from pkgen.model import Model
 from sympy_lagrangians import (
     bead,
     cart,
@@ -25,6 +24,8 @@ from sympy_lagrangians import (
     shaken,
     top,
 )
+
+from pkgen.model import Model
 
 
 @dataclass(frozen=True)

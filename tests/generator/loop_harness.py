@@ -6,6 +6,7 @@ import ctypes
 from pathlib import Path
 
 from c_harness import STRICT, Loaded, run
+
 from pkgen.back.c import lower
 from pkgen.back.c.loops_lower import lower_loops
 from pkgen.back.c.render import render_loops

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import pytest
+from test_accuracy_search import ADAPTIVE, method, trial
+
 from pkgen.analysis.chart.measure import Program
 from pkgen.analysis.choose import lines, parts, record, reference, search
 from pkgen.analysis.choose.candidates import Candidate
@@ -20,7 +22,6 @@ from pkgen.compiler import compile_model
 from pkgen.run.build import build_library
 from pkgen.run.settings import NOTHING, Settings, Shown
 from pkgen.source import Source
-from test_accuracy_search import ADAPTIVE, method, trial
 
 GAUSS = Candidate(method("gauss", 16, "adaptive"), "land", "")
 MADE = (trial(GAUSS, 1e-15, 1e-12, 1.0), 500.0, 0.0, 1e-12, 0.0)  # until half of 1000

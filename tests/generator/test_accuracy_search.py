@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 
 import pytest
+
 from pkgen.analysis.chart.points import ChartedMethod
 from pkgen.analysis.choose import reference, search
 from pkgen.analysis.choose.candidates import TABLE, Candidate, candidates

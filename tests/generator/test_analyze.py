@@ -7,6 +7,7 @@ from itertools import islice
 
 import pytest
 from building import links, model
+
 from pkgen.back.c.render import FACTS
 from pkgen.compiler import stages
 from pkgen.graph.graph import Kind, Symbol

@@ -13,6 +13,7 @@ import numpy
 import pytest
 import sympy as sp
 from c_harness import COMPILERS, Loaded
+
 from pkgen.back.c.lower import lower
 from pkgen.compiler import Use, compile_model
 from pkgen.middle.analyze.analyze import analyze

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import pytest
 from building import links
+
 from pkgen.functions import FUNCTIONS
 from pkgen.graph.balls import Ball, Balls
 from pkgen.graph.differentiate import reachable

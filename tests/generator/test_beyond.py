@@ -7,6 +7,7 @@ import re
 from fractions import Fraction
 
 import pytest
+
 from pkgen.compiler import check_model, compile_model
 from pkgen.front.read import from_text
 from pkgen.source import ModelError

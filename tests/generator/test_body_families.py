@@ -6,6 +6,7 @@ import random
 import re
 
 import pytest
+
 from conftest import long_but
 from pkgen.front.check.body_families import TOO_MANY
 from pkgen.front.check.check import check_text

@@ -8,6 +8,8 @@ import re
 
 import numpy as np
 import pytest
+from trees_of_bodies import FREEDOMS, KINDS, Motion, random_tree, written
+
 from conftest import long_but
 from pkgen.compiler import compile_model
 from pkgen.front.check.check import check_text
@@ -15,7 +17,6 @@ from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
 from pkgen.middle.derive.derive import derive
 from pkgen.source import ModelError, Source
-from trees_of_bodies import FREEDOMS, KINDS, Motion, random_tree, written
 
 
 def model_of(text: str):

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from pkgen.system import cache, files
 from pkgen.system.exits import BuildError
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import MASS, ODD, Loaded, failed
+
 from conftest import MODELS
 from pkgen.back.c import lower
 from pkgen.front.check import check

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from c_harness import CONSTRAINT, MASS, failed
 from carried_models import tied_links
-from conftest import long_but
 from loop_harness import Looped, Unrolled
+
+from conftest import long_but
 from pkgen.source import ModelError
 
 KERNELS = {"force": 1, "momenta": 1, "gradient": 1, "canonical": 2}

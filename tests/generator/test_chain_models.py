@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, long_but
 
 sys.path.insert(0, str(ROOT / "tests" / "fuzz"))

@@ -7,6 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+
 from pkgen.front.check.check import check_text
 from pkgen.front.read import from_text
 from pkgen.source import ModelError

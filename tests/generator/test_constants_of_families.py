@@ -6,6 +6,7 @@ import random
 from itertools import islice
 
 import pytest
+
 from pkgen.back.facts import found
 from pkgen.compiler import stages
 from pkgen.graph.evaluate import evaluate

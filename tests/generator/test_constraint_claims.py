@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pytest
+from test_constraints import facts
+
 from pkgen.compiler import compile_model
 from pkgen.source import ModelError, Source
-from test_constraints import facts
 
 SPHERE = """\
 model sphere

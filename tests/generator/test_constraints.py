@@ -7,9 +7,10 @@ import math
 import random
 
 import numpy
-import pkgen
 import pytest
 from c_harness import COMPILERS, Loaded
+
+import pkgen
 from pkgen.compiler import compile_model
 from pkgen.explain.flat import freedom
 from pkgen.graph.evaluate import evaluate

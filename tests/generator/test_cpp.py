@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, long_but
 from pkgen.compiler import compile_model
 from pkgen.front.read import read

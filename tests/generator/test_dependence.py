@@ -8,6 +8,7 @@ import random
 import re
 
 import pytest
+
 from pkgen.equations import Attitude
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Graph, Kind, Node, Op, Symbol

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from building import expression, links, model
+
 from pkgen.front.check.check import check_text
 from pkgen.graph.count import operations
 from pkgen.graph.evaluate import evaluate

@@ -6,6 +6,7 @@ import time
 
 import pytest
 from building import HERE, links, model
+
 from pkgen import limits
 from pkgen.middle.derive.derive import derive
 from pkgen.source import ModelError

@@ -7,6 +7,7 @@ import random
 from itertools import pairwise
 
 import pytest
+
 from pkgen.functions import FUNCTIONS
 from pkgen.graph.differentiate import Columns, Forward, gradient
 from pkgen.graph.evaluate import evaluate

@@ -9,11 +9,12 @@ from pathlib import Path
 
 import pytest
 from c_harness import BUILDS, RUNTIME, TYPES, Loaded, no_warnings, run
-from pkgen.compiler import Compilation, compile_model
-from pkgen.source import Source
 from test_attitudes import HUNG
 from test_constraint_claims import BALL
 from test_constraints import BODY, OUTPUTS, ROWS
+
+from pkgen.compiler import Compilation, compile_model
+from pkgen.source import Source
 
 # Coordinates and constraints that are called what kernels call their arguments.
 NAMED = """\

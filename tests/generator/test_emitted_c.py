@@ -21,8 +21,9 @@ from c_harness import (
     write,
 )
 from hand_made import structure
-from pkgen.back.c.lower import lower
 from test_render import nasty_model
+
+from pkgen.back.c.lower import lower
 
 ALONE = [*RUNTIME, "-Wl,--defsym,pk_scalar_is_double=0"]  # links without the runtime
 

@@ -23,6 +23,7 @@ from c_harness import (
     write,
 )
 from hand_made import World, make, pendulum_chain, structure
+
 from pkgen.back.c.lower import lower
 from pkgen.back.kernels import KERNELS
 from pkgen.back.targets import CHECK, FILL, RETURN

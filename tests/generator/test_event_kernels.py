@@ -8,6 +8,7 @@ import mpmath
 import pytest
 import sympy as sp
 from c_harness import ROOT, Loaded, read_text
+
 from pkgen.compiler import check_model, compile_model
 from pkgen.explain import explain
 from pkgen.front.check import check

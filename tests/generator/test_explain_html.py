@@ -9,6 +9,8 @@ from xml.etree import ElementTree
 
 import pytest
 import sympy
+from sympy.simplify.fu import TR10i
+
 from conftest import ROOT, long_but
 from pkgen.compiler import compile_model
 from pkgen.explain import mathml
@@ -20,7 +22,6 @@ from pkgen.explain.typeset import Typesetter
 from pkgen.explain.written import Written
 from pkgen.middle.analyze.sympy_bridge import plain, text
 from pkgen.source import Source
-from sympy.simplify.fu import TR10i
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 HELIX = """\

@@ -9,6 +9,7 @@ import re
 import pytest
 import sympy as sp
 from loop_models import MODELS
+
 from pkgen.compiler import compile_model
 from pkgen.explain.explain import explain, record
 from pkgen.front.check import check

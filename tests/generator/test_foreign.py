@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+
 from pkgen.compiler import check_model
 from pkgen.front.read import from_text
 from pkgen.source import ModelError

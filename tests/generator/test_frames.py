@@ -8,6 +8,7 @@ import random
 
 import numpy as np
 import pytest
+
 from conftest import long_but
 from pkgen.compiler import compile_model
 from pkgen.front.check.check import check_text

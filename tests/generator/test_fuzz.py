@@ -8,6 +8,7 @@ import sys
 import time
 
 import pytest
+
 from conftest import ROOT, long_but
 from pkgen.front.check.check import check_text
 from pkgen.front.read import from_text

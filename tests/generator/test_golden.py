@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import ROOT
+
 from pkgen.back.kernels import PLAIN
 from pkgen.compiler import compile_model
 from pkgen.source import Source

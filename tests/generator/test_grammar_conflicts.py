@@ -7,6 +7,7 @@ import logging
 import pytest
 from lark import Lark
 from lark.exceptions import GrammarError
+
 from pkgen.front.parse import GRAMMAR, _Tokens
 from pkgen.front.table import grammar
 

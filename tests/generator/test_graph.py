@@ -6,6 +6,7 @@ from fractions import Fraction as F
 from itertools import pairwise
 
 import pytest
+
 from pkgen.graph.count import operations
 from pkgen.graph.graph import BIT, MINUS_ONE, ONE, ZERO, Graph, Kind, Op, Symbol, TooLarge
 from pkgen.middle.analyze.sympy_bridge import to_sympy

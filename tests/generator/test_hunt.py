@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 
 import pytest
+
 from conftest import ROOT, long_but
 
 sys.path.insert(0, str(ROOT / "tests" / "fuzz"))

@@ -15,12 +15,13 @@ import mpmath
 import pytest
 import sympy as sp
 from kernel_cases import CASES, Case
+from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
+from sympy_lagrangians import t
+
 from pkgen.equations import Equations
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol
 from pkgen.middle.derive.derive import derive
-from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
-from sympy_lagrangians import t
 
 RTOL = 1e-12
 STATES = 4

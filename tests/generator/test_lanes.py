@@ -9,10 +9,11 @@ from pathlib import Path
 
 import pytest
 from c_harness import COMPILERS, MODELS, ODD, ROOT, STRICT, TYPES, read_text, run, write
+from sincos_harness import targets
+
 from conftest import long_but
 from pkgen.back.c.lower import lower
 from pkgen.middle.analyze import analyze
-from sincos_harness import targets
 
 FAST = ["-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 CROSS = "aarch64-linux-gnu"

@@ -9,9 +9,10 @@ import random
 import pytest
 from c_harness import MASS, PARAMETER, SIZE
 from c_harness import failed as failure
-from conftest import long_but
 from loop_harness import Looped, Unrolled, looped
 from loop_models import MODELS, UNROLLED
+
+from conftest import long_but
 from pkgen.middle.loops.parts import Unrolled as CannotLoop
 
 TOLERANCE = 2e-14

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import long_but
 from loop_harness import Looped, Unrolled
+
+from conftest import long_but
 from pkgen.graph.graph import TooLarge
 from pkgen.source import ModelError
 

@@ -12,9 +12,10 @@ import pytest
 from c_harness import MASS, run
 from c_harness import failed as failure
 from carried_models import links
-from conftest import long_but
 from loop_harness import Looped, Unrolled
 from loop_models import LINKS
+
+from conftest import long_but
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 

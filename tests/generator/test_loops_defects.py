@@ -7,6 +7,7 @@ import math
 
 import pytest
 from loop_harness import Looped, looped
+
 from pkgen.__main__ import main
 from pkgen.source import ModelError
 

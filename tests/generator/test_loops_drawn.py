@@ -9,9 +9,10 @@ import pytest
 import test_loops
 from chain_models import drawn
 from loop_harness import Looped, Unrolled, looped
+from test_loops import assert_kernels, assert_start
+
 from pkgen.middle.loops.parts import Unrolled as CannotLoop
 from pkgen.source import ModelError
-from test_loops import assert_kernels, assert_start
 
 
 def is_for_this(text: str) -> bool:

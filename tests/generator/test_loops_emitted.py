@@ -8,14 +8,15 @@ import re
 
 import pytest
 from c_harness import BUILDS, STRICT, no_warnings, run
-from conftest import long_but
 from loop_models import FPUT, MODELS
 from loop_runs import bodies
-from pkgen.compiler import compile_model
-from pkgen.source import Source
 from rotation_models import made
 from test_loops_bound import model as bound
 from total_models import RATES, TOTALS
+
+from conftest import long_but
+from pkgen.compiler import compile_model
+from pkgen.source import Source
 
 MORE = {
     "tied": bound(random.Random(5)),

@@ -8,6 +8,7 @@ import random
 import numpy as np
 import pytest
 from loop_harness import Looped, looped
+
 from pkgen.front.check import check
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Kind, Symbol

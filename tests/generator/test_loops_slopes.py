@@ -7,14 +7,15 @@ import random
 
 import numpy as np
 import pytest
-from conftest import long_but
 from loop_harness import Looped, Unrolled
 from loop_models import MODELS, STATES
-from pkgen.graph.graph import TooLarge
-from pkgen.source import ModelError
 from rotation_models import made
 from test_loops_bound import model as bound
 from total_models import HUB, MEAN, RATED, RATES, SWELLING
+
+from conftest import long_but
+from pkgen.graph.graph import TooLarge
+from pkgen.source import ModelError
 
 DENSE = ("gravity", "spin", "field")  # a sum over all members: no bands
 SHORT = ("cart", "uneven", "beside")

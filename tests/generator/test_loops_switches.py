@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from loop_harness import Looped, looped
+
 from pkgen.compiler import compile_model
 from pkgen.source import Source
 

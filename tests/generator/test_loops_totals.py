@@ -7,13 +7,14 @@ import math
 import random
 
 import pytest
-from conftest import long_but
 from loop_harness import Looped, Unrolled, looped
+from test_loops import assert_kernels, assert_start
+from total_models import RATES, TOTALS
+
+from conftest import long_but
 from pkgen.back.c.loops_lower import lower_loops
 from pkgen.middle.loops.parts import Unrolled as CannotLoop
 from pkgen.source import ModelError
-from test_loops import assert_kernels, assert_start
-from total_models import RATES, TOTALS
 
 CASES = TOTALS | RATES
 

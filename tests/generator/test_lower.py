@@ -9,6 +9,7 @@ from fractions import Fraction
 import pytest
 from c_harness import MODELS, read_model, read_text
 from hand_made import World, make, pendulum_chain, structure
+
 from pkgen.back.c.ctext import comment, fold, fold_call, string
 from pkgen.back.c.expressions import (
     Code,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from c_harness import MODELS, read_model, read_text
 from hand_made import World, make, structure
+
 from pkgen.back.c.lower import lower
 from pkgen.back.targets import LOCAL, TRIG
 from pkgen.graph.graph import Node

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
+
 from conftest import ROOT, long_but
 from pkgen.compiler import compile_model
 from pkgen.middle.analyze.proofs import PROVED

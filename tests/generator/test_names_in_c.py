@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, long_but
 from pkgen.back.c.names import FIELD_RESERVED, LOCAL_RESERVED, Names
 from pkgen.compiler import check_model, compile_model

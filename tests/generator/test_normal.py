@@ -7,6 +7,7 @@ import random
 
 import pytest
 from building import model
+
 from pkgen.graph import policies
 from pkgen.graph.collect import fewest, settled
 from pkgen.graph.count import operations

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
+
 from pkgen.front.check.options_text import LeftSide, OptionError, left_side, quantity
 
 

@@ -9,6 +9,7 @@ import re
 from fractions import Fraction
 
 import pytest
+
 from conftest import ROOT
 from pkgen.front.check.check import check_text
 from pkgen.front.read import from_text

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
+
 from pkgen import limits
 from pkgen.front import statements
 from pkgen.front.parse import parse, parse_all

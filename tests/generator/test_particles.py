@@ -6,6 +6,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 from pkgen.back.kernels import KERNELS
 from pkgen.compiler import check_model, compile_model

@@ -9,8 +9,9 @@ import subprocess
 import sys
 
 import numpy
-import pkgen
 import pytest
+
+import pkgen
 from conftest import long_but
 
 FOUR_BAR = """\

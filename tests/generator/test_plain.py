@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import ROOT, STRICT, run
+
 from conftest import long_but
 from pkgen.back.kernels import PLAIN
 from pkgen.compiler import compile_model

@@ -9,6 +9,7 @@ from itertools import islice
 import pytest
 import sympy
 from claims import KEPLER, LENZ, LINKS, PAIR, PENDULUM, POLAR, claims, outcomes
+
 from conftest import ROOT
 from pkgen.compiler import check_model, stages
 from pkgen.middle.analyze.along import Along

@@ -7,6 +7,7 @@ from itertools import islice
 
 import pytest
 from claims import claims, outcomes
+
 from pkgen.compiler import check_model, stages
 from pkgen.graph.graph import ONE, Graph, Kind, Symbol
 from pkgen.graph.residues import Residues

@@ -7,6 +7,7 @@ import random
 
 import pytest
 import sympy
+
 from pkgen.front import parse
 from pkgen.front.check import check
 from pkgen.graph.evaluate import evaluate

@@ -6,8 +6,9 @@ from __future__ import annotations
 import random
 
 import numpy
-import pkgen
 import pytest
+
+import pkgen
 from conftest import long_but
 from pkgen.source import ModelError
 

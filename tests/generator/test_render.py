@@ -10,6 +10,7 @@ import sys
 import pytest
 from c_harness import MODELS, ROOT, read_model
 from hand_made import World, make, pendulum_chain, structure
+
 from pkgen.back.c.ctext import fold
 from pkgen.back.c.lower import lower
 from pkgen.back.c.render import SYSTEM_KERNELS, pasted, render

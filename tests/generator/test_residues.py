@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from building import model
+
 from pkgen.graph.collect import settled
 from pkgen.graph.graph import BIT, VARIABLE, Graph, Kind
 from pkgen.graph.normal import Normal

@@ -7,6 +7,7 @@ import sys
 
 import mpmath
 import pytest
+
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import ONE, Graph, Kind, Symbol
 from pkgen.graph.rounding import sizes

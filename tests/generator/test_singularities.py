@@ -8,6 +8,7 @@ import random
 import pytest
 from building import model
 from c_harness import MODELS, Loaded, read_model, read_text
+
 from pkgen.functions.interval import ANY, Range
 from pkgen.graph.evaluate import evaluate
 from pkgen.graph.graph import Graph, Kind, Symbol

@@ -8,9 +8,10 @@ import random
 import numpy as np
 import pytest
 from carried_models import links, tied_links
-from conftest import long_but
 from loop_harness import Looped, Unrolled
 from test_loops_slopes import at_random, closed, matrices, order
+
+from conftest import long_but
 
 
 @pytest.mark.parametrize("seed", long_but({0}, range(16)))

@@ -6,10 +6,11 @@ import random
 import re
 from pathlib import Path
 
-import pkgen
 import pytest
 import sympy as sp
 from c_harness import STRICT, run
+
+import pkgen
 from conftest import long_but
 from pkgen.compiler import Use, compile_model
 from pkgen.graph.evaluate import evaluate

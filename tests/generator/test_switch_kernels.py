@@ -8,6 +8,7 @@ import random
 
 import pytest
 from c_harness import Loaded, read_text
+
 from pkgen.back.c import render
 from pkgen.front.check import check
 from pkgen.middle.analyze import analyze

@@ -7,6 +7,7 @@ from itertools import islice
 
 import pytest
 import sympy
+
 from pkgen.compiler import stages
 from pkgen.graph.exact import Exact
 from pkgen.graph.nullspace import null_space

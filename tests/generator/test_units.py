@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import pint
 import pytest
+
 from pkgen.front import units
 from pkgen.front.units import NONE, UnitError, described, dimension, parse_unit, si_text
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
+
 from pkgen.compiler import check_model
 from pkgen.front.read import from_text
 from pkgen.graph.differentiate import symbols_in

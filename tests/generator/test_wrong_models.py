@@ -10,6 +10,7 @@ import os
 from pathlib import Path
 
 import pytest
+
 from pkgen.compiler import check_model
 from pkgen.front.read import from_text
 from pkgen.source import ModelError

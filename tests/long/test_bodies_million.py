@@ -12,8 +12,9 @@ from math import cos, hypot, sin
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
 from page import write_section
+
+from conftest import ROOT
 
 pytestmark = pytest.mark.long
 

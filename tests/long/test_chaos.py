@@ -9,6 +9,7 @@ import json
 import math
 
 import pytest
+
 from conftest import ROOT
 
 pytestmark = pytest.mark.long

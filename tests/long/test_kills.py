@@ -17,6 +17,7 @@ from pathlib import Path
 
 import checkpoint_runs as runs
 import pytest
+
 from conftest import ROOT
 
 pytestmark = pytest.mark.long

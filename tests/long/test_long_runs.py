@@ -14,8 +14,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import MODELS
 from page import write_section
+
+from conftest import MODELS
 
 pytestmark = pytest.mark.long
 

@@ -13,8 +13,9 @@ from pathlib import Path
 
 import numpy
 import pytest
-from conftest import ROOT
 from page import write_section
+
+from conftest import ROOT
 
 sys.path += [str(ROOT / "tests" / "generator"), str(ROOT / "tools")]
 import minimax

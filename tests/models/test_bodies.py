@@ -10,13 +10,14 @@ import json
 
 import numpy as np
 import pytest
-from conftest import ROOT, long_but
 from oracles import attitude
 from oracles.dumbbell import Body, Dumbbell
 from oracles.gimbals import Gimbals
 from oracles.heavy_top import Top
 from oracles.integrate import integrate
 from oracles.rolling import Rolling, disk, ellipsoid
+
+from conftest import ROOT, long_but
 
 GOOD, LOOSE = "1e-13", "1e-5"
 

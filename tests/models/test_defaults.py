@@ -10,6 +10,7 @@ from math import atan2, degrees
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, table
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))

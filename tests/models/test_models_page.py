@@ -10,6 +10,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT
 
 TEXT = (ROOT / "docs" / "models.md").read_text(encoding="utf-8")

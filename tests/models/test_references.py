@@ -10,6 +10,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from conftest import long_but
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy
+
 from pkgen.plot.style import PALETTE
 
 NS = "{http://www.w3.org/2000/svg}"

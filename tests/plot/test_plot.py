@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy
 import pytest
+from svg import Svg
+
 from conftest import ROOT, run_pkgen
 from pkgen.plot import compose
 from pkgen.plot.spectrum import amplitudes
 from pkgen.plot.table import read
 from pkgen.plot.view import View
-from svg import Svg
 
 PENDULUM = ROOT / "models/pendulums/pendulum.lag"
 DOUBLE = ROOT / "models/double_pendulum.lag"

@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, run_pkgen
 
 TOP = ROOT / "models/heavy_top.lag"

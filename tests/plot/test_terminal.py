@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy
 import pytest
+from rich.console import Console
+
 from conftest import ROOT, run_pkgen
 from pkgen.plot import compose, terminal
 from pkgen.plot.table import Table, read
 from pkgen.plot.view import View
-from rich.console import Console
 
 PENDULUM = ROOT / "models/pendulums/pendulum.lag"
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy
 import pytest
+
 from conftest import ROOT, run_pkgen
 
 PENDULUM = ROOT / "models/pendulums/pendulum.lag"

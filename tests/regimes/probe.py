@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+
 from pkgen.compiler import compile_model
 from pkgen.run import build, named
 from pkgen.source import Source

@@ -9,6 +9,7 @@ from math import cos, log, sin
 from pathlib import Path
 
 import numpy as np
+
 from conftest import run_pkgen
 from pkgen.system import toolchain
 

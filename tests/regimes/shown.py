@@ -22,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from conftest import run_pkgen
 
 from .prediction import Prediction, slope

@@ -10,6 +10,7 @@ import subprocess
 from dataclasses import replace
 
 import pytest
+
 from pkgen.run.build import runtime_methods
 
 from .catalogue import MISSING, PREDICTIONS

@@ -11,10 +11,11 @@ import subprocess
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, long_but, run_pkgen
 from pkgen import __version__
 from pkgen.describe.describe import SCHEMA
-from pkgen.editor.words import words
+from pkgen_editor.words import words
 
 TEXTS = Path(__file__).parent / "texts"
 PAGE = (ROOT / "docs/compatibility.md").read_text(encoding="utf-8")

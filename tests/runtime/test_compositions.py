@@ -6,8 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import long_but
 from mpmath import mpf, workdps
+
+from conftest import long_but
 from pkgen.methods import METHODS
 
 ROOT = Path(__file__).parents[2]

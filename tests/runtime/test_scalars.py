@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+
 from conftest import ROOT, run_pkgen
 from pkgen.run.build import runtime_library
 from pkgen.system.toolchain import find_toolchain

@@ -15,6 +15,7 @@ from pathlib import Path
 from urllib.parse import unquote, urldefrag
 
 import pytest
+
 from conftest import ROOT
 
 pytestmark = [pytest.mark.long, pytest.mark.xdist_group("site")]  # the site is made once

@@ -14,8 +14,9 @@ import sys
 from pathlib import Path
 
 import jinja2
-from pkgen.editor.words import words
 from textmate import grammar
+
+from pkgen_editor.words import words
 
 HERE = Path(__file__).resolve().parent
 EDITORS = HERE.parent.parent / "editors"

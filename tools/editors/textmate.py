@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from pkgen.editor.words import words
+from pkgen_editor.words import words
 
 NAME = r"[^\W\d]\w*"
 NUMBER = r"[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?"

@@ -12,8 +12,9 @@ from math import pi
 
 import numpy as np
 from matplotlib.patheffects import withStroke
-from pkgen.plot.style import BLUE, GREEN, GREY, INK, RED
 from rows import Rows, panels
+
+from pkgen.plot.style import BLUE, GREEN, GREY, INK, RED
 
 
 class Sphere:

@@ -11,9 +11,10 @@ foucault     the rosettes of Foucault's pendulum
 from __future__ import annotations
 
 import numpy as np
+from rows import Rows, panels
+
 from pkgen.plot.names import amount
 from pkgen.plot.style import BLUE, DIVERGING, GREEN, ORANGE, PURPLE, RED, SEQUENTIAL
-from rows import Rows, panels
 
 
 def orbit(axis, x, y, title: str, named: str) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from PIL import Image
+
 from pkgen.plot.style import DPI, LOOK, PAGE
 
 ROOT = Path(__file__).resolve().parent.parent.parent

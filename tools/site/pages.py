@@ -20,6 +20,7 @@ from html import escape
 from pathlib import Path
 
 import yaml
+
 from pkgen.compiler import compile_model
 from pkgen.explain.html import fragment
 from pkgen.explain.scenes import scene_shown

@@ -1,4 +1,4 @@
-"""What every host of an export is given, and what a host is: a row of cli/export.py."""
+"""What every host of an export is given, and what a host is, which add-ons bring."""
 
 from __future__ import annotations
 

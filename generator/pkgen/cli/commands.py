@@ -2,7 +2,8 @@
 
 A row is a command's word, the form of what follows it, and what it does. Its file in this folder
 has `arguments()`, which adds its options, `run()`, and EXAMPLES, which its help shows. A form that
-begins with MODEL.lag takes a model, and the options that all of these have.
+begins with MODEL.lag takes a model, and the options that all of these have. Add-ons bring rows of
+the same form in COMMANDS of their package (system/addons.py).
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from importlib import import_module
 from types import ModuleType
 
 from ..record import record
+from ..system import addons
 from ..system.exits import UsageError
 from ..system.near import near
 
@@ -27,22 +29,16 @@ Look at a model
 Make something of it
   compile     MODEL.lag [-o DIR]           C: DIR/NAME.h and DIR/NAME.c
   build       MODEL.lag -o FILE            a program, which needs no Python
-  show        MODEL.lag [-o FILE.html]     a live page, for any browser
-  film        MODEL.lag -o FILE            a film: MP4, WebM, GIF, animated SVG
   export      MODEL.lag --as HOST          for FMI, C and other programs
 Integrate it
   run         MODEL.lag                    rows of the motion, as CSV
   resume      FILE                         go on with a run from its checkpoint
-  sweep       [MODEL.lag] [-o DIR]         many members of a plan, as Parquet
   plot        MODEL.lag|FILE.csv...        pictures, in the terminal or -o FILE.svg
 Judge methods
   methods                                  the methods, what each requires
   chart       MODEL.lag [-o DIR]           accuracy against cost of every method
   stability   MODEL.lag [-o DIR]           where each method fails
 Write models
-  import      ROBOT.urdf|ROBOT.xml         the bodies and joints of a robot as a model
-  fmt         MODEL.lag...                 spaces and columns of the text, in place
-  lsp                                      what an editor asks, over standard streams
 pkgen itself
   help        [COMMAND]                    the options of a command, with examples
   manual      [-o DIR]                     pages for man
@@ -67,12 +63,14 @@ class Command:
     @property
     def module(self) -> ModuleType:
         """Its file, imported for it alone."""
-        return import_module(f"{__package__}.{self.name}")
+        if self.name in OWN:
+            return import_module(f"{__package__}.{self.name}")
+        return addons.load("commands", self.name)
 
 
-def _commands() -> Iterable[Command]:
+def _rows(table: str) -> Iterable[Command]:
     group = ""
-    for line in _TABLE.strip().split("\n"):
+    for line in table.strip().split("\n"):
         if line.startswith("  "):
             found = re.fullmatch(r"  (\w+) +((?:\S+ )*\S+)? {2,}(\S.*)", line)
             yield Command(found[1], found[2] or "", found[3], group)
@@ -80,14 +78,36 @@ def _commands() -> Iterable[Command]:
             group = line
 
 
-COMMANDS = {command.name: command for command in _commands()}
+OWN = {command.name: command for command in _rows(_TABLE)}
+
+
+def commands() -> dict[str, Command]:
+    """All that are here, those of add-ons at the ends of their groups."""
+    found = dict(OWN)
+    for name, point in addons.here("commands").items():
+        found[name] = _of_addon(name, addons.package(point))
+    groups = [line for line in _TABLE.split("\n") if not line.startswith(" ")]
+    groups += [command.group for command in found.values()]
+    return dict(sorted(found.items(), key=lambda item: groups.index(item[1].group)))
+
+
+def _of_addon(name: str, package: ModuleType) -> Command:
+    return next(command for command in _rows(package.COMMANDS) if command.name == name)
+
+
+def command_of(name: str) -> Command | None:
+    """Raises UsageError where it is of an add-on that is not here."""
+    if name in OWN:
+        return OWN[name]
+    point = addons.points("commands").get(name) if name.isidentifier() else None
+    return point and _of_addon(name, addons.package(point))
 
 
 def overview() -> str:
     """All commands, a line each, in the width of a terminal."""
     lines = ["usage: pkgen COMMAND [options]", "       pkgen MODEL.lag          as pkgen compile"]
     group = ""
-    for command in COMMANDS.values():
+    for command in commands().values():
         if command.group != group:
             group = command.group
             lines += ["", f"{group}:"]
@@ -122,8 +142,9 @@ class Parser(argparse.ArgumentParser):
             raise argparse.ArgumentError(action, said)
 
 
-def parser_of(name: str) -> Parser:
-    command, module = COMMANDS[name], COMMANDS[name].module
+def parser_of(command: Command, whole: bool = True) -> Parser:
+    """Its options; with `whole`, also those that add-ons bring."""
+    name, module = command.name, command.module
     parser = Parser(
         prog=f"pkgen {name}",
         usage=f"pkgen {name} {command.form}".rstrip() + " [options]",
@@ -137,6 +158,9 @@ def parser_of(name: str) -> Parser:
         parser.add_argument("model", metavar="MODEL.lag", help="- is the standard input")
         of_a_model(parser)
     module.arguments(parser)
+    for point in addons.points("options") if whole else ():
+        if point.startswith(f"{name}.") and point in addons.here("options"):
+            addons.load("options", point).arguments(parser)
     examples = "\n  ".join(["examples:", *module.EXAMPLES.strip().split("\n")])
     parser.epilog = f"{parser.epilog}\n\n{examples}" if parser.epilog else examples
     of_all = parser.add_argument_group("options of every command")
@@ -151,13 +175,17 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
     """The command that words ask for, and its options. Raises UsageError."""
     leading = next((i for i, word in enumerate(words) if word not in COMMON), len(words))
     words = [*words[leading:], *words[:leading]]
-    named = words[0] in COMMANDS
-    command = COMMANDS[words[0] if named else USUAL]
+    found = command_of(words[0])
+    named, command = found is not None, found or OWN[USUAL]
     if not named and words[0].isalpha() and not os.path.exists(model_file(words[0])):
-        said = near(words[0], list(COMMANDS), "command")
+        said = near(words[0], list(commands()), "command")
         raise UsageError(f"there is no command '{words[0]}'; {said}")
-    parser = parser_of(command.name)
+    whole = any(word in ("-h", "--help") for word in words)
+    parser = parser_of(command, whole)
     options, unknown = parser.parse_known_intermixed_args(words[named:])
+    if unknown and not whole:
+        parser = parser_of(command)
+        options, unknown = parser.parse_known_intermixed_args(words[named:])
     if unknown:
         flag = unknown[0].partition("=")[0]
         if not flag.startswith("-"):

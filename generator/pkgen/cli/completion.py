@@ -6,7 +6,7 @@ import argparse
 
 from ..methods import METHODS
 from ..system.exits import DONE, UsageError
-from .commands import COMMANDS, overview, parser_of
+from .commands import overview, parser_of
 
 SHELLS = ("bash", "zsh", "fish")
 EXAMPLES = """
@@ -39,8 +39,8 @@ def _whole(shtab) -> argparse.ArgumentParser:
     parser.add_argument("-h", "--help", action="store_true", help="all commands, a line each")
     parser.add_argument("-V", "--version", action="store_true", help="the version")
     commands = parser.add_subparsers()
-    for command in COMMANDS.values():
-        of = parser_of(command.name)
+    for command in commands().values():
+        of = parser_of(command)
         for action in of._actions:
             named = action.metavar if isinstance(action.metavar, str) else ""
             if named.startswith("DIR"):
@@ -50,7 +50,7 @@ def _whole(shtab) -> argparse.ArgumentParser:
             elif "--method" in action.option_strings:
                 action.choices = sorted(METHODS)
             elif action.dest == "command":
-                action.choices = list(COMMANDS)
+                action.choices = list(commands())
             action.help = action.help or ""
         more = {"parents": [of], "add_help": False, "description": command.does}
         commands.add_parser(command.name, help=command.does, **more)

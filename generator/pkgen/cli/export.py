@@ -1,22 +1,16 @@
-"""`pkgen export`: a model for other programs, each host by the back end of its folder."""
+"""`pkgen export`: a model for other programs, each host by the add-on that brings it."""
 
 from __future__ import annotations
 
 import argparse
 import json
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
-from ..back.alone.make import ARDUINO, FREESTANDING, SINGLE
-from ..back.bound.javascript import JAVASCRIPT
-from ..back.bound.julia import JULIA
-from ..back.bound.matlab import MATLAB
-from ..back.bound.rust import RUST
 from ..back.exported import Exported, Host
-from ..back.fmu.make import FMU
-from ..back.python.make import PYTHON
-from ..back.source.make import SOURCE
 from ..describe.made import describe
+from ..system import addons
 from ..system.exits import DONE, UsageError
 from ..system.files import replace
 from ..system.near import near
@@ -24,24 +18,16 @@ from . import arguments as shared
 from .compilation import compile_within_limits
 from .said import findings
 
-HOSTS = (
-    SOURCE,
-    FMU,
-    PYTHON,
-    SINGLE,
-    FREESTANDING,
-    ARDUINO,
-    RUST,
-    JAVASCRIPT,
-    MATLAB,
-    JULIA,
-)
-BY_NAME = {host.name: host for host in HOSTS}
-
 EXAMPLES = """
 pkgen export models/double_pendulum.lag --as fmu
 pkgen export models/heavy_top.lag --as source --scene nutation -o top
 """
+
+
+@cache
+def hosts() -> dict[str, Host]:
+    """Those of the add-ons that are here, by name."""
+    return {name: addons.load("exports", name) for name in addons.here("exports")}
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -54,15 +40,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     add("--step", metavar="H", help="of a method with fixed steps")
     add("--rtol", metavar="R", help="of an adaptive method (default 1e-10)")
     shared.own_methods(parser)
-    for flag, hosts in _flags().items():
-        how = dict(hosts[0].options)[flag]
-        names = ", ".join(host.name for host in hosts)
+    for flag, having in _flags().items():
+        how = dict(having[0].options)[flag]
+        names = ", ".join(host.name for host in having)
         add(flag, **{**how, "default": None, "help": f"{how['help']} ({names})"})
     parser.epilog = "\n".join(["hosts:", *_listed()])
 
 
 def _listed() -> Iterator[str]:
-    for host in HOSTS:
+    for host in hosts().values():
         tools = f"; needs {host.tools}" if host.tools else ""
         yield f"  {host.name:12} {host.doc}{tools}"
 
@@ -70,7 +56,7 @@ def _listed() -> Iterator[str]:
 def _flags() -> dict[str, list[Host]]:
     """Which hosts have an option."""
     found: dict[str, list[Host]] = {}
-    for host in HOSTS:
+    for host in hosts().values():
         for flag, _ in host.options:
             found.setdefault(flag, []).append(host)
     return found
@@ -113,12 +99,14 @@ def _host(options: argparse.Namespace) -> Host:
     """The one that is named, with no option of another."""
     if options.host is None:
         raise UsageError("--as: name what it is made for:\n" + "\n".join(_listed()))
-    if options.host not in BY_NAME:
-        raise UsageError(f"--as {options.host}: {near(options.host, list(BY_NAME), 'host')}")
-    host = BY_NAME[options.host]
-    for flag, hosts in _flags().items():
-        if getattr(options, flag[2:].replace("-", "_")) is not None and host not in hosts:
-            names = " or ".join(other.name for other in hosts)
+    if options.host not in hosts():
+        if options.host in addons.points("exports"):
+            addons.load("exports", options.host)  # says which add-on is missing
+        raise UsageError(f"--as {options.host}: {near(options.host, list(hosts()), 'host')}")
+    host = hosts()[options.host]
+    for flag, having in _flags().items():
+        if getattr(options, flag[2:].replace("-", "_")) is not None and host not in having:
+            names = " or ".join(other.name for other in having)
             raise UsageError(f"{flag}: this is of --as {names}, not of --as {host.name}")
     return host
 

@@ -7,7 +7,7 @@ import json
 
 from ..system.exits import DONE, UsageError
 from ..system.near import near
-from .commands import COMMANDS, overview, parser_of
+from .commands import command_of, commands, overview, parser_of
 
 EXAMPLES = """
 pkgen help
@@ -21,13 +21,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Show all commands, or the options of one, with examples."""
-    if options.command is not None and options.command not in COMMANDS:
-        said = near(options.command, list(COMMANDS), "command")
+    command = options.command and command_of(options.command)
+    if options.command is not None and command is None:
+        said = near(options.command, list(commands()), "command")
         raise UsageError(f"there is no command '{options.command}'; {said}")
     if options.json:
-        print(json.dumps({c.name: {"form": c.form, "does": c.does} for c in COMMANDS.values()}))
+        print(json.dumps({c.name: {"form": c.form, "does": c.does} for c in commands().values()}))
     elif options.command is None:
         print(overview())
     else:
-        parser_of(options.command).print_help()
+        parser_of(command).print_help()
     return DONE

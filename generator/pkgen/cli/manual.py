@@ -12,7 +12,7 @@ from ..system.exits import DONE
 from ..system.files import STANDARD, replace
 from ..version import __version__
 from . import arguments as shared
-from .commands import COMMANDS, Command, overview, parser_of
+from .commands import Command, commands, overview, parser_of
 
 EXAMPLES = """
 pkgen manual -o ~/.local/share/man/man1
@@ -41,7 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Write pages for man: pkgen.1, and one of each command."""
     pages = {"pkgen.1": _of_all()}
-    pages |= {f"pkgen-{c.name}.1": _of_command(c) for c in COMMANDS.values()}
+    pages |= {f"pkgen-{c.name}.1": _of_command(c) for c in commands().values()}
     directory = Path(options.directory)
     if directory == STANDARD:
         replace({STANDARD: "".join(pages.values())})
@@ -82,7 +82,7 @@ def _of_all() -> str:
         yield from (".SH SYNOPSIS", ".B pkgen", "COMMAND [options]", ".br", ".B pkgen")
         yield from ("MODEL.lag [options]", ".SH DESCRIPTION", ".nf", _plain(overview()), ".fi")
         yield ".SH COMMANDS"
-        for command in COMMANDS.values():
+        for command in commands().values():
             yield from (".TP", f".BR pkgen\\-{command.name} (1)", _plain(command.does))
         yield from (".SH EXIT STATUS", *_listed(CODES), ".SH ENVIRONMENT", *_listed(VARIABLES))
 
@@ -90,7 +90,7 @@ def _of_all() -> str:
 
 
 def _of_command(command: Command) -> str:
-    parser = parser_of(command.name)
+    parser = parser_of(command)
 
     def body() -> Iterator[str]:
         yield from (".SH SYNOPSIS", f".B pkgen {command.name}", _plain(f"{command.form} [options]"))

@@ -7,13 +7,13 @@ import json
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from ..plot import view as views
 from ..plot.view import View
 from ..run.rows import interval
-from ..sweep.shards import is_sweep
-from ..sweep.store import place
+from ..system import addons
 from ..system.exits import DONE, UsageError
 from ..system.files import PARTIAL, STANDARD, scratch
 from . import arguments as shared
@@ -53,7 +53,8 @@ def run(options: argparse.Namespace) -> int:
     of models, which are run, and of rows that a run has left."""
     needs("matplotlib")
     view, width = views.asked(options), pictures.width(options)
-    sweeps = [name for name in options.files if is_sweep(place(name))]
+    folders = {name: addons.of_folder(name) for name in options.files}
+    sweeps = [name for name in options.files if folders[name]]
     if not sweeps:
         options.files = _files(options.files)
     file = None
@@ -62,9 +63,9 @@ def run(options: argparse.Namespace) -> int:
         file = STANDARD
         if options.output != "-":
             file = pictures.picture_file("-o", options.output)
-    _refuse(options)
+    _refuse(options, sweeps)
     if sweeps:
-        _show(options, _map(options, view), file, width)
+        _show(options, _map(options, view, folders[sweeps[0]]), file, width)
         return DONE
     tables, codes = [], []
     for name, label in zip(options.files, _labels(options.files), strict=True):
@@ -85,7 +86,7 @@ def run(options: argparse.Namespace) -> int:
     return max(codes)
 
 
-def _map(options: argparse.Namespace, view: View) -> Picture:
+def _map(options: argparse.Namespace, view: View, folder: ModuleType) -> Picture:
     """Of a sweep. Raises UsageError."""
     if len(options.files) > 1:
         raise UsageError(f"{' and '.join(options.files)}: a sweep has a picture of its own")
@@ -94,14 +95,11 @@ def _map(options: argparse.Namespace, view: View) -> Picture:
     if len(view.columns) > 1:
         raise UsageError(f"--columns {','.join(view.columns)}: a map is of one")
     axes = [] if options.map is None else views.split("--map", options.map)
-    from ..sweep import map
-
-    return map.read(place(options.files[0]), axes, "".join(view.columns)).picture()
+    return folder.picture(options.files[0], axes, "".join(view.columns))
 
 
-def _refuse(options: argparse.Namespace) -> None:
+def _refuse(options: argparse.Namespace, swept: list[str]) -> None:
     """Raises UsageError where an option would do nothing."""
-    swept = [name for name in options.files if is_sweep(place(name))]
     if options.map is not None and not swept:
         raise UsageError("--map is of a sweep: give its folder")
     models = (f for f in options.files if not f.endswith(ROWS) and f not in swept)

@@ -24,11 +24,11 @@ from ..scenes import asked as parsing
 from ..scenes import run as scene_run
 from ..scenes.judge import Verdict
 from ..system import children
-from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED, UsageError
+from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED
 from ..system.files import PARTIAL, Result, cut, scratch
 from ..system.progress import progress
 from . import arguments as shared
-from . import checkpoints, enclose, pictures
+from . import checkpoints, pictures
 from .compilation import compile_within_limits
 from .pictures import Wanted
 
@@ -49,17 +49,13 @@ pkgen run models/heavy_top.lag --scene nutation --method gauss4 --step 0.01
 def arguments(parser: argparse.ArgumentParser) -> None:
     shared.of_a_run(parser)
     checkpoints.arguments(parser)
-    enclose.arguments(parser)
+    parser.set_defaults(instead=None)
 
 
 def run(options: argparse.Namespace) -> int:
     """Compile a model and integrate it; the rows go to standard output."""
-    if options.enclose:
-        if options.checkpoint:
-            raise UsageError("--checkpoint is for a run by steps, without --enclose")
-        return enclose.run(options)
-    if options.digits is not None:
-        raise UsageError("--digits is for --enclose; a run's accuracy is --rtol's")
+    if options.instead is not None:  # an option of an add-on
+        return options.instead(options)
     output = parsing.output(options.output)
     wanted = pictures.wanted(options)
     checkpoints.refuse(options, output, wanted is not None)

@@ -1,0 +1,337 @@
+"""The text of a model, laid out: the same tokens and comments, in spaces of one kind.
+
+Lines stay lines. Products are tight, sums and relations spaced; what goes on in a bracket begins
+behind it; the clauses of a scene are indented. In a block of lines what stands behind the words of
+a scene, and comments, stand below each other; other columns stay where the author made some.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from lark.lexer import Token
+
+from pkgen.front.lexer import statements
+from pkgen.front.table import STATEMENTS
+from pkgen.source import ModelError, Source
+
+OPENERS = frozenset(("LPAREN", "LINDEX", "LVECTOR", "LEND"))
+CLOSERS = frozenset(("RPAREN", "RBRACKET", "REND"))
+SIGNS = frozenset(("PLUS", "MINUS"))
+TIGHT = frozenset(("TIMES", "OVER", "POWER", "DOTS"))
+VALUE_ENDS = frozenset(("NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "UNIT")) | CLOSERS
+# What nothing stands before, or behind.
+NONE_BEFORE = CLOSERS | TIGHT | {"_COMMA", "PRIME", "COMPONENT", "MEMBER", "POINT", "LINDEX"}
+NONE_BEHIND = OPENERS | TIGHT | {"FUNCTION", "SUM", "POINT"}
+INDENT = 2  # of what is in a scene
+HANGING = 4  # behind a bracket that ends its line
+NEAR = 4
+NEAR_COMMENT = 8
+BEFORE_COMMENT = 2
+
+
+@dataclass
+class Line:
+    """A line of the text: the pieces of one statement, and a comment."""
+
+    number: int
+    tokens: list[Token] = field(default_factory=list)
+    comment: str = ""
+    column: int = 0  # of the comment, as it was
+    first: bool = False  # of its statement
+    last: bool = False
+    inside: bool = False  # a scene
+    indent: int = 0
+    pieces: list[str] = field(default_factory=list)  # a space wanted before it, or not, is in it
+
+    @property
+    def code(self) -> str:
+        return " " * self.indent + "".join(self.pieces) if self.pieces else ""
+
+
+def laid_out(source: Source) -> str:
+    """The text of a model in its layout. Raises ModelError where it does not lex."""
+    lexed = statements(source)
+    errors = [error for statement in lexed for error in statement.errors]
+    if errors:
+        raise ModelError(source, errors)
+    lines = _lines(source, lexed)
+    _scenes(lines)
+    tight = set().union(*(_tight_signs(statement.tokens) for statement in lexed))
+    before = None
+    for line in lines:
+        before = None if line.first else before
+        line.pieces = _spaced(source, line, before, tight)
+        before = line.tokens[-1] if line.tokens else before
+    for block in _blocks(lines):
+        _align_words(block)
+        _keep_columns(source, block)
+    _indented(lines)
+    for block in _commented(lines):
+        _align_comments(block)
+    text = _joined(lines)
+    if signs(Source(source.path, text)) != signs(source):
+        raise AssertionError("the layout has changed what the text says")
+    return text
+
+
+def signs(source: Source) -> list[list[tuple[str, str]]]:
+    """What a text says, whatever its spaces: each statement's tokens, and its last comment."""
+    return [
+        [*((t.type, _text(source, t)) for t in statement.tokens), ("#", statement.comment)]
+        for statement in statements(source)
+    ]
+
+
+def _text(source: Source, token: Token) -> str:
+    return source.text[token.start_pos : token.end_pos]
+
+
+def _lines(source: Source, lexed: Iterable) -> list[Line]:
+    texts = source.text.split("\n")
+    lines = [Line(i + 1) for i in range(len(texts))]
+    ends = [0] * len(texts)  # behind the last token of a line, in it
+    for statement in lexed:
+        for token in statement.tokens:
+            number, column = source.position(token.start_pos)
+            lines[number - 1].tokens.append(token)
+            ends[number - 1] = column - 1 + token.end_pos - token.start_pos
+        for token, flag in ((statement.tokens[0], "first"), (statement.tokens[-1], "last")):
+            setattr(lines[source.position(token.start_pos)[0] - 1], flag, True)
+    for line, text, end in zip(lines, texts, ends, strict=True):
+        rest = text[end:]
+        line.comment = rest.strip(" \t")
+        line.column = end + len(rest) - len(rest.lstrip(" \t"))
+    return lines
+
+
+def _scenes(lines: list[Line]) -> None:
+    inside = False
+    for line in lines:
+        word = line.tokens[0].type if line.first else ""
+        inside = inside and word != "END"
+        line.inside = inside
+        inside = inside or word == "SCENE"
+
+
+def _tight_signs(tokens: list[Token]) -> set[int]:
+    """Where the + and - of a statement stand that are in an index or in a range: i+1..N."""
+    found: set[int] = set()
+    waiting: list[list] = [["", False, []]]  # opener, whether there are dots, signs of a part
+    for token in tokens:
+        if token.type in OPENERS:
+            waiting.append([token.type, False, []])
+        elif token.type in CLOSERS and len(waiting) > 1:
+            found |= _of_part(waiting.pop())
+        elif token.type in ("_COMMA", "EQUAL", "WORD"):
+            found |= _of_part(waiting[-1])
+            waiting[-1][1:] = [False, []]
+        elif token.type == "DOTS":
+            waiting[-1][1] = True
+        elif token.type in SIGNS:
+            waiting[-1][2].append(token.start_pos)
+    for part in waiting:
+        found |= _of_part(part)
+    return found
+
+
+def _of_part(part: list) -> set[int]:
+    opener, dots, places = part
+    return set(places) if dots or opener == "LINDEX" else set()
+
+
+def _spaced(source: Source, line: Line, before: Token | None, tight: set[int]) -> list[str]:
+    """The tokens of a line, each with the space that belongs before it; `before` is the last of the
+    statement in the lines above."""
+    pieces: list[str] = []
+    signed = False  # the token before is a sign of what follows, or stands in an index
+    for token in line.tokens:
+        text = _text(source, token)
+        binary = before is not None and before.type in VALUE_ENDS
+        space = before is not None and not signed and before.type not in NONE_BEHIND
+        space = space and token.type not in NONE_BEFORE and token.type != "COLON"
+        if token.type in SIGNS and binary:
+            space = token.start_pos not in tight
+        if before is not None and not space and _joins(_text(source, before), text):
+            space = True
+        pieces.append(" " + text if space and pieces else text)
+        signed = token.type in SIGNS and (not binary or token.start_pos in tight)
+        before = token
+    return pieces
+
+
+def _joins(left: str, right: str) -> bool:
+    """Whether two tokens would be another one together."""
+    words = re.match(r"\w|\.\w", right) and re.search(r"\w$", left)
+    return left + right == "**" or bool(words and (right[0] != "." or left[0].isdigit()))
+
+
+def _blocks(lines: list[Line]) -> Iterator[list[Line]]:
+    """Lines of statements beside each other: no line between them is empty, or a comment alone."""
+    block: list[Line] = []
+    for line in lines:
+        heads = line.first and line.tokens[0].type in ("SCENE", "END")
+        if line.first and not heads and (not block or line.inside == block[-1].inside):
+            block.append(line)
+        elif line.tokens and not line.first:
+            continue
+        else:
+            yield block
+            block = [line] if line.first and not heads else []
+    yield block
+
+
+def _align_words(block: list[Line]) -> None:
+    """What stands behind the words of a scene, and of what takes an expression alone, stands below
+    each other where these words are near in length."""
+    run: list[Line] = []
+    for line in block:
+        widths = [len(one.pieces[0]) for one in (*run, line)]
+        row = STATEMENTS.get(line.tokens[0].type.lower())  # None: it begins with no word
+        alone = row is not None and (line.inside or row.syntax == "single")
+        behind = len(line.pieces) > 1 and alone
+        if not behind or max(widths) - min(widths) > NEAR:
+            _pad(run)
+            run = []
+        run += [line] if behind else []
+    _pad(run)
+
+
+def _pad(run: list[Line]) -> None:
+    most = max((len(line.pieces[0]) for line in run), default=0)
+    for line in run:
+        line.pieces[1] = " " * (most - len(line.pieces[0])) + line.pieces[1]
+
+
+@dataclass
+class _Place:
+    """What stands in a column of the author's: a piece, and the one that spaces go before."""
+
+    line: Line
+    index: int
+    before: int  # its sign, or it
+
+    @property
+    def column(self) -> int:
+        text = "".join(self.line.pieces[: self.index + 1])
+        return len(text) - len(self.line.pieces[self.index].lstrip(" "))
+
+
+def _keep_columns(source: Source, block: list[Line]) -> None:
+    """What stands in one column in lines beside each other, with more than a space before it in one
+    of them, does so still, whatever else is moved: as far left as that goes."""
+    for places in _columns(source, block):
+        most = max(place.column for place in places)
+        for place in places:
+            pieces = place.line.pieces
+            pieces[place.before] = " " * (most - place.column) + pieces[place.before]
+
+
+def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
+    """The author's, by the text as it was, from the left: of statements of one word, and of all
+    behind their words. Other lines may stand between."""
+    found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}  # whether a gap is wide
+    for line in block:
+        for index, before, gap in _gaps(line):
+            kind = line.tokens[0].type if index > 1 else ""
+            column = source.position(line.tokens[index].start_pos)[1], kind
+            wide, places = found.get(column, (False, []))
+            found[column] = wide or gap > 1, [*places, _Place(line, index, before)]
+    yield from (places for _, (wide, places) in sorted(found.items()) if wide and len(places) > 1)
+
+
+def _gaps(line: Line) -> Iterator[tuple[int, int, int]]:
+    """Tokens that may stand in a column, what spaces would go before, and how many there were: of a
+    number with a sign the number stands there, and the spaces go before its sign."""
+    for index in range(1, len(line.tokens)):
+        gap = line.tokens[index].start_pos - line.tokens[index - 1].end_pos
+        if gap and line.pieces[index].startswith(" "):
+            signed = line.tokens[index].type in SIGNS and index + 1 < len(line.tokens)
+            signed = signed and not line.pieces[index + 1].startswith(" ")
+            yield index + signed, index, gap
+
+
+def _indented(lines: list[Line]) -> None:
+    """Every line begins where it should; what goes on in a bracket begins behind that."""
+    opened: list[int] = []
+    for line in lines:
+        base = INDENT * line.inside
+        if line.first:
+            opened = []
+        closes = bool(line.tokens) and line.tokens[0].type in CLOSERS
+        line.indent = base
+        if opened and not line.first:
+            hanging = opened[-1] < 0
+            line.indent = abs(opened[-1]) - (HANGING if hanging and closes else closes)
+        column = line.indent
+        for i, (token, piece) in enumerate(zip(line.tokens, line.pieces, strict=True)):
+            column += len(piece)
+            if token.type in OPENERS:
+                ends = i + 1 == len(line.tokens)
+                opened.append(-(line.indent + HANGING) if ends else column)
+            elif token.type in CLOSERS and opened:
+                opened.pop()
+
+
+def _commented(lines: list[Line]) -> Iterator[list[Line]]:
+    """Lines of code with comments, none of another kind between them."""
+    block: list[Line] = []
+    for line in lines:
+        if line.tokens and line.comment:
+            block.append(line)
+        elif not line.tokens or line.comment:
+            yield block
+            block = []
+    yield block
+
+
+def _align_comments(block: list[Line]) -> None:
+    """In the column where most stand, else that of the first; where no other stands there yet,
+    further right where code that is not much longer ends."""
+    before: list[int] = []
+    while before != (before := [line.column for line in block]):  # what was moved may be most
+        waiting = block
+        while waiting:
+            column = _column(waiting)
+            for line in waiting:
+                line.column = column if _fits(line, column) else line.column
+            waiting = [line for line in waiting if not _fits(line, column)]
+
+
+def _column(block: list[Line]) -> int:
+    """Where comments of lines beside each other are to stand."""
+    columns = [line.column for line in block]
+    column, count = Counter(columns).most_common(1)[0]
+    column = column if 2 * count > len(block) else columns[0]
+    there = [line for line in block if line.column == column]
+    if len(there) > 1 and all(_fits(line, column) for line in there):
+        return column
+    least = len(there[0].code) + BEFORE_COMMENT
+    column = column if _fits(there[0], column) else least
+    while True:
+        ends = [len(line.code) + BEFORE_COMMENT for line in block if not _fits(line, column)]
+        near = [end for end in ends if end <= column + NEAR_COMMENT]
+        if not near:
+            return column
+        column = max(near)
+
+
+def _fits(line: Line, column: int) -> bool:
+    """Whether a comment may stand there: a space is enough where the column is given."""
+    return len(line.code) < column
+
+
+def _joined(lines: list[Line]) -> str:
+    made: list[str] = []
+    for line in lines:
+        text = line.code or (" " * line.indent if line.comment else "")
+        if line.comment:
+            text = (text.ljust(line.column) if line.tokens else text) + line.comment
+        if text or (made and made[-1]):
+            made.append(text)
+    while made and not made[-1]:
+        made.pop()
+    return "\n".join(made) + "\n" if made else ""

@@ -1,0 +1,291 @@
+"""A text while it is written: what is wrong in it, and what stands at a place.
+
+A place is a token of the lexer; a name means what the checker knows of it, though there be errors
+elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from itertools import pairwise
+
+from lark.lexer import Token
+
+from pkgen.compiler import check_model
+from pkgen.front.check.check import Seen, see
+from pkgen.front.check.names import KIND_TEXT, Entry
+from pkgen.front.check.values import NoValue, evaluate
+from pkgen.front.joints import KINDS, joint_names
+from pkgen.front.lexed import Lexed
+from pkgen.front.lexer import statements
+from pkgen.front.parse import parse_all
+from pkgen.front.read import from_text
+from pkgen.front.statements import Joint
+from pkgen.front.table import STATEMENTS
+from pkgen.front.units import UnitError, described, parse_unit, si_text
+from pkgen.methods import known
+from pkgen.model import multipliers
+from pkgen.scenes import check as scene_check
+from pkgen.source import Diagnostic, ModelError, Source, Span
+
+from .words import built_in, calls
+
+NAMES = ("NAME", "FUNCTION")
+
+
+class Text:
+    """The text of a file, and all that is known of it."""
+
+    def __init__(self, path: str, text: str) -> None:
+        self.wrong: tuple[Diagnostic, ...] = ()
+        try:
+            self.source = from_text(path, text)
+        except ModelError as error:  # a NUL
+            self.source, self.wrong = Source(path, ""), tuple(error.diagnostics)
+
+    @cached_property
+    def lexed(self) -> list[Lexed]:
+        return statements(self.source)
+
+    @cached_property
+    def seen(self) -> Seen:
+        return see(parse_all(self.source))
+
+    @cached_property
+    def names(self) -> dict[str, Entry]:
+        return self.seen.names.table
+
+    def findings(self) -> list[Diagnostic]:
+        """What is seen at once."""
+        return list(self.wrong or (*self.seen.errors, *self.seen.warnings))
+
+    def all_findings(self) -> list[Diagnostic]:
+        """With what the equations show: claims, energies, scenes; as `pkgen check` has them."""
+        if self.wrong or self.seen.errors:
+            return self.findings()
+        try:
+            model, warnings = check_model(self.source)
+            scenes = [scene_check.wrong(model, {}, scene) for scene in model.scenes]
+        except ModelError as error:
+            return [*error.diagnostics, *self.seen.warnings]
+        return [*warnings, *(finding for found in scenes for finding in found)]
+
+    # ---- places
+
+    def statement_at(self, offset: int) -> Lexed | None:
+        """The last that begins before it."""
+        before = (s for s in self.lexed if s.tokens and s.tokens[0].start_pos <= offset)
+        return max(before, key=lambda s: s.tokens[0].start_pos, default=None)
+
+    def token_at(self, offset: int) -> Token | None:
+        statement = self.statement_at(offset)
+        tokens = statement.tokens if statement else ()
+        touching = [t for t in tokens if t.start_pos <= offset <= t.end_pos]
+        return max(touching, key=lambda t: (t.type in NAMES, t.start_pos), default=None)
+
+    def text(self, token: Token) -> str:
+        return self.source.text[token.start_pos : token.end_pos]
+
+    def all_tokens(self) -> Iterator[tuple[Lexed, Token]]:
+        return ((statement, token) for statement in self.lexed for token in statement.tokens)
+
+    def before(self, token: Token) -> Token | None:
+        """What stands before it in its statement."""
+        statement = self.statement_at(token.start_pos)
+        tokens = statement.tokens if statement else []
+        return next((a for a, b in pairwise(tokens) if b is token), None)
+
+    def is_axis(self, token: Token) -> bool:
+        """A name in a drawing that is none of the model: z of `draw ground z = 0`, a plane."""
+        before = self.before(token)
+        return before is not None and before.type == "SHAPE" and str(before) in ("ground", "plane")
+
+    def _headed(self, token: Token) -> str:
+        """What the word before a name says that it is, of names that are in no table."""
+        before = self.before(token)
+        word = before.type if before is not None else ""
+        method = known(self.seen.parts["methods"]).get(str(token))
+        if word == "METHOD" and method is not None:
+            of = f"a method of the family {method.family.lower()}"
+            return f"{of}, {', '.join(sorted(method.traits))}".rstrip(", ")
+        return {"SCENE": "a scene", "MODEL": "the model's name"}.get(word, "")
+
+    # ---- names
+
+    @cached_property
+    def made(self) -> dict[str, tuple[str, str]]:
+        """Names that come with a declared one: of which, and what they are."""
+        found: dict[str, tuple[str, str]] = {}
+        for name, entry in self.names.items():
+            if entry.kind in ("coordinate", "rotation"):
+                found[f"p_{name}"] = name, f"the momentum of {name}"
+            elif entry.kind == "constraint":
+                for made in multipliers(name):
+                    found[made] = name, f"a multiplier of {name}: the force that keeps it"
+        for joint in self.joints:
+            own = joint.left.name
+            for name, what in joint_names(joint):
+                if name != own and name.startswith(own) and not self._is_written(name):
+                    found[name] = own, f"the {what} of the joint {own}"
+                    found[f"p_{name}"] = own, f"the momentum of {name}"
+        return found
+
+    def _is_written(self, name: str) -> bool:
+        """Whether a joint's clause `coord` gives a coordinate this name."""
+        joints = (s.tokens for s in self.lexed if s.keyword == "joint")
+        return any(str(t) == name and t.type == "NAME" for tokens in joints for t in tokens)
+
+    @property
+    def joints(self) -> list[Joint]:
+        known = parse_all(self.source).statements
+        return [s for s in known if isinstance(s, Joint) and s.kind[0] in KINDS]
+
+    def base(self, name: str) -> str:
+        """The declared name that a name is made of, or the name itself."""
+        return self.made.get(name, (name, ""))[0]
+
+    def declared_at(self, name: str, statement: Lexed | None) -> Span | None:
+        """Where a name is declared; a loop variable in its own statement."""
+        entry = self.names.get(self.base(name))
+        if entry is not None and entry.span.end:
+            return Span(entry.span.start, entry.span.start + self._length(entry.span.start))
+        for tokens in (s.tokens for s in self.scope(name, statement)):
+            for token, after in pairwise(tokens):
+                if token.type == "NAME" and str(token) == name and after.type == "EQUAL":
+                    return Span(token.start_pos, token.end_pos)
+        return None
+
+    def scope(self, name: str, statement: Lexed | None) -> list[Lexed]:
+        """Where a loop variable means the same: its statement, or the scene of its swarm."""
+        if statement is None:
+            return []
+        scene: list[Lexed] = []
+        for other in self.lexed:
+            scene = [other] if other.keyword == "scene" else [*scene, other]
+            if other.keyword == "end":
+                if statement in scene and any(_runs(s, name) for s in scene):
+                    return scene
+                scene = []
+        return [statement]
+
+    def _length(self, start: int) -> int:
+        token = self.token_at(start)
+        return token.end_pos - token.start_pos if token and token.start_pos == start else 1
+
+    @cached_property
+    def parts(self) -> dict[str, object]:
+        """What the checker made of a declaration, by its name."""
+        found = {}
+        for items in self.seen.parts.values():
+            for item in items:
+                item = item[0] if isinstance(item, tuple) else item  # an input
+                name = getattr(item, "name", None)
+                if name and hasattr(item, "span"):
+                    found.setdefault(name.partition("[")[0], item)
+        return found
+
+    def unit(self, name: str) -> str | None:
+        """In SI, as it is shown; None where it is not known."""
+        item = self.parts.get(name) or self.parts.get(f"{name}.x")
+        if isinstance(getattr(item, "unit", None), str):
+            return item.unit
+        entry = self.names.get(name)
+        dimension = entry.facts.dimension if entry is not None else None
+        return None if dimension is None else si_text(dimension)
+
+    @cached_property
+    def values(self) -> dict[str, float]:
+        """Of sizes, constants and parameters by default, as far as they are numbers."""
+        found: dict[str, object] = dict(self.seen.sizes)
+        sizes = {n: v for n, v in self.seen.sizes.items() if isinstance(v, int)}
+        items = [*self.seen.parts.get("definitions", ()), *self.seen.parts.get("parameters", ())]
+        for item in sorted(items, key=lambda item: item.span.start):
+            value = getattr(item, "default", None) or getattr(item, "value", None)
+            if item.name in found or getattr(item, "range", None) is not None:
+                continue
+            try:
+                found[item.name] = evaluate(value, found, sizes)
+            except (NoValue, LookupError, TypeError, ArithmeticError):
+                continue  # it moves, or has no number
+        return {n: float(v) for n, v in found.items() if isinstance(v, int) or _is_number(v)}
+
+    # ---- what is said of a place
+
+    def hover(self, offset: int) -> tuple[Span, str] | None:
+        """The token there, and what it is, as Markdown."""
+        token = self.token_at(offset)
+        if token is None:
+            return None
+        said = self._said(token, str(token))
+        return (Span(token.start_pos, token.end_pos), said) if said else None
+
+    def _said(self, token: Token, name: str) -> str:
+        if token.type in ("FUNCTION", "SUM") and name in calls():
+            return "`{}`: {}".format(*calls()[name])
+        if token.type == "UNIT":
+            return self._of_unit(name)
+        if token.type == name.upper() and name in STATEMENTS:
+            return f"```lag\n{STATEMENTS[name].form}\n```"
+        if token.type not in NAMES or self.is_axis(token):
+            return ""
+        if head := self._headed(token):
+            return f"**{name}**: {head}"
+        if name in self.made:
+            unit = self.unit(name)
+            return f"**{name}**: {self.made[name][1]}" + (f" [{unit}]" if unit else "")
+        if name in self.names and self.names[name].kind != "poisoned":
+            return self._of_name(name)
+        if name in built_in():
+            return f"**{name}**: {built_in()[name]}"
+        at = self.declared_at(name, self.statement_at(token.start_pos))
+        return f"**{name}**: a loop variable" if at else ""
+
+    def _of_unit(self, text: str) -> str:
+        try:
+            unit = parse_unit(text)
+        except UnitError as error:
+            return error.message
+        factor = f" = {float(unit.factor) * 3.141592653589793**unit.pi:.10g}"
+        plain = si_text(unit.dimension, unit.angle)
+        return (
+            f"`[{text}]`{'' if unit.is_si else f'{factor} [{plain}]'}: {described(unit.dimension)}"
+        )
+
+    def _of_name(self, name: str) -> str:
+        entry, item = self.names[name], self.parts.get(name)
+        unit = self.unit(name)
+        said = [f"**{name}**: {KIND_TEXT[entry.kind]}" + (f" [{unit}]" if unit else "")]
+        if name in self.values:
+            said.append(f"= {self.values[name]:.10g}")
+        if isinstance(getattr(item, "rate_unit", None), str) and item.rate_unit:
+            said.append(f"(its rate [{item.rate_unit}])")
+        lines = [" ".join(said)]
+        if description := getattr(item, "description", ""):
+            lines.append(description)
+        line = self.source.line(self.source.position(entry.span.start)[0])
+        lines.append(f"```lag\n{line.partition('#')[0].strip()}\n```")
+        return "\n\n".join(lines)
+
+    def inlays(self) -> Iterator[tuple[int, str]]:
+        """Units of definitions whose author wrote none, behind them."""
+        for statement in self.lexed:
+            if statement.keyword not in ("let", "const", "observe", "conserve", "param"):
+                continue
+            tokens = statement.tokens
+            bounds = (i for i, t in enumerate(tokens) if t.type == "IN")
+            last = tokens[next(bounds, len(tokens)) - 1]
+            if len(tokens) < 4 or last.type == "UNIT" or statement.errors:
+                continue
+            unit = self.unit(str(tokens[1]))
+            if unit and self.names[str(tokens[1])].facts.known:
+                yield last.end_pos, f" [{unit}]"
+
+
+def _runs(statement: Lexed, name: str) -> bool:
+    """Whether a swarm runs over this variable."""
+    return statement.keyword == "swarm" and str(statement.tokens[1]) == name
+
+
+def _is_number(value: object) -> bool:
+    return hasattr(value, "__float__")

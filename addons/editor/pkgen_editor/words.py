@@ -1,0 +1,84 @@
+"""The words of the language by class, as an editor colours and completes them.
+
+All come from the tables that the lexer and the checker read. What a function is stands here.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+from pkgen.front.check.names import SPECIAL, callable_names
+from pkgen.front.check.shared import ORIGIN
+from pkgen.front.joints import CLAUSES, GROUND, KINDS, SHOWN, TO
+from pkgen.front.shapes import FORMS, PLANES, SHAPES
+from pkgen.front.table import STATEMENTS
+from pkgen.front.words import CLAUSE_WORDS, CONSTANTS, TABLEAU
+from pkgen.tree import COMPONENTS
+
+_CALLS = """
+sin(x)            the sine of an angle
+cos(x)            the cosine of an angle
+tan(x)            the tangent of an angle
+asin(x)           the angle whose sine is x, from -pi/2 to pi/2
+acos(x)           the angle whose cosine is x, from 0 to pi
+atan(x)           the angle whose tangent is x, from -pi/2 to pi/2
+atan2(y, x)       the angle of the point x, y, from -pi to pi
+sinh(x)           the hyperbolic sine
+cosh(x)           the hyperbolic cosine
+tanh(x)           the hyperbolic tangent
+exp(x)            e to the power x
+log(x)            the natural logarithm
+ln(x)             the natural logarithm: log(x)
+sqrt(x)           the square root; half the dimension of x
+abs(x)            the magnitude of a number; it bends at 0, where steps end
+min(a, b)         the lesser; it bends where they are equal
+max(a, b)         the greater; it bends where they are equal
+step(x)           0 below 0, 1 from 0 on; it jumps there
+sign(x)           -1, 0 or 1; it jumps at 0
+clamp(x, a, b)    x within a and b: min(max(x, a), b)
+dot(u, v)         the scalar product of two vectors
+cross(u, v)       the vector product
+norm(v)           the length of a vector
+sum(EXPR, i = lo..hi)  the sum of EXPR over i; several ranges may follow
+rot(AXIS, ANGLE)  the turning by an angle about an axis; turnings are composed by *
+omega(R)          the rates of a rotation, in the frame of the body
+inverse(R)        the turning back: from space to the body
+euler(R)          [phi, theta, psi] with R = rot(z, phi)*rot(x, theta)*rot(z, psi)
+tait_bryan(R)     [yaw, pitch, roll] with R = rot(z, yaw)*rot(y, pitch)*rot(x, roll)
+drift(X)          in expect: how far X comes from its start in the whole run
+time(EVENT)       in expect: when the event first happens
+"""
+_BUILT_IN = {"T": "the kinetic energy", "V": "the potential energy", "L": "the Lagrangian, T - V"}
+
+
+def calls() -> dict[str, tuple[str, str]]:
+    """Of each function how it is called, and what it is."""
+    rows = (line.partition(")") for line in _CALLS.strip().split("\n"))
+    return {form.partition("(")[0]: (f"{form})", what.strip()) for form, _, what in rows}
+
+
+def built_in() -> dict[str, str]:
+    """Names that every model has, and what they are."""
+    origin = {ORIGIN: "the origin, unless the model has an O of its own", GROUND: "what stands"}
+    return CONSTANTS | _BUILT_IN | origin
+
+
+@cache
+def words() -> dict[str, tuple[str, ...]]:
+    """Words by class. `statement` are words anywhere, `opening` at the start of a statement alone,
+    `part` in some statements, `clause` anywhere, `function` before a bracket."""
+    parts = {part for shape in SHAPES.values() for part in shape.parts}
+    bodies = {word for words in CLAUSES.values() for word in words} | KINDS.keys()
+    found = {
+        "statement": {word for word, row in STATEMENTS.items() if not row.soft},
+        "opening": {word for word, row in STATEMENTS.items() if row.soft},
+        "clause": CLAUSE_WORDS,
+        "shape": SHAPES.keys(),
+        "part": parts | FORMS.keys() | bodies | {TO},
+        "function": callable_names() | SPECIAL,
+        "constant": CONSTANTS.keys(),
+        "method": {TABLEAU},
+        "member": frozenset(COMPONENTS) | frozenset(SHOWN),
+        "plane": PLANES.keys(),
+    }
+    return {kind: tuple(sorted(of)) for kind, of in found.items()}

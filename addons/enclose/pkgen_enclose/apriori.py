@@ -1,0 +1,69 @@
+"""A neighbourhood that no motion leaves in a step: Picard and Lindelof in complex time.
+
+If |F| <= M over the polydisk of radii r around the start and R M <= r, then each motion is
+holomorphic in the disk |t| < R and keeps within R M of its start there. By Cauchy its Taylor
+coefficients are at most R M/R^k; those of its derivative by the start at most
+(exp(R L) - 1)/R^k, where L bounds the Jacobian (Gronwall), entry by entry.
+Reference: W. Walter, Ordinary Differential Equations, Springer 1998, sections 6, 8 and 9.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pkgen.record import record
+
+from .domains import flint
+from .flow import COMPLEX, Flow
+
+ROUNDS = 6
+INFLATION = 1.1
+SHRINK = 0.8
+TRIES = 300
+
+
+@record
+class Neighbourhood:
+    radius: Any  # R, of the disk of times
+    moved: list[Any]  # R M of each variable
+    turned: Any  # exp(R L) - 1
+
+
+def neighbourhood(flow: Flow, t: Any, y: list[Any], tried: Any) -> Neighbourhood | None:
+    """The largest of some radii of time, near the one tried; None where there is none."""
+    library = flint()
+    for _ in range(TRIES):
+        moved = _moved(flow, t, y, tried)
+        if moved is not None:
+            within = [_around(*x) for x in zip(y, moved, strict=True)]
+            bounds = flow.jacobian_bound(_around(t, tried), within)
+            turned = (bounds * tried).exp()
+            if all(x.is_finite() for x in turned.entries()):
+                ones = [[int(i == j) for j in range(flow.size)] for i in range(flow.size)]
+                return Neighbourhood(tried, moved, turned - library.arb_mat(ones))
+        tried = (tried * SHRINK).mid()
+    return None
+
+
+def _moved(flow: Flow, t: Any, y: list[Any], radius: Any) -> list[Any] | None:
+    """R M of radii r that contain it, found by inflation."""
+    library = flint()
+    now = _around(t, radius)
+    tried = [library.arb(0) for _ in y]
+    for _ in range(ROUNDS):
+        around = [_around(*x) for x in zip(y, tried, strict=True)]
+        slopes = flow.slopes(COMPLEX, flow.values(now, around))
+        moved = [(library.acb(f).abs_upper() * radius).upper() for f in slopes]
+        if not all(x.is_finite() for x in moved):
+            return None
+        if all(a <= b for a, b in zip(moved, tried, strict=True)):
+            return moved
+        tried = [(x * INFLATION).upper() for x in moved]
+    return None
+
+
+def _around(x: Any, radius: Any) -> Any:
+    """The complex square around a real ball."""
+    library = flint()
+    both = library.arb(0, radius)
+    return library.acb(x + both, both)

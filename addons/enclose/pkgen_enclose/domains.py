@@ -1,0 +1,137 @@
+"""Nodes of the graph on balls: on real ones, on power series of real ones, on complex ones.
+
+A result without a value is not finite; whoever asks looks for that. Complex values are of
+holomorphic functions alone: a ball that touches a cut has none. The arithmetic is Arb's.
+Reference: F. Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+from operator import methodcaller
+from typing import Any
+
+from pkgen.graph.graph import Graph, Node, Symbol
+from pkgen.graph.written import Written
+from pkgen.system.exits import UsageError
+
+MISSING = (
+    "--enclose needs balls of arbitrary precision, which python-flint has and which is not "
+    "installed: pip install python-flint"
+)
+
+
+def flint() -> Any:
+    """The library. Raises UsageError where it is missing."""
+    try:
+        import flint as library
+    except ImportError:
+        raise UsageError(MISSING) from None
+    return library
+
+
+def ball(value: Fraction | int, upper: Fraction | None = None) -> Any:
+    """A number, or all of them between two."""
+    if upper is not None and upper != value:
+        return ball(value).union(ball(upper))
+    value = Fraction(value)
+    library = flint()
+    return library.arb(library.fmpq(value.numerator, value.denominator))
+
+
+class Reals:
+    """Of arb: what the functions of a row call (functions/row.py, `enclosed`)."""
+
+    number = staticmethod(ball)
+
+    @property
+    def pi(self) -> Any:
+        return flint().arb.pi()
+
+    sin, cos, exp, log, sqrt = map(methodcaller, ("sin", "cos", "exp", "log", "sqrt"))
+    asin, acos, atan = map(methodcaller, ("asin", "acos", "atan"))
+
+    def atan2(self, y: Any, x: Any) -> Any:
+        return x.nan() if on_cut(y, x) else flint().arb.atan2(y, x)
+
+    def min(self, x: Any, y: Any) -> Any:
+        return x.min(y)
+
+    def max(self, x: Any, y: Any) -> Any:
+        return x.max(y)
+
+    # Of constants alone:
+
+    def step(self, x: Any) -> Any:
+        return ball(int(x >= 0)) if x >= 0 or x < 0 else x.nan()
+
+    def sign(self, x: Any) -> Any:
+        return ball((x > 0) - (x < 0)) if x > 0 or x < 0 or x == 0 else x.nan()
+
+
+class Series(Reals):
+    """Of arb_series; what does not vary is an arb."""
+
+    def atan2(self, y: Any, x: Any) -> Any:
+        """By its derivative (x y' - y x')/(x^2 + y^2)."""
+        library = flint()
+        y, x = (a if isinstance(a, library.arb_series) else a + _constant(y, x) for a in (y, x))
+        first = super().atan2(y[0], x[0])
+        slope = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
+        return first + slope.integral()
+
+
+def _constant(y: Any, x: Any) -> Any:
+    library = flint()
+    lengths = [a.prec for a in (y, x) if isinstance(a, library.arb_series)]
+    return library.arb_series([0], min(lengths, default=library.ctx.cap))
+
+
+class Complexes(Reals):
+    """Of acb; `analytic` is not finite where a ball touches the cut."""
+
+    def log(self, x: Any) -> Any:
+        return _complex(x).log(analytic=True)
+
+    def sqrt(self, x: Any) -> Any:
+        return _complex(x).sqrt(analytic=True)
+
+    def _inside(self, value: Any, what: Any) -> Any:
+        """The value, if `what` is off the negative axis, else none."""
+        off = _complex(what).log(analytic=True)
+        return value if off.is_finite() else off
+
+    def asin(self, x: Any) -> Any:
+        return self._inside(_complex(x).asin(), 1 - x * x)
+
+    def acos(self, x: Any) -> Any:
+        return self._inside(_complex(x).acos(), 1 - x * x)
+
+    def atan(self, x: Any) -> Any:
+        return self._inside(_complex(x).atan(), 1 + x * x)
+
+    def atan2(self, y: Any, x: Any) -> Any:
+        """Turned so that the middle is at the angle 0: c + atan(w/u)."""
+        y, x = _complex(y), _complex(x)
+        if on_cut(y.real, x.real):
+            return x * flint().arb.nan()
+        c = flint().arb.atan2(y.real.mid(), x.real.mid()).mid()
+        u, w = x * c.cos() + y * c.sin(), y * c.cos() - x * c.sin()
+        # Re u > 0 keeps u off 0, and so one branch on all of the ball.
+        return c + self.atan(w / u) if u.real > 0 else x * flint().arb.nan()
+
+
+def _complex(x: Any) -> Any:
+    library = flint()
+    return x if isinstance(x, library.acb) else library.acb(x)
+
+
+def on_cut(y: Any, x: Any) -> bool:
+    """Whether a real pair of these may be on the cut of atan2, its end 0 included."""
+    return bool(y.contains(0)) and not x > 0
+
+
+def written(g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any]) -> Written:
+    """Nodes as a function over a domain, the parameters as balls."""
+    return Written(g, nodes, constants, Reals())

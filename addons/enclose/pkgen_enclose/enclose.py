@@ -1,0 +1,219 @@
+"""A motion within rigorous bounds, row by row; once more with more digits where they were lost.
+
+Every step leaves out 10^-D of how far its motion may go, D the digits wanted and some spare ones.
+How many of these the motion itself loses is known when it is over: then it is run again with as
+many more.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from math import ceil, floor, log, log10
+from typing import Any
+
+from pkgen.record import record
+from pkgen.system.exits import UsageError
+
+from .domains import ball, flint
+from .flow import REAL, Flow, Given
+from .step import Step, begun, step
+
+SPARE = 9  # digits, beyond those wanted
+ATTEMPTS = 5
+BITS_A_DIGIT = log(10) / log(2)
+GUARD = 40  # bits
+SHORTEST = 1e-9  # a step, of the duration
+GROWTH = 1.2  # of the radius that is tried, from step to step
+
+
+@record
+class Row:
+    t: Fraction
+    values: list[Any]  # balls
+
+
+@record
+class Enclosure:
+    names: tuple[str, ...]
+    rows: list[Row]
+    until: Fraction  # asked for
+    reached: Fraction  # of which the last row is not beyond
+    wanted: int  # digits
+    digits: int  # that the worst number of all has, of the largest of its column
+    worst: str  # its column
+    width: float  # from bound to bound, the largest of all
+    widest: str
+    steps: int
+    order: int
+    bits: int
+    seconds: float  # of the processor, all attempts
+    attempts: int
+    several: bool  # bounds are of all motions between ends that were given
+    interrupted: bool = False
+
+    @property
+    def whole(self) -> bool:
+        return self.reached == self.until
+
+
+def enclose(
+    given: Given,
+    digits: int,
+    told: Callable[[float], None] = lambda _: None,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Enclosure:
+    """Rows from 0 to the end, or to where bounds end, or to where it is stopped. Raises UsageError
+    where the start is off the constraints."""
+    begin = time.process_time()
+    spare, best = SPARE, None
+    attempt = 0
+    while attempt < ATTEMPTS:
+        attempt += 1
+        found = _attempt(given, digits, spare, told, stopped)
+        if best is None or (found.reached, found.digits) > (best.reached, best.digits):
+            best = found
+        if (found.whole and found.digits >= digits) or given.several or stopped():
+            break
+        if best is not found:  # more digits do not help
+            break
+        spare += max(digits - found.digits, 0) + SPARE if found.whole else 2 * digits
+    seconds = time.process_time() - begin
+    return replace(best, seconds=seconds, attempts=attempt, interrupted=stopped())
+
+
+def _attempt(
+    given: Given,
+    digits: int,
+    spare: int,
+    told: Callable[[float], None],
+    stopped: Callable[[], bool],
+) -> Enclosure:
+    sought = digits + spare
+    # K^2/10^(-D/K), the work of a unit of time, is least there.
+    order = max(ceil(sought * log(10) / 2), 8)
+    bits = ceil(sought * BITS_A_DIGIT) + GUARD
+    with flint().ctx.workprec(bits):
+        rows, steps, reached = _rows(given, order, sought, told, stopped)
+        return _judged(given, rows, digits, steps, order, bits, reached)
+
+
+def _rows(
+    given: Given,
+    order: int,
+    sought: int,
+    told: Callable[[float], None],
+    stopped: Callable[[], bool],
+) -> tuple[list[Row], int, Fraction]:
+    library = flint()
+    library.ctx.cap = order + 2
+    flow = Flow(given)
+    ratio = library.arb(10 ** (-sought / (order + 1))).mid()
+    now = begun(ball(0), flow.start)
+    _refuse_off(given, flow)
+    rows = [Row(Fraction(0), flow.shown(now.t, now.hull()))]
+    tried, steps, shortest = ball(given.until), 0, float(given.until) * SHORTEST
+    while rows[-1].t < given.until and all(x.is_finite() for x in rows[-1].values):
+        if stopped():
+            break
+        made = step(flow, now, order, ratio, tried)
+        if made is None or made.length < shortest or not _narrow(made):
+            break
+        more = _between(given, flow, made, rows[-1].t)
+        if more is None:
+            break
+        rows += more
+        try:
+            now = made.last()
+        except ZeroDivisionError:
+            break
+        steps += 1
+        tried = (made.around.radius * GROWTH).mid()
+        told(float(rows[-1].t / given.until))
+    return rows, steps, rows[-1].t
+
+
+def _refuse_off(given: Given, flow: Flow) -> None:
+    """A motion whose start meets the constraints meets them for ever, by the equations alone."""
+    residuals = flow.residuals(REAL, flow.values(ball(0), flow.start))
+    for k, x in enumerate(residuals):
+        if x.contains(0):
+            continue
+        rows = given.equations.constraints
+        of = k if k < rows.holonomic else k - rows.holonomic
+        what = "itself" if k < rows.holonomic else "in its rate"
+        raise UsageError(
+            f"--enclose: the start is off the constraint "
+            f"'{rows.names[of].name.removeprefix('lambda_')}' {what}, by {float(x.mid()):.3g}, and "
+            "bounds are of the numbers as they are written: give a start that meets it exactly, "
+            "by a formula in the model's 'start'"
+        )
+
+
+def _narrow(made: Step) -> bool:
+    """Whether bounds are still bounds: narrower than what a step may move."""
+    hull = made.first.hull()
+    pairs = zip(hull, made.around.moved, strict=True)
+    return all(x.is_finite() for x in hull) and any(x.rad() < m or x.rad() == 0 for x, m in pairs)
+
+
+def _between(given: Given, flow: Flow, made: Step, last: Fraction) -> list[Row] | None:
+    """The rows within a step; None where one has no bounds."""
+    found = []
+    while last < given.until:
+        t = min((last // given.every + 1) * given.every, given.until)
+        after = ball(t) - made.first.t
+        if not after <= made.length:
+            break
+        values = flow.shown(ball(t), made.hull(after))
+        if not all(x.is_finite() for x in values):
+            return None
+        found.append(Row(t, values))
+        last = t
+    return found
+
+
+def _size(column: tuple[Any, ...]) -> float:
+    """The largest of a column; 1, so that digits are those behind the point, where all may be 0."""
+    if all(x.contains(0) for x in column):
+        return 1.0
+    return max(float(x.abs_upper()) for x in column)
+
+
+def _judged(
+    given: Given,
+    rows: list[Row],
+    digits: int,
+    steps: int,
+    order: int,
+    bits: int,
+    reached: Fraction,
+) -> Enclosure:
+    columns = list(zip(*(row.values for row in rows), strict=True))
+    radii = [max(float(x.rad().upper()) for x in column) for column in columns]
+    sizes = [_size(column) for column in columns]
+    kept = [
+        floor(-log10(r / size)) if 0 < r < size else 0 if r > 0 else bits
+        for r, size in zip(radii, sizes, strict=True)
+    ]
+    worst = min(range(len(kept)), key=lambda i: (kept[i], i))
+    widest = max(range(len(kept)), key=lambda i: (radii[i], -i))
+    return Enclosure(
+        names=given.names,
+        rows=rows,
+        until=given.until,
+        reached=reached,
+        wanted=digits,
+        digits=kept[worst],
+        worst=given.names[worst],
+        width=2 * radii[widest],
+        widest=given.names[widest],
+        steps=steps,
+        order=order,
+        bits=bits,
+        seconds=0.0,
+        attempts=1,
+        several=given.several,
+    )

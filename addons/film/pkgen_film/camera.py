@@ -1,0 +1,57 @@
+"""From space to the picture: parallel rays along one direction, as in drawings of mechanisms. A
+plane view looks along its third axis; space is seen from the side and a little from above."""
+
+from __future__ import annotations
+
+import numpy
+
+from pkgen.record import record
+
+AZIMUTH, ELEVATION = numpy.radians(-62.0), numpy.radians(20.0)
+ROOM = 0.88  # of the picture that is used
+
+
+@record(eq=False)
+class Camera:
+    """Rows of `turn`: to the right, upwards, towards the eye. `centre` is in these, `scale` in
+    pixels; `size` is width and height."""
+
+    turn: numpy.ndarray
+    size: tuple[int, int]
+    centre: numpy.ndarray
+    scale: float
+
+    def seen(self, points: numpy.ndarray) -> numpy.ndarray:
+        """Pixels from the lower left corner, of points of shape (..., 3), with their depth: the
+        larger, the nearer."""
+        found = points @ self.turn.T - self.centre
+        found = found * self.scale
+        found[..., 0] += self.size[0] / 2
+        found[..., 1] += self.size[1] / 2
+        return found
+
+
+def turn_of(view: dict) -> numpy.ndarray:
+    if view["kind"] == "plane":
+        right, up = (numpy.eye(3)["xyz".index(axis)] for axis in view["axes"])
+        return numpy.stack([right, up, numpy.cross(right, up)])
+    a, e = AZIMUTH, ELEVATION
+    towards = numpy.array([numpy.cos(a) * numpy.cos(e), numpy.sin(a) * numpy.cos(e), numpy.sin(e)])
+    right = numpy.array([-numpy.sin(a), numpy.cos(a), 0.0])
+    return numpy.stack([right, numpy.cross(towards, right), towards])
+
+
+def fitted(
+    turn: numpy.ndarray, points: numpy.ndarray, size: tuple[int, int], width: float | None
+) -> Camera:
+    """All of `points`, of shape (n, 3), in the picture; the author's width if there is one."""
+    seen = points[numpy.isfinite(points).all(axis=1)] @ turn.T
+    if not len(seen):
+        seen = numpy.zeros((1, 3))
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    spans = numpy.maximum(high - low, 1e-9 * max(1e-9, float(numpy.abs(seen).max())))
+    across = max(width or 0.0, spans[0]) if width else spans[0]
+    scale = ROOM * min(size[0] / across, size[1] / spans[1])
+    if not numpy.isfinite(scale) or spans[:2].max() <= 0:
+        scale = 0.3 * min(size)
+    return Camera(turn, size, (low + high) / 2, float(scale))

@@ -1,0 +1,147 @@
+"""The variables of a unit, in their order, from the description of a model."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pkgen.back.exported import Exported
+from pkgen.record import record
+from pkgen.system.exits import UsageError
+
+SHIFT = 20  # as in c/unit.h
+_KINDS = "time parameter input slope state rate output energy claim indicator setting"
+KINDS = {kind: k for k, kind in enumerate(re.split(" ", _KINDS))}
+METHOD, STEP, RTOL = range(3)
+
+
+@record
+class Variable:
+    """`start` None: it is computed. `derivative` is the reference of what it is the rate of."""
+
+    name: str
+    reference: int
+    causality: str
+    start: float | int | None = None
+    unit: str = ""
+    description: str = ""
+    lo: float | None = None
+    hi: float | None = None
+    derivative: int | None = None
+    fixed: bool = False  # not tunable
+    kind: str = ""
+
+
+def reference(kind: str, index: int) -> int:
+    return KINDS[kind] << SHIFT | index
+
+
+@record
+class State:
+    """`x` of a unit: a coordinate, a rate or a first-order variable."""
+
+    name: str
+    unit: str
+    description: str
+    start: float
+    follows: bool
+
+
+Described = Mapping[str, Any]
+
+
+def states(model: Described) -> list[State]:
+    """Coordinates, then all of v in order."""
+    found: dict[int, State] = {}
+    coordinates = model["coordinates"]
+    n_q = len(coordinates)
+    for c in coordinates:
+        about = c["description"]
+        found[c["index"]] = State(c["name"], c["unit"], about, c["q"] or 0.0, c["q_follows"])
+        v = State(
+            c["rate"], c["rate_unit"], about and f"rate: {about}", c["v"] or 0.0, c["v_follows"]
+        )
+        found[n_q + c["index"]] = v
+    for r in model["rotations"]:
+        keys = ("rate_indices", "rates", "rate_values", "rates_follow")
+        for k, name, value, follows in zip(*(r[key] for key in keys), strict=True):
+            found[n_q + k] = State(name, r["rate_unit"], "body rate", value or 0.0, follows)
+    for s in model["states"]:
+        found[n_q + s["index"]] = State(
+            s["name"], s["unit"], s["description"], s["value"] or 0.0, s["follows"]
+        )
+    if sorted(found) != list(range(len(found))) or not model["whole"]:
+        raise UsageError("a family is too long to be variables of a unit: --size makes it shorter")
+    return [found[k] for k in range(len(found))]
+
+
+def variables(exported: Exported) -> list[Variable]:
+    return list(_variables(exported))
+
+
+def _variables(exported: Exported) -> Iterator[Variable]:
+    model = exported.description
+    taken = {p["name"] for p in model["parameters"]}
+    time = "" if model["dimensionless"] else "s"
+    name = next(word for word in ("time", "time_", "t") if word not in taken)
+    yield Variable(name, 0, "independent", unit=time)
+    for k, p in enumerate(model["parameters"]):
+        about = {"lo": p["lo"], "hi": p["hi"]}
+        yield Variable(
+            p["name"], reference("parameter", k), "parameter", p["value"], p["unit"],
+            p["description"], **about,
+        )  # fmt: skip
+    for k, u in enumerate(model["inputs"]):
+        about = u["description"]
+        yield Variable(u["name"], reference("input", k), "input", u["value"], u["unit"], about)
+        yield Variable(
+            f"der({u['name']})", reference("slope", k), "input", 0.0, over(u["unit"], time),
+            f"slope of {u['name']} between communication points", kind="slope",
+        )  # fmt: skip
+    x = states(model)
+    for k, s in enumerate(x):
+        yield Variable(s.name, reference("state", k), "output", s.start, s.unit, s.description)
+    for k, s in enumerate(x):
+        yield Variable(
+            f"der({s.name})", reference("rate", k), "local", None, over(s.unit, time),
+            derivative=reference("state", k),
+        )  # fmt: skip
+    for o in model["outputs"]:
+        yield Variable(
+            o["name"], reference("output", o["index"]), "output", None, o["unit"], o["description"]
+        )
+    for c in model["constants"]:
+        if c["kind"] in ("energy", "claim"):
+            about = c.get("label", "constant along every motion")
+            yield Variable(
+                c["name"], reference(c["kind"], c["index"]), "output", None, c["unit"], about
+            )
+    for k, name in enumerate(indicators(model)):
+        yield Variable(name, reference("indicator", k), "local", kind="indicator")
+    default = [m["name"] for m in exported.methods()].index(exported.method()) + 1
+    run = model["run"]
+    yield Variable(
+        "integrator.method", reference("setting", METHOD), "parameter", default,
+        description="of co-simulation", fixed=True, kind="method",
+    )  # fmt: skip
+    yield Variable(
+        "integrator.step", reference("setting", STEP), "parameter", run["step"] or 0.0, time,
+        "0: an adaptive method chooses, others take the communication step", 0.0, fixed=True,
+    )  # fmt: skip
+    yield Variable(
+        "integrator.rtol", reference("setting", RTOL), "parameter", run["rtol"],
+        description="of adaptive methods; of states bound in model exchange", lo=0.0, hi=1.0,
+        fixed=True,
+    )  # fmt: skip
+
+
+def indicators(model: Described) -> list[str]:
+    """What a unit watches for changes of sign: events, then switches."""
+    events = [f"event({e['name']})" for e in model["events"]]
+    return events + [f"switch({k + 1})" for k in range(model["switches"])]
+
+
+def over(unit: str, time: str) -> str:
+    """The unit of its derivative by time."""
+    return f"{unit or '1'}/{time}" if time else unit

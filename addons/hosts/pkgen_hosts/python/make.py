@@ -1,0 +1,107 @@
+"""The wheel, the same to the byte each time; its tag says what its library was linked with."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import keyword
+import re
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+from pkgen.back.archive import archive
+from pkgen.back.exported import TARGET_OPTION, Exported, Host
+from pkgen.back.library import TARGETS, Target, library, named, this_machine
+from pkgen.back.live import LIVE, WHICH, which_model
+from pkgen.back.runtime import licence
+from pkgen.system.exits import UsageError
+
+HERE = Path(__file__).parent
+_GLIBC = re.compile(rb"\0GLIBC_2\.(\d+)\0")
+_LEAST_GLIBC = 5  # of the tag manylinux
+_TAGS = {
+    "windows-x86_64": "win_amd64",
+    "macos-x86_64": "macosx_11_0_x86_64",
+    "macos-aarch64": "macosx_11_0_arm64",
+}
+METADATA = """Metadata-Version: 2.1
+Name: {name}
+Version: {version}
+Summary: {summary}
+Requires-Python: >=3.8
+Requires-Dist: numpy
+"""
+WHEEL = """Wheel-Version: 1.0
+Generator: pkgen {pkgen}
+Root-Is-Purelib: false
+Tag: {tag}
+"""
+
+
+def make(model: Exported) -> dict[str, bytes]:
+    name = model.name
+    if keyword.iskeyword(name) or name in sys.stdlib_module_names or name == "numpy":
+        raise UsageError(f"'{name}' is a module of Python's: call the model otherwise")
+    if not model.description["whole"]:
+        raise UsageError(
+            "a family is too long for names of all its members: --size makes it shorter"
+        )
+    targets = named(model.options.target) if model.options.target else []
+    if len(targets) > 1:
+        raise UsageError("--target: a wheel is of one machine")
+    target = targets[0] if targets else None
+    wrapper = {path.name: path.read_text("utf-8") for path in sorted(LIVE.glob("*.[ch]"))}
+    wrapper[WHICH] = which_model(name, model.own)
+    model.method()  # refused here, not where it is installed
+    code = library(model.with_runtime(wrapper), "live_", target)
+    place = target or TARGETS[this_machine()]
+    tag = f"py3-none-{platform_tag(code, place)}"
+    found = model.description
+    version = f"{found['pkgen']}+{found['sha256'][:12]}"
+    files = {
+        f"{name}/__init__.py": (HERE / "wheel" / "model.py").read_bytes(),
+        f"{name}/model.json": model.json().encode(),
+        f"{name}/library{place.suffix}": code,
+    }
+    info = f"{name}-{version}.dist-info"
+    summary = found["description"].split("\n")[0] or found["title"]
+    files |= {
+        f"{info}/METADATA": METADATA.format(name=name, version=version, summary=summary).encode(),
+        f"{info}/WHEEL": WHEEL.format(pkgen=found["pkgen"], tag=tag).encode(),
+        f"{info}/licenses/LICENSE": licence().encode(),
+    }
+    files[f"{info}/RECORD"] = _record(files, f"{info}/RECORD").encode()
+    return {f"{name}-{version}-{tag}.whl": archive(files)}
+
+
+def platform_tag(code: bytes, target: Target) -> str:
+    """Of Linux with the newest glibc whose symbols the library asks for."""
+    if target.name in _TAGS:
+        return _TAGS[target.name]
+    newest = max((int(v) for v in _GLIBC.findall(_doubled(code))), default=0)
+    machine = target.name.partition("-")[2]
+    return f"manylinux_2_{max(newest, _LEAST_GLIBC)}_{machine}"
+
+
+def _doubled(code: bytes) -> bytes:
+    """With each zero twice, so that names next to each other have their own."""
+    return code.replace(b"\0", b"\0\0")
+
+
+def _record(files: Mapping[str, bytes], own: str) -> str:
+    lines = []
+    for path, data in files.items():
+        digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+        lines.append(f"{path},sha256={digest},{len(data)}")
+    return "\n".join([*lines, f"{own},,"]) + "\n"
+
+
+PYTHON = Host(
+    "python",
+    "a wheel of this model, for which no compiler is needed where it is installed",
+    make,
+    ".whl",
+    (TARGET_OPTION,),
+    tools="a C compiler; of other machines ziglang (pip)",
+)

@@ -1,0 +1,55 @@
+"""`pkgen import`: a robot's URDF or MJCF as a model."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from pkgen_robots.read import imported
+
+from .. import limits
+from ..compiler import check_model
+from ..front.read import from_text
+from ..system.exits import DONE
+from ..system.files import replace
+from ..system.resources import ResourcesExceeded, bounded
+
+EXAMPLES = """
+pkgen import robot.urdf -o robot.lag
+"""
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("model", metavar="ROBOT", help="URDF, or the subset of MJCF that docs/bodies.md names")
+    add("-o", dest="output", metavar="FILE.lag", help="default: standard output")
+    add("--base", choices=("fixed", "free"), default="fixed", help="how the root is held")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write a robot as a .lag file of bodies and joints; say what is left out of it."""
+    text, robot = imported(options.model, options.base)
+    notes = [*robot.notes(), *_checked(options.output or "robot.lag", text)]
+    if options.output and options.output != "-":
+        replace({Path(options.output): text})
+    elif not options.json:
+        sys.stdout.write(text)
+    if options.json:
+        made = {"file": options.output, "bodies": len(robot.links), "joints": len(robot.joints)}
+        print(json.dumps(made | {"notes": notes}))
+        return DONE
+    for line in (f"{len(robot.links)} bodies, {len(robot.joints)} joints", *notes):
+        print(line, file=sys.stderr)
+    return DONE
+
+
+def _checked(name: str, text: str) -> list[str]:
+    """Whether `pkgen check` takes the model, before it is written. Raises ModelError."""
+    try:
+        with bounded(limits.CPU_SECONDS, limits.MEMORY_BYTES):
+            check_model(from_text(name, text))
+    except ResourcesExceeded:
+        return [f"not checked, since it takes more than {limits.CPU_SECONDS:g} s: pkgen check"]
+    return []

@@ -1,0 +1,244 @@
+"""A robot of links and joints, whatever it was written in, as text of the language."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import count
+
+from pkgen import limits
+from pkgen.front.words import C_HEADERS, reserved, symbols_of
+
+from .turns import Matrix, Turns, Vector, inner, right_angles, seen_from
+from .xml import Element
+
+TAKEN = ("g", "ground", "O", "energy", "T", "V", "L")
+# Names that a joint's coordinates take besides its own, by its kind.
+SUFFIXES = {"free": ("_x", "_y", "_z"), "planar": ("_1", "_2")}
+
+
+@dataclass
+class Link:
+    name: str
+    mass: float = 0.0
+    com: Vector = (0.0, 0.0, 0.0)
+    inertia: Matrix | None = None  # about the centre of mass, along the link's axes
+    meshes: list[str] = field(default_factory=list)
+
+
+@dataclass
+class Mimic:
+    """A coordinate that is a multiple of another joint's, and an offset."""
+
+    element: Element
+    of: str
+    factor: float
+    offset: float
+
+
+@dataclass
+class Joint:
+    name: str
+    kind: str  # a key of front/joints.py KINDS
+    parent: str  # "": the ground
+    child: str
+    at: Vector
+    turn: Turns
+    axis: Vector | None
+    says: str = ""
+    damping: float = 0.0
+    limits: tuple[float, float] | None = None  # [rad] or [m]
+    mimic: Mimic | None = None
+
+    @property
+    def start(self) -> float:
+        """0, or between its limits."""
+        low, high = self.limits or (0.0, 0.0)
+        return (low + high) / 2 if low > 0 or high < 0 else 0.0
+
+
+@dataclass
+class Robot:
+    name: str
+    links: list[Link]
+    joints: list[Joint]  # a parent's before its children's
+    gravity: Vector = (0.0, 0.0, -9.81)
+    left_out: dict[str, int] = field(default_factory=dict)
+    doubts: list[str] = field(default_factory=list)
+
+    def inertia(self, link: Link, own: Matrix, turn: Turns, at: Element) -> None:
+        """The tensor of a link, in axes of its own. One that no rigid body has is kept and said."""
+        if any(own[k][k] < 0 for k in range(3)):
+            raise at.wrong(f"the inertia of '{link.name}' has a negative moment")
+        if not _is_inertia(own):
+            self.doubts.append(f"the inertia of '{link.name}' has a negative principal moment")
+        link.inertia = seen_from(turn, own)
+
+    def notes(self) -> list[str]:
+        """For people: what was not taken along, and what is doubtful."""
+        left = [f"{what} ({count})" for what, count in self.left_out.items()]
+        return (["left out: " + ", ".join(left)] if left else []) + self.doubts
+
+    def leave_out(self, what: str) -> None:
+        self.left_out[what] = self.left_out.get(what, 0) + 1
+
+
+class Names:
+    """Names of the language for those of a robot, each once."""
+
+    def __init__(self) -> None:
+        self.taken = set(TAKEN)
+        self.numbers: dict[str, count[int]] = {}  # the next one behind a name that is taken
+
+    def new(self, name: str, suffixes: Iterable[str] = (), other: str = "") -> str:
+        base = re.sub(r"\W", "_", name, flags=re.ASCII)[: limits.NAME_LENGTH - 12] or "link"
+        base = base if base[0].isalpha() and not base.startswith("p_") else f"x_{base}"
+        form = base
+        while True:
+            all_ = {form, *(form + suffix for suffix in suffixes)}
+            if not reserved(form) and not all_ & self.taken:
+                self.taken |= all_
+                return form
+            form = f"{base}_{other or next(self.numbers.setdefault(base, count(2)))}"
+            other = ""
+
+
+def text(robot: Robot, file: str) -> str:
+    """A .lag file that compiles."""
+    _hold_massless(robot)
+    names, model = Names(), re.sub(r"\W", "_", robot.name, flags=re.ASCII) or "robot"
+    if not model[0].isalpha() or reserved(model) or symbols_of(model) or model in C_HEADERS:
+        model = f"robot_{model}"
+    bodies = {link.name: names.new(link.name) for link in robot.links}
+    lines = [f"model {model[: limits.NAME_LENGTH - 12]}  # from {re.sub('[^ -~]', '?', file)}"]
+    lines += [f"# {re.sub('[^ -~]', '?', note)}" for note in robot.notes()]
+    lines += ["", f"gravity {_vector(robot.gravity)} [m/s^2]", ""]
+    lines += [_body(link, bodies[link.name]) for link in robot.links]
+    lines.append("")
+    damped, starts, called = [], [], {}
+    for joint in robot.joints:
+        name = names.new(joint.name, _suffixes(joint), "joint")
+        lines.append(_joint(joint, name, bodies))
+        if joint.damping:
+            unit = "N*m*s" if joint.kind == "revolute" else "N*s/m"
+            damped.append(f"dissipation ({joint.damping!r} [{unit}])/2*{name}'^2")
+        called[joint.name] = name, joint
+    rows = []
+    for name, joint in called.values():
+        start, why = joint.start, "between its limits"
+        if joint.mimic and joint.kind != "fixed":
+            start, why = _mimicked(joint, called), "as it mimics"
+            rows.append(_row(name, joint, called, names))
+        if start:
+            unit = " [m]" * (joint.kind == "prismatic")
+            starts.append(f"start {name} = {start!r}{unit}  # {why}")
+    more = [*damped, *rows, *starts]
+    return "\n".join([*lines, *([""] if more else []), *more]) + "\n"
+
+
+Called = dict[str, tuple[str, Joint]]
+
+
+def _mimicked(joint: Joint, called: Called) -> float:
+    """Where it starts, by the joints that it mimics. Raises ModelError."""
+    factor, offset, seen = 1.0, 0.0, {joint.name}
+    while joint.mimic and joint.kind != "fixed":
+        mimic = joint.mimic
+        if mimic.of not in called:
+            raise mimic.element.wrong(f"there is no joint '{mimic.of}'")
+        joint = called[mimic.of][1]
+        if joint.kind not in ("revolute", "prismatic", "fixed"):
+            help = "one that turns about an axis or slides along one"
+            raise mimic.element.wrong(f"a {joint.kind} joint cannot be mimicked", help)
+        if joint.name in seen:
+            raise mimic.element.wrong(f"the mimics go round in a circle at '{joint.name}'")
+        seen.add(joint.name)
+        factor, offset = factor * mimic.factor, factor * mimic.offset + offset
+    return factor * joint.start + offset
+
+
+def _row(name: str, joint: Joint, called: Called, names: Names) -> str:
+    """The constraint of a mimic; a joint that is fixed stays at 0."""
+    other, leader = called[joint.mimic.of]
+    slides = joint.kind == "prismatic"
+    unit = {(True, "revolute"): " [m]", (False, "prismatic"): " [1/m]"}.get((slides, leader.kind))
+    product = f"({joint.mimic.factor!r}{unit or ''})*{other}" if leader.kind != "fixed" else ""
+    offset = f"({joint.mimic.offset!r}{' [m]' * slides})" if joint.mimic.offset else ""
+    right = " + ".join(filter(None, (product, offset))) or "0"
+    return f"constraint {names.new(joint.name, (), 'mimic')}: {name} = {right}"
+
+
+def _suffixes(joint: Joint) -> tuple[str, ...]:
+    """Of the names that the joint makes."""
+    return SUFFIXES.get(joint.kind, ()) + ("_lower", "_upper") * bool(joint.limits)
+
+
+def _hold_massless(robot: Robot) -> None:
+    """Joints beyond which there is no mass have no equation of motion: fixed, and said to be."""
+    links = {link.name: link for link in robot.links}
+    heavy = {name for name, link in links.items() if link.mass or any(map(any, link.inertia or ()))}
+    for joint in reversed(robot.joints):
+        if joint.child in heavy:
+            heavy.add(joint.parent)
+        elif joint.kind != "fixed":
+            joint.kind, joint.axis, joint.damping, joint.limits = "fixed", None, 0.0, None
+            robot.leave_out("joints that carry no mass: fixed")
+
+
+def _body(link: Link, name: str) -> str:
+    parts = [f"body {name} mass {link.mass!r}" + (" [kg]" if link.mass else "")]
+    i = link.inertia
+    if i is not None and any(map(any, i)):
+        elements = [i[k][k] for k in range(3)]
+        across = [i[0][1], i[0][2], i[1][2]]
+        parts.append(f"inertia {_vector(elements + across * any(across))} [kg*m^2]")
+    if any(link.com):
+        parts.append(f"at {_vector(link.com)} [m]")
+    seen = ", ".join(re.sub("[^ -~]", "?", mesh)[:60] for mesh in link.meshes[:2])
+    return "  ".join(parts) + (f"  # mesh {seen}" if seen else "")
+
+
+def _joint(joint: Joint, name: str, bodies: dict[str, str]) -> str:
+    parent = bodies[joint.parent] if joint.parent else "ground"
+    parts = [f"joint {name}: {parent} to {bodies[joint.child]}  {joint.kind}"]
+    if joint.axis is not None:
+        parts[0] += f" {_vector(joint.axis)}"
+    if any(joint.at):
+        parts.append(f"at {_vector(joint.at)} [m]")
+    turns = [f"rot({_vector(axis)}, {_angle(angle)})" for axis, angle in joint.turn]
+    if turns:
+        parts.append(f"turned {'*'.join(turns)}")
+    if joint.limits:
+        low, high = (_angle(x) if joint.kind == "revolute" else repr(x) for x in joint.limits)
+        parts.append(f"limits [{low}, {high}]" + " [m]" * (joint.kind == "prismatic"))
+    return "  ".join(parts) + (f"  # {joint.says}" if joint.says else "")
+
+
+def _angle(angle: float) -> str:
+    right = right_angles(angle)
+    if right is None:
+        return repr(angle)
+    return {0: "0", 1: "pi/2", -1: "-pi/2", 2: "pi", -2: "-pi"}.get(right, f"{right}*pi/2")
+
+
+def _vector(v: Sequence[float]) -> str:
+    return (
+        "[" + ", ".join(f"{int(x)}" if x == int(x) and abs(x) < 1e6 else repr(x) for x in v) + "]"
+    )
+
+
+def _is_inertia(i: Matrix) -> bool:
+    """Whether a rigid body may have it, but for rounding: no principal moment is negative."""
+    tiny = 1e-9 * max(i[k][k] for k in range(3))
+    minors = (i[a][a] * i[b][b] - i[a][b] ** 2 for a, b in ((0, 1), (0, 2), (1, 2)))
+    determinant = inner(i[0], _crossed(i[1], i[2]))
+    return (
+        all(i[k][k] >= 0 for k in range(3))
+        and all(m >= -(tiny**2) for m in minors)
+        and determinant >= -(tiny**3) * 1e9
+    )
+
+
+def _crossed(a: Vector, b: Vector) -> Vector:
+    return tuple(a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3))

@@ -1,0 +1,111 @@
+"""XML as a tree of elements, each with its place. There is no document type, so no entity can be
+declared, grow or reach outside; depth and count are limited, and nothing recurses."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from pkgen import limits
+from pkgen.source import Diagnostic, ModelError, Source, Span
+
+LARGEST, SMALLEST = 1e100, 1e-100  # squares of these are doubles still
+ANGLE = 1e6  # radians or degrees: of more the digits say nothing
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+
+
+@dataclass
+class Element:
+    source: Source
+    tag: str
+    attributes: dict[str, str]
+    span: Span
+    children: list[Element] = field(default_factory=list)
+
+    def all(self, tag: str) -> Iterator[Element]:
+        return (child for child in self.children if child.tag == tag)
+
+    def first(self, tag: str) -> Element | None:
+        return next(self.all(tag), None)
+
+    def wrong(self, message: str, help: str = "") -> ModelError:
+        return ModelError(self.source, [Diagnostic(message, self.span, help)])
+
+    def text(self, name: str) -> str:
+        """An attribute that must be there."""
+        if not self.attributes.get(name, "").strip():
+            raise self.wrong(f"<{self.tag}> has no '{name}'")
+        return self.attributes[name].strip()
+
+    def numbers(
+        self, name: str, count: int, default: tuple[float, ...] = (), largest: float = LARGEST
+    ) -> tuple[float, ...]:
+        """Finite ones, `count` of them; without a default the attribute must be there."""
+        if default and name not in self.attributes:
+            return default
+        words = self.text(name).split()
+        shown = self.attributes[name][:40]
+        if not all(_NUMBER.fullmatch(word) for word in words):
+            raise self.wrong(f'{name}="{shown}" is no number')
+        found = tuple(float(word) + 0.0 for word in words)  # -0 is 0
+        if not all(abs(x) < largest for x in found):
+            raise self.wrong(f'{name}="{shown}" is too large')
+        small = [w for w, x in zip(words, found, strict=True) if abs(x) < SMALLEST and _spelt(w)]
+        if small:
+            help = f"write 0, or a number of at least {SMALLEST:g}"
+            raise self.wrong(f'{name}="{shown}" is too small: {small[0][:40]} is not 0', help)
+        if len(found) != count:
+            numbers = "one number" if count == 1 else f"{count} numbers"
+            raise self.wrong(f"'{name}' of <{self.tag}> is {numbers}, not {len(found)}")
+        return found
+
+    def number(self, name: str, *default: float) -> float:
+        return self.numbers(name, 1, default)[0]
+
+
+def _spelt(word: str) -> bool:
+    """Whether a number is another than 0, as it is written."""
+    return any(digit in "123456789" for digit in word.lower().partition("e")[0])
+
+
+def tree(source: Source) -> Element:
+    """The root. Raises ModelError with the place of what is wrong."""
+    lines = [0]
+    lines += [k + 1 for k, c in enumerate(source.text) if c == "\n"]
+    parser = expat.ParserCreate("utf-8")
+    open_now: list[Element] = []
+    roots: list[Element] = []
+    count = 0
+
+    def here(length: int = 1) -> Span:
+        line = min(parser.CurrentLineNumber - 1, len(lines) - 1)
+        at = min(lines[line] + parser.CurrentColumnNumber, max(len(source.text) - 1, 0))
+        return Span(at, min(at + length, len(source.text)))
+
+    def stop(message: str, help: str = "") -> None:
+        raise ModelError(source, [Diagnostic(message, here(), help)])
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal count
+        count += 1
+        if count > limits.XML_ELEMENTS:
+            stop(f"more than {limits.XML_ELEMENTS} elements")
+        if len(open_now) >= limits.XML_DEPTH:
+            stop(f"elements within elements, more than {limits.XML_DEPTH} deep")
+        element = Element(source, tag, attributes, here(1 + len(tag)))
+        (open_now[-1].children if open_now else roots).append(element)
+        open_now.append(element)
+
+    def doctype(*_: object) -> None:
+        stop("a document type is refused: it can declare entities", "take the DOCTYPE out")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda _: open_now.pop()
+    parser.StartDoctypeDeclHandler = doctype
+    try:
+        parser.Parse(source.text.encode("utf-8"), True)
+    except expat.ExpatError as error:
+        stop(f"this is no XML: {expat.errors.messages.get(error.code, 'it is broken')}")
+    return roots[0]

@@ -1,0 +1,205 @@
+"""A plan, as its author writes it in TOML: options of a run, how members are drawn, what is kept.
+
+Nothing in it is run: numbers and units go through the parser of the language.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import field
+from typing import Any
+
+from pkgen.front.read import ALLOW, read, refusal
+from pkgen.record import record
+from pkgen.source import Diagnostic, Source, Span
+from pkgen.system.exits import UsageError
+from pkgen.system.near import near
+
+KINDS = ("random", "grid", "list", "sobol", "latin")
+SECTIONS = (*KINDS, "refine")
+MOST_LEVELS = 30
+OWN = ("members", "seed", "keep")
+TEXTS = ("until", "method", "every", "step", "rtol", "atol", "max_step", "scene", "record", "at")
+LISTS = ("set", "start", "size", "tableau", "composition")
+OTHERS = {"iteration": str, "max_steps": int, "portable": bool, "libm": bool, "no_reduce": str}
+KEYS = (*OWN, *TEXTS, *LISTS, *OTHERS)
+
+_SECTION = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]\s*(?:#.*)?$")
+_KEY = re.compile(r"""\s*("[^"]*"|'[^']*'|[\w.-]+)\s*=\s*""")
+
+
+@record
+class Plan:
+    """What a plan says; nothing of it is known to the model yet."""
+
+    source: Source
+    options: dict[str, object]  # of a run, by the names of `pkgen run`
+    kind: str
+    axes: dict[str, Any]  # what is drawn, by name
+    members: int | None
+    seed: int
+    keep: tuple[str, ...]
+    refine: dict[str, Any]  # "where" and "levels", or nothing
+    places: dict[tuple[str, str], Span] = field(repr=False)  # of each key in its section
+
+    def wrong(self, section: str, key: str, message: str, help: str = "") -> UsageError:
+        """What is said of a key, with its place."""
+        span = self.places.get((section, key)) or self.places.get((section, ""), Span(0, 0))
+        return UsageError(Diagnostic(message, span, help).text(self.source))
+
+    def wrong_within(self, section: str, key: str, text: str, found: Diagnostic) -> UsageError:
+        """The same of a place in a text that is part of the key's value."""
+        whole = self.places.get((section, key), Span(0, 0))
+        at = self.source.text.find(text, whole.start, whole.end)
+        message = f"{key}: {found.message}"
+        if at < 0 or not text:
+            return self.wrong(section, key, message, found.help)
+        start = at + min(found.span.start, len(text) - 1)
+        end = max(start + 1, min(at + found.span.end, at + len(text)))
+        return UsageError(Diagnostic(message, Span(start, end), found.help).text(self.source))
+
+    def of_a_run(self, options: argparse.Namespace) -> argparse.Namespace:
+        """The options of a run, those of the plan in place of their defaults. Errors in files that
+        it names do not quote them."""
+        more = {"unquoted": self.options.get("tableau", ())}
+        return argparse.Namespace(**{**vars(options), **self.options, **more})
+
+    def refuse_foreign(self, model: str) -> None:
+        """Files that it names lie in its folder or in that of the model. Raises UsageError."""
+        folders = [os.path.dirname(path) for path in (self.source.path, model)]
+        for file in self.options.get("tableau", ()):
+            if why := refusal(file, file, *folders):
+                raise self.wrong("", "tableau", why, ALLOW)
+
+
+def read_plan(path: str) -> Plan:
+    """Raises UsageError or ModelError with the place of what is wrong."""
+    return of_text(read(path, "a plan in TOML"))
+
+
+def of_text(source: Source) -> Plan:
+    try:
+        import tomllib
+    except ImportError:  # Python 3.10
+        try:
+            import tomli as tomllib
+        except ImportError:
+            raise UsageError("plans are read by tomli: pip install tomli") from None
+    try:
+        said = tomllib.loads(source.text)
+    except tomllib.TOMLDecodeError as error:
+        said = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", str(error))
+        place, why = (f":{said[2]}:{said[3]}", said[1]) if said else ("", str(error))
+        raise UsageError(f"{source.path}{place}: not TOML: {why}") from None
+    except ValueError:  # Python's limit
+        raise UsageError(f"{source.path}: not a plan: a number of thousands of digits") from None
+    except RecursionError:
+        raise UsageError(f"{source.path}: not a plan: brackets within brackets") from None
+    made = Plan(source, {}, "", {}, None, 0, (), {}, _places(source.text))
+    said = {key.replace("-", "_"): value for key, value in said.items()}
+    _refuse_unknown(made, said)
+    kinds = [kind for kind in KINDS if kind in said]
+    if len(kinds) != 1:
+        two = f"[{kinds[0]}] and [{kinds[1]}]: members are drawn in one way" if kinds else ""
+        none = "the plan has no axes: [random], [grid], [list], [sobol] or [latin]"
+        raise made.wrong(kinds[1] if two else "", "", two or none)
+    kind = kinds[0]
+    if not said[kind]:
+        raise made.wrong(kind, "", f"[{kind}] has no axes: parameters or starts with their ranges")
+    members = _whole(made, said, "members", None, 1)
+    seed = _whole(made, said, "seed", 0, 0)
+    if seed is not None and seed >= 1 << 64:
+        raise made.wrong("", "seed", "a seed is below 2^64")
+    keep = said.get("keep", ["final"])
+    keep = [keep] if isinstance(keep, str) else keep
+    if not isinstance(keep, list) or not keep or not all(isinstance(x, str) for x in keep):
+        raise made.wrong("", "keep", 'what is kept is a list, e.g. ["final", "max(x)"]')
+    options = {key: _option(made, key, said[key]) for key in said if key in KEYS and key not in OWN}
+    refine = _refine(made, said.get("refine", {}))
+    return Plan(source, options, kind, said[kind], members, seed, tuple(keep), refine, made.places)
+
+
+def _refuse_unknown(plan: Plan, said: Mapping[str, object]) -> None:
+    for key, value in said.items():
+        if key in SECTIONS and isinstance(value, dict):
+            continue
+        if key in SECTIONS:
+            raise plan.wrong("", key, f"{key} is a section: [{key}]")
+        if key in KEYS and (not isinstance(value, dict) or key in ("set", "start")):
+            continue
+        shown = f"[{key}]" if isinstance(value, dict) else f"'{key}'"
+        at = (key, "") if isinstance(value, dict) else ("", key)
+        said_near = near(key, [*KEYS, *SECTIONS], "option")
+        raise plan.wrong(*at, f"a plan has no {shown}", said_near)
+
+
+def _refine(plan: Plan, said: Mapping[str, object]) -> dict[str, Any]:
+    for key in said:
+        if key not in ("where", "levels"):
+            said_near = near(key, ["where", "levels"], "option")
+            raise plan.wrong("refine", key, f"[refine] has no '{key}'", said_near)
+    if said and not ("where" in said and isinstance(said["where"], str) and "levels" in said):
+        raise plan.wrong("refine", "", '[refine] takes where = "status" and levels = 3')
+    levels = said.get("levels", 1)
+    if isinstance(levels, bool) or not isinstance(levels, int) or not 1 <= levels <= MOST_LEVELS:
+        raise plan.wrong("refine", "levels", f"levels are 1 to {MOST_LEVELS}")
+    return dict(said)
+
+
+def _whole(plan: Plan, said: Mapping[str, object], key: str, usual: int | None, least: int):
+    value = said.get(key, usual)
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)  # 1e6
+    if value is not None and (not isinstance(value, int) or isinstance(value, bool)):
+        raise plan.wrong("", key, f"{key} is a whole number")
+    if value is not None and value < least:
+        raise plan.wrong("", key, f"{key} must be at least {least}")
+    return value
+
+
+def _option(plan: Plan, key: str, value: object) -> object:
+    """As the command line would have it."""
+    if key in TEXTS:
+        if isinstance(value, list) and key == "record":
+            value = ",".join(map(str, value))
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise plan.wrong("", key, f"{key} is one value, e.g. {key} = 1")
+        return value if isinstance(value, str) else repr(value)
+    if key in LISTS:
+        if isinstance(value, dict):
+            return [f"{name}={_text(plan, key, x)}" for name, x in value.items()]
+        return [_text(plan, key, x) for x in (value if isinstance(value, list) else [value])]
+    if not isinstance(value, OTHERS[key]) or (OTHERS[key] is int and isinstance(value, bool)):
+        kinds = {str: "a text", int: "a whole number", bool: "true or false"}
+        raise plan.wrong("", key, f"{key} is {kinds[OTHERS[key]]}")
+    if key == "iteration" and value not in ("newton", "fixed"):
+        raise plan.wrong("", key, "iteration is newton or fixed")
+    return value
+
+
+def _text(plan: Plan, key: str, value: object) -> str:
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise plan.wrong("", key, f'{key} is a list of texts, e.g. {key} = ["m=2 [kg]"]')
+    return value if isinstance(value, str) else repr(value)
+
+
+def _places(text: str) -> dict[tuple[str, str], Span]:
+    """Where each key's value stands, and the head of each section; TOML's parser does not tell."""
+    found: dict[tuple[str, str], Span] = {}
+    section, at = "", 0
+    for line in text.split("\n"):
+        head, key = _SECTION.match(line), _KEY.match(line)
+        if head:
+            section = head[1].strip("\"'")
+            found.setdefault((section, ""), Span(at + line.index("["), at + line.index("]") + 1))
+        elif key:
+            name = key[1].strip("\"'")
+            value = line[key.end() :].split(" #")[0].rstrip()
+            start = at + key.end() if value else at + line.index(key[1])
+            span = Span(start, start + max(1, len(value)))
+            found.setdefault((section, name if section else name.replace("-", "_")), span)
+        at += len(line) + 1
+    return found

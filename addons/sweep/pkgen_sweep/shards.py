@@ -1,0 +1,272 @@
+"""A sweep's folder: its plan, the shards that are done, what of them is in the data set, and why
+others failed.
+
+    plan.json    what the sweep is; written once
+    model.lag, plan.toml
+    shards/K     members K S, ..., of which some are not in the data set yet
+    data/        a row a member, in Parquet: part-K.parquet, of members K P, ..., and
+                 level-L-part-K.parquet of the levels that refine a grid
+    rows/        rows of the motions, likewise, where they are kept
+    parts/K      digests of these, and who of the members failed
+    failed/K     how often a shard was tried, and why it could not be made
+    levels.json  how many members the levels have that are known
+    now.json     who is at work
+
+Each file is there when it is whole (`store.py`). A shard is blocks of numbers (little-endian
+doubles), a line of JSON on what they are, and the SHA-256 of all that.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pkgen.record import record
+from pkgen.system.exits import UsageError
+from pkgen.system.files import PARTIAL
+from pkgen.version import __version__
+
+from . import store
+from .store import of_kinds, read_json, write_json, written
+
+if TYPE_CHECKING:
+    import numpy
+
+TAIL = 1 << 16  # bytes in which the last lines of a shard are, mostly
+DIGEST = 65  # bytes of the last one
+PLAN, DATA = "plan.json", "data"
+_FOLDERS = ("shards", "parts", "failed", DATA)
+
+
+KINDS = {
+    **dict.fromkeys(("digest", "name", "model", "file"), str),
+    **dict.fromkeys(("members", "shard", "part"), int),
+    "size": list,
+    "rows": bool,
+}
+
+
+def known(path: Path) -> dict | None:
+    """The plan.json of a sweep; None: there is none. Raises UsageError."""
+    found = read_json(path / PLAN)
+    if found is None or found.get("pkgen", __version__) != __version__:
+        return found
+    of_kinds(path / PLAN, found, KINDS)
+    if not all(isinstance(x, str) for x in found["size"]):
+        raise UsageError(f"{path / PLAN}: it is not as it was written: 'size'")
+    return found
+
+
+def is_sweep(path: Path) -> bool:
+    return "digest" in (read_json(path / PLAN) or {})
+
+
+@record
+class Folder:
+    """Where a sweep lies; what of it may be cut anew is in `plan`."""
+
+    path: Path
+    digest: str
+    members: int
+    shard: int  # members of one
+    part: int
+    rows: bool
+    level: int = 0  # of those that refine: its files have names of their own
+
+    def _name(self, k: int, digits: int) -> str:
+        return f"{f'level-{self.level}-' if self.level else ''}{k:0{digits}d}"
+
+    @property
+    def shards(self) -> range:
+        return range(-(-self.members // self.shard))
+
+    @property
+    def parts(self) -> range:
+        return range(-(-self.members // self.part))
+
+    def of_shard(self, k: int) -> tuple[int, int]:
+        """Its first member, and how many."""
+        return k * self.shard, min(self.shard, self.members - k * self.shard)
+
+    def of_part(self, k: int) -> tuple[int, int]:
+        return k * self.part, min(self.part, self.members - k * self.part)
+
+    def shards_of(self, part: int) -> range:
+        first, count = self.of_part(part)
+        return range(first // self.shard, (first + count - 1) // self.shard + 1)
+
+    def parts_of(self, shard: int) -> range:
+        first, count = self.of_shard(shard)
+        return range(first // self.part, (first + count - 1) // self.part + 1)
+
+    def shard_file(self, k: int) -> Path:
+        return self.path / "shards" / self._name(k, 8)
+
+    def failed_file(self, k: int) -> Path:
+        return self.path / "failed" / self._name(k, 8)
+
+    def part_file(self, k: int) -> Path:
+        return self.path / "parts" / self._name(k, 6)
+
+    def data_files(self, k: int) -> list[Path]:
+        """Those of a part; where rows are kept, there are two."""
+        folders = (DATA, "rows") if self.rows else (DATA,)
+        name = f"level-{self.level}-part" if self.level else "part"
+        return [self.path / folder / f"{name}-{k:06d}.parquet" for folder in folders]
+
+    def made(self) -> None:
+        for name in (*_FOLDERS, *(["rows"] if self.rows else [])):
+            store.made(self.path / name)
+
+    def cleaned(self) -> None:
+        """Without what those left who were killed while they wrote; nobody else may write now."""
+        store.cleaned(self.path)
+
+
+def shard_head(folder: Folder, k: int) -> dict:
+    """Which shard of which sweep it is."""
+    first, count = folder.of_shard(k)
+    at = {"level": folder.level, "shard": k}
+    return {"sweep": folder.digest, **at, "first": first, "count": count}
+
+
+def write_shard(
+    folder: Folder, k: int, blocks: Iterable[tuple[numpy.ndarray, numpy.ndarray | None, dict]]
+) -> dict:
+    """Of blocks of members: their numbers, their rows, the report of their run. What is said of
+    it. Programs that need no Python write the same: runtime/program/shard.c."""
+    digest = hashlib.sha256()
+    said = {**shard_head(folder, k), "blocks": [], "reports": []}
+    with written(folder.shard_file(k)) as file:
+
+        def write(data: bytes) -> None:
+            digest.update(data)
+            file.write(data)
+
+        for members, rows, report in blocks:
+            for numbers in (members, rows):
+                if numbers is not None:
+                    write(numbers.astype("<f8", copy=False).tobytes())
+            said["blocks"].append((*members.shape, *(rows.shape if rows is not None else (0, 0))))
+            said["reports"].append({"failures": report["failures"]})
+        write(b"\n" + json.dumps(said).encode() + b"\n")
+        file.write(digest.hexdigest().encode() + b"\n")
+    return said
+
+
+def failures_of(said: dict) -> list[dict]:
+    """Of a shard, for each status."""
+    found: dict[str, dict] = {}
+    for report in said["reports"]:
+        added(found, report["failures"])
+    return list(found.values())
+
+
+def added(to: dict[str, dict], failures: Iterable[dict]) -> None:
+    """Failures by their status: how many, and the first."""
+    for one in failures:
+        known = to.setdefault(one["status"], {**one, "count": 0})
+        count = known["count"] + one["count"]
+        if one["member"] < known["member"]:
+            known.update(one)
+        known["count"] = count
+
+
+def head(folder: Folder, k: int) -> dict | None:
+    """What a shard says of itself; None: there is none, or it is another's."""
+    path = folder.shard_file(k)
+    try:
+        with path.open("rb") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(0, size - TAIL))
+            tail = file.read()
+            if tail[:-DIGEST].count(b"\n") < 2:  # there are many blocks
+                file.seek(0)
+                tail = file.read()
+        line = tail[: -DIGEST - 1].rpartition(b"\n")[2]
+        said = json.loads(line)
+        numbers = sum(8 * (a * b + c * d) for a, b, c, d in said["blocks"])
+        whole = size == numbers + len(line) + 2 + DIGEST
+        ours = all(said[key] == x for key, x in shard_head(folder, k).items())
+        failures_of(said)
+        return said if ours and whole else None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+
+
+class Torn(Exception):
+    """A shard that is not as it was written: its number."""
+
+
+def blocks(folder: Folder, k: int) -> Iterator[tuple[numpy.ndarray, numpy.ndarray | None]]:
+    """The blocks of a shard. Raises Torn at the end where the digest is another: nothing that is
+    made of them may be kept before."""
+    import numpy
+
+    said = head(folder, k)
+    if said is None:
+        raise Torn(k)
+    digest = hashlib.sha256()
+    with folder.shard_file(k).open("rb") as file:
+        for a, b, c, d in said["blocks"]:
+            found = []
+            for shape in ((a, b), (c, d)):
+                data = file.read(8 * shape[0] * shape[1])
+                digest.update(data)
+                if len(data) != 8 * shape[0] * shape[1]:
+                    raise Torn(k)
+                found.append(numpy.frombuffer(data, "<f8").reshape(shape))
+            yield found[0], found[1] if d else None
+        rest = file.read()
+    digest.update(rest[:-DIGEST])
+    if digest.hexdigest().encode() + b"\n" != rest[-DIGEST:]:
+        raise Torn(k)
+
+
+def digest_of(path: Path) -> str | None:
+    digest = hashlib.sha256()
+    try:
+        with path.open("rb") as file:
+            while data := file.read(1 << 20):
+                digest.update(data)
+    except OSError:
+        return None
+    return digest.hexdigest()
+
+
+def part_is_whole(folder: Folder, k: int, thorough: bool) -> bool:
+    """Whether a part is in the data set, as it was written if one looks at each byte."""
+    said = read_json(folder.part_file(k))
+    files = folder.data_files(k)
+    if said is None or said.get("sweep") != folder.digest:
+        return False
+    sums = said.get("sha256")
+    if not isinstance(sums, list) or len(sums) != len(files):
+        return False
+    if not thorough:
+        return all(path.is_file() for path in files)
+    return all(digest_of(path) == found for path, found in zip(files, sums, strict=True))
+
+
+def failed_shard(folder: Folder, k: int, why: str) -> int:
+    """Notes it; how often it was tried."""
+    known = read_json(folder.failed_file(k)) or {}
+    tried = int(known.get("tried", 0)) + 1
+    write_json(folder.failed_file(k), {"shard": k, "tried": tried, "why": why})
+    return tried
+
+
+def foreign(path: Path, own: str) -> UsageError | None:
+    """A folder with other things in it is no sweep's; `own` is the model's file. One that was
+    killed before its plan was written has left these."""
+    if path.exists() and not path.is_dir():
+        return UsageError(f"-o {path}: it is a file; a sweep needs a folder")
+    ours = {*_FOLDERS, "rows", "plan.toml", own}
+    for one in path.iterdir() if path.is_dir() else ():
+        if one.name not in ours and not one.name.endswith(PARTIAL):
+            return UsageError(f"-o {path}: it has {one.name} in it, and is no sweep's")
+    return None

@@ -1,0 +1,59 @@
+"""A worker of the local engine: `python -m pkgen.sweep.worker`, which pkgen starts.
+
+Its standard input has the job, from the process that started it, then a task a line; its standard
+output has a line of JSON on each, and how far it is. Where the input ends, so does it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pickle
+import signal
+import sys
+import time
+
+from pkgen.system.exits import BuildError, NumericsFailed, UsageError
+
+from . import work
+
+TELL = 0.5  # seconds between words on how far it is
+
+
+class _Teller:
+    def __init__(self, k: int):
+        self.k, self.last = k, time.monotonic()
+
+    def __call__(self, part: float) -> bool:
+        if time.monotonic() - self.last > TELL:
+            self.last = time.monotonic()
+            tell({"at": part})
+        return False
+
+
+def tell(said: dict) -> None:
+    os.write(1, json.dumps(said).encode() + b"\n")
+
+
+def main() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started it decides
+    job, folder = pickle.load(sys.stdin.buffer)
+    for line in sys.stdin.buffer:
+        what, number = line.split()
+        k = int(number)
+        try:
+            if what == b"shard":
+                done = work.shard(job, folder, k, _Teller(k))
+            else:
+                done = work.part(job, folder, k) or {"torn": True}
+            tell({"done": {"torn": bool(done.get("torn"))}})
+        except OSError as error:
+            tell({"disk": f"{error.filename or folder.path}: {error.strerror}"})
+        except (BuildError, NumericsFailed, UsageError) as error:
+            tell({"wrong": str(error)})
+        except MemoryError:
+            tell({"wrong": "out of memory"})
+
+
+if __name__ == "__main__":
+    main()

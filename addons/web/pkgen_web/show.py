@@ -1,0 +1,60 @@
+"""`pkgen show`: a model as a live page."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from pkgen.back.wasm.build import wasm
+from pkgen.cli import arguments as shared
+from pkgen.cli.compilation import compile_within_limits
+from pkgen.cli.explain import explained
+from pkgen.cli.said import refuse_both
+from pkgen.describe.made import describe
+from pkgen.explain.style import style
+from pkgen.system import addons
+from pkgen.system.exits import DONE, UsageError
+from pkgen.system.files import STANDARD, replace
+
+from .page import packed
+
+EXAMPLES = """
+pkgen show models/double_pendulum.lag -o pendulum.html
+pkgen show flips --map theta1,theta2 -o flips.html
+"""
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    shared.as_of_a_run(parser)
+    shared.of_a_motion(parser, "10")
+    shared.own_methods(parser)
+    parser.add_argument("-o", dest="page", metavar="FILE.html", help="default: NAME.html, here")
+    shared.of_a_map(parser)
+    parser.add_argument("--member", type=int, metavar="N", help="the motion of one of a sweep's")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Make one file that opens in a browser and needs nothing else: the model moves in it,
+    computed there by its own C, with all its parameters and methods at hand."""
+    refuse_both(options, options.page)
+    folder, shown = addons.of_folder(options.model), None
+    if folder:
+        shown = folder.taken(options)
+    elif options.map or options.columns or options.member is not None:
+        raise UsageError("--map, --columns and --member are of a sweep: give its folder")
+    found = describe(options, lambda options, **how: compile_within_limits(options, **how))
+    path = Path(options.page or f"{found.compilation.model.name}.html")
+    if path != STANDARD and path.suffix not in (".html", ".htm"):
+        raise UsageError(f"-o {path}: the file's name must end in .html")
+    if shown is not None:
+        found.description["map"] = folder.described(shown, found.compilation)
+    compilation = found.compilation
+    code = wasm(compilation.files, compilation.model.name, compilation.model.methods)
+    text = packed(found.description, code, explained(options), style())
+    replace({path: text})
+    if options.json:
+        print(json.dumps({"page": str(path), "bytes": len(text.encode())}))
+    elif path != STANDARD:
+        print(f"{path}: {len(text.encode()) / 1000:.0f} kB; open it in a browser")
+    return DONE

@@ -1,0 +1,159 @@
+"""What all tests share: where things are, and the command line as a user meets it."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+
+import pytest
+
+from pkgen.run import build
+from pkgen.system import toolchain
+from pkgen.system.exits import BuildError
+
+ROOT = Path(__file__).resolve().parent
+MODELS = sorted((ROOT / "models").glob("*.lag"))
+STRICT = [
+    "-std=c99",
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wconversion",
+    "-Wdouble-promotion",
+    "-Wshadow",
+    "-Werror",
+]  # for C that is generated
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """What a first run says of the runtime, no test is told: it is compiled before.
+
+    A shell starts what it puts in the background without SIGINT, which programs inherit.
+    Results alone are compared, so -O1 is enough; the long tests have the flags of users.
+    """
+    if "not long" in config.getoption("markexpr"):
+        os.environ.setdefault("CFLAGS", "-O1")
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if not hasattr(config, "workerinput"):
+        config.pluginmanager.register(Names(config))
+        with suppress(BuildError):
+            build.runtime_library(toolchain.find_toolchain())
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--shard", metavar="K/N", help="run every Nth of the long tests, from the Kth")
+
+
+@pytest.hookimpl(tryfirst=True)  # before -m chooses
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Marks what tools/long_tests.py has measured to be long; keeps one shard of the long tests."""
+    long = set((ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines())
+    for item in items:
+        if item.nodeid in long:
+            item.add_marker(pytest.mark.long)
+    if shard := config.getoption("--shard"):
+        first, count = map(int, shard.split("/"))
+        slow = [item for item in items if item.get_closest_marker("long")]
+        whole = {item for item in slow if item.get_closest_marker("xdist_group")}
+        kept = whole if first == 1 else set()  # a group has one worker, in the first shard
+        kept |= set([item for item in slow if item not in whole][first - 1 :: count])
+        config.hook.pytest_deselected(items=[item for item in items if item not in kept])
+        items[:] = [item for item in items if item in kept]
+
+
+class Names:
+    """Says the name of each test that fails as it fails, since -q prints letters alone."""
+
+    def __init__(self, config: pytest.Config):
+        self.config = config
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed:
+            terminal = self.config.pluginmanager.getplugin("terminalreporter")
+            terminal.write(f"\nFAILED {report.nodeid} ({report.when})\n")
+
+
+def long_but(kept: Iterable[object], values: Iterable[object]) -> list:
+    """Parameters of a test, of which all but `kept` are for `make test-long` (see long.txt too)."""
+    kept = set(kept)
+    return [v if v in kept else pytest.param(v, marks=pytest.mark.long) for v in values]
+
+
+@lru_cache
+def _command_server() -> subprocess.Popen[str]:
+    command = [sys.executable, ROOT / "tests" / "command_server.py"]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+
+def run_pkgen(
+    *arguments: object, cwd: Path | None = None, env: dict[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run the command line in a process of its own; with `env`, in an interpreter of its own."""
+    words = list(map(str, arguments))
+    if env is not None:
+        command = [sys.executable, "-m", "pkgen", *words]
+        return subprocess.run(
+            command, capture_output=True, text=True, timeout=2400, cwd=cwd, env=env
+        )
+    server = _command_server()
+    with tempfile.TemporaryDirectory() as directory:
+        out, err = Path(directory, "out"), Path(directory, "err")
+        request = {
+            "arguments": words,
+            "cwd": str(cwd or Path.cwd()),
+            "env": dict(os.environ),
+            "out": str(out),
+            "err": str(err),
+        }
+        server.stdin.write(json.dumps(request) + "\n")
+        server.stdin.flush()
+        code = int(server.stdout.readline())
+        texts = [path.read_text(encoding="utf-8") for path in (out, err)]
+    return subprocess.CompletedProcess(["pkgen", *words], code, *texts)
+
+
+@pytest.fixture
+def pkgen():
+    return run_pkgen
+
+
+def skip_if_ignored(name: str) -> None:
+    """A program that nohup starts ignores SIGHUP, and so do all that it starts."""
+    number = getattr(signal, f"SIG{name}")
+    if number != signal.SIGKILL and signal.getsignal(number) == signal.SIG_IGN:
+        pytest.skip(f"SIG{name} is ignored here, as nohup has it")
+
+
+def written(folder: Path, text: str) -> Path:
+    """The model in a file of its name."""
+    path = folder / f"{text.split()[1]}.lag"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def table(text: str) -> tuple[list[str], list[list[float]]]:
+    """The head and the rows of what a run has printed."""
+    head, *lines = text.splitlines()
+    return head.split(","), [[float(x) for x in line.split(",")] for line in lines]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Callable[[str], Path]:
+    return lambda text: written(tmp_path, text)
+
+
+def rows(pkgen, *arguments: object) -> list[dict[str, float]]:
+    """What a run prints, a row by the names of its columns."""
+    done = pkgen("run", *arguments)
+    assert done.returncode == 0, done.stderr
+    names, numbers = table(done.stdout)
+    return [dict(zip(names, row, strict=True)) for row in numbers]

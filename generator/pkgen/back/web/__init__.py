@@ -1,1 +1,0 @@
-"""A model as a live page: the page's own files in `page`, what is not ours in `vendor`."""

@@ -1,1 +1,0 @@
-"""Robots as others write them, URDF and MJCF, as text of the language."""
