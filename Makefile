@@ -55,12 +55,12 @@ test-licence: runtime
 	@sh tools/check_licence.sh
 
 test-python: $(TESTS)
-	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m 'not long' tests
+	$(PYTHON) -m pytest -q -n 2 --dist worksteal -m 'not long'
 
 # SHARD=K/N: every Nth of them, from the Kth; the C tests in quad precision belong to the first shard.
 test-long: $(TESTS)
 	@$(if $(filter-out 1/%,$(SHARD)),:,$(MAKE) -s check-runtime-quad-inlined)
-	$(PYTHON) -m pytest -q -n 2 --dist loadgroup -m long $(if $(SHARD),--shard $(SHARD)) tests
+	$(PYTHON) -m pytest -q -n 2 --dist loadgroup -m long $(if $(SHARD),--shard $(SHARD))
 
 # The generator's tests on Debian's own python3, half a minute.
 test-debian:
@@ -103,7 +103,7 @@ golden: $(TESTS)
 
 # These are not among Debian's packages: where pkgen was installed from those, lint needs a registry.
 PYTHON_CODE := generator tests tools bench
-C_CODE = $(shell find runtime generator/pkgen/back/live generator/pkgen/back/fmu/c tests/runtime tests/fuzz -name '*.[ch]')
+C_CODE = $(shell find runtime generator/pkgen/back/live addons/fmu/pkgen_fmu/c tests/runtime tests/fuzz -name '*.[ch]')
 CLANG_FORMAT = $(VENV)/bin/clang-format
 lint: $(TESTS) runtime
 	@$(PYTHON) -m ruff --version || { echo 'lint: no ruff here; pip install ruff'; exit 1; }

@@ -15,7 +15,7 @@ import tarfile
 import tempfile
 from pathlib import Path
 
-VENDOR = Path(__file__).resolve().parent.parent / "generator" / "pkgen" / "back" / "web" / "vendor"
+VENDOR = Path(__file__).resolve().parent.parent / "addons" / "web" / "pkgen_web" / "vendor"
 
 # package, version, file in the package, file here, SHA-256
 TABLE = [

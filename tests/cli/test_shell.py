@@ -12,7 +12,9 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT, run_pkgen
-from pkgen.cli.commands import COMMANDS, parser_of
+from pkgen.cli.commands import commands, parser_of
+
+COMMANDS = commands()
 
 
 def tool(name: str) -> str:

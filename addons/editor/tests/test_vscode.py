@@ -95,7 +95,7 @@ def test_its_engine_colours_as_the_lexer_reads(tmp_path: Path) -> None:
     npm(tmp_path, "install", "--no-audit", "--no-fund", "vscode-textmate@9", "vscode-oniguruma@2")
     given = [every_word(), *(text for _, text in texts())]
     (tmp_path / "texts.json").write_text(json.dumps(given))
-    script = ROOT / "tests/editor/textmate.js"
+    script = ROOT / "addons/editor/tests/textmate.js"
     grammar = FOLDER / "syntaxes/lag.tmLanguage.json"
     command = [node, script, tmp_path, grammar, tmp_path / "texts.json"]
     done = subprocess.run(command, capture_output=True, text=True)

@@ -13,10 +13,9 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from test_enclose import enclosed, exact, misses, written
 
 from conftest import run_pkgen
-
-from .test_enclose import enclosed, exact, misses, written
 
 pytest.importorskip("flint")
 from mpmath import mp, mpf

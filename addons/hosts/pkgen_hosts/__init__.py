@@ -1,1 +1,1 @@
-"""A model for other programs: a wheel, a crate, an ES module, Julia, MATLAB, one C file, firmware."""
+"""A model for others: a wheel, a crate, an ES module, Julia, MATLAB, one C file, firmware."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT, run_pkgen
-from pkgen.cli.export import HOSTS
+from pkgen.cli.export import hosts
 from pkgen_hosts.bound.names import step
 
 PENDULUM = ROOT / "models" / "double_pendulum.lag"
@@ -91,7 +91,7 @@ def test_an_earlier_export_stays_where_the_model_is_wrong(tmp_path: Path) -> Non
 
 def test_hosts_that_share_an_option_mean_the_same() -> None:
     said: dict[str, object] = {}
-    for host in HOSTS:
+    for host in hosts().values():
         for flag, how in host.options:
             assert said.setdefault(flag, how) == how
 
@@ -100,7 +100,7 @@ def test_hosts_that_share_an_option_mean_the_same() -> None:
 def test_nothing_that_is_exported_names_gsl(tmp_path: Path, tools: bool) -> None:
     """But in comments."""
     steps = ("--method", "rk4", "--step", "0.01")  # some take no others
-    for host in (h for h in HOSTS if bool(h.tools) == tools):
+    for host in (h for h in hosts().values() if bool(h.tools) == tools):
         done = run_pkgen("export", PENDULUM, "--as", host.name, "-o", tmp_path / host.name, *steps)
         if done.returncode == 3 and host.tools:
             continue  # they are not here

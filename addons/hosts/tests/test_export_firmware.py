@@ -12,7 +12,7 @@ import pytest
 
 from conftest import ROOT, run_pkgen, table
 
-HERE = ROOT / "tests/firmware"
+HERE = ROOT / "addons/hosts/tests/firmware"
 PAGE = (ROOT / "docs/export-firmware.md").read_text()
 MODEL = ROOT / "models/double_pendulum.lag"
 FREE = [

@@ -25,7 +25,7 @@ edition = "2021"
 double_pendulum = { path = "../double_pendulum" }
 thrown_stone = { path = "../thrown_stone" }
 """
-USES = (ROOT / "tests/cli/export_user.rs").read_text()
+USES = (ROOT / "addons/hosts/tests/export_user.rs").read_text()
 
 
 def export(model: Path, to: Path, *words: str) -> None:

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from sweeps import DOUBLE
 
-from pkgen.cli import swept
 from pkgen.cli.commands import parsed
+from pkgen_sweep import folder
 
 pytest.importorskip("pyarrow")
 PLAN = """members = 4
@@ -31,7 +31,7 @@ def test_options_beside_the_plan_win(pkgen, tmp_path: Path) -> None:
 
     def taken(*words: str) -> object:
         _, options = parsed(["show", str(tmp_path / "s"), *words])
-        swept.taken(options)
+        folder.taken(options)
         return options
 
     plain = taken()

@@ -9,8 +9,9 @@ const page = fs.readFileSync(process.argv[2], "utf8");
 const hole = (id) => page.match(new RegExp(`id="${id}">([^<]*)<`))[1];
 const description = JSON.parse(hole("description"));
 const bytes = zlib.gunzipSync(Buffer.from(hole("wasm"), "base64"));
-const own = (name) => fs.readFileSync(path.join(__dirname, "../../generator/pkgen/back/web/page", name), "utf8");
-const Engine = vm.runInThisContext(own("engine_swarm.js") + own("engine.js") + "\nEngine");
+const own = (name) => fs.readFileSync(path.join(__dirname, "../..", name), "utf8");
+const Engine = vm.runInThisContext(own("web/pkgen_web/page/engine_swarm.js")
+  + own("../generator/pkgen/back/wasm/engine.js") + "\nEngine");
 
 function run(engine, job) {
   const start = job.params ? engine.given(Float64Array.from(job.params, (x) => x ?? NaN)) : engine.defaults();

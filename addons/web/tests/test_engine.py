@@ -12,8 +12,8 @@ import native
 import pytest
 
 from conftest import ROOT, long_but, run_pkgen
+from pkgen.back.wasm import build
 from pkgen.system.exits import BuildError
-from pkgen_web import build
 
 RUNNER = Path(__file__).with_name("engine_runner.js")
 NOT_HERE = build.missing() or ([] if shutil.which("node") else ["nodejs"])

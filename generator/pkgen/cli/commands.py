@@ -142,9 +142,10 @@ class Parser(argparse.ArgumentParser):
             raise argparse.ArgumentError(action, said)
 
 
-def parser_of(command: Command, whole: bool = True) -> Parser:
+def parser_of(name: str, whole: bool = True) -> Parser:
     """Its options; with `whole`, also those that add-ons bring."""
-    name, module = command.name, command.module
+    command = command_of(name)
+    module = command.module
     parser = Parser(
         prog=f"pkgen {name}",
         usage=f"pkgen {name} {command.form}".rstrip() + " [options]",
@@ -181,10 +182,10 @@ def parsed(words: list[str]) -> tuple[Command, argparse.Namespace]:
         said = near(words[0], list(commands()), "command")
         raise UsageError(f"there is no command '{words[0]}'; {said}")
     whole = any(word in ("-h", "--help") for word in words)
-    parser = parser_of(command, whole)
+    parser = parser_of(command.name, whole)
     options, unknown = parser.parse_known_intermixed_args(words[named:])
     if unknown and not whole:
-        parser = parser_of(command)
+        parser = parser_of(command.name)
         options, unknown = parser.parse_known_intermixed_args(words[named:])
     if unknown:
         flag = unknown[0].partition("=")[0]

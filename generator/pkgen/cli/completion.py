@@ -40,7 +40,7 @@ def _whole(shtab) -> argparse.ArgumentParser:
     parser.add_argument("-V", "--version", action="store_true", help="the version")
     commands = parser.add_subparsers()
     for command in commands().values():
-        of = parser_of(command)
+        of = parser_of(command.name)
         for action in of._actions:
             named = action.metavar if isinstance(action.metavar, str) else ""
             if named.startswith("DIR"):

@@ -21,8 +21,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Show all commands, or the options of one, with examples."""
-    command = options.command and command_of(options.command)
-    if options.command is not None and command is None:
+    if options.command is not None and command_of(options.command) is None:
         said = near(options.command, list(commands()), "command")
         raise UsageError(f"there is no command '{options.command}'; {said}")
     if options.json:
@@ -30,5 +29,5 @@ def run(options: argparse.Namespace) -> int:
     elif options.command is None:
         print(overview())
     else:
-        parser_of(command).print_help()
+        parser_of(options.command).print_help()
     return DONE

@@ -90,7 +90,7 @@ def _of_all() -> str:
 
 
 def _of_command(command: Command) -> str:
-    parser = parser_of(command)
+    parser = parser_of(command.name)
 
     def body() -> Iterator[str]:
         yield from (".SH SYNOPSIS", f".B pkgen {command.name}", _plain(f"{command.form} [options]"))
