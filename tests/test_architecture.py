@@ -26,7 +26,7 @@ system source limits functions version
 tree methods
 indices
 model front
-graph own robots
+graph own
 equations front/check
 middle middle/points
 middle/expand middle/analyze
@@ -34,18 +34,15 @@ middle/particles
 middle/derive
 middle/reduce middle/loops
 back back/live
-back/c back/fmu back/python back/python/wheel back/source back/web
-back/alone back/bound
+back/c back/wasm
 compiler
 run
 scenes
 plot
 describe
-editor
 analysis/chart
-analysis/choose analysis/enclose analysis/stability explain
+analysis/choose analysis/stability explain
 api
-film sweep
 __init__ cli
 __main__
 """
@@ -109,6 +106,25 @@ def test_arrows_point_down() -> None:
         for target in targets
         if _room(name) != _room(target) and FLOOR[_room(target)] >= FLOOR[_room(name)]
     ]
+    assert wrong == []
+
+
+def _packages(text: str) -> set[str]:
+    """Of ours, those that a file imports."""
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        names = [node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
+        names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        found |= {name.partition(".")[0] for name in names if name and name.startswith("pkgen")}
+    return found
+
+
+def test_the_core_names_no_addon_and_none_another() -> None:
+    wrong = []
+    for root in [PKGEN, *(ROOT / "addons").glob("*/pkgen_*")]:
+        for path in root.rglob("*.py"):
+            used = _packages(path.read_text(encoding="utf-8"))
+            wrong += [f"{path}: {name}" for name in used - {"pkgen", "pkgen_runtime", root.name}]
     assert wrong == []
 
 

@@ -7,14 +7,13 @@ import json
 import sys
 from pathlib import Path
 
+from pkgen import limits
+from pkgen.compiler import check_model
+from pkgen.front.read import from_text
+from pkgen.system.exits import DONE
+from pkgen.system.files import replace
+from pkgen.system.resources import ResourcesExceeded, bounded
 from pkgen_robots.read import imported
-
-from .. import limits
-from ..compiler import check_model
-from ..front.read import from_text
-from ..system.exits import DONE
-from ..system.files import replace
-from ..system.resources import ResourcesExceeded, bounded
 
 EXAMPLES = """
 pkgen import robot.urdf -o robot.lag

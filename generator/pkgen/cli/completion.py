@@ -6,7 +6,7 @@ import argparse
 
 from ..methods import METHODS
 from ..system.exits import DONE, UsageError
-from .commands import overview, parser_of
+from .commands import commands, overview, parser_of
 
 SHELLS = ("bash", "zsh", "fish")
 EXAMPLES = """
@@ -38,7 +38,7 @@ def _whole(shtab) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="pkgen", description=overview(), add_help=False)
     parser.add_argument("-h", "--help", action="store_true", help="all commands, a line each")
     parser.add_argument("-V", "--version", action="store_true", help="the version")
-    commands = parser.add_subparsers()
+    subparsers = parser.add_subparsers()
     for command in commands().values():
         of = parser_of(command.name)
         for action in of._actions:
@@ -53,5 +53,5 @@ def _whole(shtab) -> argparse.ArgumentParser:
                 action.choices = list(commands())
             action.help = action.help or ""
         more = {"parents": [of], "add_help": False, "description": command.does}
-        commands.add_parser(command.name, help=command.does, **more)
+        subparsers.add_parser(command.name, help=command.does, **more)
     return parser
