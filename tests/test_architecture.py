@@ -235,7 +235,7 @@ def test_files_that_comments_and_docs_name_are_there() -> None:
     tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
     files = tracked.stdout.split()
     ends = {"/".join(p.split("/")[i:]) for p in files for i in range(p.count("/") + 1)}
-    told = [p for p in files if re.match(r"(generator|runtime|docs)/.*\.(py|[chj]2?|md)$", p)]
+    told = [p for p in files if re.match(r"(generator|addons|runtime|docs)/.*\.(py|[chj]2?|md)$", p)]
     gone = {
         f"{path}: {name}"
         for path in told
@@ -252,7 +252,7 @@ ROOTS = [
         *(".", "generator/pkgen", "generator/pkgen/front", "generator/pkgen/back/c"),
         *("runtime", "runtime/src", "runtime/include"),
     )
-]
+] + [*(ROOT / "addons").iterdir()]
 PATH = re.compile(r"`([\w.*-]+(?:/[\w.*-]+)+)`")
 # A path and the function that is named behind it.
 PLACE = re.compile(PATH.pattern + r" `(\w+)`")
