@@ -26,7 +26,7 @@ from .builds import OUTPUT
 from .export_hosts import HOSTS, METHOD, ROOT, STEP, STEPS, Case, Host, Rows
 from .tables import table
 
-PAGE = ROOT / "docs" / "exports.md"
+PAGE = ROOT / "addons/hosts/README.md"
 MARK, END = "<!-- python -m bench exports --docs -->\n", "<!-- end -->\n"
 FIRST = "kB, s, within"  # the first cell of the table of models
 # What a host may refuse a model for, and the word for it in the table.
@@ -40,7 +40,7 @@ Found = dict[str, dict[str, dict]]  # model, host
 
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench exports", description=__doc__)
-    parser.add_argument("--docs", action="store_true", help="write the tables into docs/exports.md")
+    parser.add_argument("--docs", action="store_true", help="write the tables into addons/hosts/README.md")
     parser.add_argument("--only", metavar="LIST", help="these models alone")
     parser.add_argument("--hosts", metavar="LIST", help="these hosts alone")
     parser.add_argument("--again", action="store_true", help="what is kept is measured anew")

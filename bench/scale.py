@@ -20,7 +20,7 @@ from .models import ROOT
 from .scale_farm import Farm, simulated
 from .tables import table
 
-PAGE = ROOT / "docs" / "scale.md"
+PAGE = ROOT / "addons/sweep/scale.md"
 MARK = "<!-- python -m bench scale --docs -->\n"
 MODEL = ROOT / "models" / "double_pendulum.lag"
 PLAN = """until = 5
@@ -51,7 +51,7 @@ class Costs:
 
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench scale", description=__doc__)
-    parser.add_argument("--docs", action="store_true", help="write the tables into docs/scale.md")
+    parser.add_argument("--docs", action="store_true", help="write the tables into addons/sweep/scale.md")
     parser.add_argument("--members", type=int, default=40_000, metavar="N", help="of a measurement")
     options = parser.parse_args(words)
     costs = measured(options.members)

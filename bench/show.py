@@ -20,7 +20,7 @@ from . import machine
 from .tables import table
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "show.md"
+PAGE = ROOT / "addons/web/README.md"
 MARK = "<!-- python -m bench show --docs -->\n"
 HEAD = ("model", "kB", "made, s", "again, s", "frames/s", "steps/s", "native", "ratio")
 BROWSER = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader")
@@ -47,7 +47,7 @@ FRAMES = """() => new Promise((done) => {
 
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench show", description=__doc__)
-    parser.add_argument("--docs", action="store_true", help="write the table into docs/show.md")
+    parser.add_argument("--docs", action="store_true", help="write the table into addons/web/README.md")
     options = parser.parse_args(words)
     from playwright.sync_api import sync_playwright
 

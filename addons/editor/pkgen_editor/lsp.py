@@ -26,7 +26,7 @@ def run(options: argparse.Namespace) -> int:
     if find_spec("pygls") is None or find_spec("pygls.lsp.server") is None:
         raise UsageError("lsp needs pygls 2, which is not here: pip install 'pygls>=2'")
     if sys.stdin.isatty():
-        say("an editor starts this and speaks to it (docs/editor.md); Ctrl-C ends it")
+        say("an editor starts this and speaks to it (addons/editor/README.md); Ctrl-C ends it")
     from .server import serve
 
     serve()

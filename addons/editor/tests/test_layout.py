@@ -271,7 +271,7 @@ def test_line_ends_become_those_of_the_language(tmp_path: Path) -> None:
 
 
 def test_the_page_shows_what_happens() -> None:
-    page = (ROOT / "docs/editor.md").read_text()
+    page = (ROOT / "addons/editor/README.md").read_text()
     before, after, hover = re.findall(r"^```text\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     assert laid_out(of(before)) == after
     model = (

@@ -110,7 +110,7 @@ def test_binaries_for_other_machines(unit) -> None:
 
 
 def test_the_pages_program_prints_what_the_page_says(unit) -> None:
-    page = (ROOT / "docs" / "fmu.md").read_text()
+    page = (ROOT / "addons/fmu/README.md").read_text()
     (program,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     command = [sys.executable, "-c", program]
     said = subprocess.run(command, cwd=unit(PENDULUM).parent, capture_output=True, text=True)

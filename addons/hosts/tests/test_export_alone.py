@@ -57,7 +57,7 @@ def test_rows_are_those_of_a_run_to_the_bit(method: str, tmp_path: Path) -> None
 
 
 def test_the_page_shows_what_is_printed(tmp_path: Path) -> None:
-    page = (ROOT / "docs/export-single.md").read_text()
+    page = (ROOT / "addons/hosts/export-single.md").read_text()
     asked, built, shown = re.findall(r"^```\w+\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     words = asked.splitlines()[0].removeprefix("$ pkgen ").split()
     words[1] = str(ROOT / words[1])

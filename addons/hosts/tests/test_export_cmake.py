@@ -16,7 +16,7 @@ from conftest import ROOT
 from pkgen.run import build
 from pkgen.system import toolchain
 
-PAGE = (ROOT / "docs/export-cmake.md").read_text()
+PAGE = (ROOT / "addons/hosts/export-cmake.md").read_text()
 MODEL = ROOT / "models/double_pendulum.lag"
 (SAID,) = re.findall(r"^```text\n(.*?)^```", PAGE, re.M | re.S)
 

@@ -13,7 +13,7 @@ import pytest
 from conftest import ROOT, run_pkgen, table
 
 HERE = ROOT / "addons/hosts/tests/firmware"
-PAGE = (ROOT / "docs/export-firmware.md").read_text()
+PAGE = (ROOT / "addons/hosts/export-firmware.md").read_text()
 MODEL = ROOT / "models/double_pendulum.lag"
 FREE = [
     "-std=c11",

@@ -15,7 +15,7 @@ from columns import RIG, ran
 from conftest import ROOT, run_pkgen
 from pkgen.back.wasm.build import missing
 
-PAGE = (ROOT / "docs/export-js.md").read_text()
+PAGE = (ROOT / "addons/hosts/export-js.md").read_text()
 PENDULUM = ROOT / "models/double_pendulum.lag"
 pytestmark = pytest.mark.skipif(
     bool(missing()) or not shutil.which("node"),

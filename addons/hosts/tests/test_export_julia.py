@@ -13,7 +13,7 @@ from conftest import ROOT, run_pkgen
 from pkgen.back.live import LIVE
 from pkgen_hosts.bound.c import CALLS, HERE
 
-PAGE = (ROOT / "docs/export-julia.md").read_text()
+PAGE = (ROOT / "addons/hosts/export-julia.md").read_text()
 # How C says what ccall says by these.
 SAME = {
     "Csize_t": r"size_t",

@@ -18,7 +18,7 @@ pytestmark = [
         reason="no octave and octave-dev here",
     ),
 ]
-PAGE = (ROOT / "docs/export-matlab.md").read_text()
+PAGE = (ROOT / "addons/hosts/export-matlab.md").read_text()
 REFUSED = """
 function says(varargin)
     try, double_pendulum(0:1, varargin{:}); disp('nothing');

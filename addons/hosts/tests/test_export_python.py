@@ -224,7 +224,7 @@ def test_the_tag_says_which_glibc_it_needs(tmp_path: Path) -> None:
 
 
 def test_the_pages_program_prints_what_the_page_says(tmp_path: Path) -> None:
-    page = (ROOT / "docs" / "wheel.md").read_text()
+    page = (ROOT / "addons/hosts/wheel.md").read_text()
     (program,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     folder = unpacked(wheel(PENDULUM, tmp_path), tmp_path / "in")
     done = subprocess.run(

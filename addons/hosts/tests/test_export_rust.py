@@ -16,7 +16,7 @@ pytestmark = [
     pytest.mark.long,
     pytest.mark.skipif(not shutil.which("cargo"), reason="no cargo here"),
 ]
-PAGE = (ROOT / "docs/export-rust.md").read_text()
+PAGE = (ROOT / "addons/hosts/export-rust.md").read_text()
 MANIFEST = """[package]
 name = "user"
 version = "0.1.0"

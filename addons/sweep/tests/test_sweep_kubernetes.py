@@ -1,4 +1,4 @@
-"""The recipe of docs/sweeps.md for Kubernetes, with a stand-in for kubectl that runs the command of
+"""The recipe of addons/sweep/README.md for Kubernetes, with a stand-in for kubectl that runs the command of
 the container for each index of the Job."""
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ echo job.batch/pkgen-x1
 
 
 def test_an_indexed_job_writes_the_bytes_of_local(pkgen, tmp_path: Path) -> None:
-    text = (ROOT / "docs/sweeps.md").read_text(encoding="utf-8")
+    text = (ROOT / "addons/sweep/README.md").read_text(encoding="utf-8")
     scripts = dict(re.findall(r"`(sbatch|squeue)`:\n\n```sh\n(.*?)```", text, re.S))
     queue, plan = tmp_path / "bin", tmp_path / "plan.toml"
     queue.mkdir()
