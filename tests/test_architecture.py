@@ -235,7 +235,9 @@ def test_files_that_comments_and_docs_name_are_there() -> None:
     tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
     files = tracked.stdout.split()
     ends = {"/".join(p.split("/")[i:]) for p in files for i in range(p.count("/") + 1)}
-    told = [p for p in files if re.match(r"(generator|addons|runtime|docs)/.*\.(py|[chj]2?|md)$", p)]
+    told = [
+        p for p in files if re.match(r"(generator|addons|runtime|docs)/.*\.(py|[chj]2?|md)$", p)
+    ]
     gone = {
         f"{path}: {name}"
         for path in told

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+import conftest
 import pkgen
 from conftest import ROOT, run_pkgen
 from pkgen import limits
@@ -25,7 +26,7 @@ from pkgen.source import Source
 from pkgen.system import toolchain
 
 TUTORIAL = ROOT / "docs/tutorial.md"  # has a test of its own, test_tutorial.py
-PAGES = sorted({ROOT / "README.md", *(ROOT / "docs").glob("*.md")} - {TUTORIAL})
+PAGES = [page for page in conftest.PAGES if page != TUTORIAL]
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -34,7 +35,7 @@ def blocks(page: Path, language: str) -> list[str]:
 
 def named(language: str) -> list:
     found = [(page, i, b) for page in PAGES for i, b in enumerate(blocks(page, language))]
-    return [pytest.param(page, b, id=f"{page.name}-{i}") for page, i, b in found]
+    return [pytest.param(page, b, id=f"{page.relative_to(ROOT)}-{i}") for page, i, b in found]
 
 
 @pytest.mark.parametrize(("page", "text"), named("lag"))
@@ -236,7 +237,7 @@ def test_every_picture_is_shown_and_has_what_makes_it() -> None:
     assert done.returncode == 2 and "there is no no.png" in done.stdout
     made = set(done.stdout.partition("there are ")[2].strip().split(", "))
     there = {path.name for path in (ROOT / "docs/pictures").iterdir()}
-    texts = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
-    shown = set(re.findall(r"pictures/(\w+\.\w+)\)", "".join(t.read_text() for t in texts)))
+    texts = "".join(page.read_text() for page in conftest.PAGES)
+    shown = set(re.findall(r"pictures/(\w+\.\w+)\)", texts))
     charts = {f"chart_{m.stem}.svg" for m in (ROOT / "models").glob("*.lag")}  # of the site
     assert made == there and shown <= there <= shown | charts

@@ -40,7 +40,7 @@ FOLDERS = {
 }
 # In this order; a page that is in none goes to the last.
 SECTIONS = {
-    "Tutorial": ("tutorial", "guide", "cheatsheet", "show", "plot", "film"),
+    "Tutorial": ("tutorial", "guide", "cheatsheet", "web", "plot", "film"),
     "Reference": (
         "language",
         "commands",
@@ -73,6 +73,10 @@ def models() -> list[Path]:
     return sorted((ROOT / "models").rglob("*.lag"))
 
 
+def texts() -> list[Path]:
+    return sorted([*ROOT.glob("docs/*.md"), *ROOT.glob("addons/*/*.md")])
+
+
 def main() -> int:
     shutil.rmtree(PAGES, ignore_errors=True)
     for folder in ("assets", "live", "models", "files"):
@@ -81,9 +85,10 @@ def main() -> int:
     (PAGES / "assets/explained.css").write_text(style(), encoding="utf-8")
     for file in ("site.css", "site.js", "iframe-worker/iframe-worker.js"):
         shutil.copy(HERE / file, PAGES / "assets")
-    for path in sorted((ROOT / "docs").glob("*.md")):
-        text = linked(path.read_text(encoding="utf-8"), "docs", "")
-        (PAGES / path.name).write_text(text, encoding="utf-8")
+    for path in texts():
+        place = path.relative_to(ROOT).as_posix()
+        text = linked(path.read_text(encoding="utf-8"), posixpath.dirname(place), "")
+        (PAGES / page_of(place)).write_text(text, encoding="utf-8")
     home = linked((ROOT / "README.md").read_text(encoding="utf-8"), "", "")
     (PAGES / "index.md").write_text(home, encoding="utf-8")
     with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -131,6 +136,8 @@ def page_of(place: str) -> str:
         inside = posixpath.relpath(place, "docs")
         if path.suffix == ".md" or inside.startswith("pictures/"):
             return inside
+    if path.parts[0] == "addons" and len(path.parts) == 3 and path.suffix == ".md":
+        return f"{path.parts[1]}.md" if path.name == "README.md" else path.name
     whole = ROOT / place
     if not whole.is_file():
         return "architecture.md"  # a folder: the page about folders
@@ -229,7 +236,8 @@ def gallery() -> str:
 
 
 def nav() -> list[dict[str, object]]:
-    pages = {p.stem: p.name for p in (ROOT / "docs").glob("*.md")}
+    names = [page_of(path.relative_to(ROOT).as_posix()) for path in texts()]
+    pages = {Path(name).stem: name for name in names}
     found: list[dict[str, object]] = [{"Home": "index.md"}]
     used = {"models", *(name for names in SECTIONS.values() for name in names)}
     for title, names in SECTIONS.items():

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from colours import TextMate, by_emacs, by_lexer, by_vim, differences, grammar
 
-from conftest import ROOT
+from conftest import PAGES, ROOT
 from pkgen.front.joints import KINDS
 from pkgen.front.shapes import SHAPES
 from pkgen.front.table import STATEMENTS
@@ -36,7 +36,7 @@ def texts() -> list[tuple[str, str]]:
     """Models of the collection, of the docs, and one of what these do not have."""
     files = [*(ROOT / "models").rglob("*.lag"), *(ROOT / "tests/models").rglob("*.lag")]
     found = [(path.name, path.read_text(encoding="utf-8")) for path in sorted(files)]
-    for page in sorted((ROOT / "docs").glob("*.md")):
+    for page in PAGES:
         blocks = re.findall(r"^```lag\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
         found += [(page.name, block) for block in blocks]
     return [*found, ("bodies", BODIES)]
