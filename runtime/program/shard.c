@@ -1,6 +1,6 @@
 /* A shard of a sweep: its members' starts from a file of doubles, what came of them into another:
  * blocks of numbers, then a line of JSON on what they are. Python writes the same
- * (generator/pkgen/sweep/shards.py). The digest behind it is made by who renames the file.
+ * (pkgen_sweep/shards.py). The digest behind it is made by who renames the file.
  */
 #define _POSIX_C_SOURCE 200809L
 

@@ -1,4 +1,4 @@
-"""The recipe of addons/sweep/README.md for Kubernetes, with a stand-in for kubectl that runs the command of
+"""The recipe of the README for Kubernetes, with a stand-in for kubectl that runs the command of
 the container for each index of the Job."""
 
 from __future__ import annotations
