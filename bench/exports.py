@@ -40,9 +40,7 @@ Found = dict[str, dict[str, dict]]  # model, host
 
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench exports", description=__doc__)
-    parser.add_argument(
-        "--docs", action="store_true", help="write the tables into its page"
-    )
+    parser.add_argument("--docs", action="store_true", help="write the tables into its page")
     parser.add_argument("--only", metavar="LIST", help="these models alone")
     parser.add_argument("--hosts", metavar="LIST", help="these hosts alone")
     parser.add_argument("--again", action="store_true", help="what is kept is measured anew")

@@ -51,9 +51,7 @@ class Costs:
 
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench scale", description=__doc__)
-    parser.add_argument(
-        "--docs", action="store_true", help="write the tables into its page"
-    )
+    parser.add_argument("--docs", action="store_true", help="write the tables into its page")
     parser.add_argument("--members", type=int, default=40_000, metavar="N", help="of a measurement")
     options = parser.parse_args(words)
     costs = measured(options.members)

@@ -47,9 +47,7 @@ FRAMES = """() => new Promise((done) => {
 
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench show", description=__doc__)
-    parser.add_argument(
-        "--docs", action="store_true", help="write the table into its page"
-    )
+    parser.add_argument("--docs", action="store_true", help="write the table into its page")
     options = parser.parse_args(words)
     from playwright.sync_api import sync_playwright
 

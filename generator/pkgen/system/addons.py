@@ -46,8 +46,9 @@ def package(point: EntryPoint) -> ModuleType:
         if error.name != name:
             raise
         addon = name.removeprefix("pkgen_")
+        whole = point.dist.name if point.dist else "it"
         raise UsageError(
-            f"{point.name} is of the add-on {addon}, which is not here: install all of pkgen-lag"
+            f"{point.name} is of the add-on {addon}, which is not here: install all of {whole}"
         ) from None
 
 
