@@ -89,7 +89,7 @@ bench: $(TESTS)
 	@build/bench/venv/bin/python -m bench $(BENCH_OPTIONS)
 	@build/bench/venv/bin/python -m bench arms $(if $(QUICK),--quick) $(if $(DOCS),--docs)
 
-# docs/ and models/ as a site in build/site, which needs no server (docs/site.md); three minutes.
+# docs/ and models/ as a site in build/site, which needs no server (docs/dev/site.md); three minutes.
 site: $(TESTS)
 	@$(PYTHON) -c 'import material' 2>/dev/null || $(PYTHON) -m pip install -q -e '.[site]'
 	@$(PYTHON) tools/site/pages.py
@@ -122,7 +122,7 @@ format: $(TESTS)
 asan: $(TESTS) asan-runtime msan-runtime
 	$(PYTHON) -m pytest -q -m '' tests/generator/test_sanitized.py
 
-# An hour in all: the compiler by mutated models, the runtime by libFuzzer. See docs/fuzzing.md.
+# An hour in all: the compiler by mutated models, the runtime by libFuzzer. See docs/dev/fuzzing.md.
 FUZZ_SECONDS ?= 3600
 fuzz: $(TESTS)
 	$(PYTHON) tests/fuzz/models.py $$(($(FUZZ_SECONDS) / 2)) $(SEED)

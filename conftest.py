@@ -20,7 +20,7 @@ from pkgen.system import toolchain
 from pkgen.system.exits import BuildError
 
 ROOT = Path(__file__).resolve().parent
-PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("addons/*/*.md")])
+PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("addons/*/*.md")])
 MODELS = sorted((ROOT / "models").glob("*.lag"))
 STRICT = [
     "-std=c99",

@@ -197,7 +197,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="a few minutes, fewer starts")
     parser.add_argument("--own", action="store_true", help="pkgen's methods alone, for the tests")
     parser.add_argument("--models", help="names, separated by commas; default: all five")
-    parser.add_argument("--docs", action="store_true", help="write docs/benchmarks.md")
+    parser.add_argument("--docs", action="store_true", help="write docs/dev/results/benchmarks.md")
     return parser.parse_args()
 
 

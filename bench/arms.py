@@ -70,7 +70,7 @@ def main(words: list[str]) -> int:
     parser.add_argument("--quick", action="store_true", help="three sizes and rounds")
     parser.add_argument("--sizes", help="numbers of joints, separated by commas")
     parser.add_argument("--robots", help=f"of {', '.join(robots.ROBOTS)}, separated by commas")
-    parser.add_argument("--docs", action="store_true", help="write docs/benchmarks.md")
+    parser.add_argument("--docs", action="store_true", help="write docs/dev/results/benchmarks.md")
     options = parser.parse_args(words)
     if Path(sys.prefix) != environment.VENV:
         return environment.with_peers("arms", words)

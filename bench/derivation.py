@@ -6,7 +6,7 @@ M and f alone, or with --all every kernel; the start of the process aside. Times
 that what else the machine does hardly counts: the median of five compilations, one where N > 20;
 of gcc at -O2, once. Ends with a line of JSON, which measure() reads: pkgen's interpreter is another
 than that of the peers, and pkgen is imported by the former alone. The figures for the same work by
-SymPy stand in docs/architecture.md.
+SymPy stand in docs/dev/architecture.md.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ Way = Callable[[int], Iterator[tuple[float, float, list]]]
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench members")
     parser.add_argument(
-        "--docs", action="store_true", help="write the table into docs/benchmarks.md"
+        "--docs", action="store_true", help="write the table into docs/dev/results/benchmarks.md"
     )
     parser.add_argument("--members", type=int, default=65536)
     parser.add_argument("--here", action="store_true", help="this Python has the peers")

@@ -36,7 +36,7 @@ from .chosen import chosen
 ROOT = Path(__file__).resolve().parent.parent
 MODELS = ROOT / "bench/lag/published"
 EXACT = MODELS / "exact.json"
-PAGE = ROOT / "docs/published.md"
+PAGE = ROOT / "docs/dev/results/published.md"
 MARK = "<!-- python -m bench published --docs -->\n"
 RUNS = 5  # of which the shortest is told
 
@@ -249,7 +249,7 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench published", description=__doc__)
     parser.add_argument("--only", default="", help="problems whose name has this text")
     parser.add_argument("--exact", action="store_true", help="make exact.json again, some minutes")
-    parser.add_argument("--docs", action="store_true", help="write docs/published.md")
+    parser.add_argument("--docs", action="store_true", help="write docs/dev/results/published.md")
     arguments = parser.parse_args(words)
     problems = chosen(PROBLEMS, arguments.only, lambda problem: problem.name)
     if arguments.exact:

@@ -1,4 +1,4 @@
-"""docs/benchmarks.md, written by the run that measured, so that it cannot drift."""
+"""docs/dev/results/benchmarks.md, written by the run that measured, so that it cannot drift."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .machine import Machine, describe
 from .measure import Effort
 from .models import ROOT
 
-PAGE = ROOT / "docs" / "benchmarks.md"
+PAGE = ROOT / "docs/dev/results/benchmarks.md"
 # Behind such a mark stands what another command writes: `make bench` leaves it.
 MARK = "<!-- python -m bench {} --docs -->\n"
 APART = re.compile(MARK.format(r"(\w+)"))

@@ -57,7 +57,7 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench rotations", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one start, three rounds")
     parser.add_argument("--only", default="", help="motions whose name has this text")
-    parser.add_argument("--docs", action="store_true", help="write docs/benchmarks.md")
+    parser.add_argument("--docs", action="store_true", help="write docs/dev/results/benchmarks.md")
     arguments = parser.parse_args(words)
     if Path(sys.prefix) != environment.VENV:
         return environment.with_peers("rotations", words)

@@ -1,6 +1,6 @@
 """The floor plan: arrows run one way, no circle among files, and few files at each root.
 
-`FLOORS` is docs/architecture.md as data. A folder may use those on floors below its own.
+`FLOORS` is docs/dev/architecture.md as data. A folder may use those on floors below its own.
 """
 
 from __future__ import annotations
@@ -247,7 +247,7 @@ def test_files_that_comments_and_docs_name_are_there() -> None:
     assert len(told) > 300 and sorted(gone) == []
 
 
-PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/dev/architecture.md").read_text(encoding="utf-8")
 ROOTS = [
     ROOT / folder
     for folder in (

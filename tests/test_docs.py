@@ -201,7 +201,7 @@ def test_limits_table() -> None:
 
 
 def test_the_page_of_errors_is_that_of_the_tests() -> None:
-    text = (ROOT / "docs/errors.md").read_text()
+    text = (ROOT / "docs/dev/results/errors.md").read_text()
     cases = sorted((ROOT / "tests/generator/wrong").glob("*.txt"))
     assert len(cases) > 50
     for case in cases:

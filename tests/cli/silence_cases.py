@@ -1,6 +1,6 @@
 """What a run must never pass over in silence: each case with a model that provokes it.
 
-The table in docs/never-silent.md is made of these rows and of what pkgen says to each.
+The table in docs/dev/never-silent.md is made of these rows and of what pkgen says to each.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 """Never silent: every case of silence_cases.py ends by its status, with the last valid time, rows
-up to it and none after, and exit code 4; docs/never-silent.md says what is printed to each.
+up to it and none after, and exit code 4; docs/dev/never-silent.md says what is printed to each.
 
 `make golden` (PKGEN_UPDATE=1) writes the page.
 """
@@ -23,7 +23,7 @@ from silence_cases import CASES, IN_C, Case
 from conftest import ROOT
 from pkgen.__main__ import main
 
-PAGE = ROOT / "docs/never-silent.md"
+PAGE = ROOT / "docs/dev/never-silent.md"
 UPDATE = bool(os.environ.get("PKGEN_UPDATE"))
 HEAD = """# Never silent
 

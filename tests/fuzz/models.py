@@ -92,7 +92,7 @@ def corpus() -> list[str]:
     models = sorted((ROOT / "models").rglob("*.lag"))
     wrong = sorted((ROOT / "tests/generator/wrong").glob("*.lag"))
     texts = [path.read_text(encoding="utf-8") for path in 4 * models + wrong]
-    for page in sorted([*ROOT.glob("docs/*.md"), *ROOT.glob("addons/*/*.md")]):
+    for page in sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("addons/*/*.md")]):
         text = page.read_text(encoding="utf-8")
         texts += re.findall(r"^```\w*\n(model .*?)^```", text, re.M | re.S)
     return [text for text in texts if len(text) < MOST_BYTES] + [EXTRA] * 20

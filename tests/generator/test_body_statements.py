@@ -243,7 +243,7 @@ def test_the_order_of_statements_is_free():
 @pytest.mark.parametrize("n, most", [(6, 1732), (12, 4826)])
 def test_an_arm_takes_no_more_than_by_places(n, most):
     """Operations of an acceleration; the bounds are those of the same arm by hand, whose bodies
-    have one moment of inertia each (docs/architecture.md)."""
+    have one moment of inertia each (docs/dev/architecture.md)."""
     axes = ["[0,0,1]", "[0,1,0]", "[0,1,0]", "[1,0,0]", "[0,1,0]", "[1,0,0]", "[0,1,0]"]
     text = "model arm\nparam g = 9.81 [m/s^2]\ngravity [0, 0, -g]\n"
     for i in range(1, n + 1):

@@ -1,4 +1,4 @@
-"""docs/long-runs.md: what the long tests measured, a section each, written under PKGEN_UPDATE=1."""
+"""docs/dev/long-runs.md: what the long tests measured, a section each, written under PKGEN_UPDATE=1."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 
 from conftest import ROOT
 
-PAGE = ROOT / "docs" / "long-runs.md"
+PAGE = ROOT / "docs/dev/long-runs.md"
 
 
 def write_section(title: str, text: str) -> None:

@@ -1,6 +1,6 @@
 """A million steps of bodies that turn, of constraints and of rolling: constants and residuals.
 
-`make test-long`; with PKGEN_UPDATE=1 the figures are written to docs/long-runs.md.
+`make test-long`; with PKGEN_UPDATE=1 the figures are written to docs/dev/long-runs.md.
 """
 
 from __future__ import annotations

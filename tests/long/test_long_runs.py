@@ -1,6 +1,6 @@
 """What takes longer: a million steps of each model, and every model for ten hash seeds.
 
-`make test-long`; with PKGEN_UPDATE=1 the figures are written to docs/long-runs.md.
+`make test-long`; with PKGEN_UPDATE=1 the figures are written to docs/dev/long-runs.md.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The inline sine and cosine over their whole range: every float, and doubles by the hundred
 thousand against mpmath, in each variant.
 
-`make test-long`; with PKGEN_UPDATE=1 the figures are written to docs/long-runs.md.
+`make test-long`; with PKGEN_UPDATE=1 the figures are written to docs/dev/long-runs.md.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""docs/stability.md: predicted against measured, a row a prediction, written under PKGEN_UPDATE=1.
+"""docs/dev/results/stability.md: predicted against measured, a row a prediction, written under PKGEN_UPDATE=1.
 
 Each test that runs puts its own row in place, so that the long ones' stay when the short ones are
 measured again; text, order and predictions are the catalogue's.
@@ -16,8 +16,9 @@ from pathlib import Path
 from .catalogue import MISSING, PREDICTIONS
 from .prediction import Prediction
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "stability.md"
-LOCK = PAGE.parents[1] / "build" / "stability-page.lock"
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs/dev/results/stability.md"
+LOCK = ROOT / "build" / "stability-page.lock"
 HEAD = """\
 # Where methods fail: predicted and measured
 

@@ -1,4 +1,4 @@
-"""What docs/compatibility.md promises: texts of an earlier version mean the same, and a number goes
+"""What docs/dev/compatibility.md promises: texts of an earlier version mean the same, and a number goes
 with what it numbers."""
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pkgen.describe.describe import SCHEMA
 from pkgen_editor.words import words
 
 TEXTS = Path(__file__).parent / "texts"
-PAGE = (ROOT / "docs/compatibility.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/dev/compatibility.md").read_text(encoding="utf-8")
 KINDS = ("text", "lag")
 QUICK = ("mixed", "thrown_stone")
 # Of each number of an ABI what it numbers: the first digits of a digest of pk/system.h without

@@ -74,7 +74,7 @@ def models() -> list[Path]:
 
 
 def texts() -> list[Path]:
-    return sorted([*ROOT.glob("docs/*.md"), *ROOT.glob("addons/*/*.md")])
+    return sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("addons/*/*.md")])
 
 
 def main() -> int:
@@ -133,9 +133,10 @@ def page_of(place: str) -> str:
     if place in ("models", "models/"):
         return "models/index.md"
     if path.parts[0] == "docs":
-        inside = posixpath.relpath(place, "docs")
-        if path.suffix == ".md" or inside.startswith("pictures/"):
-            return inside
+        if path.suffix == ".md":
+            return path.name  # all pages in one folder of the site
+        if path.parts[1] == "pictures":
+            return posixpath.relpath(place, "docs")
     if path.parts[0] == "addons" and len(path.parts) == 3 and path.suffix == ".md":
         return f"{path.parts[1]}.md" if path.name == "README.md" else path.name
     whole = ROOT / place

@@ -125,10 +125,10 @@ def test_lines_of_ones_own_are_those_of_the_pages() -> None:
     rows = re.findall(r"(\d+)[^\d|]*\[the page\]\((.*?)\)", table)
     assert len(rows) == 5
     for count, page in rows:
-        text = (ROOT / "docs" / page).read_text()
+        text = (ROOT / "addons/hosts" / page).read_text()
         languages = re.findall(r"^```(?!console|sh|text)\w+\n(.*?)^```", text, re.M | re.S)
         assert int(count) == _lines(languages[0]), page
-    assert f"{_lines((ROOT / 'docs/embed.c').read_text())}, [embed.c](embed.c)" in table
+    assert f"{_lines((ROOT / 'docs/embed.c').read_text())}, [embed.c](../../docs/embed.c)" in table
 
 
 def test_methods_that_choose_their_step_are_given_none() -> None:
