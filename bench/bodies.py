@@ -110,7 +110,7 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench bodies", description=__doc__)
     parser.add_argument("--steps", type=int, default=STEPS)
     parser.add_argument("--only", default="", help="scenes whose 'model scene' has this text")
-    parser.add_argument("--docs", action="store_true", help="write docs/models.md")
+    parser.add_argument("--docs", action="store_true", help="write docs/dev/results/models.md")
     arguments = parser.parse_args(words)
     if arguments.docs and arguments.only:
         raise SystemExit("bench bodies: --docs wants all scenes")

@@ -30,7 +30,7 @@ from .side_by_side_cases import CASES, Case
 
 ROOT = Path(__file__).resolve().parent.parent
 PKGEN = ROOT / ".venv" / "bin" / "python"
-PAGE = ROOT / "docs" / "models.md"
+PAGE = ROOT / "docs/dev/results/models.md"
 MARK = "<!-- python -m bench side_by_side --docs -->\n"
 END = "<!-- end of side_by_side -->\n"
 TURNS = 5
@@ -105,7 +105,7 @@ class Row:
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench side_by_side", description=__doc__)
     parser.add_argument("--only", default="", help="systems whose name has this text")
-    parser.add_argument("--docs", action="store_true", help="write docs/models.md")
+    parser.add_argument("--docs", action="store_true", help="write docs/dev/results/models.md")
     arguments = parser.parse_args(words)
     if importlib.util.find_spec("physicskit") is None:
         if Path(sys.prefix) == environment.VENV:

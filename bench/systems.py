@@ -28,7 +28,7 @@ from . import machine, tables
 from .chosen import chosen
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "models.md"
+PAGE = ROOT / "docs/dev/results/models.md"
 MARK = "<!-- python -m bench systems --docs -->\n"
 HEAD = (
     "model",
@@ -99,7 +99,7 @@ class Row:
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench systems", description=__doc__)
     parser.add_argument("--only", default="", help="scenes whose 'model scene' has this text")
-    parser.add_argument("--docs", action="store_true", help="write docs/models.md")
+    parser.add_argument("--docs", action="store_true", help="write docs/dev/results/models.md")
     arguments = parser.parse_args(words)
     rows = []
     scenes = [

@@ -1,4 +1,4 @@
-"""docs/models.md knows each model and each of its scenes; what it says to try can be tried."""
+"""docs/dev/results/models.md knows each model and each of its scenes; what it says to try can be tried."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 from conftest import ROOT
 
-TEXT = (ROOT / "docs" / "models.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs/dev/results/models.md").read_text(encoding="utf-8")
 PAGE, _, TABLE = TEXT.partition("## All of them")
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 TRIES = re.findall(r"^Try `pkgen ([^`]*)`", PAGE, re.M)

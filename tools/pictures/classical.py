@@ -1,4 +1,4 @@
-"""Pictures of docs/models.md.
+"""Pictures of docs/dev/results/models.md.
 
 kepler       the ellipse of a perturbed sun turns
 sections     Poincare sections of Henon and Heiles' well at three energies

@@ -1,5 +1,5 @@
 """The pages that MkDocs makes a site of: docs/, README.md, and a page for each model with its live
-page, its equations, what docs/models.md says of it, its charts and its text.
+page, its equations, what docs/dev/results/models.md says of it, its charts and its text.
 
     python tools/site/pages.py     writes build/site-pages and build/site.yml; `make site` goes on
 
@@ -87,7 +87,10 @@ def main() -> int:
         shutil.copy(HERE / file, PAGES / "assets")
     for path in texts():
         place = path.relative_to(ROOT).as_posix()
-        text = linked(path.read_text(encoding="utf-8"), posixpath.dirname(place), "")
+        text = linked(
+            path.read_text("utf-8"), posixpath.dirname(place), posixpath.dirname(page_of(place))
+        )
+        (PAGES / page_of(place)).parent.mkdir(parents=True, exist_ok=True)
         (PAGES / page_of(place)).write_text(text, encoding="utf-8")
     home = linked((ROOT / "README.md").read_text(encoding="utf-8"), "", "")
     (PAGES / "index.md").write_text(home, encoding="utf-8")
@@ -133,15 +136,14 @@ def page_of(place: str) -> str:
     if place in ("models", "models/"):
         return "models/index.md"
     if path.parts[0] == "docs":
-        if path.suffix == ".md":
-            return path.name  # all pages in one folder of the site
-        if path.parts[1] == "pictures":
-            return posixpath.relpath(place, "docs")
+        inside = posixpath.relpath(place, "docs")
+        if path.suffix == ".md" or inside.startswith("pictures/"):
+            return inside
     if path.parts[0] == "addons" and len(path.parts) == 3 and path.suffix == ".md":
         return f"{path.parts[1]}.md" if path.name == "README.md" else path.name
     whole = ROOT / place
     if not whole.is_file():
-        return "architecture.md"  # a folder: the page about folders
+        return "dev/architecture.md"  # a folder: the page about folders
     shown = PAGES / "files" / (place.replace("/", "_") + ".md")
     text = whole.read_text(encoding="utf-8")
     if path.suffix == ".md":
@@ -200,8 +202,8 @@ def model_page(path: Path) -> str:
 
 
 def said_of(place: str) -> str:
-    """The section of docs/models.md that names the model in its heading."""
-    text = (ROOT / "docs/models.md").read_text(encoding="utf-8")
+    """The section of docs/dev/results/models.md that names the model in its heading."""
+    text = (ROOT / "docs/dev/results/models.md").read_text(encoding="utf-8")
     heads = list(SECTION.finditer(text))
     ends = [head.start() for head in heads[1:]] + [len(text)]
     for head, end in zip(heads, ends, strict=True):
@@ -244,7 +246,7 @@ def nav() -> list[dict[str, object]]:
     for title, names in SECTIONS.items():
         names = [n for n in names if n in pages] or sorted(pages.keys() - used)
         found.append({title: [pages[n] for n in names]})
-    groups: list[object] = ["models/index.md", {"What each is known for": "models.md"}]
+    groups: list[object] = ["models/index.md", {"What each is known for": "dev/results/models.md"}]
     for folder, title in FOLDERS.items():
         inside = [p for p in models() if p.parent == ROOT / "models" / folder]
         # Counted, so that no part of a page has the same name as a part of the navigation.
