@@ -1,4 +1,4 @@
-"""docs/dev/long-runs.md: what the long tests measured, a section each, written under PKGEN_UPDATE=1."""
+"""docs/dev/long-runs.md: what the long tests measured, a section each (PKGEN_UPDATE=1)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""docs/dev/results/models.md knows each model and each of its scenes; what it says to try can be tried."""
+"""The results of models name each model and scene; what they say to try can be tried."""
 
 from __future__ import annotations
 

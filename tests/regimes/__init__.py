@@ -1,4 +1,4 @@
-"""Predictions about where methods fail, and how each is measured; docs/dev/results/stability.md shows them."""
+"""Predictions about where methods fail, and how each is measured (results/stability.md)."""
 
 from mpmath import mp
 

@@ -1,4 +1,4 @@
-"""docs/dev/results/stability.md: predicted against measured, a row a prediction, written under PKGEN_UPDATE=1.
+"""results/stability.md: predicted against measured, a row a prediction, by PKGEN_UPDATE=1.
 
 Each test that runs puts its own row in place, so that the long ones' stay when the short ones are
 measured again; text, order and predictions are the catalogue's.

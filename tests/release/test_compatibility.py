@@ -1,4 +1,4 @@
-"""What docs/dev/compatibility.md promises: texts of an earlier version mean the same, and a number goes
+"""The promises of docs/dev/compatibility.md: older texts mean the same, and a number goes
 with what it numbers."""
 
 from __future__ import annotations
