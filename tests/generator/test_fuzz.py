@@ -72,7 +72,7 @@ def test_noise():
 
 @pytest.mark.long
 def test_a_minute_of_each():
-    """The fuzzers, of models through the whole compiler and of the runtime (docs/dev/fuzzing.md)."""
+    """The fuzzers, of models through the compiler and of the runtime (docs/dev/fuzzing.md)."""
     done = subprocess.run(
         ["make", "-s", "fuzz", "FUZZ_SECONDS=60"],
         cwd=ROOT,
