@@ -162,7 +162,7 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench accuracy")
     parser.add_argument("--quick", action="store_true", help="the quick scenes alone")
     parser.add_argument("--only", default="", help="scenes whose name has this")
-    parser.add_argument("--docs", action="store_true", help="write docs/accuracy.md")
+    parser.add_argument("--docs", action="store_true", help="write its page")
     arguments = parser.parse_args(words)
     began = time.monotonic()
     folder = accuracy_reference.FOLDER
@@ -181,7 +181,7 @@ def main(words: list[str]) -> int:
     print(f"{table(found)}\n\n{said}")
     if arguments.docs:
         here = "; ".join(machine.describe().lines())
-        _into(ROOT / "docs" / "accuracy.md", f"{said}.\n\n{here}\n\n{table(found)}\n")
+        _into(ROOT / "docs/dev/results/accuracy.md", f"{said}.\n\n{here}\n\n{table(found)}\n")
     for why in failed:
         print(f"bench: failed: {why}", file=sys.stderr)
     return 1 if failed else 0

@@ -39,7 +39,7 @@ from .models import ROOT
 from .tables import table
 
 WITHIN = 1.10
-PAGE = ROOT / "docs" / "charts.md"
+PAGE = ROOT / "docs/dev/results/answers.md"
 MARK = "<!-- python -m bench answers --docs -->\n"
 NEXT = {True: 1 / 1.03, False: 1 / 1.2}  # of a step, of a tolerance, to the next one
 FINER = {True: 0.87, False: 0.3}
@@ -230,7 +230,7 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench answers", description=__doc__)
     parser.add_argument("--only", default="", help="motions whose name has this")
     parser.add_argument("--seconds", type=float, default=60.0, help="of a chart's measuring")
-    parser.add_argument("--docs", action="store_true", help="write the table into docs/charts.md")
+    parser.add_argument("--docs", action="store_true", help="write its page")
     arguments = parser.parse_args(words)
     rows, found, failed, began = [], [], [], time.monotonic()
     for case in chosen(CASES, arguments.only, lambda case: case.name):

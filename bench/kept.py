@@ -46,7 +46,7 @@ from .kept_cases import ROOT, Case, cases
 from .tables import table
 
 FOLDER = OUTPUT.parent / "kept"
-PAGE = ROOT / "docs/accuracy.md"
+PAGE = ROOT / "docs/dev/results/accuracy.md"
 MARKS = "<!-- python -m bench kept --docs -->\n", "<!-- kept -->\n"
 GOAL = 0.98
 SAMPLED = 12  # of so many scenes one is charted
@@ -235,7 +235,7 @@ def main(words: list[str]) -> int:
     parser.add_argument("--json", type=Path, help="a file for all that was found")
     parser.add_argument("--minutes", type=float, help="scenes drawn at random, as long as this")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
-    parser.add_argument("--docs", action="store_true", help="write docs/accuracy.md")
+    parser.add_argument("--docs", action="store_true", help="write its page")
     arguments = parser.parse_args(words)
     if arguments.docs and (arguments.quick or arguments.only):
         raise SystemExit("bench kept: --docs wants all scenes")
