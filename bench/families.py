@@ -24,7 +24,7 @@ from . import tables
 from .report import write_table
 from .systems import ROOT
 
-PAGE = ROOT / "docs" / "families.md"
+PAGE = ROOT / "docs/dev/families.md"
 SAME = 1e-11
 HEAD = ("feature", "members", "off", "members", "method", "evaluations", "ns a member", "seconds")
 LOOSE = "1e-8"

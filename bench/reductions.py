@@ -111,7 +111,7 @@ class Row:
 def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m bench reductions", description=__doc__)
     parser.add_argument("--quick", action="store_true")
-    parser.add_argument("--docs", action="store_true", help="write docs/reductions.md")
+    parser.add_argument("--docs", action="store_true", help="write its page")
     arguments = parser.parse_args(words)
     rounds = QUICK_ROUNDS if arguments.quick else ROUNDS
     rows = []
@@ -253,8 +253,8 @@ def _line(row: Row) -> str:
 
 
 def _write(text: str) -> None:
-    """Between the marks of docs/reductions.md."""
-    path = ROOT / "docs" / "reductions.md"
+    """Between the marks of its page."""
+    path = ROOT / "docs/dev/results/reductions.md"
     said = "; ".join(machine.describe().lines())
     before, _, _ = path.read_text().partition(MARK)
     path.write_text(f"{before}{MARK}\n{said}\n\n{text}")

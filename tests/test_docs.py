@@ -195,7 +195,7 @@ def test_a_first_run_takes_one_time_in_all_pages() -> None:
 
 
 def test_limits_table() -> None:
-    rows = re.findall(r"^\| `(\w+)` \| ([\d,]+) \|", (ROOT / "docs/limits.md").read_text(), re.M)
+    rows = re.findall(r"^\| `(\w+)` \| ([\d,]+) \|", (ROOT / "docs/language.md").read_text(), re.M)
     documented = {name: int(value.replace(",", "")) for name, value in rows}
     assert documented == {k: v for k, v in vars(limits).items() if k.isupper()}
 

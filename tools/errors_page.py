@@ -16,7 +16,7 @@ Every message has its place, the line with a caret, and where one is known a way
 that can be found is reported in one run. This page is a reference, not for reading through:
 `make golden` makes it from the wrong models of the tests (`tests/generator/wrong`), which compare
 each message to the letter. Larger ones (10 MB, brackets 10,000 deep, a sum of 200,000 terms) are
-in the tests of the parser; what they meet stands in [limits.md](../../limits.md).
+in the tests of the parser; what they meet stands in [limits](../../language.md#limits).
 """
 
 

@@ -1,4 +1,4 @@
-"""What a model may ask of the compiler, in one table. Documented in docs/limits.md.
+"""What a model may ask of the compiler, in one table. Documented in docs/language.md.
 
 A hostile file must end within a minute and within a gibibyte, with a message that says which
 limit it met; an honest one never meets any.

@@ -1,7 +1,7 @@
 """200 kills at random moments of runs by each family of methods: rows are to the byte those of a
 run that nobody stopped.
 
-`make test-long`; with PKGEN_UPDATE=1 the table is written to docs/checkpoints.md. The runs are
+`make test-long`; with PKGEN_UPDATE=1 the table is written to docs/dev/checkpoints.md. The runs are
 those of programs, which start in milliseconds.
 """
 
@@ -50,7 +50,7 @@ CASES = {
     "short forces": ("short", "dop853", "--rtol", "1e-11"),
     "an ensemble": ("events", "dop853", "--rtol", "1e-10", "--ensemble", "table.csv"),
 }
-PAGE = ROOT / "docs" / "checkpoints.md"
+PAGE = ROOT / "docs/dev/checkpoints.md"
 INTRODUCTION = f"""\
 `make test-long` kills a program of each family {KILLS} times and more, at random moments, half
 of the times by SIGKILL, else by SIGTERM or SIGUSR1, and resumes it until it arrives, and so again.

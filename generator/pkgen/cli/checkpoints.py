@@ -1,6 +1,6 @@
 """Checkpoints of `pkgen run`: what is refused, what their note says, which of a run's files stay.
 
-The file is the runtime's (`runtime/run/base/checkpoint.c`); docs/checkpoints.md has its format.
+The file is the runtime's (`runtime/run/base/checkpoint.c`); docs/dev/checkpoints.md has its format.
 """
 
 from __future__ import annotations

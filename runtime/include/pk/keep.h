@@ -13,7 +13,7 @@
  *     status = pk_integrator_keep(&it, &in);                 (it.t, it.q, it.v are there)
  *
  * Bytes hold no addresses. They are believed where their shape is right: whoever takes them from
- * elsewhere checks them first, as checkpoints do (docs/checkpoints.md).
+ * elsewhere checks them first, as checkpoints do (docs/dev/checkpoints.md).
  */
 #ifndef PK_KEEP_H
 #define PK_KEEP_H

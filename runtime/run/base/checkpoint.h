@@ -1,4 +1,4 @@
-/* The file of a checkpoint: a head, a note of who runs, and bytes (docs/checkpoints.md). */
+/* The file of a checkpoint: a head, a note of who runs, and bytes (docs/dev/checkpoints.md). */
 #ifndef RUN_CHECKPOINT_H
 #define RUN_CHECKPOINT_H
 

@@ -1,4 +1,4 @@
-/* A run's state in a file, and a run that goes on from there (docs/checkpoints.md). */
+/* A run's state in a file, and a run that goes on from there (docs/dev/checkpoints.md). */
 #ifndef RUN_STEPS_CHECKPOINT_H
 #define RUN_STEPS_CHECKPOINT_H
 
