@@ -20,7 +20,7 @@ class Mesh:
 
 
 def mesh(form: str, sizes: list[float]) -> Mesh:
-    """Axes and sizes as docs/describe.md says."""
+    """Axes and sizes as docs/dev/describe.md says."""
     if form == "box":
         return _box(sizes)
     if form == "ellipsoid":

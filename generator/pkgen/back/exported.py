@@ -16,7 +16,7 @@ from .runtime import alone, sources
 
 @record
 class Exported:
-    """A model for a host. `description` is that of docs/describe.md, `files` the generated C,
+    """A model for a host. `description` is that of docs/dev/describe.md, `files` the generated C,
     `separable` whether M is constant and forces have no rates, `own` the methods that its author
     brings, `options` those of the command line."""
 

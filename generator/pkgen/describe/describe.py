@@ -1,4 +1,4 @@
-"""The description of a compiled model: docs/describe.md has the schema."""
+"""The description of a compiled model: docs/dev/describe.md has the schema."""
 
 from __future__ import annotations
 
