@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from pkgen.cli.commands import commands
 from pkgen.run import build
 from pkgen.system import toolchain
 from pkgen.system.exits import BuildError
@@ -81,6 +82,12 @@ class Names:
         if report.failed:
             terminal = self.config.pluginmanager.getplugin("terminalreporter")
             terminal.write(f"\nFAILED {report.nodeid} ({report.when})\n")
+
+
+def needs(command: str) -> pytest.MarkDecorator:
+    """For a test that takes a command of an add-on too."""
+    missing = command not in commands()
+    return pytest.mark.skipif(missing, reason=f"{command} is of an add-on that is not here")
 
 
 def long_but(kept: Iterable[object], values: Iterable[object]) -> list:

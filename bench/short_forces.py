@@ -1,4 +1,4 @@
-"""The table of docs/dev/short-forces.md: what is seen of a force whose width is a small part of a step.
+"""The table of short-forces.md: what is seen of a force whose width is a small part of a step.
 
     PKGEN=.venv/bin/pkgen build/bench/venv/bin/python -m bench.short_forces
 

@@ -254,7 +254,7 @@ ROOTS = [
         *(".", "generator/pkgen", "generator/pkgen/front", "generator/pkgen/back/c"),
         *("runtime", "runtime/src", "runtime/include"),
     )
-] + [*(ROOT / "addons").iterdir()]
+] + [*ROOT.glob("addons/*")]
 PATH = re.compile(r"`([\w.*-]+(?:/[\w.*-]+)+)`")
 # A path and the function that is named behind it.
 PLACE = re.compile(PATH.pattern + r" `(\w+)`")
@@ -264,11 +264,13 @@ def _found(path: str) -> list[Path]:
     return [place for root in ROOTS for place in root.glob(path)]
 
 
+@pytest.mark.skipif(not (ROOT / "addons").is_dir(), reason="the page names add-ons")
 def test_what_the_page_names_is_there() -> None:
     paths = set(PATH.findall(PAGE))
     assert len(paths) > 80 and [path for path in paths if not _found(path)] == []
 
 
+@pytest.mark.skipif(not (ROOT / "addons").is_dir(), reason="the page names add-ons")
 def test_functions_are_where_the_page_says() -> None:
     places = PLACE.findall(PAGE)
     astray = [
@@ -307,4 +309,6 @@ def test_the_table_of_long_cases_names_what_is_there() -> None:
     """Else a case that was renamed would be among the quick ones unseen."""
     for line in (ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines():
         path, _, name = line.partition("::")
+        if path.startswith("addons/") and not (ROOT / "addons").is_dir():
+            continue
         assert f"def {name.partition('[')[0]}(" in (ROOT / path).read_text(encoding="utf-8"), line

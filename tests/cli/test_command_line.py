@@ -77,10 +77,12 @@ RUN += ("film", "plot")  # the others take minutes
 FLIPS = ("models/double_pendulum.lag", "--plan", "models/flips_grid.toml", "-o", "flips")
 
 
-@pytest.mark.parametrize("name", long_but(RUN[:3], RUN))
+@pytest.mark.parametrize("name", long_but(RUN[:3], [name for name in RUN if name in COMMANDS]))
 def test_examples_run(name: str, tmp_path: Path) -> None:
     shutil.copytree(ROOT / "models", tmp_path / "models")
     if name in ("show", "plot"):  # a sweep that has been made
+        if "sweep" not in COMMANDS:
+            pytest.skip("there are no sweeps here")
         plan = tmp_path / "models/flips_grid.toml"
         plan.write_text(plan.read_text().replace("240", "6"))
         made = run_pkgen("sweep", *FLIPS, cwd=tmp_path)
@@ -102,7 +104,7 @@ def test_examples_run(name: str, tmp_path: Path) -> None:
         (["compile", HOOP, "--dump", "rendr"], "did you mean 'render'?"),
         (["run"], "required: MODEL.lag; see pkgen help run"),
         (["run", HOOP, HOOP], "one file at a time"),
-        (["film", HOOP, "-o", "x.gif", "--fps", "fast"], "--fps: invalid float value: 'fast'"),
+        (["stability", HOOP, "--width", "fast"], "--width: invalid float value: 'fast'"),
         (["run", HOOP, "-q", "-v"], "not allowed with"),
     ],
 )

@@ -290,18 +290,18 @@ WRITES = re.compile(r"\bopen\([^)]*, \"[wax]b?\"|write_text\(|write_bytes\(|save
 OWN = {"__main__.py", "cli/chart.py", "cli/run.py", "cli/stability.py", "run/build.py"}
 OWN |= {"run/simulate.py", "run/runtime.py", "system/cache.py", "system/files.py"}
 OWN |= {"plot/style.py"}  # of pictures
-OWN |= {"film/film.py", "film/write.py", "back/web/build.py", "back/library.py"}
-OWN |= {"sweep/store.py"}
+OWN |= {"back/wasm/build.py", "back/library.py"}
+ADDED = {"pkgen_film/film.py", "pkgen_film/write.py", "pkgen_sweep/store.py"}
 
 
 def test_nothing_else_writes_files() -> None:
-    root = ROOT / "generator/pkgen"
-    writers = {
-        path.relative_to(root).as_posix()
-        for path in root.rglob("*.py")
-        if WRITES.search(path.read_text())
-    }
-    assert writers == OWN
+    def writers(root: Path, pattern: str) -> set[str]:
+        found = (path for path in root.glob(pattern) if WRITES.search(path.read_text()))
+        return {path.relative_to(root).as_posix() for path in found}
+
+    assert writers(ROOT / "generator/pkgen", "**/*.py") == OWN
+    addons = {root: writers(root, "pkgen_*/**/*.py") for root in (ROOT / "addons").glob("*")}
+    assert {path for found in addons.values() for path in found} <= ADDED
 
 
 @pytest.mark.parametrize("method", ["gauss", "dop853"])

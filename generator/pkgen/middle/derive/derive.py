@@ -317,7 +317,8 @@ def _solved(
         known = found.solution or solve(g, motion.mass, motion.force)
         if known is None:
             message = "the accelerations of so many coupled coordinates are no outputs"
-            raise error(x.model, message, span, "they are solved for by a loop; see docs/language.md")
+            help_ = "they are solved for by a loop; see docs/language.md"
+            raise error(x.model, message, span, help_)
         a = symbols(g, Kind.ACCELERATION, len(known.accelerations))
         swap = dict(zip(a, known.accelerations, strict=True)) | rates
     return substituted(g, [node], swap)[0]
