@@ -29,8 +29,8 @@ from pkgen.analysis.chart.points import ChartedMethod, Point
 from pkgen.cli.chart import _effort
 from pkgen.cli.compilation import compile_within_limits
 from pkgen.run.build import build_library
-from pkgen.scenes import asked as parsing
-from pkgen.scenes.use import whole
+from pkgen.scenes import run_settings as parsing
+from pkgen.scenes.compile_plan import whole
 from pkgen.system.progress import unseen
 
 from . import machine

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from pkgen import __main__ as command
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
+from pkgen.scenes import compile_plan as scene_use
 from pkgen.scenes import lengths
-from pkgen.scenes import use as scene_use
 
 from . import machine, systems, tables
 from .builds import AS_RUN, OUTPUT, RUNTIME, SOURCES, compile_program, runtime_library

@@ -10,7 +10,7 @@ from pathlib import Path
 from pkgen.__main__ import parser_of
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
-from pkgen.scenes import use as scene_use
+from pkgen.scenes import compile_plan as scene_use
 from pkgen.scenes.lengths import UNROLL
 
 

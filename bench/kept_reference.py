@@ -17,9 +17,9 @@ from pkgen.compiler import Compilation, compile_model
 from pkgen.front.read import read
 from pkgen.run.build import build_library
 from pkgen.run.settings import Settings
-from pkgen.scenes import asked as parsing
+from pkgen.scenes import compile_plan as scene_use
 from pkgen.scenes import lengths, scene
-from pkgen.scenes import use as scene_use
+from pkgen.scenes import run_settings as parsing
 
 SLOWEST = 12.0  # seconds of one run
 STEPS = 3000  # at least, where the equations have the time in them

@@ -26,9 +26,9 @@ from pkgen.analysis.choose.trials import Trials
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
 from pkgen.run.build import build_library
-from pkgen.scenes import asked as parsing
+from pkgen.scenes import compile_plan as scene_use
 from pkgen.scenes import lengths, scene
-from pkgen.scenes import use as scene_use
+from pkgen.scenes import run_settings as parsing
 
 from . import accuracy_reference, machine, tables
 from .chosen import chosen

@@ -32,9 +32,9 @@ from pkgen.run import named
 from pkgen.run.build import build_library
 from pkgen.run.library import load
 from pkgen.run.settings import Settings
-from pkgen.scenes import asked as parsing
+from pkgen.scenes import compile_plan as scene_use
 from pkgen.scenes import lengths, scene
-from pkgen.scenes import use as scene_use
+from pkgen.scenes import run_settings as parsing
 
 from . import machine, tables
 

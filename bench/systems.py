@@ -21,8 +21,8 @@ from pkgen import __main__ as command
 from pkgen.compiler import Compilation, compile_model
 from pkgen.front.read import read
 from pkgen.run import named
+from pkgen.scenes import compile_plan as scene_use
 from pkgen.scenes import lengths
-from pkgen.scenes import use as scene_use
 
 from . import machine, tables
 from .chosen import chosen

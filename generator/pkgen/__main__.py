@@ -15,7 +15,7 @@ from contextlib import suppress
 
 from . import __version__
 from .cli.commands import overview, parsed, parser_of
-from .cli.said import findings, told
+from .cli.messages import findings, told
 from .front.read import STANDARD, allowing
 from .source import ModelError
 from .system import children

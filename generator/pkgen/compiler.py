@@ -24,7 +24,7 @@ from functools import wraps
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from .back.c.beyond import Beyond, extreme
+from .back.c.constant_range import Beyond, extreme
 from .equations import Equations, Facts, Structure
 from .front import parse
 from .front.check import check
@@ -32,8 +32,8 @@ from .methods import Own
 from .middle.analyze import analyze
 from .middle.analyze.proofs import check_claims
 from .middle.derive import derive
+from .middle.loops.indexed_ir import Unrolled
 from .middle.loops.loops import LoopEquations
-from .middle.loops.parts import Unrolled
 from .middle.quantities import families, too_deep
 from .middle.reduce import reduce
 from .middle.reduce.reduction import ENOUGH, Needs

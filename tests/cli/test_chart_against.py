@@ -30,8 +30,8 @@ from pkgen.cli import chart as command
 from pkgen.cli.compilation import compile_within_limits
 from pkgen.graph.written import Floats
 from pkgen.run.build import build_library
-from pkgen.scenes import asked
-from pkgen.scenes.use import whole
+from pkgen.scenes import run_settings as asked
+from pkgen.scenes.compile_plan import whole
 from pkgen.system.exits import UsageError
 
 UNTIL = 3.0

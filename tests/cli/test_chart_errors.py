@@ -23,8 +23,8 @@ from pkgen.analysis.chart.points import ChartedMethod
 from pkgen.cli.compilation import compile_within_limits
 from pkgen.run.build import build_library
 from pkgen.run.library import Run
-from pkgen.scenes import asked
-from pkgen.scenes.use import whole
+from pkgen.scenes import run_settings as asked
+from pkgen.scenes.compile_plan import whole
 
 MODEL = """model oscillator
 coord x

@@ -20,7 +20,7 @@ from pkgen.describe.drawing import drawing, drawn
 from pkgen.front.read import read
 from pkgen.run.library import load
 from pkgen.run.simulate import build
-from pkgen.scenes import asked
+from pkgen.scenes import run_settings as asked
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))
 PENDULUM = """

@@ -17,8 +17,8 @@ from pkgen.analysis.stability.method import StepMap
 from pkgen.analysis.stability.predict import MOST, predictions
 from pkgen.cli.compilation import compile_within_limits
 from pkgen.run.build import build_library
-from pkgen.scenes import asked as parsing
-from pkgen.scenes.use import whole
+from pkgen.scenes import run_settings as parsing
+from pkgen.scenes.compile_plan import whole
 
 NAMES = "xyz"
 

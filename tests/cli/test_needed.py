@@ -24,10 +24,10 @@ from pkgen.back.kernels import KERNELS
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
 from pkgen.run.build import _choice, runtime_library, runtime_links
-from pkgen.scenes import asked as parsing
+from pkgen.scenes import compile_plan as scene_use
 from pkgen.scenes import lengths, scene
 from pkgen.scenes import run as scene_run
-from pkgen.scenes import use as scene_use
+from pkgen.scenes import run_settings as parsing
 from pkgen.system.toolchain import RUNTIME, find_toolchain
 
 MODELS = sorted((ROOT / "models").rglob("*.lag"))

@@ -12,8 +12,8 @@ from conftest import table, written
 from pkgen import __main__ as command
 from pkgen.compiler import compile_model
 from pkgen.front.read import read
+from pkgen.scenes import compile_plan as scene_use
 from pkgen.scenes import options as scene_options
-from pkgen.scenes import use as scene_use
 
 MODEL = """\
 model pulled

@@ -13,7 +13,7 @@ from loop_harness import Looped, Unrolled, looped
 from loop_models import MODELS, UNROLLED
 
 from conftest import long_but
-from pkgen.middle.loops.parts import Unrolled as CannotLoop
+from pkgen.middle.loops.indexed_ir import Unrolled as CannotLoop
 
 TOLERANCE = 2e-14
 VECTORS = {"acceleration": 1, "force": 1, "momenta": 1, "gradient": 1, "canonical": 2}

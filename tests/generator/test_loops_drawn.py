@@ -11,7 +11,7 @@ from chain_models import drawn
 from loop_harness import Looped, Unrolled, looped
 from test_loops import assert_kernels, assert_start
 
-from pkgen.middle.loops.parts import Unrolled as CannotLoop
+from pkgen.middle.loops.indexed_ir import Unrolled as CannotLoop
 from pkgen.source import ModelError
 
 

@@ -13,7 +13,7 @@ from total_models import RATES, TOTALS
 
 from conftest import long_but
 from pkgen.back.c.loops_lower import lower_loops
-from pkgen.middle.loops.parts import Unrolled as CannotLoop
+from pkgen.middle.loops.indexed_ir import Unrolled as CannotLoop
 from pkgen.source import ModelError
 
 CASES = TOTALS | RATES

@@ -20,7 +20,7 @@ from pkgen.middle.reduce.reduce import reduce
 from pkgen.middle.reduce.reduction import ENOUGH, Needs, State
 from pkgen.middle.report import Report
 from pkgen.middle.specialise import folded, held
-from pkgen.scenes.use import _without_mass
+from pkgen.scenes.compile_plan import _without_mass
 from pkgen.source import ModelError, Source
 
 TOP = """\

@@ -7,7 +7,7 @@ import json
 import sys
 from pathlib import Path
 
-from pkgen.cli.said import findings
+from pkgen.cli.messages import findings
 from pkgen.front.read import STANDARD, UnreadableModel, read
 from pkgen.source import ModelError
 from pkgen.system.exits import DONE, MODEL_WRONG, USAGE

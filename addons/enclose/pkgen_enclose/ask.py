@@ -14,7 +14,7 @@ from pkgen.graph.graph import Graph, Kind, Node, Op, Symbol
 from pkgen.indices import hidden, indexed
 from pkgen.run import named
 from pkgen.run.values import Values, assignment
-from pkgen.scenes import asked as parsing
+from pkgen.scenes import run_settings as parsing
 from pkgen.scenes import scene as scenes
 from pkgen.source import Span
 from pkgen.system.exits import UsageError

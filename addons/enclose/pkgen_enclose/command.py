@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from pkgen.cli.compilation import compile_within_limits
-from pkgen.scenes import use
+from pkgen.scenes import compile_plan as use
 from pkgen.system.children import stopping
 from pkgen.system.exits import DONE, INTERRUPTED, NUMERICS_FAILED, UsageError
 from pkgen.system.files import replace

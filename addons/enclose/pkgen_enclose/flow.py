@@ -10,7 +10,7 @@ from pkgen.equations import Equations
 from pkgen.graph.differentiate import Forward
 from pkgen.graph.graph import BIT, ONE, ZERO, Graph, Kind, Node, Symbol
 from pkgen.graph.substitute import substituted
-from pkgen.middle.slopes import slopes, variables
+from pkgen.middle.jacobians import slopes, variables
 from pkgen.record import record
 
 from .domains import Complexes, Reals, Series, ball, flint, written

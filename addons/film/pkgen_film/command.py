@@ -12,7 +12,7 @@ from pathlib import Path
 from pkgen.api.prepare import prepare
 from pkgen.cli import arguments as shared
 from pkgen.cli.compilation import compile_within_limits
-from pkgen.describe.made import describe
+from pkgen.describe.page_data import describe
 from pkgen.scenes import run as scene_run
 from pkgen.system.exits import UsageError
 from pkgen.system.files import place, replace, scratch

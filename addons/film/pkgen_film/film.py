@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy
 
 from pkgen.compiler import Compilation
-from pkgen.describe.made import Described
+from pkgen.describe.page_data import Described
 from pkgen.record import record
 from pkgen.run import named
 from pkgen.run.simulate import Outcome

@@ -11,7 +11,7 @@ import pytest
 
 from conftest import ROOT, run_pkgen
 from pkgen.cli.export import hosts
-from pkgen_hosts.bound.names import step
+from pkgen_hosts.bindings.names import step
 
 PENDULUM = ROOT / "models" / "double_pendulum.lag"
 MAIN = """#include <stdio.h>

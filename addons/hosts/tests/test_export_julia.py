@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT, run_pkgen
-from pkgen.back.live import LIVE
-from pkgen_hosts.bound.c import CALLS, HERE
+from pkgen.back.wasm_kernels import LIVE
+from pkgen_hosts.bindings.c import CALLS, HERE
 
 PAGE = (ROOT / "addons/hosts/export-julia.md").read_text()
 # How C says what ccall says by these.

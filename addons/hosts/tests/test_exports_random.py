@@ -16,7 +16,7 @@ import pytest
 from conftest import ROOT, run_pkgen, table
 from pkgen.back.wasm.build import missing
 from pkgen.methods import METHODS
-from pkgen_hosts.bound.names import tables
+from pkgen_hosts.bindings.names import tables
 
 pytestmark = pytest.mark.long
 MODELS = sorted((ROOT / "models").rglob("*.lag"))

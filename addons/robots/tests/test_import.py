@@ -284,7 +284,7 @@ def test_whatever_is_not_read_is_named(seed, tmp_path):
 
 
 def test_a_model_that_is_refused_is_not_written(tmp_path, monkeypatch):
-    command, made = importlib.import_module("pkgen.cli.import"), tmp_path / "r.lag"
+    command, made = importlib.import_module("pkgen_robots.command"), tmp_path / "r.lag"
 
     def refuse(source: Source) -> None:
         raise ModelError(source, [Diagnostic("no", Span(0, 1))])

@@ -14,7 +14,7 @@ from pkgen.system.exits import UsageError
 from pkgen.system.near import near
 
 from .plan import Plan
-from .starts import SOBOL_BITS, Axis, Starts, on_grid
+from .sampling import SOBOL_BITS, Axis, Starts, on_grid
 
 _UNIT = re.compile(r"\[[^\[\]]*\]\s*$")
 

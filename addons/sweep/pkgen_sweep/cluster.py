@@ -16,7 +16,7 @@ from pkgen.system.exits import BuildError, NumericsFailed, UsageError
 
 from . import work
 from .job import Job
-from .left import Left, Task
+from .remaining import Left, Task
 from .shards import Folder
 
 LOOK = 0.1  # seconds between looks at tasks

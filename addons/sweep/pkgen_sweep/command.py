@@ -74,7 +74,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _go(begun, options: argparse.Namespace, on_progress) -> None:
-    from . import left, sweep
+    from . import remaining as left
+    from . import sweep
 
     try:
         for level in sweep.levels(begun):

@@ -10,7 +10,7 @@ from pkgen.system.exits import UsageError
 
 from .cluster import Cluster, task
 from .job import Job
-from .left import Task
+from .remaining import Task
 from .shards import Folder
 
 if TYPE_CHECKING:

@@ -25,15 +25,15 @@ from pkgen.run.build import build_library
 from pkgen.run.ensemble import Ensemble
 from pkgen.run.library import INTERRUPTED, USAGE, Library, load
 from pkgen.run.settings import Settings
-from pkgen.scenes import use as scene_use
+from pkgen.scenes import compile_plan as scene_use
 from pkgen.system.exits import NumericsFailed, UsageError
 from pkgen.system.near import near
 from pkgen.version import __version__
 
 from . import axes
-from .keep import Kept, NotThere, by_row, kept
 from .plan import Plan
-from .starts import Starts
+from .reductions import Kept, NotThere, by_row, kept
+from .sampling import Starts
 
 if TYPE_CHECKING:
     import numpy

@@ -18,7 +18,7 @@ import sys
 from pkgen.system import children
 
 from .job import Job
-from .left import Left, Task
+from .remaining import Left, Task
 from .shards import Folder
 
 

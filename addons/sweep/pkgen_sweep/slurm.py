@@ -23,7 +23,7 @@ from pkgen.system.progress import say
 
 from . import work
 from .job import Job
-from .left import TRIES, Left
+from .remaining import TRIES, Left
 from .shards import Folder, failed_shard, head
 from .store import is_folder, read_json, write_json, written
 

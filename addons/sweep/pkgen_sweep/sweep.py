@@ -26,8 +26,8 @@ from .job import Job
 from .parts import arrow, classes, names
 from .plan import Plan, of_text, read_plan
 from .refine import begun as begun_grid
+from .sampling import Starts
 from .shards import PLAN, Folder, foreign, part_is_whole
-from .starts import Starts
 from .store import free_bytes, place, write_json, written
 
 SECONDS = 10.0  # of work in a shard, at least

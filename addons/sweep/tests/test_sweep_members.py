@@ -18,9 +18,9 @@ from pkgen.run.ensemble import Column
 from pkgen.source import Source
 from pkgen_sweep import axes, parts, shards, work
 from pkgen_sweep.job import Job
-from pkgen_sweep.keep import Kept
 from pkgen_sweep.plan import of_text
-from pkgen_sweep.starts import Axis, Starts
+from pkgen_sweep.reductions import Kept
+from pkgen_sweep.sampling import Axis, Starts
 
 pq = pytest.importorskip("pyarrow.parquet")
 qmc = pytest.importorskip("scipy.stats.qmc")

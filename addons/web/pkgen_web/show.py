@@ -10,8 +10,8 @@ from pkgen.back.wasm.build import wasm
 from pkgen.cli import arguments as shared
 from pkgen.cli.compilation import compile_within_limits
 from pkgen.cli.explain import explained
-from pkgen.cli.said import refuse_both
-from pkgen.describe.made import describe
+from pkgen.cli.messages import refuse_both
+from pkgen.describe.page_data import describe
 from pkgen.explain.style import style
 from pkgen.system import addons
 from pkgen.system.exits import DONE, UsageError

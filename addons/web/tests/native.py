@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pkgen.__main__ import parser_of
 from pkgen.cli.compilation import compile_within_limits
-from pkgen.describe.made import Described, describe
+from pkgen.describe.page_data import Described, describe
 from pkgen.methods import known
 from pkgen.run.build import build_library
 from pkgen.run.library import load

@@ -21,9 +21,9 @@ from ..run.library import INTERRUPTED, USAGE, Run
 from ..run.library import load as load_library
 from ..run.settings import Settings
 from ..run.simulate import build, columns, followed
-from ..scenes import asked as parsing
 from ..scenes import lengths
 from ..scenes import run as scene_run
+from ..scenes import run_settings as parsing
 from ..scenes.scene import chosen
 from ..system.near import near
 from . import arguments

@@ -16,11 +16,11 @@ from ..run import diagnostics, rows
 from ..run.ensemble import Ensemble
 from ..run.settings import Settings
 from ..run.simulate import build
-from ..scenes import asked as parsing
 from ..scenes import check as scene_check
+from ..scenes import compile_plan as scene_use
 from ..scenes import lengths, scene
 from ..scenes import run as scene_run
-from ..scenes import use as scene_use
+from ..scenes import run_settings as parsing
 from . import chosen as already
 
 

@@ -22,9 +22,9 @@ from ..own.given import given
 from ..plot.style import Look
 from ..run.build import runtime_methods
 from ..run.settings import Settings
-from ..scenes import asked as parsing
+from ..scenes import run_settings as parsing
 from ..scenes import scene
-from ..scenes.use import whole
+from ..scenes.compile_plan import whole
 from ..system import children
 from ..system.exits import DONE, INTERRUPTED, NumericsFailed, UsageError
 from ..system.files import moved, scratch

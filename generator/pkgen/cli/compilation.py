@@ -14,7 +14,7 @@ from ..scenes import lengths
 from ..source import Diagnostic, Source
 from ..system.exits import UsageError
 from ..system.resources import bounded
-from .said import findings
+from .messages import findings
 
 SECONDS = (1e-3, 1_000_000)  # of --max-seconds
 

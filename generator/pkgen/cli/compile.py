@@ -13,15 +13,15 @@ from ..back.kernels import KERNELS, PLAIN
 from ..back.kernels_canonical import CANONICAL
 from ..compiler import STAGES, Compilation
 from ..front.read import READ, read
-from ..scenes import asked as parsing
 from ..scenes import check as scene_check
+from ..scenes import compile_plan as scene_use
 from ..scenes import lengths, scene
-from ..scenes import use as scene_use
+from ..scenes import run_settings as parsing
 from ..system.exits import DONE, UsageError
 from ..system.files import STANDARD, replace
 from . import arguments as shared
 from .compilation import compile_within_limits, within_limits
-from .said import refuse_both
+from .messages import refuse_both
 
 EXAMPLES = """
 pkgen models/double_pendulum.lag -o generated

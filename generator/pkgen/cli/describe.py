@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from ..describe.made import describe
+from ..describe.page_data import describe
 from ..system.exits import DONE
 from .arguments import as_of_a_run, of_a_motion, own_methods
 from .compilation import compile_within_limits

@@ -15,8 +15,8 @@ from ..explain.explain import explain, record
 from ..explain.html import fragment, html
 from ..explain.scenes import SceneShown, scene_shown
 from ..middle.dependence import to_be_shown
+from ..scenes import compile_plan as scene_use
 from ..scenes import lengths
-from ..scenes import use as scene_use
 from ..system.exits import DONE, UsageError
 from ..system.files import replace
 from . import arguments as shared

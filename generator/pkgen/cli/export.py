@@ -9,14 +9,14 @@ from functools import cache
 from pathlib import Path
 
 from ..back.exported import Exported, Host
-from ..describe.made import describe
+from ..describe.page_data import describe
 from ..system import addons
 from ..system.exits import DONE, UsageError
 from ..system.files import replace
 from ..system.near import near
 from . import arguments as shared
 from .compilation import compile_within_limits
-from .said import findings
+from .messages import findings
 
 EXAMPLES = """
 pkgen export models/double_pendulum.lag --as fmu

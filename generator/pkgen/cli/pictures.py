@@ -17,11 +17,11 @@ from ..plot.view import View
 from ..record import record
 from ..run import named
 from ..run.simulate import columns
-from ..scenes.asked import unknown
+from ..scenes.run_settings import unknown
 from ..system.exits import UsageError
 from ..system.files import place
 from ..system.near import near
-from .said import needs
+from .messages import needs
 
 if TYPE_CHECKING:
     from ..plot.table import Table

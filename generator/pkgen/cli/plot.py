@@ -18,8 +18,8 @@ from ..system.exits import DONE, UsageError
 from ..system.files import PARTIAL, STANDARD, scratch
 from . import arguments as shared
 from . import pictures
+from .messages import needs, refuse_both
 from .run import judge, prepared, table_of, tell, to_scratch
-from .said import needs, refuse_both
 
 if TYPE_CHECKING:
     from ..api.prepare import Prepared

@@ -20,8 +20,8 @@ from ..model import Model
 from ..run import diagnostics, diagnostics_text
 from ..run.library import load
 from ..run.simulate import Outcome, sidecar, simulate
-from ..scenes import asked as parsing
 from ..scenes import run as scene_run
+from ..scenes import run_settings as parsing
 from ..scenes.judge import Verdict
 from ..system import children
 from ..system.exits import DONE, INTERRUPTED, LEFT, NUMERICS_FAILED

@@ -20,8 +20,8 @@ from ..analysis.stability.steps import MapOptions
 from ..compiler import Compilation
 from ..own.given import given
 from ..plot.style import Look
-from ..scenes import asked as parsing
-from ..scenes.use import whole
+from ..scenes import run_settings as parsing
+from ..scenes.compile_plan import whole
 from ..system.exits import DONE, INTERRUPTED, UsageError
 from ..system.files import moved, scratch
 from ..system.progress import progress, say, took

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 
+from ..middle.loops.indexed_ir import Group
 from ..middle.loops.loops import LoopEquations
-from ..middle.loops.parts import Group
 from . import mathml
 from .html_equations import lets, lines, of_lagrangian
 from .loops import (

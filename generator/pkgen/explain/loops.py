@@ -9,8 +9,8 @@ from ..compiler import Compilation
 from ..equations import ParameterSlot, Quantity
 from ..graph.affine import Affine
 from ..indices import indexed
+from ..middle.loops.indexed_ir import Group, PairForce, Part
 from ..middle.loops.loops import Assigned, Bounded, LoopEquations
-from ..middle.loops.parts import Group, PairForce, Part
 from .contents import Contents, Shown
 from .rows import EquationLine, M, Writer
 

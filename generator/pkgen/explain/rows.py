@@ -16,10 +16,10 @@ from ..graph.differentiate import reachable
 from ..graph.graph import ZERO, Kind, Node, Op, Symbol
 from ..indices import indexed
 from ..middle.analyze.sympy_bridge import plain, to_sympy, written_size
+from ..middle.loops.constant_sums import within
+from ..middle.loops.indexed_ir import Group, PairForce, PairPart, Part, Slot, Total
 from ..middle.loops.indices import COUNTERS, unlike_loops
 from ..middle.loops.loops import LoopEquations
-from ..middle.loops.once import within
-from ..middle.loops.parts import Group, PairForce, PairPart, Part, Slot, Total
 from ..record import record
 
 if TYPE_CHECKING:

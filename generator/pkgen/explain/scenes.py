@@ -9,7 +9,7 @@ from ..compiler import Compilation, compile_model
 from ..model import Scene
 from ..record import record
 from ..scenes import check as scene_check
-from ..scenes import use as scene_use
+from ..scenes import compile_plan as scene_use
 
 
 @record

@@ -7,7 +7,7 @@ from dataclasses import field, replace
 
 from ..equations import ParameterSlot
 from ..record import record
-from .smaller import Start
+from .drop_coordinates import Start
 
 
 @record

@@ -20,9 +20,9 @@ from ..model import Model, Scene, Start
 from ..run.methods_table import in_words
 from ..source import Diagnostic, ModelError
 from ..system.exits import UsageError
+from . import compile_plan as scene_use
 from . import expects, lengths
 from . import model as scene_model
-from . import use as scene_use
 
 # What options make of the model that the scene does not.
 _OTHERWISE = {

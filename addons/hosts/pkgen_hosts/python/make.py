@@ -13,8 +13,8 @@ from pathlib import Path
 from pkgen.back.archive import archive
 from pkgen.back.exported import TARGET_OPTION, Exported, Host
 from pkgen.back.library import TARGETS, Target, library, named, this_machine
-from pkgen.back.live import LIVE, WHICH, which_model
 from pkgen.back.runtime import licence
+from pkgen.back.wasm_kernels import LIVE, WHICH, which_model
 from pkgen.system.exits import UsageError
 
 HERE = Path(__file__).parent

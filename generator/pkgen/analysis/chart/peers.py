@@ -18,7 +18,7 @@ from ...functions import FUNCTIONS
 from ...graph.differentiate import reachable
 from ...graph.graph import Kind, Op, Symbol
 from ...graph.written import Written
-from ...middle.slopes import slopes, variables
+from ...middle.jacobians import slopes, variables
 from ...record import record
 from ...run.build import runtime_methods
 from .measure import Program

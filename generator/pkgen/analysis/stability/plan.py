@@ -15,7 +15,7 @@ from ...record import record
 from ...run import named
 from ...run.methods_table import in_words
 from ...run.settings import Settings
-from ...scenes import asked as parsing
+from ...scenes import run_settings as parsing
 from ...scenes import scene
 from ...system.exits import UsageError
 from ..chart.points import ChartedMethod

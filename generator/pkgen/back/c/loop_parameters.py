@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ...middle.loops.parts import Group
+from ...middle.loops.indexed_ir import Group
 from ..targets import STORE
 from .kernel_code import statements
 from .loops import Block, M, Places

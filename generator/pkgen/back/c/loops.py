@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 
 from ...graph.affine import LOOPS, OTHER, ROW, Affine
 from ...graph.graph import Kind, Node, Symbol
+from ...middle.loops.indexed_ir import Group, Slot
 from ...middle.loops.indices import COUNTERS, unlike_loops
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import Group, Slot
 from ..targets import LOAD, TRIG, Target
 from .expressions import Code, variable
 from .hoist import Hoisting, rewritten

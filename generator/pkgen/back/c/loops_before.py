@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from ...middle.loops.indexed_ir import Slot
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import Slot
 from ...middle.loops.slots import Slots
 from .loops import Block, Places
 from .loops_plan import Plan, within

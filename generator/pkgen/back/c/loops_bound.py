@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from ...graph.affine import Affine
+from ...middle.loops.indexed_ir import Bound, Group
 from ...middle.loops.indices import size_values
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import Bound, Group
 from .loops import Places
 from .loops_plan import BOUND, Plan, apart, singles
 

@@ -20,8 +20,8 @@ from functools import cached_property
 
 from ...graph.affine import Affine
 from ...graph.graph import CONSTANT, ZERO, Node
+from ...middle.loops.indexed_ir import Carried, Group, Part, Piece, Row, Slot
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import Carried, Group, Part, Piece, Row, Slot
 from ..targets import STORE, Target
 from .loops import INNER, Block, M, Places
 from .loops_sets import Builder, RowSet

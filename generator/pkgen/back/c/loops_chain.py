@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
+from ...middle.loops.indexed_ir import Group
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import Group
 from .loops import Block, M, Places
 from .loops_carried import Carrying
 from .loops_elimination import Elimination, of_scalars

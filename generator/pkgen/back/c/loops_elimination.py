@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ...graph.graph import ZERO, Graph, Node
-from ...middle.loops.parts import Group, Row
+from ...middle.loops.indexed_ir import Group, Row
 from ..targets import STORE, Target
 from .loops import INNER, Block
 from .loops_carried import BESIDE, Carrying, Variable

@@ -10,8 +10,8 @@ from ...graph.count import operations
 from ...graph.graph import MINUS_ONE, ONE, ZERO, Node
 from ...graph.normal import WORK
 from ...graph.policies import linear
+from ...middle.loops.indexed_ir import REACHED, Group, Part, Row
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import REACHED, Group, Part, Row
 from ...middle.loops.slots import Slots
 from .loops import WIDEST_BOND
 

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ...graph.affine import Affine
+from ...middle.loops.indexed_ir import Bound, Group, Part, Row, Slot, Total, Unrolled
+from ...middle.loops.jacobians import Slopes, slopes_of
 from ...middle.loops.loops import LoopEquations
 from ...middle.loops.matrices import Matrix, Unknown
-from ...middle.loops.parts import Bound, Group, Part, Row, Slot, Total, Unrolled
-from ...middle.loops.slopes import Slopes, slopes_of
 from .loops import Block, M
 from .loops_chain import Chain
-from .loops_made import made_of
 from .loops_sets import Builder, PairSet, RowSet, TotalSet
 from .loops_switches import terms
+from .recurrence_rows import made_of
 
 TOTALS = ("energy", "lagrangian", "kinetic", "potential")
 # Kernels that write a value for each coordinate: outputs, and what they are.

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from ...graph.affine import Affine
 from ...graph.collect import fewest
 from ...graph.graph import ONE, ZERO, Node
+from ...middle.loops.indexed_ir import Group, PairForce, PairPart, Row, Total
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import Group, PairForce, PairPart, Row, Total
 from ..targets import ADD, RETURN, STORE, Target
 from .loops import EDGE, INNER, PAIR, Block, Places, flux_place
 from .loops_interior import Interior

@@ -9,8 +9,8 @@ from ...graph.affine import ROW, Affine
 from ...graph.differentiate import reachable
 from ...graph.graph import VARIABLE, ZERO, Node, Symbol
 from ...middle.derive.switches import Surfaces, argument_of, free
+from ...middle.loops.indexed_ir import Part, Total
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import Part, Total
 from ...middle.loops.slots import Slots
 from ...middle.loops.switches import Members
 from .loops import Places

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from ...equations import Quantity
+from ...middle.loops.indexed_ir import Bound, Group
 from ...middle.loops.indices import size_values
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import Bound, Group
 from .loops import M, Places
 from .loops_plan import Plan
 

@@ -18,7 +18,7 @@ from math import prod
 
 from ...functions import SIDE as SIDE_OF
 from ...graph.graph import MINUS_ONE, Graph, Node, Op, Symbol
-from .beyond import Constants, Tables
+from .constant_range import Constants, Tables
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)

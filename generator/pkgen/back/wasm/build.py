@@ -17,7 +17,7 @@ from ...system.cache import cached
 from ...system.exits import BuildError
 from ...system.progress import say
 from ...system.toolchain import DECLARED, RUNTIME, STANDARD, run
-from ..live import LIVE, WHICH, which_model
+from ..wasm_kernels import LIVE, WHICH, which_model
 
 CLANG = ("clang", "clang-19", "clang-18", "clang-17", "clang-16", "clang-15", "clang-14")
 LINKERS = (

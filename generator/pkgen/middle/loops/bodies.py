@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from ...graph.affine import ROW, Affine, extremes
 from ...graph.graph import Node
 from .expand import LoopExpander
+from .indexed_ir import CELLS, REACHED, Group, PairForce, Part, Slot, Total, Unrolled
 from .loops import Limit
-from .pairs import M
-from .parts import CELLS, REACHED, Group, PairForce, Part, Slot, Total, Unrolled
+from .pair_sums import M
 from .terms import Term
 
 

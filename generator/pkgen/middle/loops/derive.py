@@ -9,13 +9,13 @@ from ...source import Diagnostic, ModelError
 from ..expand.names import entered
 from ..quantities import indexed, refuse_constant
 from .bodies import Gathered
-from .bound import bound_of
-from .carried import by_places, carried_of, inert
+from .constraint_rows import bound_of
 from .expand import LoopExpander
 from .facts import facts_of, own_nodes, vector_nodes
+from .indexed_ir import Band, Carried, Row, Unrolled, Vector
 from .indices import size_values
 from .loops import Limit, LoopEquations
-from .parts import Band, Carried, Row, Unrolled, Vector
+from .recurrences import by_places, carried_of, inert
 from .rows import Gather
 from .singularities import singularities_of
 from .statements import Outputs, bounds_of, defaults_of, given_of, starts_of

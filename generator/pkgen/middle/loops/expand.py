@@ -18,8 +18,8 @@ from ..attitudes import body_rates
 from ..expand.names import BUILT_IN, Value, next_input
 from ..expand.terms import EXPAND
 from ..quantities import error, input_index
+from .indexed_ir import Group, Slot, Unrolled
 from .indices import Indices, Loop, size_values
-from .parts import Group, Slot, Unrolled
 from .rotations import Rotations
 from .slots import Slots
 

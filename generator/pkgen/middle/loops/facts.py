@@ -10,10 +10,10 @@ from ...graph.collect import settled
 from ...graph.differentiate import reachable
 from ...graph.graph import BIT, ZERO, Kind, Node, Op
 from ..analyze.affine import CONSTANT, VARYING, in_rates, is_affine
-from .carried import nodes_of
 from .expand import LoopExpander
+from .indexed_ir import CELLS, Bound, Row, Slot, Total, Vector
 from .loops import LoopEquations
-from .parts import CELLS, Bound, Row, Slot, Total, Vector
+from .recurrences import nodes_of
 from .rows import Gather
 from .singularities import moves
 

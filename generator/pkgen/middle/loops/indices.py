@@ -7,8 +7,8 @@ from ...graph.graph import Node
 from ...indices import NotAnInteger
 from ...model import Coordinate, Model, Parameter, Range, State
 from ...tree import Expr
+from .indexed_ir import Group, Unrolled
 from .loops import Limit
-from .parts import Group, Unrolled
 from .slots import Slots
 
 Loop = dict[str, Affine]

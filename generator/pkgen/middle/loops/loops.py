@@ -10,7 +10,7 @@ from ...graph.graph import Graph, Node
 from ...model import Definition, Model
 from ...record import record
 from ..quantities import input_quantities
-from .parts import Band, Bound, Carried, Group, Part, Slot, Total, Vector
+from .indexed_ir import Band, Bound, Carried, Group, Part, Slot, Total, Vector
 
 
 @record

@@ -10,7 +10,7 @@ from ...graph.affine import ROW, Affine, variable
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ZERO, Kind, Node
 from ...record import record
-from .parts import Part, Row, Total, Unrolled
+from .indexed_ir import Part, Row, Total, Unrolled
 from .slots import Slots
 
 M = variable(ROW)

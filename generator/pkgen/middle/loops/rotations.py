@@ -9,7 +9,7 @@ from ...graph.frames import cross
 from ...graph.graph import ZERO, Node
 from ...model import Model, Rotation
 from ..attitudes import along_axes, quaternion_rates
-from .parts import Slot
+from .indexed_ir import Slot
 from .slots import Slots
 
 Slopes = dict[Node, Node]

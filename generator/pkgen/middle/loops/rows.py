@@ -11,8 +11,8 @@ from ...model import Rotation
 from ..motion import degree
 from .bodies import Bodies, Gathered
 from .expand import LoopExpander
-from .pairs import ATTITUDES, RATES, STATE, M, pair_force, pair_ranges, pair_row, scaled, signed
-from .parts import Group, PairPart, Part, Slot, Total, Unrolled
+from .indexed_ir import Group, PairPart, Part, Slot, Total, Unrolled
+from .pair_sums import ATTITUDES, RATES, STATE, M, pair_force, pair_ranges, pair_row, scaled, signed
 from .terms import Term
 from .totals import Totals
 

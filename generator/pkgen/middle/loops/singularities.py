@@ -23,10 +23,10 @@ from ..points.cuts import half_cosine, jumping_angles
 from ..points.singularities import COORDINATES, CUT, DIVISOR, about, dangerous, squared, zeros
 from ..quantities import input_quantities
 from .expand import LoopExpander
+from .indexed_ir import Group, PairPart, Part, Total
 from .indices import unlike_loops
 from .loops import LoopEquations, LoopSingularity
-from .pairs import M
-from .parts import Group, PairPart, Part, Total
+from .pair_sums import M
 from .rows import Gather
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE] | BIT[Kind.TIME]

@@ -8,7 +8,7 @@ from ...graph.affine import LOOPS, ROW, Affine
 from ...graph.differentiate import reachable
 from ...graph.graph import ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
-from .parts import Slot
+from .indexed_ir import Slot
 
 # The domain of a slot's symbol: what is known before the loops begin can be hoisted.
 _KINDS = {

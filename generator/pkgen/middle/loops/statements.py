@@ -9,11 +9,11 @@ from ...graph.graph import BIT, ZERO, Kind, Node
 from ...model import Definition, Event
 from ...tree import Name, children
 from ..quantities import error
-from .along import Alongside
+from .constant_sums import assigned, moving
 from .expand import LoopExpander
+from .indexed_ir import Unrolled
 from .loops import Assigned, Bounded, Observed
-from .once import assigned, moving
-from .parts import Unrolled
+from .output_recurrences import Alongside
 from .rows import Gather
 
 

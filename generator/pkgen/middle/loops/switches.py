@@ -23,9 +23,9 @@ from ..derive.impulses import Across, arguments_of
 from ..derive.switches import Surfaces, argument_of, free
 from .expand import LoopExpander
 from .facts import total_nodes, vector_nodes
+from .indexed_ir import Slot, Unrolled
 from .indices import size_values
 from .loops import Limit, LoopEquations, LoopSwitch
-from .parts import Slot, Unrolled
 from .singularities import Over, moves, outputs_of, shown
 from .slots import Slots
 

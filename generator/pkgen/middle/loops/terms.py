@@ -12,8 +12,8 @@ from ...record import record
 from ...tree import Add, Expr, Multiply, Name, Negate, Number, Range, Sum
 from ..quantities import error
 from .expand import LoopExpander, around, has_sum, independent
+from .indexed_ir import Unrolled
 from .indices import Loop
-from .parts import Unrolled
 
 SHORT = 8  # a range of constant length up to this is written out
 

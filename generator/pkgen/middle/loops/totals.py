@@ -18,9 +18,9 @@ from ...record import record
 from ...tree import Sum
 from .bodies import Bodies, Gathered
 from .expand import LoopExpander, around, independent
+from .indexed_ir import REACHED, PairPart, Part, Slot, Total, Unrolled
 from .indices import Loop
-from .pairs import pair_body
-from .parts import REACHED, PairPart, Part, Slot, Total, Unrolled
+from .pair_sums import pair_body
 from .terms import Term, terms
 
 FELT = BIT[Kind.INPUT]  # the domain of a total's slot

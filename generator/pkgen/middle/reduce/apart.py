@@ -11,8 +11,8 @@ from ...record import record
 from ..analyze.analyze import analyze
 from ..analyze.coupling import partition
 from ..derive.lagrange import derived_again
+from ..drop_coordinates import smaller
 from ..quantities import symbols
-from ..smaller import smaller
 
 
 @record

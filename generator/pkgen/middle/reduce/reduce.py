@@ -18,10 +18,10 @@ from ...model import Model
 from ...record import record
 from ..analyze.analyze import analyze
 from ..derive.lagrange import derived_again
+from ..drop_coordinates import smaller
 from ..motion import STATE
 from ..quantities import symbols
 from ..report import Report, ReportLine
-from ..smaller import smaller
 from .apart import Subsystem, parts_of
 from .cyclic import cyclic
 from .reduction import Needs, State, cost

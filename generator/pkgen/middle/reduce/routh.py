@@ -25,8 +25,8 @@ from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 from ...graph.solve import Factors, SingularMass, elimination_order, factors
 from ...graph.substitute import substituted
 from ...record import record
+from ..drop_coordinates import Output, Start, StartParameters, smaller
 from ..quantities import symbols
-from ..smaller import Output, Start, StartParameters, smaller
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
 

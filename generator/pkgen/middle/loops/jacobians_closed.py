@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from ...graph.graph import ONE, ZERO, Node
+from .indexed_ir import Bound, Part, Row, Total, Unrolled, Vector
 from .loops import LoopEquations
 from .matrices import K, M, Matrix, Stated, Unknown, seen_from
-from .parts import Bound, Part, Row, Total, Unrolled, Vector
 from .slots import Slots
 
 DENSE = "a sum over all members makes the derivatives dense"

@@ -15,8 +15,8 @@ from ...graph.graph import ZERO, Node
 from ...graph.rounding import sizes
 from ...model import Constraint, multipliers
 from .expand import LoopExpander
-from .pairs import RATES, M
-from .parts import Bound, Group, Part, Row, Total, Unrolled
+from .indexed_ir import Bound, Group, Part, Row, Total, Unrolled
+from .pair_sums import RATES, M
 from .rows import Gather
 from .terms import Term, terms
 

@@ -16,11 +16,11 @@ from collections.abc import Iterable
 from ...graph.graph import Node
 from ...record import record
 from .facts import total_nodes, vector_nodes
+from .indexed_ir import Band, Group, Row, Total, Unrolled
+from .jacobians_closed import Motion, nothing, of_vector
+from .jacobians_recurrences import Chain
 from .loops import LoopEquations
 from .matrices import BY_MORE, BY_PLACE, BY_RATE, BY_TOTALS, Derive, Matrix, Stated, Unknown
-from .parts import Band, Group, Row, Total, Unrolled
-from .slopes_carried import Chain
-from .slopes_closed import Motion, nothing, of_vector
 from .slots import Slots
 
 

@@ -13,9 +13,9 @@ from ...graph.affine import ROW, Affine, variable
 from ...graph.graph import Node
 from ...tree import Sum
 from .expand import LoopExpander, free_names
+from .indexed_ir import CELLS, Slot, Unrolled
 from .indices import COUNTERS, Loop
 from .loops import Assigned, Limit, Summed
-from .parts import CELLS, Slot, Unrolled
 
 Range = tuple[str, Affine, Affine]
 MOVES = (*CELLS, "a", "input", "sum")  # slots that nothing computed once may have

@@ -11,9 +11,9 @@ from typing import Any
 
 from pkgen.back.exported import Exported
 from pkgen.back.library import Target, library
-from pkgen.back.live import LIVE, which_model
 from pkgen.back.runtime import alone, licence, public_names
 from pkgen.back.templates import filled
+from pkgen.back.wasm_kernels import LIVE, which_model
 from pkgen.own import in_c
 from pkgen.system.exits import UsageError
 

@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ...middle.loops.indexed_ir import Bound, Carried, Group, Row
+from ...middle.loops.jacobians_recurrences import made
 from ...middle.loops.loops import LoopEquations
-from ...middle.loops.parts import Bound, Carried, Group, Row
-from ...middle.loops.slopes_carried import made
 from ...middle.loops.slots import Slots
 from .loops import Places
 

@@ -18,10 +18,10 @@ from ..run.settings import PartSettings, Settings, Shown
 from ..run.values import Values, assignment
 from ..system.exits import UsageError
 from ..system.near import unknown
+from . import compile_plan as scene_use
 from . import model as scene_model
 from . import options as scene_options
 from . import scene
-from . import use as scene_use
 
 UNTIL = 10.0
 RTOL = 1e-10

@@ -14,9 +14,9 @@ from ...graph.differentiate import gradient
 from ...graph.graph import BIT, ZERO, Kind, Node
 from ..derive.impulses import arguments_of
 from .expand import LoopExpander
+from .indexed_ir import CELLS, Band, Carried, Piece, Slot, Unrolled
 from .loops import Limit
-from .pairs import ATTITUDES, STATE, M
-from .parts import CELLS, Band, Carried, Piece, Slot, Unrolled
+from .pair_sums import ATTITUDES, STATE, M
 from .rows import Gather
 
 FRONT = 24  # what a place may share with those before it

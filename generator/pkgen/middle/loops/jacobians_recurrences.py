@@ -12,10 +12,10 @@ whose derivatives reach neighbours alone. p_q is then less C^T P, and p'_q less 
 from __future__ import annotations
 
 from ...graph.graph import ONE, ZERO, Node
+from .indexed_ir import Carried, Part, Row, Total, Unrolled
+from .jacobians_closed import Motion, nothing, of_vector
 from .loops import LoopEquations
 from .matrices import BY_MORE, BY_PLACE, BY_RATE, Derive, M, Matrix, Stated, Unknown, seen_from
-from .parts import Carried, Part, Row, Total, Unrolled
-from .slopes_closed import Motion, nothing, of_vector
 from .slots import Slots
 
 Entries = dict[tuple[str, int | None], Row]  # by name and shift, None of a scalar coordinate

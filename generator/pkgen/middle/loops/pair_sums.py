@@ -8,8 +8,8 @@ from ...graph.affine import OTHER, ROW, Affine, extremes, variable
 from ...graph.differentiate import gradient
 from ...graph.graph import BIT, MINUS_ONE, ZERO, Graph, Kind, Node
 from .expand import LoopExpander
+from .indexed_ir import CELLS, REACHED, PairForce, Unrolled
 from .loops import Limit
-from .parts import CELLS, REACHED, PairForce, Unrolled
 from .terms import Term
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]

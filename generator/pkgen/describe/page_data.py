@@ -11,8 +11,9 @@ from ..record import record
 from ..run.library import load
 from ..run.settings import Settings
 from ..run.simulate import build
-from ..scenes import asked, lengths, scene
-from ..scenes import use as scene_use
+from ..scenes import compile_plan as scene_use
+from ..scenes import lengths, scene
+from ..scenes import run_settings as asked
 from ..system.exits import NumericsFailed
 from .describe import described
 from .drawing import drawn

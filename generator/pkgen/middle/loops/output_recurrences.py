@@ -10,8 +10,8 @@ from ...graph.affine import ROW, Affine
 from ...graph.graph import ZERO, Node
 from ..expand.names import Value
 from .expand import LoopExpander
+from .indexed_ir import Group, Part, Slot, Unrolled
 from .loops import Along
-from .parts import Group, Part, Slot, Unrolled
 from .rows import Gather
 
 
