@@ -11,8 +11,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from random_states import state_of
 from robot_files import heavy, joint, link, text_of
-from test_body_statements import state_of
 from trees_of_bodies import Link, Motion, turn
 from trees_of_bodies import of_quaternion as quaternion
 
