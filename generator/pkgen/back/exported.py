@@ -1,4 +1,4 @@
-"""What every host of an export is given, and what a host is, which add-ons bring."""
+"""The interface of `pkgen export`: the exported model, and hosts, which add-ons provide."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from .runtime import alone, sources
 
 @record
 class Exported:
-    """A model for a host. `description` is that of docs/dev/describe.md, `files` the generated C,
-    `separable` whether M is constant and forces have no rates, `own` the methods that its author
-    brings, `options` those of the command line."""
+    """A model for a host. `description` has the layout of docs/dev/describe.md, `files` are the
+    generated C, `separable` says whether M is constant and the forces do not depend on rates, `own`
+    are the methods that the model's author defines, `options` the command line's."""
 
     name: str
     description: Mapping[str, Any]
@@ -28,12 +28,13 @@ class Exported:
     options: argparse.Namespace
 
     def runtime(self, *texts: str) -> dict[str, str]:
-        """The runtime's files that the model and C of these texts need, by their paths there."""
+        """Returns the runtime's files that the model and C sources `texts` need, by their paths in
+        the runtime."""
         return sources([*self.files.values(), *texts])
 
     def with_runtime(self, wrapper: Mapping[str, str]) -> dict[str, str]:
-        """C that compiles alone: the model, the wrapper, what both need of the runtime, and the
-        tables of own methods."""
+        """Returns C files that compile without other files: the model, the wrapper, the runtime's
+        files that both need, and the tables of own methods. Raises UsageError on equal names."""
         clash = [name for name in self.files if name in wrapper]
         if clash:
             raise UsageError(f"{clash[0]} is a file of the export itself: rename the model")
@@ -43,11 +44,11 @@ class Exported:
         return alone(files, in_c.FILE if self.own else "")
 
     def methods(self) -> list[Mapping[str, Any]]:
-        """Those that a user may choose."""
+        """Returns the descriptions of the methods that a user may choose."""
         return [m for m in self.description["methods"] if m["applies"] and not m["gsl"]]
 
     def method(self) -> str:
-        """What integrates it by default. Raises UsageError where that is none of these."""
+        """Returns the default method's name. Raises UsageError if it is not one of methods()."""
         name = self.description["run"]["method"]
         (found,) = (m for m in self.description["methods"] if m["name"] == name)
         if found["gsl"]:
@@ -57,29 +58,30 @@ class Exported:
         return name
 
     def json(self) -> str:
-        """The description, as `pkgen describe --json` writes it."""
+        """Returns the description in the format of `pkgen describe --json`."""
         return json.dumps(self.description, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 @record
 class Host:
-    """`make` gives the files of an export by their paths, or raises BuildError or UsageError. Of a
-    host with a `suffix` it is one file. `options` are its own, as argparse takes them; one that two
-    hosts have means the same for both. `how` is how the model is compiled for it, `warnings`
-    are of what pkgen run does and it does not."""
+    """A target of `pkgen export`. `make` returns the files of an export by their paths, or raises
+    BuildError or UsageError; a host with a `suffix` makes one file. `options` are the host's own,
+    in argparse's form; an option that two hosts share means the same for both. `how` returns
+    keyword arguments for compiling the model, `warnings` the features of `pkgen run` that the host
+    lacks."""
 
     name: str
     doc: str  # one line
     make: Callable[[Exported], Mapping[str, bytes]]
     suffix: str = ""
     options: tuple[tuple[str, Mapping[str, Any]], ...] = ()
-    tools: str = ""  # what must be there to make it, for people
+    tools: str = ""  # programs that the export needs, in words for a reader
     how: Callable[[argparse.Namespace], Mapping[str, Any]] = lambda _: {}
     warnings: Callable[[Exported], list[str]] = lambda _: []
-    drawing: bool = False  # whether the C has the numbers of the drawing among its outputs
+    drawing: bool = False  # whether the C's outputs include the numbers that the drawing needs
 
 
-# Machines that binaries are for; see library.py.
+# The machines that an export has binaries for; see library.py.
 TARGET_OPTION = (
     "--target",
     {"metavar": "LIST", "help": "machines: linux-x86_64,linux-aarch64,windows-x86_64,macos-..."},

@@ -1,4 +1,4 @@
-"""What is proved of a system, in words: for `explain` and for the header of its C."""
+"""The proved properties of a system in words: for `explain` and for the header of its C."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from ..equations import Equations, Facts, Indices, Invariant, Structure, Symmetr
 from ..graph.graph import BIT, ZERO, Kind
 from ..middle.loops.loops import LoopEquations
 
-SHOWN = 8  # terms of an invariant's formula, blocks of coordinates
+SHOWN = 8  # most terms of an invariant's formula, or blocks of coordinates, that are written out
 
 
 def facts(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
-    """Rows of a table: what, and how it is."""
+    """Returns rows (property, finding) of a table; rows without a finding are left out."""
     looped = isinstance(equations, LoopEquations)
     own = len(equations.model.coordinates) if looped else equations.inertial
     mass, forces = (_mass_of_loops, _forces_of_loops) if looped else (_mass, _forces)
@@ -29,18 +29,18 @@ def facts(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[
 
 
 def invariants(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
-    """The constants of the motion and why each is one, claims last."""
+    """Returns rows (constant of the motion, why it is constant); the author's claims come last."""
     claims = [(x.name, f"claimed, {x.outcome}: {x.says}") for x in structure.claims]
     return [*found(equations, structure), *claims]
 
 
 def found(equations: Equations | LoopEquations, structure: Facts) -> list[tuple[str, str]]:
-    """Those that nobody has claimed."""
+    """Returns the rows of invariants() that pkgen found itself, without the author's claims."""
     if structure.symmetries is not None and structure.symmetries.searched:
         return found_by_symmetry(structure.symmetries)
     rows = [("energy", "time shift")] if structure.conservative else []
     if isinstance(structure, Structure):
-        momenta = zip(equations.momenta_names, structure.cyclic, strict=True)  # none of a state
+        momenta = zip(equations.momenta_names, structure.cyclic, strict=True)  # states have none
         rows += [(q.name, "cyclic coordinate") for q, cyclic in momenta if cyclic]
     return rows
 
@@ -84,7 +84,7 @@ def _why(x: Invariant) -> str:
 
 
 def shortened(text: str) -> str:
-    """A long sum by its first and its last term."""
+    """Returns the text of a sum; a long sum is cut to its first and its last term."""
     terms = text.replace(" - ", " + -").split(" + ")
     if len(terms) <= SHOWN:
         return text
@@ -128,7 +128,7 @@ def _mass(equations: Equations, structure: Structure) -> str:
 
 
 def _varying(equations: Equations, structure: Structure) -> str:
-    """What a mass matrix varies with."""
+    """Returns the names of the quantities that the mass matrix depends on."""
     mask = 0
     for node in sum(equations.mass, ()):
         mask |= equations.graph.depends[node]

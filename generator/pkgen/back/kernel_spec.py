@@ -1,4 +1,4 @@
-"""What a kernel is: its row in the table of `kernels.py`, and how its outputs are written."""
+"""The description of a kernel: its row in the table of `kernels.py`, and its output statements."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ..record import record
 from .targets import CHECK, FILL, MIRROR, RETURN, STORE, Output, Target
 
 Hint = tuple[Node, str]
-_FEW_ZEROS = 8  # of a matrix, each written out
-_FEW_ROWS = 6  # A symmetric matrix of more rows is mirrored by a loop.
+_FEW_ZEROS = 8  # more zero entries of a matrix are written by one loop
+_FEW_ROWS = 6  # a symmetric matrix of more rows is mirrored by a loop
 
 
 @record
 class KernelSpec:
-    """What a kernel writes, by the names of its outputs, or returns as a pk_real. `says` is the
-    equation in its comment; `result` its type in C."""
+    """A kernel. `values` returns the outputs' nodes by the outputs' names, or the one value of a
+    kernel that returns a pk_real. `says` is its comment in C; `result` its return type in C."""
 
     name: str
     says: str
@@ -26,12 +26,12 @@ class KernelSpec:
     result: str = "void"
     exists: Callable[[Equations], bool] = lambda _: True
     checks: Callable[[Equations], Iterable[Target]] = lambda _: ()  # before anything is written
-    kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # become locals wherever they occur
-    given: tuple[str, ...] = ()  # vectors taken besides t, q, v and u
-    second: str = "v"  # what is taken with q: rates, or "momenta"
+    kept: Callable[[Equations], Sequence[Node]] = lambda _: ()  # nodes that always become locals
+    given: tuple[str, ...] = ()  # vector arguments besides t, q, v and u
+    second: str = "v"  # the argument after q: the rates "v", or "momenta"
     symmetric: bool = False
     copies: bool = (
-        False  # an entry that is in several places, as second derivatives of L, is copied
+        False  # entries of one node, like mixed second derivatives of L, are copies of the first
     )
 
     def outputs(self, e: Equations) -> tuple[Output, ...]:
@@ -45,14 +45,14 @@ class KernelSpec:
         if self.result == "pk_real":
             return [Target(RETURN, "", row) for row in values.values()]
         if self.name == "acceleration" and e.acceleration is None:
-            return []  # by a loop over M and f
+            return []  # there is no expression of a: a loop solves M a = f
         found = list(self.checks(e))
         for name, x in values.items():
             found += matrix_stores(name, x, self.symmetric) if _is_matrix(x) else stores(name, x)
         return _copied(found) if self.copies else found
 
     def hints(self, equations: Equations) -> Iterator[Hint]:
-        """Names for values that mean something to a reader, if they become locals."""
+        """Yields readable names (D_i, M_i_j, f_i, p_i) for nodes, used if they become locals."""
         if self.name == "acceleration":
             yield from _named("D", tuple(pivot for pivot, _ in equations.pivots or ()))
         if equations.mass:
@@ -73,7 +73,8 @@ def stores(name: str, row: Row) -> list[Target]:
 
 
 def pivot_checks(graph: Graph, failure: str, pivots: Pivots) -> Iterator[Target]:
-    """That each pivot is positive beside what it is small beside, where that is not known."""
+    """Yields checks that each pivot is positive relative to its reference size, unless it is known
+    to be positive."""
     checked: set[tuple[Node, Node]] = set()
     for number, (pivot, beside) in enumerate(pivots):
         positive = graph.op[pivot] is Op.NUMBER and graph.data[pivot] > 0  # type: ignore[operator]
@@ -104,7 +105,7 @@ def _copied(targets: list[Target]) -> list[Target]:
 
 
 def optional(name: str, says: str, output: str, row: Callable[[Equations], Row]) -> KernelSpec:
-    """A kernel that there is where there is something to write."""
+    """Returns a kernel of one output, which exists only if the output is not empty."""
     return KernelSpec(name, says, lambda e: {output: row(e)}, exists=lambda e: bool(row(e)))
 
 
@@ -113,8 +114,8 @@ def _is_matrix(x: Row | Matrix) -> bool:
 
 
 def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Target]:
-    """All entries; of a symmetric matrix the upper triangle, mirrored, by a loop where it is large.
-    Many zeros are written by a loop at the start."""
+    """Returns the stores of all entries. A symmetric matrix stores its upper triangle and mirrors
+    it, by a loop if it is large. Many zeros are written by one loop at the start."""
     columns = len(matrix[0])
     zeros = sum(node == ZERO for row in matrix for node in row)
     small = symmetric and columns <= _FEW_ROWS
@@ -133,7 +134,7 @@ def matrix_stores(name: str, matrix: Matrix, symmetric: bool = False) -> list[Ta
 
 
 def row_checks(equations: Equations) -> list[Target]:
-    """That the rows of constraints do not depend on each other."""
+    """Returns the checks that the constraint rows are linearly independent."""
     if equations.constraints is None:
         return []
     return list(pivot_checks(equations.graph, "CONSTRAINT", equations.constraints.pivots))

@@ -1,10 +1,10 @@
-"""Kernels of rotations and constraints: what the runtime keeps a motion on them by."""
+"""Kernels of rotations and constraints, with which the runtime projects states onto them."""
 
 from __future__ import annotations
 
 from .kernel_spec import KernelSpec, optional
 
-# Each exists where there is what it writes: see pk/system.h.
+# Each kernel exists if its outputs do: see pk/system_constraints.h and pk/system.h.
 BOUND = (
     optional(
         "constraint",
@@ -54,7 +54,7 @@ BOUND = (
         symmetric=True,
     ),
 )
-# Wherever there are constraints.
+# A model with constraints always has these kernels, as far as they exist.
 ALWAYS = frozenset(
     {
         "constraint",

@@ -12,7 +12,7 @@ CANONICAL = frozenset(("hamiltonian", "hamilton", "hamilton_force"))
 
 
 def _canonical(name: str, says: str, rows: Callable[[Hamiltonian], dict[str, Row]]) -> KernelSpec:
-    """A kernel of q and p, which fails where M is singular."""
+    """Returns a kernel of q and p, which returns a failure where M is singular."""
 
     def exists(e: Equations) -> bool:
         return e.hamiltonian is not None and any(

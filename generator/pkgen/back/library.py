@@ -1,7 +1,7 @@
-"""A model, the runtime that it needs, and C of a host's as one shared library, for this machine or
-for others; without GSL, for any processor of its kind.
+"""Builds one shared library of a model, its part of the runtime and a host's C, for this machine or
+for others. The library has no GSL and runs on every processor of the architecture.
 
-Other machines' are made by zig, of the registry's `ziglang` (pip install ziglang).
+Libraries for other machines are compiled by zig (pip install ziglang).
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from ..system.near import near
 from ..system.toolchain import DECLARED, FLAGS, STANDARD, find_toolchain, run
 
 OLD_GLIBC = "2.17"
-# The least of what zig calls a C library's fault: its own check of undefined behaviour traps.
+# zig cc by default compiles in checks of undefined behaviour, which trap.
 ZIG = ("-fno-sanitize=undefined",)
 
 
 @record
 class Target:
-    """`zig` is what that calls it; `fmi3` and `fmi2` are folders in a unit, `wheel` a tag."""
+    """A machine. `zig` is zig's name of it; `fmi3` and `fmi2` are its folders in an FMU."""
 
     name: str
     zig: str
@@ -56,7 +56,7 @@ TARGETS = {
 
 
 def this_machine() -> str:
-    """Its name among TARGETS. Raises BuildError."""
+    """Returns this machine's name in TARGETS. Raises BuildError if it is not there."""
     system = {"darwin": "macos", "win32": "windows"}.get(sys.platform, sys.platform)
     machine = {"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine())
     name = f"{system}-{machine}"
@@ -66,7 +66,7 @@ def this_machine() -> str:
 
 
 def named(text: str) -> list[Target]:
-    """`--target linux-x86_64,windows-x86_64`."""
+    """Returns the targets of a list like `linux-x86_64,windows-x86_64`. Raises BuildError."""
     found = []
     for name in dict.fromkeys(word.strip() for word in text.split(",")):
         if name not in TARGETS:
@@ -76,8 +76,9 @@ def named(text: str) -> list[Target]:
 
 
 def library(files: Mapping[str, str], shown: str, target: Target | None = None) -> bytes:
-    """Of C files and headers, by their paths; what begins with `shown` is what it shows. None: of
-    this machine, by its own compiler. Raises BuildError."""
+    """Returns a shared library of C files and headers, given by their paths. It exports the names
+    that begin with `shown`. Without a target, this machine's own compiler makes it. Raises
+    BuildError."""
     there = target or TARGETS[this_machine()]
     compiler = _own() if target is None else _zig(target)
     options = ["-fPIC"] if there.suffix != ".dll" else []
@@ -113,7 +114,7 @@ def _digest(*what: object) -> str:
 
 
 def _core(files: Mapping[str, str], compiles: Sequence[str]):
-    """Objects of the runtime's files, made once."""
+    """Returns the cached folder of the object files of the runtime's C files."""
 
     def make(new) -> None:
         for path, text in files.items():
@@ -150,7 +151,8 @@ def _zig(target: Target) -> list[str]:
 
 
 def _exports(target: Target, shown: str) -> list[str]:
-    """What keeps the runtime's names in: two units in one process have their own."""
+    """Returns linker options that hide the runtime's names, so that two libraries in one process
+    each use their own runtime."""
     if target.suffix == ".so":
         return ["-Wl,--version-script=exports", "-Wl,-z,defs"]
     return []

@@ -1,4 +1,4 @@
-"""What a kernel does with the values that it computes: the kinds of its statements, its outputs."""
+"""The statements of a kernel, which store, check or return computed values, and its outputs."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from ..record import record
 # The kinds of a statement.
 LOCAL = "local"  # const pk_real TARGET = TEXT;
 TRIG = "trig"  # sine and cosine of one value or two into the targets; NULL: not needed
-LOAD = "load"  # the same, of an argument: const pk_real theta1 = q[0];
+LOAD = "load"  # const pk_real TARGET = an argument, like q[0];
 STORE = "store"  # TARGET = TEXT;
 ADD = "add"  # TARGET += TEXT;
 FILL = "fill"  # for all k < TEXT: TARGET[k] = 0;
-MIRROR = "mirror"  # of a symmetric TARGET with TEXT rows, the lower triangle from the upper one
+MIRROR = "mirror"  # copies the upper triangle of a TARGET with TEXT rows to the lower one
 CHECK = "check"  # if (!(TEXT)) return TARGET;
 RETURN = "return"  # return TEXT;
 
 
 @record
 class Target:
-    """A node whose value goes somewhere; `also` are further places that get a copy.
+    """A statement of a kernel; `also` are further places that receive a copy of the value.
 
-    The template is completed by the values of `nodes`; `operations` are its own.
+    The values of `nodes` fill the template; `operations` are the template's own operators.
     """
 
     kind: str
@@ -34,7 +34,7 @@ class Target:
 
 @record
 class Output:
-    """An array that a kernel writes; `shape` is its dimensions, each with its C constant."""
+    """An array that a kernel writes, a matrix row by row."""
 
     name: str
     rows: int

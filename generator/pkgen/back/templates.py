@@ -1,4 +1,4 @@
-"""Templates of C and of exports, each in the folder of who fills it."""
+"""Jinja templates of C and of exports; each lies in the folder of the module that fills it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def filled(folder: Path, template: str, **context: object) -> str:
 
 @cache
 def environment(folder: Path) -> jinja2.Environment:
-    import jinja2  # only where it is used: it takes longer to load than a model to check
+    import jinja2  # imported here: loading it takes longer than checking a model
 
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder),

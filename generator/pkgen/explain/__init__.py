@@ -1,4 +1,4 @@
 """`pkgen explain` and `--dump`: equations and their proofs as text, MathML and HTML.
 
-Reads what the stages hand on. Called by `cli` alone.
+The input is the results of the compiler's stages. Only `cli` calls this package.
 """

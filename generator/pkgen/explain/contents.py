@@ -1,4 +1,4 @@
-"""What `explain` shows of a model, whether its families are loops (loops.py) or written out
+"""The contents of `explain`, for models whose families are loops (loops.py) or unrolled
 (flat.py)."""
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from ..graph.graph import Node
 from ..middle.loops.loops import LoopEquations
 from ..record import record
 
-Shown = tuple[str, str, Node, str]  # a name, its unit, what it is, and for which indices
+Shown = tuple[str, str, Node, str]  # a name, its unit, its node, its index range
 Section = tuple[str, Iterable[str]]  # its title, its lines
 
 
@@ -18,17 +18,17 @@ Section = tuple[str, Iterable[str]]  # its title, its lines
 class Contents:
     e: Equations | LoopEquations
     text: Callable[[Node], str]
-    freedom: str  # what moves, counted
-    declared: list[tuple[str, Sequence[Quantity]]]  # what moves, by kind
+    freedom: str  # counts of degrees of freedom, rotations and states
+    declared: list[tuple[str, Sequence[Quantity]]]  # coordinates, body rates, states, by kind
     parameters: Sequence[ParameterSlot]
     equations: list[Section]
-    outputs: list[Shown]  # with what is claimed to be constant
-    families: list[tuple[str, str]]  # how they are kept: facts
+    outputs: list[Shown]  # with the quantities claimed to be constant
+    families: list[tuple[str, str]]  # facts on families: loops or unrolled
     costs: Section
-    record: dict[str, object]  # of this alone, for `--json`
+    record: dict[str, object]  # the entries of `--json` that depend on this kind of model
 
 
 def section(title: str, lines: Iterable[str]) -> str:
-    """A section of the text; none where there is nothing in it."""
+    """Returns a section of the text, "" if it has no lines."""
     shown = [f"  {line}".rstrip() for line in lines]
     return "\n".join([title, *shown]) if shown else ""

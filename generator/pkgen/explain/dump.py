@@ -1,4 +1,4 @@
-"""`--dump=STAGE`: the result of any stage as text, for whoever works on the stages."""
+"""`--dump=STAGE`: the result of any compiler stage as text, for developers of pkgen."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def dump(
     kernels: frozenset[str] | None,
     libm: bool = False,
 ) -> str:
-    """What a stage makes of a model, as text; the later stages are not run."""
+    """Returns the result of a stage for a model, as text, without running later stages."""
     made = next(islice(stages(source, sizes, kernels, libm=libm), STAGES.index(stage), None))
     if stage == "lower":  # without a scene there are no parts
         made, _ = made
@@ -29,7 +29,7 @@ def dump(
 
 
 def equations_text(equations: Equations) -> str:
-    """The graph a node a line, then which nodes each result consists of."""
+    """Returns the expression graph, a node per line, then the nodes of each field of Equations."""
     graph = equations.graph
     lines = [f"%{node} = {_node_text(graph, node)}" for node in range(len(graph.op))]
     for field in fields(equations):
@@ -54,7 +54,7 @@ def _node_text(graph: Graph, node: int) -> str:
 
 
 def as_text(value: object, source: Source, indent: int = 0) -> str:
-    """A nest of dataclasses as indented text, places as line:column."""
+    """Returns nested dataclasses as indented text, with source positions as line:column."""
     pad = "  " * indent
     match value:
         case Source():

@@ -1,7 +1,7 @@
-"""What `explain` shows of equations with families written out: named expressions.
+"""The contents of `explain` for a model whose families are unrolled: named expressions.
 
-They are shown in SymPy's words, written out and lightly simplified where they are small; what is
-large is shown by its size only. Rows are names with their nodes.
+Small expressions are SymPy text, lightly simplified; large ones are shown by their number of
+operations only. `Rows` are names with their graph nodes.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def _constraints(e: Equations, text: Callable[[Node], str]) -> list[str]:
 
 
 def declared(e: Equations) -> list[tuple[str, tuple[Quantity, ...]]]:
-    """What moves, by kind."""
+    """Returns the coordinates, body rates, attitudes and states, by kind."""
     return [
         ("Coordinates", e.seen),
         ("Body rates", e.rates[len(e.seen) :]),
@@ -114,12 +114,12 @@ def lagrangian_rows(e: Equations) -> Rows:
 
 
 def free_force(e: Equations) -> tuple[Node, ...]:
-    """The forces but for those of constraints."""
+    """Returns the generalized forces without the forces of constraints."""
     return e.force if e.constraints is None else e.constraints.free_force
 
 
 def motion_rows(e: Equations) -> Rows:
-    """The lower triangle of M, and f."""
+    """Returns the nonzero entries of the lower triangle of M, and f."""
     names = e.moving
     rows = [
         (f"M[{names[i]}, {names[j]}]", row[j])
@@ -135,7 +135,7 @@ def rate_rows(e: Equations) -> Rows:
 
 
 def canonical_rows(e: Equations) -> Rows:
-    """H(q, p) and its gradients, if they were asked for."""
+    """Returns H(q, p) and its gradients; nothing unless the canonical form was requested."""
     h = e.hamiltonian
     if h is None:
         return []
@@ -144,14 +144,14 @@ def canonical_rows(e: Equations) -> Rows:
 
 
 def rates_title(e: Equations) -> str:
-    """Over the rows of x' = g: "Rates of the attitudes and states"."""
+    """Returns the heading of the rows x' = g, such as "Rates of the attitudes and states"."""
     what = ["attitudes"] if e.quaternions else []
     what += ["states"] if len(e.states) > e.quaternions or not what else []
     return f"Rates of the {' and '.join(what)}"
 
 
 def freedom(e: Equations) -> list[str]:
-    """What moves, counted: "2 rates", "1 constraint", "1 degree of freedom"."""
+    """Returns counts such as "2 rates", "1 constraint", "1 degree of freedom"."""
     n, states = len(e.coordinates), len(e.states) - e.quaternions
     counts = []
     if e.constraints is not None:
@@ -170,7 +170,8 @@ def freedom(e: Equations) -> list[str]:
 
 
 def constraint_rows(equations: Equations) -> Iterator[tuple[str, Node]]:
-    """What is kept at zero, then the multipliers."""
+    """Yields the constraint functions that are 0, their rates if holonomic, then the
+    multipliers."""
     c = equations.constraints
     if c is None:
         return

@@ -1,7 +1,7 @@
-"""`pkgen explain --html`: the report as one page with the equations typeset; it loads nothing.
+"""`pkgen explain --html`: the report as one self-contained page with the equations typeset.
 
-`fragment()` is the same without the page around it, for a page of another's, which also takes
-`style()` of `style.py`.
+`fragment()` makes the same report for inclusion in another page, which also needs `style()` of
+`style.py`.
 """
 
 from __future__ import annotations
@@ -29,15 +29,16 @@ from .written import Written
 
 
 def html(compilation: Compilation, scenes: Sequence[SceneShown] = ()) -> str:
-    """The page. `scenes` are those that were reduced, each by itself."""
+    """Returns the page. `scenes` are the scenes of the model, each compiled separately."""
     title = compilation.model.name.replace("_", " ")
     parts = [fragment(compilation, scenes), f"<footer>pkgen {__version__}</footer>"]
     return page.document(title, parts, style())
 
 
 def fragment(compilation: Compilation, scenes: Sequence[SceneShown] = (), level: int = 2) -> str:
-    """What the page shows below its title: equations, structure, constants, and what each scene
-    dropped, under headings of a level. It has no styles, scripts, ids or addresses in it."""
+    """Returns the page's content below its title: equations, structure, constants of the motion,
+    and the reductions of each scene. `level` is that of its headings. The content has no styles,
+    scripts, ids or URLs."""
     model = compilation.model
     written = Written(model)
     prose = Prose(written, *_words(compilation))
@@ -69,7 +70,7 @@ def fragment(compilation: Compilation, scenes: Sequence[SceneShown] = (), level:
 
 
 def _words(compilation: Compilation) -> tuple[set[str], set[str]]:
-    """The names that sentences may use, and the formulas in them."""
+    """Returns the model's names that may occur in sentences, and the formulas that may."""
     e, model = compilation.equations, compilation.model
     declared = (*model.parameters, *model.coordinates, *model.states, *model.inputs)
     names = {x.name for x in (*declared, *model.observed, *model.conserved, *model.rotations)}
@@ -94,7 +95,7 @@ def _quantities(c: Contents, prose: Prose) -> Iterable[str]:
 
 
 def scene_section(scene: SceneShown, prose: Prose) -> Iterable[str]:
-    """What the scene left out and why, and what that saves."""
+    """Yields a scene's section: the parts it leaves out, the reasons, the operations saved."""
     yield heading(f"Scene {scene.name.replace('_', ' ')}")
     if scene.description:
         yield f"<p>{prose(scene.description)}</p>"

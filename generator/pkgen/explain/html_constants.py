@@ -1,4 +1,4 @@
-"""The section of a page that shows what is constant, and why."""
+"""The section of a page about constants of the motion and their proofs."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from .typeset import Typesetter
 
 
 def constants(compilation: Compilation, prose: Prose, shown: Shown | None) -> Iterator[str]:
-    """The invariants with their proofs, what they mean, and the claims. `shown` has the equations,
-    None where families are loops."""
+    """Yields the invariants with their proofs, their formulas, and the author's claims. `shown` has
+    the equations, None if families are loops."""
     structure = compilation.structure
     symmetries = structure.symmetries
     name = prose.written.name
@@ -50,7 +50,7 @@ def constants(compilation: Compilation, prose: Prose, shown: Shown | None) -> It
 
 
 def _meant(structure: Structure, shown: Shown) -> Iterator[str]:
-    """The energy and the momenta that occur, as functions of the state."""
+    """Yields the energy and momenta that occur in the invariants, as functions of the state."""
     e = shown.e
     symmetries = structure.symmetries
     used = {name for name, _ in found(e, structure)}

@@ -1,4 +1,4 @@
-"""The sections of a page that show a model and its equations, families written out."""
+"""The sections of a page that show a model and its equations, with families unrolled."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from .written import Line, Written
 if TYPE_CHECKING:
     import sympy
 
-ROWS = 24  # equations of motion up to which all are shown
-MEMBERS = 6  # of a family, listed
+ROWS = 24  # with more equations of motion, only the first three and the last are shown
+MEMBERS = 6  # with more names in a row, only the first two and the last are shown
 _OF_MULTIPLIERS = (
     "The multipliers; J has the slopes of these rows by the rates, "
     "γ is their rate of change where nothing accelerates"
@@ -35,7 +35,7 @@ _DIRECTIONS = {1: "rising", -1: "falling", 0: "either way"}
 
 
 def quantity_rows(quantities: Iterable[Quantity], prose: Prose) -> Iterator[tuple[str, str, str]]:
-    """Names, unit, what its author says: one row for neighbours that share the latter."""
+    """Yields rows (names, unit, description); neighbours that share the latter two share a row."""
     for (unit, says), group in groupby(quantities, key=lambda q: (q.unit, q.description)):
         names = [members(q.name, prose) for q in group]
         if len(names) > MEMBERS:
@@ -44,7 +44,7 @@ def quantity_rows(quantities: Iterable[Quantity], prose: Prose) -> Iterator[tupl
 
 
 def members(name: str, prose: Prose) -> str:
-    """Of a family, q[1..N], the first and the last."""
+    """Returns a name typeset; of a family q[1..N], its first and its last member."""
     family, _, index = name.rstrip("]").partition("[")
     ends = [f"{family}[{end}]" for end in index.split("..")] if ".." in index else [name]
     shown = [mathml.inline(prose.written.name(x)) for x in ends]
@@ -60,7 +60,8 @@ def lets(found: Sequence[Line]) -> list[str]:
 
 
 def parameter_table(c: Contents, prose: Prose) -> Iterator[str]:
-    """Those that are left, in units of SI; defaults and bounds as written."""
+    """Yields the table of the compiled parameters: SI units; defaults and bounds as in the
+    source."""
     units = {x.quantity.name.partition("[")[0]: x.quantity.unit for x in c.parameters}
     rows, written = [], prose.written
     for s in written.parameters():
@@ -93,7 +94,7 @@ def _infinite(end: Expr) -> bool:
 
 
 def of_lagrangian(written: Written) -> tuple[list[Line], list[Line]]:
-    """The energies and forces, and the names in them."""
+    """Returns the lines of energies and forces, and the `let`s that they use."""
     kinds = ("kinetic", "potential", "lagrangian", "dissipation", "force")
     return [*written.energies(), *written.forces()], written.lets_of(kinds)
 
@@ -129,7 +130,7 @@ class EquationSections:
             yield from where(made)
 
     def _motion(self) -> Iterator[str]:
-        """Lagrange's equations, one a row: what multiplies accelerations on the left."""
+        """Yields Lagrange's equations, one per row, with the terms in accelerations on the left."""
         e, n = self.e, len(self.e.mass)
         bound = e.constraints
         force = e.force if bound is None else bound.free_force
@@ -219,7 +220,7 @@ class EquationSections:
         turn = mathml.name(name)
         yield mathml.formula([row(turn, operator("="), mathml.matrix(shown))], "body to space")
 
-    # -- what else there is ---------------------------------------------------------------------
+    # -- canonical form, outputs, events --------------------------------------------------------
 
     def _canonical(self) -> Iterator[str]:
         rows = canonical_rows(self.e)
@@ -259,7 +260,7 @@ class EquationSections:
         yield from self._zeros([(q.name, node) for q, _, node in events], notes)
 
     def _zeros(self, rows: Sequence[tuple[str, Node]], notes: Sequence[str]) -> Iterator[str]:
-        """0 = node, each with what is said of it."""
+        """Yields the formulas 0 = node, each with its note."""
         shown = self.shown.where([(mathml.number("0"), node) for _, node in rows])
         if shown.operations:
             yield from where(shown)
@@ -270,7 +271,8 @@ class EquationSections:
 
 
 def _of_constraint(name: str) -> str:
-    """The z of joint, and "rate" where it is that."""
+    """Returns the note of a constraint row: "joint z" for joint.z, "rate of ..." for a name with
+    '."""
     own, _, axis = name.rstrip("'").partition(".")
     shown = f"{escape(own)} {mathml.inline(mathml.name(axis))}" if axis else escape(own)
     return f"rate of {shown}" if name.endswith("'") else shown

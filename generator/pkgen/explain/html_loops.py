@@ -1,4 +1,4 @@
-"""The equations of a model whose families are loops, typeset: one row stands for all."""
+"""The equations of a model whose families are loops, typeset: one row in the index i."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .tables import heading, lead, listed
 from .typeset import Typesetter
 from .written import Written
 
-_BREAK = "\0"  # where a line may break
+_BREAK = "\0"  # marks where a line may break
 _ONE = mathml.number("1")
 _PLACE = re.compile(r"f\[(.*)\]")
 
@@ -66,7 +66,7 @@ def _style(e: LoopEquations, written: Written) -> Style:
 
 
 class _Ranks(dict):
-    """Of names with indices and primes, by their families."""
+    """The ranks of names; a name with an index or primes has the rank of its family."""
 
     def __init__(self, names: Iterable[str]):
         super().__init__((name, k) for k, name in enumerate(names))
@@ -93,7 +93,7 @@ def _total(over: str, body: str) -> str:
 
 
 def _sums(over: str) -> str:
-    """i = 1..N, j = i+1..N as a sign each."""
+    """Returns a summation sign for each range of a text like "i = 1..N, j = i+1..N"."""
     return "".join(
         mathml.sums(mathml.name(variable), mathml.index(lo), mathml.index(hi))
         for variable, lo, hi in map(_ends, over.split(", "))
@@ -101,7 +101,7 @@ def _sums(over: str) -> str:
 
 
 def _range(text: str) -> str:
-    """i = 1, …, N."""
+    """Returns ranges typeset as i = 1, …, N."""
     shown = []
     for variable, lo, hi in map(_ends, text.split(", ")):
         between = row(operator(","), operator("…"), operator(","))
@@ -117,7 +117,8 @@ def _ends(text: str) -> tuple[str, str, str]:
 
 
 def _motion(write: Writer) -> Iterator[str]:
-    """M q'' = f by rows: beside each other where M is diagonal and its rows are those of f."""
+    """Yields M q'' = f by rows. If M is diagonal and its rows have the ranges of f's, each row is
+    one equation; otherwise M and f are listed separately."""
     mass, force = mass_lines(write), force_lines(write)
     inertia = {(line.left, line.range): line.right for line in mass}
     places = [_PLACE.fullmatch(line.left)[1] for line in force]
@@ -135,7 +136,7 @@ def _motion(write: Writer) -> Iterator[str]:
 
 
 def _beyond(said: str) -> str:
-    """q[0] = 0 (fixed)."""
+    """Returns a line like "q[0] = 0 (fixed)" typeset."""
     place, _, rest = said.partition(" = ")
     value, _, kind = rest.rpartition(" (")
     shown = row(mathml.name(place), operator("="), mathml.index(value))

@@ -1,7 +1,7 @@
-"""The elements of MathML, and the names of a model in them: browsers draw these without any script.
+"""Makes MathML elements and typesets a model's names; browsers draw these without scripts.
 
-theta1' is a theta with a dot and an index, p_x and q[i+1] have subscripts, omega(R).x is the x of
-omega. Reference: MathML Core, https://www.w3.org/TR/mathml-core/
+theta1' becomes a theta with a dot and an index; p_x and q[i+1] have subscripts; omega(R).x is an
+omega with subscript x. Reference: MathML Core, https://www.w3.org/TR/mathml-core/
 """
 
 from __future__ import annotations
@@ -13,25 +13,25 @@ from html import escape
 
 from ..front.words import greek
 
-NARROW = 24  # letters that any page holds
+NARROW = 24  # letters that fit in a line of any page
 MINUS = "\u2212"
-_TIMES = "\u2062"  # invisible
-_APPLY = "\u2061"  # invisible too: of a function
+_TIMES = "\u2062"  # invisible multiplication
+_APPLY = "\u2061"  # invisible function application
 _THIN = '<mspace width="0.17em"></mspace>'
 _NAME = re.compile(r"([^\W\d_]+)_?(\d*)(?:_(\w+))?")
 _MEMBER = re.compile(r"(\w+)\[(.*)\]")
 _COMPONENT = re.compile(r"(.+)\.([xyzw]{1,2})")
 _RATE = re.compile(r"omega\((\w+)\)")
 _VISIBLE = re.compile(r"<[^>]*>|[\u2061\u2062]")
-# What the language spells out, by its letters.
+# Greek letters by their names in the language.
 _GREEK = {greek(c): c for c in map(chr, range(ord("Α"), ord("ω") + 1)) if greek(c)}
 _TALL = ("<mfrac>", "<msqrt>", "<mtable>", "<munderover>")
 _DOTS = {1: "˙", 2: "¨"}
 
 
 def formula(chunks: Iterable[str], note: str = "") -> str:
-    """A line of its own, which breaks between chunks, with words behind it in HTML. With a chunk
-    that a narrow page does not hold it can be scrolled, by the keyboard too."""
+    """Returns a displayed formula, whose line may break between chunks, followed by a note in HTML.
+    If a chunk is too wide for a narrow page, the keyboard can scroll it."""
     chunks = list(chunks)
     parts = [f'<math displaystyle="true">{row(chunk)}</math>' for chunk in chunks]
     parts += [f'<span class="note">{note}</span>'] if note else []
@@ -44,7 +44,7 @@ def inline(content: str) -> str:
 
 
 def row(*parts: str) -> str:
-    """One element."""
+    """Returns the parts as one element."""
     content = "".join(parts)
     whole = content.startswith("<mrow>") and content.find("</mrow>") == len(content) - len(
         "</mrow>"
@@ -57,17 +57,17 @@ def operator(sign: str) -> str:
 
 
 def leading(sign: str) -> str:
-    """Before the first term."""
+    """Returns a sign in front of the first term."""
     return f'<mo form="prefix" lspace="0" rspace="0.06em">{escape(sign.replace("-", MINUS))}</mo>'
 
 
 def binary(sign: str) -> str:
-    """Between two terms, also where a line breaks before it."""
+    """Returns a sign between two terms, with the spacing of one also after a line break."""
     return f'<mo form="infix">{escape(sign.replace("-", MINUS))}</mo>'
 
 
 def number(text: str) -> str:
-    """A decimal; its power of ten, if it has one, is written as such."""
+    """Returns a decimal; an exponent is written as a power of ten."""
     mantissa, e, exponent = text.partition("e")
     shown = mantissa.lstrip("-")
     digits = f"<mn>{shown}</mn>"
@@ -85,7 +85,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def unit_text(unit: str) -> str:
-    """m/s^2 as m/s², and 1/s as s⁻¹."""
+    """Returns a unit with raised powers: m/s² for m/s^2, s⁻¹ for 1/s."""
     if unit.startswith("1/") and "/" not in unit[2:] and "*" not in unit:
         base, _, power = unit[2:].partition("^")
         unit = f"{base}^-{power or 1}"
@@ -94,7 +94,7 @@ def unit_text(unit: str) -> str:
 
 
 def unit(text: str) -> str:
-    """Behind a number."""
+    """Returns a unit, with a space before it, to follow a number."""
     return f"{_THIN}<mtext>{escape(unit_text(text))}</mtext>" if text else ""
 
 
@@ -104,7 +104,7 @@ def fraction(above: str, below: str, small: bool = False) -> str:
 
 
 def fenced(content: str, left: str = "(", right: str = ")") -> str:
-    """In brackets, which grow with what is taller than letters with indices and powers."""
+    """Returns the content in brackets, which stretch if it has fractions, roots or the like."""
     grows = "" if any(tall in content for tall in _TALL) else ' stretchy="false"'
     return row(
         f'<mo form="prefix" lspace="0" rspace="0"{grows}>{left}</mo>',
@@ -118,13 +118,13 @@ def bars(content: str, bar: str = "|") -> str:
 
 
 def applied(function: str, argument: str, bracketed: bool) -> str:
-    """A function of something, which stands in brackets or after a space."""
+    """Returns a function with its argument, in brackets or after a space."""
     between = f"<mo>{_APPLY}</mo>" + ("" if bracketed else _THIN)
     return row(function, between, fenced(argument) if bracketed else argument)
 
 
 def product(factors: Iterable[str]) -> str:
-    """Side by side; with a space where words would run together."""
+    """Returns the factors in a row, with a space next to names of several letters."""
     made = ""
     for factor in factors:
         if made:
@@ -135,7 +135,7 @@ def product(factors: Iterable[str]) -> str:
 
 
 def _is_word(content: str, end: int) -> bool:
-    """Whether the first or the last thing that is seen of it is a word."""
+    """Returns whether the first (end 0) or last (end -1) visible text is a word."""
     letters = [x for x in re.split(r"<[^>]*>", content) if x]
     return bool(letters) and len(letters[end]) > 1 and letters[end].isalpha()
 
@@ -145,14 +145,14 @@ def sub(base: str, below: str) -> str:
 
 
 def sup(base: str, above: str) -> str:
-    """A power; one of what has an index stands over the index."""
+    """Returns a power; the exponent of a name with an index stands above the index."""
     if base.startswith("<msub>") and base.endswith("</msub>"):
         return f"<msubsup>{base[len('<msub>') : -len('</msub>')]}{row(above)}</msubsup>"
     return f"<msup>{row(base)}{row(above)}</msup>"
 
 
 def sums(over: str, lo: str, hi: str) -> str:
-    """The sign of a sum with its range."""
+    """Returns the summation sign with its range."""
     below = row(over, operator("="), lo)
     return f"<munderover>{operator('∑')}{below}{row(hi)}</munderover>"
 
@@ -165,7 +165,7 @@ def matrix(rows: Iterable[Iterable[str]]) -> str:
 
 
 def width(content: str) -> int:
-    """Of what is seen, in letters; a fraction counts as its parts side by side."""
+    """Returns the number of visible letters; a fraction counts as its parts in a row."""
     return len(_VISIBLE.sub("", content))
 
 
@@ -173,8 +173,8 @@ def width(content: str) -> int:
 
 
 def name(text: str, lone: str = "", bold: bool = False) -> str:
-    """A name as it stands in a model, with primes, an index, or a component. Of the rotation that
-    is `lone` the rates need not say whose they are; vectors are bold."""
+    """Returns a name of a model typeset, with primes, an index, or a component. The body rates of
+    the rotation `lone`, the model's only one, omit its name; vectors are bold."""
     base = text.rstrip("'")
     letter, below = _parts(base, lone, bold)
     letter = dotted(letter, len(text) - len(base))
@@ -182,7 +182,7 @@ def name(text: str, lone: str = "", bold: bool = False) -> str:
 
 
 def _parts(text: str, lone: str, bold: bool) -> tuple[str, str]:
-    """A letter or a word, and what stands below it."""
+    """Returns a letter or a word, and its subscript."""
     if component := _COMPONENT.fullmatch(text):
         letter, below = _parts(component[1], lone, bold)
         axis = row(*map(_identifier, component[2]))
@@ -205,7 +205,7 @@ def _parts(text: str, lone: str, bold: bool) -> tuple[str, str]:
 
 
 def index(text: str) -> str:
-    """An index: i+1, or two with a comma."""
+    """Returns an index typeset: i+1, or two indices with a comma."""
     return row(*(_index(part) for part in re.split(r"(, |[-+*])", text)))
 
 
@@ -223,7 +223,7 @@ def _identifier(text: str, bold: bool = False) -> str:
 
 
 def _bold(letters: str) -> str:
-    """In the letters that Unicode has for vectors."""
+    """Returns the letters in Unicode's mathematical bold."""
     found = []
     for c in letters:
         kind = unicodedata.name(c, "").replace("LETTER ", "").replace("LATIN ", "")

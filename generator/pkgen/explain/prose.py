@@ -1,4 +1,4 @@
-"""Sentences about a model with its names and formulas typeset among the words."""
+"""Typesets the names and formulas of a model in sentences about it."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from . import mathml
 from .mathml import fraction, operator, row
 from .written import Written
 
-_WORD = re.compile(r"[A-Za-z]{2,}")  # a name that may be a word of a sentence
-TERMS = 12  # of a sum; more are cut
-_ARTICLES = frozenset("aAI")  # words, though they may be names too
+_WORD = re.compile(r"[A-Za-z]{2,}")  # a name that may be an English word
+TERMS = 12  # most terms of a sum; a longer one is cut
+_ARTICLES = frozenset("aAI")  # English words of one letter, never typeset as names
 _SHIFT = re.compile(r"(^| [+-] )(.*?)d/d(\S+)")
 
 
 class Prose:
     def __init__(self, written: Written, names: Iterable[str], formulas: Iterable[str] = ()):
-        """`names` are those of the model, `formulas` others that stand in the sentences."""
+        """`names` are those of the model, `formulas` are expressions that occur in sentences."""
         self.written = written
         self.formulas = {text: self.formula(text) for text in formulas}
         names = [n for n in names if not _WORD.fullmatch(n) or mathml.is_greek(n)]
@@ -31,7 +31,7 @@ class Prose:
         )
 
     def __call__(self, text: str) -> str:
-        """As HTML."""
+        """Returns a sentence as HTML."""
         parts, last = [], 0
         for found in self._known.finditer(text):
             parts += [escape(text[last : found.start()]), mathml.inline(self._typeset(found[0]))]
@@ -42,7 +42,7 @@ class Prose:
         return self.formulas.get(text) or self.names[text]
 
     def formula(self, text: str) -> str:
-        """In the words of the language; as it stands where these are not of it."""
+        """Returns a formula of the language typeset; other text unchanged."""
         file = parse.parse_all(Source("", f"model m\nlet y = {text}\n"))
         if file.diagnostics or len(file.statements) != 2:
             return mathml.words(text)
@@ -52,7 +52,7 @@ class Prose:
         return escape(mathml.unit_text(unit))
 
     def generator(self, text: str) -> str:
-        """x d/dy - y d/dx, by partial derivatives."""
+        """Returns a generator like "x d/dy - y d/dx" typeset, with partial derivatives."""
         terms = [(sign.strip(), *rest) for sign, *rest in _SHIFT.findall(text)]
         if len(terms) > TERMS:
             terms = [*terms[:2], ("+", "", ""), terms[-1]]

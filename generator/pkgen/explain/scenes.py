@@ -1,4 +1,4 @@
-"""What each scene of a model needs of it: a section of `explain`."""
+"""The sections of `explain` about scenes: the parts of the model that each of them needs."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ..scenes import compile_plan as scene_use
 
 @record
 class SceneShown:
-    """What a scene left out and why, and the operations of each kernel in the model and in what is
-    compiled for the scene, of its parts the sum."""
+    """The parts that a scene leaves out, with reasons, and the operations of each kernel in the
+    model (`before`) and in the C of the scene (`after`), summed over independent parts."""
 
     name: str
     description: str
@@ -25,7 +25,7 @@ class SceneShown:
 
 
 def scene_shown(whole: Compilation, sizes: Mapping[str, int], scene: Scene) -> SceneShown:
-    """A scene, compiled by itself; of one that cannot be, why."""
+    """Compiles a scene and returns its summary, or the reasons why it cannot be compiled."""
     before = {} if whole.looped else _operations(whole.program.kernels)
     name, description, source = scene.name, scene.description, whole.declared.source
     wrong = scene_check.wrong(whole.declared, sizes, scene)
@@ -52,7 +52,7 @@ def _operations(kernels: list[Kernel] | tuple[Kernel, ...]) -> dict[str, int]:
 
 
 def text(scenes: list[SceneShown]) -> str:
-    """The section, empty without scenes."""
+    """Returns the sections of all scenes, "" without scenes."""
     return "\n\n".join(_text(scene) for scene in scenes)
 
 

@@ -1,4 +1,4 @@
-"""The shortest of some forms of an expression, as it is shown."""
+"""Chooses the shortest of several forms of an expression, measured as typeset."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from . import mathml
 if TYPE_CHECKING:
     import sympy
 
-TRIED = 120  # operations up to which other forms are tried
-LONGER = 1.2  # than the shortest form, where like terms stand together
-TERMS = 40  # of an expanded form
+TRIED = 120  # most operations of an expression whose other forms are tried
+LONGER = 1.2  # the gathered form may be longer than the shortest by this factor
+TERMS = 40  # most terms of an expanded form
 
 
 def shortest(
@@ -21,8 +21,9 @@ def shortest(
     typeset: Callable[[sympy.Expr], str],
     others: Iterable[sympy.Expr] = (),
 ) -> sympy.Expr:
-    """As it is; one of `others`; with products of sines as sines of sums; or expanded, with like
-    terms gathered and what stands in front of each a product, which may be a little longer."""
+    """Returns the shortest of: the expression; one of `others`; products of sines as sines of sums;
+    the expanded form. The expanded form with like terms gathered, and their coefficients factored,
+    may be a little longer."""
     import sympy as sp
     from sympy.simplify.fu import TR10i
 
@@ -46,7 +47,7 @@ def shortest(
 
 
 def _expanded(expr: sympy.Expr) -> sympy.Expr:
-    """Multiplied out; but not inside functions and roots."""
+    """Returns the expression multiplied out, except inside functions, roots and denominators."""
     import sympy as sp
 
     kept: dict[sympy.Expr, sympy.Expr] = {}
@@ -78,13 +79,13 @@ def _has_content(x: sympy.Expr) -> bool:
 
 
 def _content_outside(x: sympy.Expr) -> sympy.Expr:
-    """sqrt(x^2/4 + y^2/4) as sqrt(x^2 + y^2)/2."""
+    """Returns sqrt(x^2/4 + y^2/4) as sqrt(x^2 + y^2)/2."""
     content, rest = x.base.primitive()
     return content**x.exp * rest**x.exp
 
 
 def _cost(shown: str) -> float:
-    """Letters, and for each bracket a little: they are harder to read."""
+    """Returns the number of letters plus half of the number of bracket pairs."""
     return mathml.width(shown) + shown.count('form="postfix"') / 2
 
 

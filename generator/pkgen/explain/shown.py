@@ -1,5 +1,5 @@
-"""Nodes of the equations as formulas: in the names of the model, in the shortest of some forms, and
-with names for what is long or occurs again and again.
+"""Shows nodes of the equations as formulas, with the model's names, in the shortest of several
+forms. Long or repeated subexpressions get names.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from .typeset import Typesetter
 if TYPE_CHECKING:
     import sympy
 
-WHOLE = 100  # operations of a short formula
-AGAIN = 5  # operations of what is named where it occurs twice
-OFTEN = 20  # of what is named in a short formula, all its repetitions together
-PART = 40  # of what is named though it occurs once
-NAMED = 24  # names beside one formula
+WHOLE = 100  # most operations of a short formula
+AGAIN = 5  # least operations of a repeated subexpression that gets a name
+OFTEN = 20  # the same in short formulas, over all its repetitions together
+PART = 40  # a subexpression of more operations gets a name though it occurs once
+NAMED = 24  # most names per formula; with more it is not shown
 _LETTERS = "ABCDFGKPSUWXYZ"
 
 Chunks = list[str]
@@ -35,7 +35,7 @@ Chunks = list[str]
 
 @record
 class Where:
-    """Formulas with the names that they use, or `operations` where these would be too many."""
+    """Formulas and the definitions of names in them; only `operations` if these are too many."""
 
     formulas: tuple[Chunks, ...]
     named: tuple[Chunks, ...] = ()
@@ -92,7 +92,7 @@ class Shown:
         return to_sympy(self.e.graph, nodes, symbol, shortened if self.turns else None, given)
 
     def chunks(self, left: str, expr: sympy.Expr, relation: str = "=") -> Chunks:
-        """A formula, that may break between its terms."""
+        """Returns a formula in chunks, between which a line may break."""
         first, *others = self.typeset.terms(expr)
         return [row(left, mathml.binary(relation), first), *others]
 
@@ -100,7 +100,8 @@ class Shown:
         return shortest(expr, self.constants, self.typeset, self._by_entries(expr))
 
     def _by_entries(self, expr: sympy.Expr) -> list[sympy.Expr]:
-        """With entries of matrices for what is of the second degree in a unit quaternion."""
+        """Returns [a form with rotation matrices instead of a unit quaternion's products], or
+        []."""
         import sympy as sp
 
         made = expr
@@ -114,8 +115,8 @@ class Shown:
         return [] if made == expr else [sp.expand(made)]
 
     def _entries(self) -> dict[sympy.Expr, sympy.Expr]:
-        """The entries of each rotation's matrix by its quaternion, as the graph may have them:
-        also without a factor of two, and negative. To each its name."""
+        """Returns the names of the entries of rotation matrices by their expressions in the
+        quaternion, in the variants of the graph: also without a factor of two, and negated."""
         import sympy as sp
 
         found: dict[sympy.Expr, sympy.Expr] = {}
@@ -142,7 +143,7 @@ class Shown:
     # -- formulas with names ------------------------------------------------------------------
 
     def where(self, rows: Sequence[tuple[str, Node]]) -> Where:
-        """LEFT = node for each row, in one set of names."""
+        """Returns the formulas LEFT = node of the rows, which share their names."""
 
         def made(values: list[sympy.Expr]) -> list[Chunks]:
             return [
@@ -155,7 +156,8 @@ class Shown:
     def made_of(
         self, nodes: Sequence[Node], made: Callable[[list[sympy.Expr]], list[Chunks]]
     ) -> Where:
-        """What `made` writes of these nodes, and the names in them."""
+        """Returns the formulas that `made` makes of the nodes' expressions, and the names in
+        them."""
         chosen, size = self._chosen(nodes)
         if len(chosen) > NAMED:
             return Where((), operations=size)
@@ -173,7 +175,8 @@ class Shown:
         return Where(tuple(formulas), tuple(named))
 
     def _chosen(self, nodes: Sequence[Node]) -> tuple[list[Node], int]:
-        """The nodes to be named, those that occur in others first, and the operations of all."""
+        """Returns the nodes that get names, arguments before their users, and the number of
+        operations of all nodes."""
         g = self.e.graph
         order = reachable(g, nodes)
         entries, odd = self._nodes_of_entries(order), self._odd(order)
@@ -210,7 +213,7 @@ class Shown:
         )
 
     def _odd(self, order: Iterable[Node]) -> set[Node]:
-        """What is of an odd degree in a quaternion, and so nothing that is seen of the body."""
+        """Returns the nodes of odd degree in a quaternion, whose sign means nothing by itself."""
         g, numbers, found = self.e.graph, self.e.quaternions, set()
         for n in order:
             odd = [a in found for a in g.args[n]]
@@ -235,7 +238,7 @@ class Shown:
 
 
 def _form(rotation: str, powers: tuple[int, ...]) -> sympy.Expr:
-    """A product of two numbers of a unit quaternion, w, x, y, z, by entries of its matrix."""
+    """Returns a product of two components of a unit quaternion by entries of its matrix."""
     import sympy as sp
 
     entry = {a + b: sp.Symbol(f"{rotation}.{a}{b}") for a in AXES for b in AXES}
@@ -257,11 +260,11 @@ def _form(rotation: str, powers: tuple[int, ...]) -> sympy.Expr:
 
 
 def _is_multiple(g: Graph, node: Node) -> bool:
-    """A number times something, which needs no name of its own."""
+    """Returns whether the node is a number times another, which needs no name."""
     return g.op[node] is Op.MULTIPLY and any(g.op[a] is Op.NUMBER for a in g.args[node])
 
 
 def _kind_of(quantity: Quantity) -> int:
-    """Parameters in a product: masses, then g, then all others."""
+    """Returns a parameter's rank in a product: masses, then g, then all others."""
     letters = quantity.name.rstrip("0123456789_")
     return 0 if letters == "m" or quantity.unit == "kg" else 1 if letters == "g" else 2

@@ -1,4 +1,4 @@
-"""The styles of what `html.py` makes, and the font of its formulas.
+"""The styles of the HTML of `html.py`, and the font of its formulas.
 
 Formulas need a font with a table of mathematics, for brackets that grow, accents and roots. Windows
 has Cambria Math, macOS STIX Two Math; a plain Linux machine has none, so a part of STIX is in the
@@ -42,7 +42,7 @@ _RULES = """
 
 @cache
 def style() -> str:
-    """For the head of a page that has a fragment in it. The font is in a data: address."""
+    """Returns CSS for the head of a page that contains a fragment. The font is in a data: URL."""
     font = files(__package__).joinpath("fonts/math.woff2").read_bytes()
     data = b64encode(font).decode("ascii")
     face = f'@font-face {{ font-family: "pkgen math"; src: url(data:font/woff2;base64,{data}) }}'

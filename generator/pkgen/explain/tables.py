@@ -1,4 +1,4 @@
-"""Pieces of a page in HTML. Cells are HTML, texts are escaped."""
+"""Pieces of an HTML page. Arguments that are cells or lines are HTML; other texts are escaped."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def lead(text: str) -> str:
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]], kind: str = "") -> str:
-    """Columns that are empty throughout are left out."""
+    """Returns a table without columns that have only empty cells."""
     rows = [tuple(row) for row in rows]
     kept = [k for k, _ in enumerate(headings) if any(row[k] for row in rows)]
     head = "".join(f'<th scope="col">{escape(headings[k])}</th>' for k in kept)
@@ -30,14 +30,14 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], kind: str = ""
 
 
 def _reached(rows: Sequence[Sequence[str]]) -> str:
-    """By the keyboard, where a narrow page does not hold a row and scrolls."""
+    """Returns an attribute that lets the keyboard scroll the table, if its rows may be too wide."""
     columns = zip(*rows, strict=True)
     wide = sum(max(mathml.width(cell) for cell in column) + 2 for column in columns)
     return ' tabindex="0"' if wide > mathml.NARROW else ""
 
 
 def facts_table(rows: Iterable[tuple[str, str]]) -> str:
-    """What each row is about stands at its head."""
+    """Returns a table whose first column holds row headings."""
     rows = list(rows)
     body = "\n".join(f'<tr><th scope="row">{name}</th><td>{text}</td></tr>' for name, text in rows)
     return f'<div class="wide"{_reached(rows)}><table class="facts">{body}</table></div>'
@@ -53,7 +53,7 @@ def details(summary: str, *parts: str) -> str:
 
 
 def where(shown: Where) -> list[str]:
-    """Formulas, and below them the names in them."""
+    """Returns formulas, followed by the definitions of the names in them."""
     if shown.operations:
         return [f"<p>Too long to be shown: {shown.operations:,} operations, written out.</p>"]
     return [*map(mathml.formula, shown.formulas), *named(shown.named)]

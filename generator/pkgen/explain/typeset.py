@@ -1,8 +1,8 @@
-"""SymPy expressions as MathML, the way they are written by hand.
+"""Typesets SymPy expressions as MathML, in the form of a textbook.
 
 A product has its numbers first, then parameters, variables and functions, each in the order of
-declaration; a sum begins with a term that is not negative, if it has one. SymPy's own printer of
-MathML goes by the alphabet, and by elements (mfenced) that browsers no longer draw.
+declaration; a sum begins with a term that is not negative, if it has one. SymPy's own MathML
+printer sorts alphabetically and uses elements (mfenced) that browsers no longer draw.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 
 _WORDS = {"Heaviside": "step", "log": "ln", "Abs": "abs", "asin": "arcsin", "acos": "arccos"}
 _WORDS |= {"atan": "arctan", "Max": "max", "Min": "min"}
-_POWERS = frozenset(("sin", "cos", "tan", "sinh", "cosh", "tanh"))  # of these cos^2 x is written
+_POWERS = frozenset(("sin", "cos", "tan", "sinh", "cosh", "tanh"))  # powers are written cos^2 x
 _ODD = frozenset(("sin", "tan", "sinh", "tanh", "asin", "atan"))
 _EVEN = frozenset(("cos", "cosh", "Abs"))
 _BARE = frozenset((*_POWERS, "asin", "acos", "atan", "log"))
-FEW = (2, 4, 5, 8, 16, 32, 64)  # denominators of fractions whose decimals end
+FEW = (2, 4, 5, 8, 16, 32, 64)  # denominators shown as fractions, though their decimals end
 LARGE = 10**7
-SHORT = 14  # letters of an exponent
+SHORT = 14  # most letters of an exponent of e; a longer one is written exp(...)
 
 
 class Typesetter:
-    """`order` has the rank of each name, by which factors and terms stand; `constants` are the
-    names that are no variables."""
+    """`order` has the rank of each name, by which factors and terms are sorted; `constants` are
+    the names of parameters."""
 
     def __init__(
         self,
@@ -43,7 +43,7 @@ class Typesetter:
         return row(*self.terms(expr))
 
     def terms(self, expr: sympy.Expr) -> list[str]:
-        """The terms of a sum, each with its sign in front."""
+        """Returns the terms of a sum, each with its sign in front."""
         found = []
         for negative, term in self._in_order(expr.replace(_turns, self._turned)):
             sign = "-" if negative else "+"
@@ -52,7 +52,7 @@ class Typesetter:
         return found
 
     def _in_order(self, expr: sympy.Expr) -> list[tuple[bool, sympy.Expr]]:
-        """The terms without their signs, each beside whether that is a minus."""
+        """Returns the sorted terms as pairs: whether the sign is a minus, the term without it."""
         if not expr.is_Add:
             return [_signed(expr)]
         terms = [_signed(t) for t in sorted(expr.args, key=self._place)]
@@ -61,8 +61,8 @@ class Typesetter:
         return [first, *terms]
 
     def _turned(self, call: sympy.Expr) -> sympy.Expr:
-        """cos(phi - theta) as cos(theta - phi), theta being declared first; so that SymPy, which
-        goes by the alphabet, does not turn it back, as a function that it does not know."""
+        """Returns cos(phi - theta) as cos(theta - phi) if theta is declared first. The result is an
+        undefined function of that name, since SymPy would sort a cosine's argument again."""
         import sympy as sp
 
         (inside,) = call.args
@@ -72,7 +72,7 @@ class Typesetter:
         return -own if turned and call.func.__name__ in _ODD else own
 
     def _place(self, term: sympy.Expr) -> tuple:
-        """Where a term stands in its sum: by its variables, then by its parameters; a number
+        """Returns a term's sort key in a sum: by variables, then by parameters; a number is
         last."""
         powers, others, constants = [], [], []
         for factor in term.as_ordered_factors():
@@ -146,7 +146,8 @@ class Typesetter:
     # -- factors ------------------------------------------------------------------------------
 
     def _factor(self, expr: sympy.Expr) -> str:
-        """What can stand in a product as it is."""
+        """Returns an expression in a form that can be a factor of a product, in brackets if
+        needed."""
         if expr.is_Add:
             return mathml.fenced(self(expr))
         if expr.is_Mul or (expr.is_Number and expr < 0):
@@ -205,8 +206,8 @@ class Typesetter:
 
 
 def function(name: str, arguments: list[str], bare: bool, power: str = "") -> str:
-    """A call; `bare` says that an argument needs no brackets. A power of sine stands behind its
-    name, of any other around all."""
+    """Returns a function call; `bare` says that its argument needs no brackets. A power of sine and
+    the like follows the name; a power of another function follows the call."""
     if power and name not in _POWERS:
         made = function(name, arguments, bare)
         whole = name in ("abs", "Abs", "norm")
@@ -229,12 +230,12 @@ def function(name: str, arguments: list[str], bare: bool, power: str = "") -> st
 def _turns(x: sympy.Expr) -> bool:
     own = type(x).__name__
     known = own in _ODD or own in _EVEN
-    return known and x.args[0].is_Add and type(x).__module__ is not None  # None: turned already
+    return known and x.args[0].is_Add and type(x).__module__ is not None  # None: made by _turned
 
 
 def _signed(term: sympy.Expr) -> tuple[bool, sympy.Expr]:
-    """Whether a minus stands in front, and the term without it; sums of negative terms among its
-    factors are turned over."""
+    """Returns whether a term has a minus in front, and the term without it. Factors that are sums
+    of negative terms are negated."""
     negative, factors = False, []
     for factor in term.as_ordered_factors() if term.is_Mul else [term]:
         base, exponent = factor.as_base_exp()
@@ -257,7 +258,8 @@ def _is_below(factor: sympy.Expr) -> bool:
 
 
 def _decimal(value: sympy.Rational) -> str:
-    """A number as its author wrote it, where that is a decimal: "9.81"; "" of 1/2 and of 3."""
+    """Returns a number as a decimal like "9.81", or "" for integers and simple fractions like 1/2
+    and for numbers without a finite decimal."""
     p, q = abs(value.p), value.q
     few = q in FEW or (q == 1 and p < LARGE)
     if few or (q < LARGE and not _ends(q)):
@@ -266,7 +268,7 @@ def _decimal(value: sympy.Rational) -> str:
 
 
 def _ends(q: int) -> bool:
-    """Whether 1/q has an end in decimals."""
+    """Returns whether 1/q has a finite decimal expansion."""
     for prime in (2, 5):
         while q % prime == 0:
             q //= prime

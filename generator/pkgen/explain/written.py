@@ -1,6 +1,5 @@
-"""What a model says, typeset as its author wrote it: energies, forces, constraints, and the names
-that these use. Here alone are vectors vectors and turns turns; behind the check there are
-components.
+"""Typesets statements as their author wrote them: energies, forces, constraints, and their `let`s.
+Only this module sees vectors and rotations whole; after the checker there are components.
 """
 
 from __future__ import annotations
@@ -46,11 +45,11 @@ _TURNS = frozenset(("rot", "inverse", "euler", "tait_bryan"))
 _VECTORS = frozenset(("omega", "cross"))
 NUMBER, VECTOR, TURN = "number", "vector", "turn"
 
-Line = tuple[list[str], str]  # the chunks of a formula, and what its author says of it
+Line = tuple[list[str], str]  # the chunks of a formula, and its description
 
 
 class Written:
-    """The statements of one model, with what kind of thing each name is."""
+    """The statements of one model, with the kind of each name: number, vector or rotation."""
 
     def __init__(self, model: Model):
         self.statements = parse.parse_all(model.source).statements
@@ -74,8 +73,8 @@ class Written:
     # -- statements ---------------------------------------------------------------------------
 
     def energies(self) -> list[Line]:
-        """T, V, L and D, each the sum of its statements; bodies as they are written, and of T and
-        V what is theirs by that name."""
+        """Returns T, V, L and D, each the sum of its statements. Bodies appear as in the source,
+        and T_bodies and V_bodies stand for their part of T and V."""
         found: dict[str, list[str]] = {}
         bodies = [s for s in self.statements if s.keyword in ("body", "joint", "gravity")]
         said: list[Line] = []
@@ -114,7 +113,7 @@ class Written:
         return found
 
     def lets_of(self, keywords: Iterable[str]) -> list[Line]:
-        """The names that statements of these kinds use, and those that these use."""
+        """Returns the `let`s that statements of these kinds use, directly or through others."""
         waiting = [n for s in self.statements for n in _used(s) if s.keyword in keywords]
         used: set[str] = set()
         while waiting:
@@ -161,7 +160,7 @@ class Written:
         return mathml.name(name, self.lone, bold=self.kinds.get(name) == VECTOR)
 
     def _terms(self, expr: Expr, first: bool = True) -> list[str]:
-        """The terms of a sum with their signs; that of the first is left out."""
+        """Returns the terms of a sum with their signs; if `first`, a leading plus is left out."""
         terms, signs = (expr.terms, expr.signs) if isinstance(expr, Add) else ((expr,), (1,))
         found = []
         for term, sign in zip(terms, signs, strict=True):
@@ -182,7 +181,7 @@ class Written:
         return self._factor(expr)
 
     def _product(self, expr: Multiply) -> str:
-        """From left to right as written: m/2*v^2 is a fraction beside a square."""
+        """Returns a product in the order of the source: m/2*v^2 is a fraction, then a square."""
         done: list[str] = []
         above: list[Expr] = []
         below: list[Expr] = []
@@ -205,11 +204,11 @@ class Written:
         return mathml.product(done)
 
     def _side_by_side(self, factors: list[Expr]) -> str:
-        """In a fraction, where a sum needs no brackets."""
+        """Returns the product above or below a fraction bar, where a lone sum needs no brackets."""
         return self(factors[0]) if len(factors) == 1 else self._beside(factors)
 
     def _beside(self, factors: list[Expr]) -> str:
-        """With a dot between numbers."""
+        """Returns the product, with a dot before numbers."""
         found = ""
         for k, factor in enumerate(factors):
             shown = self._factor(factor)
@@ -285,7 +284,7 @@ class Written:
         return mathml.sup(mathml.fenced(self(base)), above)
 
     def _exponent(self, expr: Expr) -> str:
-        """A fraction of numbers stays on the line."""
+        """Returns an exponent; a fraction of numbers is written as 1/2 on one line."""
         match expr:
             case Multiply(factors=(Number(value=a), Number(value=b)), exponents=(1, -1)):
                 return f"<mn>{_decimal(a)}/{_decimal(b)}</mn>"
@@ -309,7 +308,7 @@ class Written:
 
 
 def _used(s: st.Statement) -> Iterator[str]:
-    """The names in a statement's expressions."""
+    """Yields the names in a statement's expressions."""
     for part in ("value", "a", "b"):
         expr = getattr(s, part, None)
         if expr is not None:
@@ -317,7 +316,7 @@ def _used(s: st.Statement) -> Iterator[str]:
 
 
 def _bare(arguments: tuple[Expr, ...]) -> bool:
-    """Whether the argument of a function needs no brackets."""
+    """Returns whether the argument of a function needs no brackets."""
     return len(arguments) == 1 and isinstance(arguments[0], Name | Number | Component)
 
 

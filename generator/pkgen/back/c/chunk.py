@@ -1,6 +1,6 @@
-"""Very long kernels in several functions, since C compilers are superlinear on straight-line code.
+"""Splits very long kernels into functions, since C compilers are superlinear on straight-line code.
 
-A block's values that a later block needs go through a work array `w`.
+A block passes values that later blocks need through a work array `w`.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from ..targets import LOAD, STORE
 from .expressions import base, variable
 from .program import Block, Statement
 
-# A kernel longer than the first is cut into blocks of the second, in statements. Measured on M, f
-# of pendulums of 50 and 100 links: blocks of 100 compile in .6 of the time of 400 and .35 of one
-# block (gcc), and run as fast; those of 50 gain little more. Using the places of `w` again halves
-# it for arms of 20 and 100 joints, and is no faster.
+# A kernel of more than _LONGEST statements is cut into blocks of _BLOCK. Measured on M, f of
+# pendulums of 50 and 100 links (gcc): blocks of 100 compile in 0.6 of the time of blocks of 400 and
+# 0.35 of one block, and run as fast; blocks of 50 gain little more. Reusing elements of `w` halves
+# its length for arms of 20 and 100 joints, but is not faster.
 _LONGEST = 800
 _BLOCK = 100
 ARGUMENTS = ("p", "t", "q", "v", "momenta", "u", "a", "w")
@@ -23,7 +23,7 @@ ARGUMENTS = ("p", "t", "q", "v", "momenta", "u", "a", "w")
 def blocks(
     statements: list[Statement], loads: Mapping[str, Statement], outputs: Iterable[str]
 ) -> tuple[tuple[Block, ...], int]:
-    """The blocks, each with the loads that it needs, and the length of the work array."""
+    """Returns the blocks, each with the loads that it needs, and the length of the work array."""
     if len(statements) <= _LONGEST:
         parts = [statements]
     else:
@@ -57,9 +57,9 @@ def _block(
     slots: Mapping[str, int],
     arguments: frozenset[str],
 ) -> Block:
-    """`lines` stand before the part."""
+    """Returns the block of a part, with the statements `lines` before it and stores to `w`."""
     loaded = {base(read) for line in lines for read in line.reads}
-    if not slots:  # nothing is handed on
+    if not slots:  # no values are passed on
         return Block((*lines, *part), arguments & (words | loaded))
     for statement in part:
         lines.append(statement)

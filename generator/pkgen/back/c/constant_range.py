@@ -1,7 +1,7 @@
-"""Constants that the equations need and no double can hold.
+"""Finds constants of the equations that are out of the range of double.
 
-The checker and `graph/magnitudes.py` have seen those that are written down. What a derivative or
-a canonical form makes of them (`2*1e308`) exists only when C is written, so it is found there.
+The checker and `graph/magnitudes.py` check the constants in a model's text. Constants that
+derivatives or a canonical form make of them (`2*1e308`) exist only when C is written.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from ...model import Model
 from ...source import Diagnostic, ModelError
 from ...tree import Number
 
-_FLOAT = 2.0**-126, 2.0**128  # of PK_FLOAT: a loss of digits begins, the largest are beyond
+_FLOAT = 2.0**-126, 2.0**128  # normal numbers of float: the least, and the bound of all
 
 
 class Beyond(Exception):
-    """The text says of which constant, and what is wrong with it."""
+    """A constant is out of range; the text names it and says how."""
 
     def placed(self, model: Model) -> ModelError:
-        """At the number of the model that is farthest from 1, which it comes from most likely. What
-        a parameter is stands in no expression."""
+        """Returns the error, placed at the model's number farthest from 1, its most likely origin.
+        Values of parameters do not count, since they are in no constant."""
         numbers = [n for n in _numbers(replace(model, parameters=())) if n.value]
         far = max(numbers, key=lambda n: (abs(_log(n.value)), -n.span.start), default=model)
         help = "it comes from this number and what it is multiplied with: choose other units"
@@ -37,7 +37,7 @@ class Beyond(Exception):
 
 
 class Tables:
-    """What a graph has in C: its nodes, and whether one depends on parameters alone."""
+    """The nodes of a graph, and for each whether it depends on parameters alone."""
 
     def __init__(self, graph: Graph) -> None:
         self.op = list(graph.op)
@@ -47,15 +47,15 @@ class Tables:
 
 
 class Constants:
-    """Looks at the constants of a program as they are written."""
+    """Checks the range of a program's constants while C is written."""
 
     def __init__(self, work: Tables) -> None:
         self._work = work
         self._values: dict[Node, float | None] = {}  # None: it depends on a parameter
-        self.float_too = True  # whether those seen so far are in the range of float
+        self.float_too = True  # whether all constants so far are in the range of float
 
     def see(self, node: Node) -> None:
-        """Raises Beyond where a double cannot hold a node whose arguments were seen before."""
+        """Raises Beyond if a constant node is out of the range of double."""
         work = self._work
         if not work.fixed[node] or node in self._values:
             return
@@ -80,12 +80,13 @@ class Constants:
 
 
 def extreme(graph) -> bool:
-    """Whether some number of a graph is so far from 1 that one made of it may be beyond."""
+    """Returns whether a number of the graph is so far from 1 that a constant made of it may be out
+    of the range of double."""
     return any(abs(_log(Fraction(*key))) > 90 for key in graph.tables()[Op.NUMBER] if key[0])
 
 
 def _log(value: Fraction) -> float:
-    """log10 |value|, of any size."""
+    """Returns log10 |value|, also for values out of the range of double."""
     return math.log10(abs(value.numerator)) - math.log10(value.denominator)
 
 
@@ -95,7 +96,7 @@ def _short(value: Fraction) -> str:
 
 
 def _numbers(part: object) -> Iterator[Number]:
-    """The literals anywhere in a model."""
+    """Yields the number literals anywhere in a model."""
     if isinstance(part, Number):
         yield part
     elif isinstance(part, tuple):

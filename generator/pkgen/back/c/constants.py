@@ -1,4 +1,4 @@
-"""Constants that `prepare` computes: a name and a comment for each, from what they are made of."""
+"""Gives each hoisted constant a name and a comment, made from its expression."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SCALED = {"2": "twice", "PK_C(0.5)": "half"}
 
 @record
 class Constant:
-    """A member of struct NAME_params. `says` is its expression, "" where that is long."""
+    """A member of struct NAME_params. `says` is its expression, "" if that is long."""
 
     c_name: str
     says: str
@@ -33,7 +33,8 @@ def constants(
     names: Names,
     hints: Mapping[Node, str],
 ) -> list[Constant]:
-    """Of these nodes, in order; `leaf` is the text of a symbol, `hints` are names in mechanics."""
+    """Returns the constants of these nodes, in order. `leaf` returns the text of a leaf; `hints`
+    are fallback names from mechanics, like M_0_0."""
     forms: dict[Node, Form | None] = {}
     made: dict[Node, Constant] = {}
     wanted = set(nodes)
@@ -56,7 +57,7 @@ def _form(
     leaf: Callable[[Node], Code | None],
     forms: Mapping[Node, Form | None],
 ) -> Form | None:
-    """None where it is too long to be read."""
+    """Returns the expression of a node, None if it is too long for a comment."""
     op, args = work.op[node], work.args[node]
     if work.is_leaf(node):
         text = leaf(node)
@@ -79,7 +80,7 @@ def _form(
 
 
 def _name(form: Form) -> str:
-    """m2_l1_l2, l1_sq, g_per_l, half_M_0_0, I1_minus_I3: "" of what has no short name."""
+    """Returns a short name (m2_l1_l2, l1_sq, g_per_l, half_M_0_0, I1_minus_I3) or ""."""
     if form.is_sum:
         if len(form.terms) != 2 or not all(_is_name(x) for _, x in form.terms):
             return ""

@@ -1,4 +1,4 @@
-"""Text into C safely: comments, string literals, and lines folded at 100 columns."""
+"""Puts text safely into C: comments, string literals, and lines folded at 100 columns."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ _INVISIBLE = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}  # bidirectional marks a
 
 
 def visible(text: str) -> str:
-    """One line, without control characters and without marks that reorder what is shown."""
+    """Returns the text on one line, with ? for control and bidirectional characters."""
     text = " ".join(text.split())
     return "".join("?" if unicodedata.category(c) in _INVISIBLE else c for c in text)
 
 
 def comment(text: str) -> str:
-    """Text for the inside of a block comment: it can neither end nor nest it, nor be spliced."""
+    """Returns text that is safe inside a block comment: no end, no nesting, no line splice."""
     text = re.sub(r"\*(?=/)|/(?=\*)|\?(?=\?)", r"\g<0> ", visible(text))
     return text.replace("\\", "/")
 
 
 def string(text: str) -> str:
-    """A C string literal; what is not ASCII becomes the octal bytes of its UTF-8."""
+    """Returns a C string literal; characters beyond ASCII become octal bytes of their UTF-8."""
     text = visible(text)
     if len(text) > _LONGEST_STRING:
         text = text[: _LONGEST_STRING - 3] + "..."
@@ -41,10 +41,10 @@ def string(text: str) -> str:
 
 
 def paragraph(text: str, first: str = " * ", rest: str = " * ") -> str:
-    """Words folded behind a comment's left margin."""
+    """Returns the text folded, with `first` and `rest` as the lines' margins."""
     lines = textwrap.wrap(
         text,
-        WIDTH - 3,  # room for what ends the comment
+        WIDTH - 3,  # space for the end of the comment
         initial_indent=first,
         subsequent_indent=rest,
         break_long_words=False,
@@ -53,13 +53,13 @@ def paragraph(text: str, first: str = " * ", rest: str = " * ") -> str:
     return "\n".join(line.rstrip() for line in lines) if lines else first.rstrip()
 
 
-_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')  # not to be broken
+_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')  # lines do not break in these
 _BREAK = re.compile(r" (?=[-+*/|] )| (?=&& )|(?<=,) ")
 
 
 def fold(line: str, indent: int = 0, hang: int = 4) -> str:
-    """A statement folded before operators and after commas, at the outermost brackets there are
-    in reach; what follows is indented by `hang` more."""
+    """Returns a statement folded before operators and after commas, outside as many brackets as
+    possible; the next lines are indented by `hang` more."""
     line = " " * indent + line
     if len(line) <= WIDTH:
         return line
@@ -74,14 +74,14 @@ def fold(line: str, indent: int = 0, hang: int = 4) -> str:
 
 
 def fold_call(line: str, indent: int = 0) -> str:
-    """The same for a declaration: what follows stands under the first argument, if it can."""
+    """Returns a folded declaration; the next lines align with the first argument if possible."""
     hang = line.index("(") + 1
     return fold(line, indent, hang if hang <= WIDTH // 2 else 4)
 
 
 def _best_break(line: str) -> int | None:
-    """Where to break: outside most brackets, rather before a sum's sign than a product's, and
-    of such places the last; not in the line's first part if that can be."""
+    """Returns the position of the best break: outside most brackets, then before a sum's sign
+    rather than a product's, then the last; if possible not in the line's first part."""
     start = len(line) - len(line.lstrip())
     depths, depth = [], 0
     for c in line[: WIDTH + 1]:

@@ -1,4 +1,4 @@
-"""What the comments of generated C say: units of outputs, bounds, tables of operations."""
+"""The comments of generated C: units of outputs, bounds, tables of operations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LISTED = 8  # outputs with more entries are described as a whole
 
 
 def entries(program: Program, kernel: Kernel) -> list[str]:
-    """Doxygen's lines for each output of a kernel: its shape, entries and units."""
+    """Returns Doxygen lines for a kernel's outputs (shape, entries, units) and return value."""
     lines = []
     for output in kernel.outputs:
         name, n = output.name, output.rows
@@ -69,7 +69,8 @@ def _rate_unit(model: Model, unit: str) -> str:
 
 
 def _derivatives(quantities: Sequence[Quantity], program: Program, name: str) -> list[Quantity]:
-    """The quantities' time derivatives, called `name` with the coordinate's own name in it."""
+    """Returns the quantities' time derivatives, named by the format `name` with the coordinate's
+    name in it; those of first-order variables get a prime."""
     model, e = program.equations.model, program.equations
     own = e.own
     names = [name.format(c.name) for c in e.coordinates[:own]] + [
@@ -112,9 +113,9 @@ def _with_unit(name: str, unit: str) -> str:
 
 
 def families(quantities: Sequence[Quantity], first: int = 0) -> list[dict[str, Any]]:
-    """Plain quantities and whole families: name, index of the (first) member, what it is. Members
-    of a family that stand apart from its first ones are found by their own names alone. They are
-    counted from `first`."""
+    """Returns rows for plain quantities and families: the name in C, the index of the (first)
+    member, a description. Indices start at `first`. The description's count of members covers those
+    that follow the first without a gap."""
     rows: dict[str, tuple[int, Quantity]] = {}
     counts: dict[str, int] = {}
     for index, quantity in enumerate(quantities, first):
@@ -139,20 +140,20 @@ def families(quantities: Sequence[Quantity], first: int = 0) -> list[dict[str, A
 
 
 def field_says(program: Program, field: Field) -> str:
-    """The comment beside a member of struct NAME_params."""
+    """Returns the comment of a member of struct NAME_params."""
     quantity = program.equations.parameters[field.first].quantity
     what = _says(f"{quantity.name}, ..." if field.length else "", quantity)
     return " ".join(x for x in (what, bounds_text(program, field.first)) if x)
 
 
 def _says(member: str, quantity: Quantity) -> str:
-    """'q[1], ...: stretch [m]', as much of it as there is."""
+    """Returns 'q[1], ...: stretch [m]', without the parts that are empty."""
     what = _with_unit(quantity.description, quantity.unit).strip()
     return ": ".join(x for x in (member, what) if x)
 
 
 def bounds_text(program: Program, index: int) -> str:
-    """'in (0, inf)' as the author wrote it, '' where a parameter may be anything."""
+    """Returns bounds like 'in (0, inf)'; '' if there are none or their text needs locals."""
     slot = program.equations.parameters[index]
     lo, hi = program.bounds[index].lo, program.bounds[index].hi
     if (lo is None and hi is None) or program.bounds[index].statements:
@@ -167,12 +168,12 @@ def _plain(text: str) -> str:
 
 
 def operations_rows(program: Program) -> list[str]:
-    """The table in the header of a generated file, a kernel a line."""
+    """Returns the table of operations in the header of a generated file, a line per kernel."""
     kernels = (*program.kernels, program.prepare)
     width = max(len(kernel.name) for kernel in kernels)
     return [f"{k.name:{width}}  {operations_text(k.operations)}" for k in kernels]
 
 
 def labelled(rows: list[tuple[str, str]]) -> list[str]:
-    """Facts and constants of the motion, each a line of a comment."""
+    """Returns facts or constants of the motion as lines of a comment."""
     return [f"{name}: {text}" for name, text in rows]

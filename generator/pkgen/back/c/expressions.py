@@ -1,7 +1,7 @@
-"""Expressions as C text with the fewest brackets, which know what they read and compute.
+"""Expressions as C text with the fewest brackets, with lists of their operands and operations.
 
-A `Form` is text that has not been closed yet: the terms of a sum, or the factors above and below
-a fraction bar. Sums and products are joined flat; a minus wanders to where a reader expects it.
+A `Form` is an expression not yet joined to one text: the terms of a sum, or the factors above and
+below a fraction bar. Nested sums and products are flattened; a minus moves to the front.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ PLUS, MINUS = 1, -1
 
 class Code(str):
     """C text of an expression. `reads` are the names, members and array elements in it, in order;
-    `operations` the signs and functions, those of constants such as 1/3 aside."""
+    `operations` the operators and functions, without those inside constants such as 1/3."""
 
     reads: tuple[str, ...]
     operations: tuple[str, ...]
@@ -27,29 +27,29 @@ class Code(str):
 
     @property
     def names(self) -> set[str]:
-        """What is read: of p->m the p, of q[0] the q."""
+        """Returns the variables that are read: p for p->m, q for q[0]."""
         return {base(read) for read in self.reads}
 
 
 def base(place: str) -> str:
-    """The variable of a place: p of p->m, out of out[3]."""
+    """Returns the variable of a place: `p` for p->m, `out` for out[3]."""
     return place.partition("->")[0].partition("[")[0]
 
 
 def variable(text: str) -> Code:
-    """A name, a member of a struct or an element of an array."""
+    """Returns the code of a name, a member of a struct or an element of an array."""
     return Code(text, (text,))
 
 
 def joined(parts: Sequence[Code]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """What several expressions read and compute."""
+    """Returns the reads, without repetition, and the operations of several expressions."""
     reads = dict.fromkeys(name for part in parts for name in part.reads)
     return tuple(reads), tuple(operation for part in parts for operation in part.operations)
 
 
 class Form(NamedTuple):
-    """A sum of (sign, text) terms if there is not exactly one term of `terms`; otherwise a
-    product sign * above / below. An atom is a product of one factor."""
+    """A sum of (sign, text) terms if `terms` is not empty; otherwise a product
+    sign * above / below. An atom is a product of one factor."""
 
     terms: tuple[tuple[int, Code], ...] = ()
     sign: int = PLUS
@@ -67,7 +67,7 @@ def atom(code: Code) -> Form:
 
 
 def constant(text: str) -> Form:
-    """A number with its sign."""
+    """Returns the form of a number with its sign."""
     form = atom(Code(text.removeprefix("-")))
     return negated(form) if text[0] == "-" else form
 
@@ -83,7 +83,7 @@ def added(a: Form, b: Form) -> Form:
 
 
 def multiplied(a: Form, b: Form) -> Form:
-    # Most of all are two products: not asked through _as_factors.
+    # Most calls have two products; skipping _as_factors for them saves time.
     sign_a, above_a, below_a = _as_factors(a) if a.terms else a[1:4]
     sign_b, above_b, below_b = _as_factors(b) if b.terms else b[1:4]
     above = above_a + above_b
@@ -95,13 +95,13 @@ def multiplied(a: Form, b: Form) -> Form:
 
 def inverted(form: Form) -> Form:
     sign, above, below = _as_factors(form)
-    if below:  # 1/(a/b): kept as it is, so that a/b may be shared
+    if below:  # 1/(a/b) is kept, so that a/b may be shared
         return Form((), sign, (ONE,), (_bracketed(_fraction(above, below)),), form.length + 6)
     return Form((), sign, (ONE,), above, form.length + 4)
 
 
 def called(function: str, arguments: Sequence[Form], operation: str) -> Form:
-    """`operation` is what the function is counted as."""
+    """Returns the form of a call; `operation` is its name in counts of operations."""
     codes = [code(a) for a in arguments]
     reads, operations = joined(codes)
     return atom(Code(f"{function}({', '.join(codes)})", reads, (*operations, operation)))
@@ -111,7 +111,7 @@ ONE = Code("1")
 
 
 def code(form: Form) -> Code:
-    """The whole expression. A sum starts with a positive term if it has one."""
+    """Returns a form as C text. A sum starts with a positive term if it has one."""
     if not form.is_sum:
         fraction = _fraction(form.above, form.below)
         if form.sign > 0:

@@ -1,4 +1,4 @@
-"""The C of functions that <math.h> lacks, from the table of functions."""
+"""C functions that <math.h> lacks, from the table of functions."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from ...functions import FUNCTIONS, SIDE
 
 
 def helpers(names: Iterable[str]) -> list[dict[str, str]]:
-    """What helpers.j2 writes, in the order of the table; then those that are told a side."""
+    """Returns the functions for helpers.j2 in the order of the table, then the versions with an
+    argument `side`, which a switch decides."""
     names = set(names)
     plain = [
         _helper(name, row.arguments, row.body, row.note, row.remark)
@@ -24,7 +25,8 @@ def _helper(name: str, arguments: Iterable[str], body: str, note: str, remark: s
 
 
 def _sided(name: str) -> dict[str, str]:
-    """A side other than 0 says which of its two smooth functions it is."""
+    """Returns a function with an argument `side`: if that is not 0, its sign selects one of the two
+    smooth branches."""
     row = FUNCTIONS[name]
     sides = row.kinked or row.cut
     assert sides is not None

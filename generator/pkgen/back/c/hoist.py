@@ -1,4 +1,4 @@
-"""Constants of the parameters alone, computed once: members of struct NAME_params."""
+"""Hoists expressions of the parameters alone: `prepare` computes them into struct NAME_params."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from .schedule import Schedule, number_text
 
 
 def rewritten(targets: Iterable[Target], new: Mapping[Node, Node]) -> list[Target]:
-    """The same of other nodes."""
+    """Returns the targets with their nodes replaced."""
     return [replace(t, nodes=tuple(new[node] for node in t.nodes)) for t in targets]
 
 
 class Hoisting(ABC):
-    """The expressions of one C file, and what `prepare` computes for all of them."""
+    """The expressions of one C file, and the constants that `prepare` computes for them."""
 
     def __init__(self, graph: Graph, name: str, libm: bool) -> None:
         self.prefix = name + "_"
         self.libm = libm
         self.work = Workspace(graph)
-        self.hoisted: dict[Node, str] = {}  # its place in the struct
-        self.constants: list[Constant] = []  # where they have names
+        self.hoisted: dict[Node, str] = {}  # C text of each node's place in the struct
+        self.constants: list[Constant] = []  # empty for models with loops: these number constants
         self.helpers: set[str] = set()
         self._leaves: dict[Node, Code] = {}
 
     @abstractmethod
     def symbol(self, symbol: Symbol) -> Code:
-        """The text of a symbol other than pi and t."""
+        """Returns the C text of a symbol other than pi and t."""
 
     def fixed_leaf(self, node: Node) -> Code | None:
-        """The text of what needs no computing where nothing is hoisted."""
+        """Returns the C text of a symbol or number, None for other nodes."""
         if not self.work.is_leaf(node):
             return None
         if node not in self._leaves:
@@ -47,7 +47,7 @@ class Hoisting(ABC):
         return self._leaves[node]
 
     def leaf(self, node: Node) -> Code | None:
-        """The same in a kernel of the motion."""
+        """Returns the C text of a hoisted node, a symbol or a number, None for other nodes."""
         if node in self.hoisted:
             return variable(self.hoisted[node])
         return self.fixed_leaf(node)
@@ -64,7 +64,7 @@ class Hoisting(ABC):
     def scheduled(
         self, targets: Iterable[Target], names: Names, fixed: bool = False, **how: Any
     ) -> Schedule:
-        """The code of one kernel or block, `fixed` of what nothing is hoisted of."""
+        """Returns the statements of one kernel or block; with `fixed` none of it is hoisted."""
         leaf = self.fixed_leaf if fixed else self.leaf
         inline = not (self.libm or fixed)
         found = Schedule(self.work, names, self.prefix, leaf, inline_sincos=inline, **how)
@@ -77,12 +77,13 @@ class Hoisting(ABC):
         return len(set(self.hoisted.values()))
 
     def named(self, nodes: list[Node], found: Mapping[Node, Node]) -> list[str]:
-        """The places of constants in struct NAME_params; `found` is what they are in kernels."""
+        """Returns the places of constants in struct NAME_params; `found` maps them to the nodes in
+        kernels."""
         return [f"c_[{k}]" for k in range(len(nodes))]
 
     def hoist(self, roots: Iterable[Node], names: Names) -> Schedule:
-        """Places the hoisted constants in the order in which they can be computed; the code that
-        stores them."""
+        """Finds the constants to hoist below the roots and returns the code that stores them, in an
+        order in which they can be computed."""
         found = self._to_hoist(roots)
         new = rewrite(self.work, found, gather=False)
         distinct = sorted({new[node] for node in found})
@@ -94,7 +95,7 @@ class Hoisting(ABC):
         return schedule
 
     def _to_hoist(self, roots: Iterable[Node]) -> list[Node]:
-        """The largest subtrees that depend on parameters alone and compute something."""
+        """Returns the largest subtrees that depend on parameters alone, without mere leaves."""
         found: set[Node] = set()
         seen = set(roots)
         stack = list(seen)

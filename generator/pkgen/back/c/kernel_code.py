@@ -1,4 +1,4 @@
-"""Kernels as functions of C: their statements, their parts, what they call."""
+"""Kernels as C functions: their statements, their parts, and the calls of these."""
 
 from __future__ import annotations
 
@@ -20,15 +20,16 @@ TYPES = {
     **{x: f"const pk_real *{x}" for x in ("q", "v", "momenta", "u", "a")},
     "w": "pk_real *w",
 }
-_ROOM = 76  # characters that the declarations of a line may take
-_GROUP = {LOAD: 0, CHECK: 2}  # a blank line stands between groups; others are of group 1
+_ROOM = 76  # most characters of declarations on a line
+_GROUP = {LOAD: 0, CHECK: 2}  # blank lines separate groups; other statements are in group 1
 
 
 def statements(
     found: Iterable[Statement], lane: str = "", flag: str = "bad", uniform: Collection[str] = ()
 ) -> Iterator[Node]:
-    """Of one kernel. In a `lane` a failure is a bit of `flag`; where the lane is a pass, a check of
-    parameters alone, which is `uniform`, is left to what goes over all lanes."""
+    """Yields the C statements of one kernel. `lane` is the C text of the current pass, "" for none.
+    In a pass a failed sincos sets `flag`, a failed check `bad`; a pass over one state then returns.
+    In SIMD lanes the `uniform` checks, of parameters alone, are left to code after the loop."""
     for s in found:
         if s.kind in (LOAD, LOCAL):
             yield Declare("const pk_real", s.target, s.text)
@@ -54,7 +55,8 @@ def statements(
 
 
 def sincos(s: Statement, lane: str, flag: str) -> Node:
-    """Sine and cosine of one angle or two; `lane`: which pass, noted in `flag` if it fails."""
+    """Returns the call for sine and cosine of one angle or two. In a pass `lane` a failure sets
+    `flag`."""
     places = ["NULL" if name == "NULL" else f"&{name}" for name in s.targets]
     function = ("pk_sincos_pass" if lane else "pk_sincos") + "_2" * (len(s.values) > 1)
     call = f"{function}({', '.join([*([lane] if lane else []), *s.values, *places])})"
@@ -64,7 +66,7 @@ def sincos(s: Statement, lane: str, flag: str) -> Node:
 def grouped(
     found: Sequence[Statement], lane: str = "", uniform: Collection[str] = ()
 ) -> Iterator[Node]:
-    """Statements, with a blank line between loads, work and checks."""
+    """Yields C statements, with blank lines between loads, computations and checks."""
     for k, (_, several) in enumerate(groupby(found, lambda s: _GROUP.get(s.kind, 1))):
         if k:
             yield Blank()
@@ -74,7 +76,7 @@ def grouped(
 
 
 def _declared(found: Iterable[Statement]) -> Iterator[Node]:
-    """Constants, as many on a line as it has room for."""
+    """Yields declarations of constants, several on a line."""
     line = ""
     for s in found:
         one = f"{s.target} = {s.text}"
@@ -100,7 +102,7 @@ class KernelCode:
 
     @property
     def vectors(self) -> list[str]:
-        """What is taken besides p, t and u."""
+        """Returns the names of the vector arguments besides u."""
         return ["q", self.spec.second if self.spec else "v"]
 
     @property
@@ -132,7 +134,7 @@ class KernelCode:
         return f"{says}. {operations[0].upper()}{operations[1:]}."
 
     def parts(self) -> Iterator[Function]:
-        """Those of a long kernel, as functions of their own."""
+        """Yields the blocks of a long kernel, without the last, as functions."""
         of = self.kernel
         work = "; w hands values on" if of.work else ""
         for number, block in enumerate(of.blocks[:-1], 1):
@@ -155,7 +157,7 @@ class KernelCode:
         return ", ".join(typed + [f"pk_real *PK_RESTRICT {output}" for output in outputs])
 
     def body(self) -> Iterator[Node]:
-        """The work array, the calls of the parts, the last part."""
+        """Yields the declaration of the work array, the calls of the parts, and the last part."""
         of, parts = self.kernel, self.kernel.blocks[:-1]
         if of.work and of.name != "prepare":
             yield Declare("pk_real", f"w[{of.work}]")
@@ -178,7 +180,7 @@ class KernelCode:
         yield from grouped(of.blocks[-1].statements)
 
     def definition(self, dense: str) -> Function:
-        """`dense` is the loop over M and f, where the kernel solves so."""
+        """Returns the kernel's function; `dense` is the C that solves M a = f in a loop."""
         body: list[Node] = [Text(dense)] if self.kernel.solves else [*self.body()]
         if self.kernel.result == "int" and not self.kernel.solves:
             body.append(Return("0"))

@@ -1,4 +1,4 @@
-"""The acceleration of one state, of W states side by side, and of W members of an ensemble."""
+"""C of the acceleration of one state, of W states in SIMD lanes, and of W ensemble members."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EACH_LANE = "size_t l = 0; l < W; l++"
 
 
 class LaneCode:
-    """Of a model with an acceleration."""
+    """The acceleration's functions of one model."""
 
     def __init__(self, program: Program, code: KernelCode):
         self.program, self.code = program, code
@@ -29,7 +29,7 @@ class LaneCode:
         self.n_inputs = len(program.equations.inputs)
         self.angles, self.algebra, self.pairs = lane_parts(code.kernel)
         self.uniform = [s.text for s in self.algebra.statements if is_uniform(s)]
-        # Straight-line code in one function, fit to be inlined into a loop over lanes.
+        # Straight-line code in one function can be inlined into a loop over lanes.
         self.plain = not code.kernel.solves and len(code.kernel.blocks) == 1
         self.sc = ", sc" if self.pairs else ""
         self.arguments = {
@@ -207,7 +207,7 @@ class LaneCode:
         yield Return(f"any ? {self.model}_{form}_apart(W, bad, {of}, t, q, v, u, a) : 0")
 
     def _own_state(self, part: LanePart, form: str) -> list[Node]:
-        """What one lane reads of its state and parameters."""
+        """Returns the statements that load the parts of a lane's state and parameters in use."""
         sizes = {"q": self.n, "v": self.n, "u": self.n_inputs}
         found: list[Node] = [
             Declare("const pk_real", f"{x}_[{size}]", _places(x, size))
@@ -221,7 +221,7 @@ class LaneCode:
         return found
 
     def _lane(self, part: LanePart, form: str) -> str:
-        """The arguments that hand that on."""
+        """Returns the call's arguments: the pass, params, t and the loaded state."""
         state = ", ".join(x + "_" * (x in part.uses) for x in ("q", "v", "u"))
         if form == "lanes":
             return f"PK_IN_LANE, p, t[l], {state}"
@@ -229,5 +229,5 @@ class LaneCode:
 
 
 def _places(array: str, count: int) -> str:
-    """{q[0 * W + l], q[1 * W + l], ...}"""
+    """Returns the initializer {q[0 * W + l], q[1 * W + l], ...}."""
     return "{" + ", ".join(f"{array}[{i} * W + l]" for i in range(count)) + "}"

@@ -1,9 +1,8 @@
-"""What lane kernels are made of: W states side by side, each an element of an array.
+"""The parts of lane kernels, which compute W states at once, each an element (lane) of an array.
 
-The acceleration is made in two parts: the angles that need no other sine or cosine, then the rest.
-In lanes each part is a loop of its own: half the instructions between one turn's first and its
-last, so that a processor works on several turns at once. Checks of parameters alone are the same
-in all lanes: they stand after the loops.
+The acceleration has two parts: the sines and cosines whose angles need no others, then the rest.
+Each part is a loop over lanes of its own: the iterations are shorter, so that a processor works on
+several at once. Checks of parameters alone are the same in all lanes and follow the loops.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ LANE_ARGUMENTS = (
 
 @record
 class LanePart:
-    """Statements that are run together, the arguments that they read, and those they do not."""
+    """Statements of one loop over lanes, the arguments that they read, and the others."""
 
     statements: tuple[Statement, ...]
     uses: tuple[str, ...]
@@ -29,7 +28,7 @@ class LanePart:
 
     @staticmethod
     def of(statements: Iterable[Statement]) -> LanePart:
-        """With those loads alone that the others read."""
+        """Returns the part of these statements, without loads that none of them reads."""
         body = list(statements)
         words = _read(s for s in body if s.kind != LOAD)
         body = [s for s in body if s.kind != LOAD or s.target in words]
@@ -43,12 +42,13 @@ class LanePart:
 
 
 def is_uniform(statement: Statement) -> bool:
-    """A check of parameters alone."""
+    """Returns whether the statement is a check of parameters alone."""
     return statement.kind == CHECK and _read([statement]) <= {"p"}
 
 
 def lane_parts(kernel: Kernel) -> tuple[LanePart, LanePart, tuple[str, ...]]:
-    """Leading angles; the rest; the names of the former's sines and cosines."""
+    """Returns the part of leading angles, the rest, and the names of the leading sines and
+    cosines."""
     made = {x for s in kernel.statements if s.kind in (LOCAL, TRIG) for x in s.defines}
     leading = [s for s in kernel.statements if s.kind == TRIG and not made & _read([s])]
     loads = [s for s in kernel.statements if s.kind == LOAD]
@@ -62,7 +62,8 @@ def _read(statements: Iterable[Statement]) -> set[str]:
 
 
 def used_fields(program: Program, part: LanePart) -> list[tuple[str, int]]:
-    """The members of struct NAME_params that it reads: C text and place."""
+    """Returns the members of struct NAME_params that a part reads: C text, and the number's index
+    in the struct."""
     places = {name: k for k, name in enumerate(program.parameter_names)}
     places |= {x.c_name: len(places) + k for k, x in enumerate(program.constants)}
     n, end = len(program.equations.coordinates), len(program.parameter_names)

@@ -1,11 +1,11 @@
-"""Exact constants as C text, each right to the last bit in float, double, long double, quad.
+"""Exact constants as C text, correctly rounded in float, double, long double and quad.
 
-- An integer up to 2^24 is itself: every type holds it, and the compiler converts it.
+- An integer up to 2^24 is written as it is: every type holds it, and the compiler converts it.
 - A number with a finite decimal expansion is written out in full (0.5, 9.81): the compiler
   rounds it once, in the type at hand.
 - A ratio of two integers up to 2^24 is PK_C(1.0) / PK_C(3.0): both are exact in every type, and
   IEEE division rounds once. (The 36 digits that quad needs would be rounded twice.)
-- What is left gets 60 digits, so that a second rounding matters in less than one number in 1e20.
+- All others get 60 digits, so that a second rounding matters in less than one number in 1e20.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _DIGITS = 60
 
 
 def literal(value: Fraction) -> str:
-    """C text of a number >= 0, fit to be a factor of a product."""
+    """Returns C text of a number >= 0 that can be a factor of a product without brackets."""
     if value.denominator == 1 and value <= _EXACT:
         return str(value.numerator)
     context = Context(prec=_DIGITS, rounding=ROUND_HALF_EVEN, Emax=10**6, Emin=-(10**6))
@@ -31,7 +31,7 @@ def literal(value: Fraction) -> str:
 
 
 def _spelt(number: Decimal) -> str:
-    """Without an exponent where that is short: 0.001, 9.81, 1.5e-11, 5.97e24."""
+    """Returns a decimal, without an exponent if that is short: 0.001, 9.81, 1.5e-11, 5.97e24."""
     _, digits, exponent = number.as_tuple()
     text = "".join(map(str, digits)).rstrip("0") or "0"
     exponent += len(digits) - len(text)

@@ -1,6 +1,6 @@
-"""Loops over families: row functions, the loops that call them, totals, pairs.
+"""C of loops over families: row functions, the loops that call them, totals, pairs.
 
-The templates of loops see `LoopCode`: what they want of a set of rows, as text.
+The templates of loops call the methods of `LoopCode`, which return C text.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from .tree import (
 )
 
 STATE = "p, t, q, v, u"
-KICKED = "p, t, q, q, u"  # of a force that depends on no rates
+KICKED = "p, t, q, q, u"  # the force does not depend on rates: q stands in for v
 ONE_CELL = "ptrdiff_t m, pk_real *r"
 
 
@@ -44,7 +44,7 @@ def _stated(lines: Sequence[str]) -> list[Node]:
 
 
 class LoopCode:
-    """Of one model."""
+    """The C of the loops of one model."""
 
     def __init__(self, name: str, before: Before):
         self.name = name
@@ -59,7 +59,7 @@ class LoopCode:
         return "\n".join(rendered(statements(found), indent))
 
     def most(self, texts: Sequence[str], which: str) -> str:
-        """The greatest or least of some index expressions."""
+        """Returns C of the greatest (`which` is "most") or "least" of some index expressions."""
         return _pairwise(f"{self.name}_{which}", [*dict.fromkeys(texts)])
 
     def edge(self, s: RowSet) -> str:
@@ -67,14 +67,15 @@ class LoopCode:
 
     @staticmethod
     def scaled(s: RowSet) -> str:
-        """What the interior's r[0] stands for."""
+        """Returns C of the value of an interior row: r[0] times the row set's common factor."""
         return f"{s.scale.value} * r[0]" if s.scale else "r[0]"
 
     # -- functions of a row -------------------------------------------------------------------
 
     def row_functions(self, s: RowSet) -> str:
-        """The C functions of one cell: _inner (not 0: an angle was too large for the inline
-        sine, so call _part), _part for any cell, and _edge, which adds its ghosts."""
+        """Returns the C functions of one cell: _inner for the interior (if it does not return 0, an
+        angle is too large for the inline sine: call _part), _part for any cell, and _edge, which
+        adds the rows of the cell's ghosts. _bond computes the forces of a bond."""
         stem = f"{self.name}_{s.name}"
         inline = "PK_INLINE static pk_bits"
         found = []
@@ -91,7 +92,7 @@ class LoopCode:
         return "".join(f"{function.text}\n" for function in found)
 
     def part_function(self, s: RowSet) -> str:
-        """_part alone: half the code, where speed is not in the rows."""
+        """Returns _part alone: half the code, for rows whose speed does not matter."""
         signature = f"static void {self.name}_{s.name}_part({self.ARGS}, {ONE_CELL})"
         return f"{Function(signature, self._part(s)).text}\n"
 
@@ -131,14 +132,14 @@ class LoopCode:
     # -- loops over rows ----------------------------------------------------------------------
 
     def _chunks(self, begin: str, end: str, body: Callable[[str], list[Node]]) -> list[Node]:
-        """`body` of the members from `chunk` to before its argument, a constant number but in the
-        last."""
+        """Returns loops over chunks of `begin` .. `end` - 1; `body` takes the chunk's end. All but
+        the last have a constant length."""
         length = f"{self.name}_CHUNK"
         step = f"chunk = {begin}; chunk + {length} <= {end}; chunk += {length}"
         return [Loop(step, body(f"chunk + {length}")), If(f"chunk < {end}", body(end))]
 
     def bonds(self, s: RowSet, begin: str, end: str, arguments: str = STATE) -> list[Node]:
-        """The forces of the bonds from `begin` to before `end`, each for both of its ends."""
+        """Returns loops that compute the forces of the bonds `begin` .. `end` - 1 into flux."""
         return self._chunks(begin, end, lambda last: [self._bonds(s, "chunk", last, arguments)])
 
     def _bonds(self, s: RowSet, begin: str, end: str, arguments: str) -> Node:
@@ -158,9 +159,9 @@ class LoopCode:
         first: Sequence[Node] = (),
         then: Sequence[str] = (),
     ) -> list[Node]:
-        """The interior rows from `begin` to before `end`, once their bonds are there: `inside`
-        follows each; where an angle was too large for the inline sine, those of a chunk are made
-        again and followed by `outside`. `first` and, of each member, `then` are about a chunk."""
+        """Returns loops over the interior rows `begin` .. `end` - 1; `inside` follows each row. If
+        an angle is too large for the inline sine, the chunk's rows are computed again, followed by
+        `outside`. `first` begins a chunk; `then` ends it, for each member."""
         place = f"flux + (m - base + {self.name}_BOND), " if s.flux else ""
         call = f"{self.name}_{s.name}_inner({arguments}, {place}m, r)"
         noted = Assign("far", call, "|=") if s.inner.trig else Call(f"(void){call}")
@@ -182,13 +183,13 @@ class LoopCode:
         return self._chunks(begin, end, chunk)
 
     def flux(self, s: RowSet) -> list[Node]:
-        """Room for the forces of the bonds of a block."""
+        """Returns the declaration of the array of a block's bond forces."""
         length = f"{s.n_flux} * ({self.name}_BLOCK + {self.name}_BOND)"
         return [Declare("pk_real", f"flux[{length}]")] if s.flux else []
 
     def row_loop(self, s: RowSet, inside: Sequence[str], outside: Sequence[str]) -> str:
-        """Goes over all cells of a family: `outside` follows a row at an end, `inside` one in the
-        interior."""
+        """Returns a loop over all cells of a family; `outside` follows a row near an end, `inside`
+        a row in the interior."""
         row = Declare("pk_real", f"r[{s.outputs}]")
         at_end = [row, Call(f"{self.edge(s)}({STATE}, m, r)"), *_stated(outside)]
         block = f"{self.name}_BLOCK"
@@ -208,7 +209,7 @@ class LoopCode:
         return "\n".join(rendered([Scope(body)])) + "\n"
 
     def _ends(self, s: RowSet, end: str) -> list[Node]:
-        """Where the rows end, and from where to where none of them reaches an end."""
+        """Returns declarations of the rows' `end` and of the interior's bounds `lo`, `hi`."""
         return [
             Declare("const ptrdiff_t", "end", end),
             Declare("const ptrdiff_t", "lo", self.most(s.lows, "most")),
@@ -218,12 +219,12 @@ class LoopCode:
     # -- what comes before rows ---------------------------------------------------------------
 
     def before(self, *functions: str) -> str:
-        """The statements that one of these functions begins with."""
+        """Returns the statements of loops_before.py with which these functions begin."""
         lines = dict.fromkeys(line for f in functions for line in self._before.lines(f))
         return "".join(f"    {line}\n" for line in lines)
 
     def rate_function(self, key: str, x: Rates) -> str:
-        """Writes the rates of a state where rows find them."""
+        """Returns a C function that writes the rates of a state to the array that rows read."""
         if x.rows:
             found, store = self.row_functions(x.rows), [f"out[{x.group['cell']}] = r[0];"]
             rows: Node = Text(self.row_loop(x.rows, store, store))
@@ -244,8 +245,8 @@ class LoopCode:
     # -- totals and pairs ---------------------------------------------------------------------
 
     def total_function(self, x: TotalSet, signature: str, key: str = "") -> str:
-        """A quantity with one value; terms of a loop go to eight sums, which vectorise and round
-        less. With a `key` it begins as that function does."""
+        """Returns a C function of a total. Eight partial sums vectorise and reduce rounding error.
+        With a `key` it begins with the statements that `before` has for that name."""
         body = [
             Declare("pk_real", "total"),
             Blank(),
@@ -301,7 +302,8 @@ class LoopCode:
         return f"j = {pair.first}; j <= {pair.last}; j++"
 
     def pair_loop(self, x: PairSet, array: str) -> str:
-        """Each pair once: what it does to m is summed up, what it does to j is added at once."""
+        """Returns a double loop over pairs (m, j): the forces on m are summed in a local, the force
+        on j is added to the array directly."""
         count = len(x.block.targets)
         pair = [Declare("pk_real", f"r[{count}]"), *statements(x.block.statements)]
         pair += [Assign(f"own[{k}]", f"r[{k}]", "+=") for k in x.own]
@@ -315,8 +317,8 @@ class LoopCode:
     # -- kicks --------------------------------------------------------------------------------
 
     def kicks(self, s: RowSet, drift: str = "") -> str:
-        """The rows from .. to - 1 as kicks, and with `drift` its statement behind each. Where they
-        may be made again, v changes once all of a chunk are good."""
+        """Returns loops that kick (v += h a) the rows from .. to - 1, each followed by `drift`. If
+        rows may be computed again, v changes only after a whole chunk succeeds."""
         v = f"v[{s.group['cell']}]"
         if s.trig:
             own = [Declare("pk_real", f"a[{self.name}_CHUNK]")]
@@ -330,7 +332,8 @@ class LoopCode:
         return "\n".join(rendered(nodes)) + "\n"
 
     def kicked_bonds(self, s: RowSet) -> str:
-        """Those of the rows begin .. stop - 1, from a whole line of memory on in chunks."""
+        """Returns the loops over the bonds of the rows begin .. stop - 1. The bonds before the
+        first cache line boundary come first, the rest follows in chunks."""
         first, line = f"begin - {s.span}", f"{self.name}_line(begin - {s.span}, from)"
         nodes = [
             Declare("const ptrdiff_t", "base", "from"),

@@ -1,4 +1,4 @@
-"""Functions of the parameters of a model with loops: a member of a family after the other."""
+"""C functions of the parameters of a model with loops; families are set member by member."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from .tree import Assign, Blank, Call, Declare, Function, If, Loop, Node, Return
 
 
 def each(lo: str, hi: str, nodes: list[Node]) -> list[Node]:
-    """For the members lo..hi, if that is a range."""
+    """Returns the nodes in a loop over the members lo..hi, or without a loop if lo is ""."""
     if lo:
         return [Loop(f"m = {lo}; m <= {hi}; m++", [Scope(nodes)])]
     return [Scope(nodes)] if len(nodes) > 1 else nodes
 
 
 def assigned(x: Assignment, count: int) -> list[Node]:
-    """`count` sums are computed once, in all."""
+    """Returns the statements of an assignment; `count` is the length of the array of sums."""
     own = [*summed(x.each), *statements(x.block.statements)]
     if not (x.before or x.each):
         return each(x.lo, x.hi, own)
@@ -53,7 +53,7 @@ def summed(found: Sequence[Summing]) -> Iterator[Node]:
 def code(
     group: Group, places: Places, block: Block, default: Assignment, k: int, count: int
 ) -> ParameterCode:
-    """Of parameter k, with its bounds."""
+    """Returns the code of parameter k: its default, the check of its bounds, the bounds."""
     given = group.declared.bounds
     kept = {s.target: s.text for s in block.statements if s.kind == STORE}
     needs = tuple(s for s in block.statements if s.kind != STORE)
@@ -70,7 +70,7 @@ def code(
 
 
 def _index(nodes: Iterable[Node]) -> list[Node]:
-    """The declaration of m, where a loop needs it."""
+    """Returns the declaration of m if the nodes contain a loop."""
     inside = [part for node in nodes for part in (node.body if isinstance(node, Scope) else [node])]
     needed = any(isinstance(node, Loop) for node in inside)
     return [Declare("ptrdiff_t", "m"), Blank()] if needed else []
@@ -88,9 +88,10 @@ def functions(
     fixed: Sequence[str] = (),
     summed: int = 0,
 ) -> str:
-    """`prepare` computes the `count` hoisted constants and the `fixed` totals; M is `factored`
-    once, and that or families of parameters are in a `block` of memory. `summed` sums are computed
-    once, in starts and parameters."""
+    """Returns the C of the functions of parameters. `prepare` computes the `count` hoisted
+    constants and the `fixed` totals; with `factored` it factors M. `block` says whether the model
+    needs a block of memory. `summed` is the number of sums computed once, in starts and
+    parameters."""
     params = f"struct {model}_params *p"
     defaults = [node for row in rows for node in row.default]
     follow = [node for row in rows if row.follows for node in row.default]

@@ -1,8 +1,8 @@
 """LoopEquations -> blocks of C statements: bodies of loops, guarded parts of rows, assignments.
 
-A block is straight-line code in the index m (and j, in a pair); what it reads is loaded into
-locals, from the arrays directly where no end is near, else through functions that know what lies
-beyond an end. What depends on parameters and sizes alone is hoisted into `prepare`.
+A block is straight-line code in the index m (and j, in a pair). Its inputs are loaded into locals:
+in the interior directly from the arrays, near an end through functions that handle indices beyond
+it. Expressions of parameters and sizes alone are hoisted into `prepare`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .names import FIELD_RESERVED, LOCAL_RESERVED, Names, local_wish
 from .program import Statement, operations_in
 from .rewrite import rewrite
 
-# Names of the templates where the model's own are written beside them.
+# Local names of the templates, in scopes where the model's own names appear as well.
 _OURS = (
     *("m", "j", "l", "r", "s", "lo", "hi", "base", "sum", "first", "last", "steps", "h", "g"),
     *("flux", "total", "own", "once", *(f"at_{name[1:]}" for name in COUNTERS)),
@@ -33,16 +33,16 @@ _OURS = (
 )
 INNER, EDGE, PAIR, FIXED = "inner", "edge", "pair", "fixed"
 SUFFIXES = {"v": "_dot", "w": "_ddot", "d": "_own", "a": "_acc", "acc": "_acc", "p": "_momentum"}
-CHUNK = 64  # members that are gone through at once
-BLOCK = 1024  # whose forces of bonds are kept: rows read them once they have left the store queue
-WIDEST_BOND = 8  # members between the ends of a bond whose force is computed once, a whole line
+CHUNK = 64  # members in a loop of constant length
+BLOCK = 1024  # members per array of bond forces: long, so that stores are done when rows read them
+WIDEST_BOND = 8  # most members between the ends of a shared bond; a whole cache line of doubles
 FLUX_STRIDE = BLOCK + WIDEST_BOND
 M, J = Affine(0, ((ROW, 1),)), Affine(0, ((OTHER, 1),))
 
 
 @dataclass
 class Block:
-    """Statements to come; `where` says how members are reached. Filled by Lowering."""
+    """Targets, whose statements Lowering fills in; `where` says how the code accesses members."""
 
     targets: list[Target]
     where: str
@@ -50,7 +50,7 @@ class Block:
 
     @staticmethod
     def of(kind: str, place: str, nodes: Iterable[Node], where: str) -> Block:
-        """A place for each node: "r[{}]"."""
+        """Returns a block with one target per node; `place` is a format such as "r[{}]"."""
         targets = [Target(kind, place.format(k), (node,)) for k, node in enumerate(nodes)]
         return Block(targets, where)
 
@@ -64,7 +64,7 @@ class Block:
 
     @property
     def words(self) -> set[str]:
-        """Variables and functions of the model in the block."""
+        """Returns the names of variables and of the model's functions in the block."""
         return {name for s in self.statements for name in s.names}
 
     @property
@@ -73,13 +73,13 @@ class Block:
 
     @property
     def value(self) -> str:
-        """Of a block that is one expression."""
+        """Returns the text of a block that is one expression."""
         [statement] = self.statements
         return statement.text
 
 
 class Places:
-    """Where in C a model's quantities are: sizes, members of families, ranges."""
+    """The C names and array indices of a model's quantities: sizes, members of families, ranges."""
 
     def __init__(self, e: LoopEquations):
         self.equations = e
@@ -89,42 +89,42 @@ class Places:
         self.size_texts = {
             unlike_loops(name): f"p->{c_name}" for name, c_name in self.sizes.items()
         } | {name: f"at_{name[1:]}" for name in COUNTERS}
-        for k in range(len(e.switches)):  # the indices of the first and the last member of each
+        for k in range(len(e.switches)):  # the first and the last index of each switch
             self.size_texts |= {f"least{k}'": f"p->side_lo_[{k}]", f"most{k}'": f"p->side_hi_[{k}]"}
         names = Names(frozenset())
         own = (*e.coordinates, *e.carried_groups)
         self.ids = {g.name: names.take(g.name) for g in own}  # as parts of names in C
-        # Of the rows that say what carried values are made of.
+        # Names of the rows that state the recurrences of carried values.
         self.made = {g.name: names.take(f"of_{g.name}") for g in e.carried_groups}
         self.first: dict[str, Affine] = {}  # the flat index of each coordinate's first member
         total = Affine()
         for group in (*e.coordinates, *e.carried_groups):
             self.first[group.name] = total
             total = total + group.count
-        self.whole = total  # numbers of q with carried values behind them
+        self.whole = total  # length of q with the carried values after it
         total = Affine()
-        self.lets: dict[str, tuple[Affine, Affine]] = {}  # where each begins, and its least index
+        self.lets: dict[str, tuple[Affine, Affine]] = {}  # offset and least index of each `let`
         for item in (item for found in e.along for item in found):
             self.lets[item.name] = total, item.group.lo
             total = total + item.group.count
         self.n_lets = total
         total = Affine()
-        self.observed: list[Affine] = []  # where each output begins, and their count
+        self.observed: list[Affine] = []  # offset of each output, then their total count
         for item in e.outputs:
             self.observed.append(total)
             total = total + item.count
         self.observed.append(total)
         total = Affine()
-        for rows in e.bound:  # in lambda
+        for rows in e.bound:  # offsets in lambda
             self.first[rows.group.name] = total
             total = total + rows.group.count
 
     def index(self, at: Affine) -> str:
-        """An index as C."""
+        """Returns an index as C."""
         return at.text(self.size_texts)
 
     def let(self, name: str, at: Affine) -> Affine:
-        """Where a member of what is computed along is, in its memory."""
+        """Returns the place of a member of a recurrent `let` in the array of these."""
         first, lo = self.lets[name]
         return first + at - lo
 
@@ -132,7 +132,7 @@ class Places:
         return tuple(self.size_texts.get(name, name) for name, _ in at.terms)
 
     def flat(self, name: str, at: Affine | None) -> Affine:
-        """Of a member in q, v, ... (at is None: of a scalar coordinate)."""
+        """Returns the place of a member in q, v, ... (at is None: of a scalar coordinate)."""
         return self.first[name] if at is None else self.first[name] + at - self._lo(name)
 
     def _lo(self, name: str) -> Affine:
@@ -142,8 +142,8 @@ class Places:
         return next(g.lo for g in groups if g.name == name)
 
     def carried(self, kind: str, name: str, at: Affine) -> tuple[str, Affine]:
-        """The array in which a carried value is, its rate or acceleration, and where there: of
-        kind "w" and "d" both lie behind the rates, which follow q, and then what hangs on it."""
+        """Returns the array and the place of a carried value, its rate or acceleration. The values
+        of kinds "w", "d", "hung_p", "hung_f" (see Slot) follow q and the rates, in this order."""
         place, own = self.flat(name, at), self.equations.count
         behind = {"w": self.whole.times(2), "d": self.whole.times(3) - own}
         behind["hung_p"] = self.whole.times(4) - own.times(2)
@@ -151,12 +151,12 @@ class Places:
         return ("q", place - own + behind[kind]) if kind in behind else (kind, place)
 
     def member(self, name: str, at: Affine | None) -> str:
-        """A parameter."""
+        """Returns C of a parameter, or of a member of a family of parameters."""
         place = "" if at is None else f"[{self.index(at - self._lo(name))}]"
         return f"p->{self.fields[name]}{place}"
 
     def group(self, g: Group) -> dict[str, str | bool]:
-        """What the templates see of a declared coordinate or parameter."""
+        """Returns the templates' view of a declared coordinate or parameter."""
         declared, family = g.declared, g.is_family
         unseen = "a body rate, in v" if g.is_turn else "a state, in v" if g.is_state else ""
         first = self.first.get(g.name, Affine())
@@ -177,7 +177,7 @@ class Places:
             "lo_text": g.lo.text() if family else "",
             "hi_text": g.hi.text() if family else "",
             "first_text": first.text(),
-            # Ghosts that stand for a cell: free ends.
+            # Free ends: a ghost there has the values of its neighbour, `home`.
             "ends": [
                 {"at": self.index(at), "home": self.index(g.lo if at == g.lo - 1 else g.hi)}
                 for at, end in g.ends
@@ -187,7 +187,7 @@ class Places:
 
 
 class Lowering(Hoisting):
-    """Hoists what blocks share, and writes them out."""
+    """Hoists constants out of all blocks and fills in the blocks' statements."""
 
     def __init__(
         self,
@@ -201,7 +201,7 @@ class Lowering(Hoisting):
         super().__init__(equations.graph, equations.model.name, libm)
         for call, (side, sign) in sides.items():
             self.work.side(call, side, sign)
-        self.kept = kept  # totals that lie in memory
+        self.kept = kept  # totals in the model's memory
         self.states = {g.name for g in equations.states}
         self.equations, self.places, self.blocks = equations, places, blocks
         self.inputs = [q.name for q in equations.inputs]
@@ -236,7 +236,7 @@ class Lowering(Hoisting):
         return variable(self._local(slot))
 
     def _access(self, slot: Slot, where: str) -> Code:
-        """Where a slot's value is read from, and the variables in that."""
+        """Returns C that reads a slot's value, with the names in it."""
         places = self.places
         index = () if slot.at is None else places.names_in(slot.at)
         if slot.kind == "param":
@@ -279,7 +279,8 @@ class Lowering(Hoisting):
         return Code(text, (reader, needs, "p", "t", "u", *index))
 
     def _side(self, slot: Slot, where: str) -> Code:
-        """Of a member that a switch has for sure, where no end is near, it is read at once."""
+        """Returns C of a switch's side at a member. In the interior the member surely exists and is
+        read from the array; elsewhere a function checks the index."""
         at = slot.at or Affine()
         names = ("p", *self.places.names_in(at))
         if where == INNER and at.factor(ROW):
@@ -308,7 +309,7 @@ class Lowering(Hoisting):
         return self._names[slot]
 
     def _written(self, targets: list[Target], where: str) -> list[Statement]:
-        # Every slot of the block has its name before other locals are named.
+        # The block's slots take their names before other locals do.
         slots = []
         for node in self.work.reachable([n for t in targets for n in t.nodes]):
             symbol = self.work.data[node]
@@ -326,12 +327,12 @@ class Lowering(Hoisting):
 
 
 def flux_place(k: int, back: int) -> str:
-    """Where the force of bond kind k is, of the bond that begins `back` members before m."""
+    """Returns C of the force of kind k of the bond that begins `back` members before m."""
     return f"flux[{k * FLUX_STRIDE - back}]"
 
 
 def _place(at: Affine | None) -> str:
-    """m + 1 as p1, m - 2 as m2, j as j, 3 as at_3."""
+    """Returns an index as a part of a name: m + 1 as p1, m - 2 as m2, j as _j, 3 as _at_3."""
     if at is None:
         return ""
     for name, mark in ((ROW, ""), (OTHER, "j")):

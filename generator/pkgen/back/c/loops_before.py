@@ -1,7 +1,7 @@
-"""What a function of C computes before its rows: totals that stand in them, and rates of states.
+"""The values that a C function computes before its rows: totals in them, rates of states, `let`s.
 
-Both lie in the model's memory, where rows find them, or where outputs alone have a total in an
-array of the function. What depends on parameters alone `prepare` computes.
+They lie in the model's memory, where rows read them. A total that only outputs contain lies in a
+local array. `prepare` computes the totals of parameters alone.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from ...middle.loops.slots import Slots
 from .loops import Block, Places
 from .loops_plan import Plan, within
 
-# "sum" and its number, "rate" and the state's name, "let" and the number of its pass, or
-# "acceleration" of all.
+# ("sum", its number), ("rate", the state's name), ("let", the number of its pass), or
+# ("acceleration", "") for the accelerations of all coordinates.
 Key = tuple[str, str]
 STATE = "(p, t, q, v, u)"
 
 
 class Before:
-    """Of one model, by the name of the function."""
+    """The statements that begin the functions of one model, by the function's name."""
 
     def __init__(
         self,
@@ -101,14 +101,14 @@ class Before:
         return self.plan.rates[name].blocks
 
     def _needed(self, blocks: Iterable[Block]) -> list[Key]:
-        """All that has to be computed, in order."""
+        """Returns all values to compute before some blocks, in order of computation."""
         done: dict[Key, None] = {}
 
         def need(key: Key) -> None:
             if key in done or (key[0] == "sum" and int(key[1]) in self.e.fixed):
                 return
             for inner in self._below(self._blocks(key)):
-                if inner != key:  # of its own lower members
+                if inner != key:  # equal: a `let` that uses its own lower members
                     need(inner)
             done[key] = None
 
@@ -119,7 +119,7 @@ class Before:
     # -- as text ------------------------------------------------------------------------------
 
     def place(self, k: str) -> str:
-        """Where a total is."""
+        """Returns C of the place of a total."""
         return f"{self.name}_sums(p)[{k}]" if k in self.kept else f"sum[{k}]"
 
     def lines(self, function: str) -> Iterator[str]:
@@ -138,7 +138,7 @@ class Before:
 
     @property
     def fixed(self) -> list[str]:
-        """The numbers of totals that `prepare` computes."""
+        """Returns the numbers of the totals that `prepare` computes."""
         return [
             key[4:]
             for key in self.plan.totals

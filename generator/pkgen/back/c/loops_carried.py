@@ -1,13 +1,13 @@
-"""Carried values in C: what each place of a chain adds, and M a = f by elimination from its end.
+"""Carried values (recurrences along a chain) in C, and their part in M a = f by elimination.
 
 With X'' = A a + ... of the carried values X, the coordinates' own equations are
 
     A~^T M~ A~ a = A~^T f~          A~ = (1, A), M~ and f~ those of L with X as a family
 
-M~ couples neighbours alone, and X''[m] = Phi_X X''[m-1] + Phi_q a[m]. So from the last place to the
-first X''[m] is put in for what it is made of, and a[m] eliminated: what is handed on is a small
-symmetric matrix, the inertia of all that hangs there, articulated. Its pivots are those of M.
-Places hold a number for each row of M~ with that index.
+M~ couples neighbours alone, and X''[m] = Phi_X X''[m-1] + Phi_q a[m]. From the last place to the
+first, this is substituted for X''[m], and a[m] is eliminated. The matrix passed on is small and
+symmetric: the articulated-body inertia of the rest of the chain. The pivots are those of M.
+A place is an index; it holds a number for each row of M~ with that index.
 
 Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 7.
 """
@@ -26,24 +26,24 @@ from ..targets import STORE, Target
 from .loops import INNER, Block, M, Places
 from .loops_sets import Builder, RowSet
 
-BESIDE = 1  # in the place of an offset: a scalar coordinate
+BESIDE = 1  # as an offset: the variable is a scalar coordinate
 Variable = tuple[int, int]  # (offset of its place, 0 or less; its number there)
-# What is computed of carried values, and where their derivatives go.
+# Passes along the chain, each with the fields of Piece that it computes besides value and rate.
 MODES = {"state": ("own",), "force": ("coasting", "by"), "motion": ("by", "by_rate")}
 
 
 @dataclass
 class Level:
-    """Carried values of one level and range, which are computed together."""
+    """Carried values of one level and index range, which are computed together."""
 
     rows: RowSet
-    group: dict  # one of them
-    stores: list[str]  # where r[k] goes
-    guards: list[tuple[str, str]]  # when a place is 0, and which
+    group: dict  # of the first of them
+    stores: list[str]  # the destination of each r[k]
+    guards: list[tuple[str, str]]  # (C condition, destination that is then 0)
 
     @property
     def of_place(self) -> list[str]:
-        """What a place has where these have no member, too."""
+        """Returns the destinations that are set to 0 at places without these values."""
         return [x for x in self.stores if x.startswith(("slopes", "changes"))]
 
 
@@ -57,9 +57,9 @@ class Carrying:
         self.number = {name: k for k, name in enumerate(self.groups)}
         self.scalar = {g.name: k for k, g in enumerate(e.scalars)}
         self.low = [p.hi + 1 for item in e.carried for p in item.pieces if self._is_low(item, p)]
-        self.slopes: dict[tuple[str, Variable], str] = {}  # where they are stored
-        self.changes: dict[tuple[str, Variable], str] = {}
-        self._shared: dict[tuple[str, Variable], Node] = {}  # those that are no member's own
+        self.slopes: dict[tuple[str, Variable], str] = {}  # derivatives, by C text
+        self.changes: dict[tuple[str, Variable], str] = {}  # their rates, by C text
+        self._shared: dict[tuple[str, Variable], Node] = {}  # constants, the same at all places
         self._place_slopes()
         self.levels = {mode: list(self._levels(mode)) for mode in MODES}
         self.gathered = {low: self._gathered(low, False) for low in (False, True)}
@@ -71,7 +71,7 @@ class Carrying:
 
     @cached_property
     def reach(self) -> int:
-        """How many places back the rows of a place are coupled."""
+        """Returns the largest offset, as a positive number, to a place that rows are coupled to."""
         found = [offset for _, (offset, _) in (*self.slopes, *self._shared)]
         found += [shift for _, _, shift in self.e.mass.entries]
         return -min([-1, *found])
@@ -84,7 +84,7 @@ class Carrying:
         return ((slot.at - M).constant, self.number[slot.name])
 
     def _is_low(self, item: Carried, piece: Piece) -> bool:
-        """Whether a piece is a few members at the beginning."""
+        """Returns whether a piece is a fixed number of members at the beginning."""
         return Part(piece.lo, piece.hi, ZERO).is_point and (piece.hi - item.group.lo).is_constant
 
     def _place_slopes(self) -> None:
@@ -102,7 +102,8 @@ class Carrying:
         self.changes = {key: f"changes[{k}]" for k, key in enumerate(changing)}
 
     def _same_for_all(self, item: Carried, slot: Slot) -> Node | None:
-        """A derivative that is the same at each place that matters: 1 mostly."""
+        """Returns a derivative that is one constant, mostly 1, at all places that use it; or
+        None."""
         nodes = {piece.by[slot] for piece in item.pieces if slot in piece.by}
         if len(nodes) > 1 or self.g.depends[node := nodes.pop()] & ~CONSTANT:
             return None
@@ -115,7 +116,7 @@ class Carrying:
         return node if before and (begins or not rest) else None
 
     def outside(self, item: Carried, slot: Slot) -> str:
-        """When a slot is that of a given member beyond an end; "": never."""
+        """Returns the C condition that a slot's member is given, beyond an end; "" if never."""
         if slot.at is None or not self.groups[slot.name].ends:
             return ""
         target, shift = self.groups[slot.name], (slot.at - M).constant
@@ -132,8 +133,8 @@ class Carrying:
         return f"{at} < {self.places.index(target.lo)} || {at} > {self.places.index(target.hi)}"
 
     def slope(self, name: str, low: bool, change: bool = False) -> Iterator[tuple[Variable, Node]]:
-        """The derivatives of a carried value (or their rates) by what it is made of; at places
-        that are not `low`, by what it is made of there."""
+        """Yields the derivatives of a carried value (with `change` their rates) by the variables in
+        its definition. Unless `low`, the pieces of low places do not count."""
         [item] = [item for item in self.e.carried if item.group.name == name]
         pieces = [p for p in item.pieces if low or not self._is_low(item, p)]
         for slot in dict.fromkeys(z for piece in pieces for z in piece.by):
@@ -174,7 +175,8 @@ class Carrying:
     def _values(
         self, item: Carried, mode: str
     ) -> Iterator[tuple[str, str, Callable[[Piece], Node]]]:
-        """Where each value of a piece goes, when it is 0, and what it is."""
+        """Yields for each value of a mode: its destination in C, the condition under which it is 0,
+        and a function that returns its node in a piece."""
         what, name = MODES[mode], item.group.name
         texts = {"value": "q", "rate": "v", "coasting": "w", "own": "d"}
         for key, kind in texts.items():
@@ -199,15 +201,16 @@ class Carrying:
         inside = self.slots.inside
         return Row(tuple(Part(p.lo, p.hi, x, inside(x, carried)) for p, x in parts if x != ZERO))
 
-    # -- back to what they are made of ----------------------------------------------------------
+    # -- forces on carried values back to coordinates -------------------------------------------
 
     def hung(self, low: bool) -> Block:
-        """The same, with what has gathered at a place's own carried values."""
+        """Returns _gathered with `moving`, which also keeps the sums at the place's own values."""
         return self._gathered(low, True, own=True)
 
     def _gathered(self, low: bool, moving: bool, own: bool = False) -> Block:
-        """What a place adds to lower ones; with `moving` of dL/dq and momenta, which go over to
-        dL/dq as well, since rates are made of coordinates too."""
+        """Returns the block that passes a place's forces on carried values to the variables that
+        define them, by the chain rule. With `moving` it passes dL/dq and momenta; momenta add to
+        dL/dq too, since the rates of carried values depend on coordinates."""
         known: dict[str, Node] = {}
         changed: dict[str, None] = {}
 

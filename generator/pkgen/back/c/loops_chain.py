@@ -1,4 +1,4 @@
-"""All that C has of carried values: their blocks, and what the templates see of them."""
+"""The C blocks of carried values (recurrences along a chain), and the templates' view of them."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from .loops_elimination import Elimination, of_scalars
 from .loops_sets import Builder
 from .program import operations_text
 
-# What of a place a kernel needs.
+# The pass along the chain (see MODES) that each kernel needs.
 NEEDS = {"force": "force", "momenta": "force", "gradient": "motion", "canonical": "motion"}
 
 
 class Chain:
-    """Of one model; the graph may grow."""
+    """The carried values of one model; this may add nodes to the graph."""
 
     def __init__(self, e: LoopEquations, places: Places, make: Builder, hung: bool):
         self.carrying = Carrying(e, places, make)
@@ -29,7 +29,7 @@ class Chain:
 
     @property
     def operations(self) -> Iterator[str]:
-        """What a place costs."""
+        """Yields the counts of operations per place."""
         rows = [level.rows.inner for level in self.carrying.levels["force"]]
         chain, solved = self.elimination, []
         if chain:
@@ -60,7 +60,7 @@ class Chain:
 
 
 def chain_context(chain: Chain | None) -> dict[str, Any] | None:
-    """What the templates see of it."""
+    """Returns the templates' view of a chain."""
     if chain is None:
         return None
     of = chain.carrying
@@ -86,7 +86,8 @@ def chain_context(chain: Chain | None) -> dict[str, Any] | None:
 
 
 def _group(of: Carrying, g: Group) -> dict[str, Any]:
-    """With its number at a place, and where what hangs on it is kept."""
+    """Returns a carried value's group, its number at a place, and the places of its hung_p,
+    hung_f."""
     found = of.places.group(g) | {"number": of.number[g.name]}
     for kind in ("hung_p", "hung_f"):
         found[kind] = of.places.index(of.places.carried(kind, g.name, M)[1])
@@ -94,7 +95,7 @@ def _group(of: Carrying, g: Group) -> dict[str, Any]:
 
 
 def _solved(chain: Chain) -> dict[str, Any]:
-    """M a = f place by place."""
+    """Returns the templates' view of the elimination of M a = f."""
     of, last = chain.carrying, chain.elimination
     return {
         "kept": len(last.kept),

@@ -1,9 +1,9 @@
-"""M a = f of a chain, a place after the other: the formulas of one place, as blocks of C.
+"""Solves M a = f of a chain by elimination, place by place: the formulas of one place, as C blocks.
 
-What a place hands on to the next is a symmetric matrix `front` over what both share: rows of lower
-places and scalar coordinates. Which of its entries are not zero is found by going on until there
-are no new ones. `bulk` is the same with nothing eliminated: in it lies the diagonal of M, beside
-which a pivot is judged.
+A place is an index. Each place passes a symmetric matrix `front` on to the next lower one, over the
+variables that both share: those of lower places, and scalar coordinates. Its pattern of nonzero
+entries is found by repeating the step until no entry is new. `bulk` is `front` with no elimination
+of coordinates: it yields the diagonal of M, relative to which a pivot must be positive.
 """
 
 from __future__ import annotations
@@ -23,17 +23,18 @@ Pair = tuple[Variable, Variable]
 
 @dataclass
 class MassRows:
-    """The rows of M~ of one group at a place: entries with what is at that place or before."""
+    """The row of M~ of one group at a place: its entries with variables there or at lower
+    places."""
 
     group: dict
     number: int
     set: RowSet
-    guards: list[tuple[str, int]]  # (when an entry is a given member's, its number)
-    is_padded: bool  # of a coordinate: where there is none its pivot is 1
+    guards: list[tuple[str, int]]  # (C condition that an entry's other member is given, its number)
+    is_padded: bool  # whether it is a coordinate; outside its range the pivot is set to 1
 
 
 class _Symmetric:
-    """A matrix of nodes by pairs of variables."""
+    """A symmetric matrix of graph nodes, by pairs of variables."""
 
     def __init__(self, g: Graph):
         self.g = g
@@ -47,14 +48,14 @@ class _Symmetric:
             self.entries[_pair(a, b)] = self.g.add(self(a, b), node)
 
     def row(self, a: Variable) -> dict[Variable, Node]:
-        """The entries with others."""
+        """Returns the off-diagonal entries of a row."""
         return {y if x == a else x: n for (x, y), n in self.entries.items() if (x == a) != (y == a)}
 
     def without(self, a: Variable) -> None:
         self.entries = {pair: n for pair, n in self.entries.items() if a not in pair}
 
     def put(self, a: Variable, slopes: list[tuple[Variable, Node]]) -> None:
-        """With a variable put in for the sum of others times slopes."""
+        """Substitutes the sum of slope times x, over `slopes`, for a variable."""
         own, row = self(a, a), self.row(a)
         self.without(a)
         multiply = self.g.multiply
@@ -71,7 +72,8 @@ def _pair(a: Variable, b: Variable) -> Pair:
 
 
 class Elimination:
-    """Of a place in two forms: a common one, and one for the low places at the beginning."""
+    """The elimination of a place in two forms: one for low places, near the beginning, where
+    carried values have other pieces, and one for all others."""
 
     def __init__(self, of: Carrying):
         self.of, self.g = of, of.g
@@ -85,7 +87,7 @@ class Elimination:
             while count != len(self.front) + len(self.bulk):
                 count = len(self.front) + len(self.bulk)
                 self._stepped(low)
-            if not low:  # what low places add is never met by the others
+            if not low:  # entries that low places add do not occur at the others, which come first
                 self._common = len(self.front), len(self.bulk)
         self.steps = {low: self._step(low) for low in (False, True)}
         self.backs = {low: self._back(low) for low in (False, True)}
@@ -136,7 +138,7 @@ class Elimination:
         return k < self._common[name == "bulk"]
 
     def _stepped(self, low: bool) -> tuple[_Symmetric, _Symmetric, list[Target]]:
-        """The matrices that are handed on, what is stored besides."""
+        """Returns the matrices that a place passes on, and the stores of its other results."""
         of, g = self.of, self.g
         front, bulk = self._incoming(low)
         right: dict[Variable, Node] = {}
@@ -189,7 +191,7 @@ class Elimination:
         return Block(targets, INNER)
 
     def _back(self, low: bool) -> Block:
-        """The accelerations of a place, once those before it are known."""
+        """Returns the block of a place's accelerations, given those of lower places."""
         of, g = self.of, self.g
         known: dict[Variable, Node] = {}
 
@@ -220,7 +222,7 @@ class Elimination:
 
 
 def of_scalars(chain: Elimination) -> Block:
-    """The scalar coordinates' equations, of which all else is eliminated."""
+    """Returns the block that solves for the scalar coordinates, after all else is eliminated."""
     of, g = chain.of, chain.g
     front, bulk = _Symmetric(g), _Symmetric(g)
     for name, matrix, places in (("front", front, chain.front), ("bulk", bulk, chain.bulk)):
@@ -260,7 +262,7 @@ def of_scalars(chain: Elimination) -> Block:
 
 
 def _next(at: Variable) -> Variable:
-    """As the next place knows it."""
+    """Returns the variable with its offset as seen from the next lower place."""
     offset, number = at
     return at if offset == BESIDE else (offset + 1, number)
 

@@ -1,4 +1,4 @@
-"""The interior of rows: where no end is near, one expression without a condition, bonds shared."""
+"""The interior of rows: away from the ends a row is one expression, and bonds are computed once."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ M = variable(ROW)
 
 
 class Interior:
-    """The graph may still grow here, so before Lowering copies it."""
+    """The interiors of a model's rows. It adds nodes to the graph, so it precedes Lowering, which
+    copies the graph."""
 
     def __init__(self, e: LoopEquations):
         self.e = e
@@ -27,10 +28,10 @@ class Interior:
         self.slots = Slots(self.g, e.slots)
 
     def fluxes(self, row: Row) -> tuple[list[Node], int, Node]:
-        """Forces of bonds, each once: row(m) = sum of F_k(m) - F_k(m - s), and the rest.
+        """Splits the forces of bonds off a row: row(m) = sum of F_k(m) - F_k(m - s), and the rest.
 
-        The bodies of a term seen from its two ends are opposite, the third law. Returns the F_k,
-        the distance s that they have in common, and the interior of the row in terms of them.
+        By Newton's third law a term's derivatives at its two ends are opposite. Returns the F_k,
+        their common distance s, and the interior of the row in terms of them.
         """
         bulk = [part for part in row.parts if not part.is_point]
         found: list[Node] = []
@@ -51,7 +52,7 @@ class Interior:
         return found, span, total
 
     def _opposite(self, a: Part, b: Part, span: int) -> bool:
-        """Whether b(m) = -a(m - s), or the other way round."""
+        """Returns whether b(m) = -a(m - s) or a(m) = -b(m - s)."""
         distance = b.lo - a.lo
         if not distance.is_constant or b.hi - a.hi != distance or a.inner == ZERO:
             return False
@@ -64,7 +65,8 @@ class Interior:
     def interior(
         self, rows: Sequence[Row], group: Group | None
     ) -> tuple[list[Node], list[Affine], list[Affine]]:
-        """The sums of the parts of each row where every condition holds, and where that is."""
+        """Returns each row's sum of parts where all conditions hold, with the lower and the upper
+        bounds of that range."""
         lows: list[Affine] = [] if group is None else [group.lo]
         highs: list[Affine] = [] if group is None else [group.hi]
         nodes = []
@@ -78,7 +80,7 @@ class Interior:
                 lows.append(part.lo)
                 highs.append(part.hi)
             nodes.append(self.g.sum(bulk))
-        # Rates and accelerations of given cells have vanished from `inner`, their reach has not.
+        # `inner` omits rates and accelerations of given cells; the full parts bound where it holds.
         ends = [part.node for row in rows for part in row.parts if part.node != part.inner]
         for kinds, found in ((REACHED, nodes), (("d", "w"), [*nodes, *ends])):
             for slot in (slot for node in found for slot in self.slots.below(node)):
@@ -102,18 +104,18 @@ class Interior:
             highs.append(part.lo - 1)
 
     def factored(self, node: Node) -> Node:
-        """The same in powers of its differences, if shorter: k d + b d^3 as d (k + b d^2)."""
+        """Returns the shorter of a node and its factored form: d (k + b d^2) for k d + b d^3."""
         found = rewritten(self.g, [node], linear, WORK) or [node]
         return min(node, found[0], key=lambda n: operations(self.g, [n]))
 
     def scaled(self, node: Node) -> tuple[Node, Node]:
-        """The factor that is the same in every row, 1 where that saves nothing, and the rest."""
+        """Returns the factor that is equal in all rows (1 if it saves nothing), and the rest."""
         scale, rest = self.g.split(node)
         return (ONE, node) if scale in (ONE, MINUS_ONE) or rest == ONE else (scale, rest)
 
 
 def _pruned(found: list[Affine], sign: int) -> list[Affine]:
-    """Of lower bounds (sign 1) or upper ones, those that no other implies."""
+    """Returns the lower bounds (sign 1) or upper bounds (sign -1) that no other bound implies."""
     kept: list[Affine] = []
     for at in dict.fromkeys(found):
         if any((k - at).is_constant and (k - at).constant * sign >= 0 for k in kept):

@@ -1,4 +1,4 @@
-"""Which rows and totals each kernel of a model with loops needs."""
+"""Plans the rows and totals that each kernel of a model with loops needs."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from .loops_switches import terms
 from .recurrence_rows import made_of
 
 TOTALS = ("energy", "lagrangian", "kinetic", "potential")
-# Kernels that write a value for each coordinate: outputs, and what they are.
+# Kernels with a value for each coordinate: their outputs, each with its field of LoopEquations.
 VECTORS = {
     "force": {"f": "force"},
     "canonical": {"momenta": "momenta", "pdot": "pdot"},
     "momenta": {"momenta": "momenta"},
     "gradient": {"dLdq": "gradient"},
 }
-# Those that write a value for each row of the constraints.
+# Kernels that write a value for each constraint row.
 BOUND: dict[str, Callable[[Bound], Row | Total]] = {
     "constraint": lambda rows: rows.position,
     "constraint_rates": lambda rows: rows.rate,
@@ -34,29 +34,29 @@ BOUND: dict[str, Callable[[Bound], Row | Total]] = {
     "rate_size": lambda rows: rows.sizes[1],
 }
 OF_POSITIONS = ("constraint", "position_size")
-PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}  # to the last output
+PAIRED = {"gradient": "gradient", "canonical": "pdot", "force": "force"}  # outputs with pair forces
 
 
 @dataclass
 class SlopeKernel:
-    """Writes matrices of derivatives into outputs; what each value of a row is added to, and where
-    the totals of scalar coordinates are: (output, row, column) in C."""
+    """A kernel that writes matrices of derivatives. `stores` are the places (output, row, column)
+    in C to which the values of each row set are added, `corner` the entries of two scalars."""
 
     name: str
     outputs: tuple[str, ...]
     rows: list[RowSet] = field(default_factory=list)
-    stores: list[list[tuple[str, str, str]]] = field(default_factory=list)  # of each of the rows
-    columns: list[str] = field(default_factory=list)  # the function of their places
-    corner: list[tuple[str, str, str, str]] = field(default_factory=list)  # and the total
+    stores: list[list[tuple[str, str, str]]] = field(default_factory=list)  # by row set
+    columns: list[str] = field(default_factory=list)  # the C function that gives a row's place
+    corner: list[tuple[str, str, str, str]] = field(default_factory=list)  # place, total's name
 
 
 @dataclass
 class Rates:
-    """Those of a state, which are there before all else."""
+    """The rates of a first-order state, which C computes before the rows that use them."""
 
     group: dict
-    rows: RowSet | None  # of a family
-    total: TotalSet | None  # of a single one
+    rows: RowSet | None  # for a family of states
+    total: TotalSet | None  # for a scalar state
     pairs: list[PairSet]
 
     @property
@@ -67,7 +67,8 @@ class Rates:
 
 @dataclass
 class Alongside:
-    """What is computed along its members, in order: rows, and where their values go."""
+    """`let`s of outputs that are recurrences: row sets evaluated member by member in order, the
+    places of their values, and the ends of their index ranges, in C."""
 
     rows: list[RowSet]
     stores: list[str]
@@ -81,7 +82,7 @@ class Alongside:
 
 @dataclass
 class Plan:
-    """By kernel, or by the name of a total."""
+    """The row sets and totals of all kernels, by kernel or by the name of a total."""
 
     rows: dict[str, list[RowSet]] = field(default_factory=dict)
     band: list[RowSet] = field(default_factory=list)
@@ -90,17 +91,17 @@ class Plan:
     singularities: list[TotalSet] = field(default_factory=list)
     switches: list[TotalSet] = field(default_factory=list)
     chain: Chain | None = None
-    made: tuple[Bound, ...] = ()  # rows that say what carried values are made of
-    jacobian: dict[str, RowSet] = field(default_factory=dict)  # of rows within the band
+    made: tuple[Bound, ...] = ()  # the recurrences of carried values, as rows
+    jacobian: dict[str, RowSet] = field(default_factory=dict)  # J of rows within the band
     border: dict[str, RowSet] = field(default_factory=dict)  # J of single rows, by family
-    bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # and by rows
+    bound: dict[str, dict[str, RowSet | TotalSet]] = field(default_factory=dict)  # kernel, rows
     slopes: list[SlopeKernel] = field(default_factory=list)
     slopes_of: Slopes | None = None
-    reach: int = 0  # of a row of slopes to either side, in places
-    observed: dict[int, RowSet] = field(default_factory=dict)  # outputs for each index
+    reach: int = 0  # half bandwidth of the matrices of slopes, in places
+    observed: dict[int, RowSet] = field(default_factory=dict)  # outputs with a value per index
     pull: list[RowSet] = field(default_factory=list)  # J^T lambda
-    along: dict[int, Alongside] = field(default_factory=dict)  # by their number
-    rates: dict[str, Rates] = field(default_factory=dict)  # of states that others use
+    along: dict[int, Alongside] = field(default_factory=dict)  # by number of the pass
+    rates: dict[str, Rates] = field(default_factory=dict)  # by state, if other rows use its rate
 
     @property
     def blocks(self) -> Iterator[Block]:
@@ -119,7 +120,7 @@ class Plan:
 
 
 def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
-    """The kernels that there are of those wanted (None: all), with those that these call."""
+    """Returns the kernels of `wanted` (None: all) that the model has, and those that they call."""
     named = {*VECTORS, *(k for k in TOTALS if getattr(e, k) is not None)}
     watched = {"momenta"} if watches_momenta(e) else set()
     if e.carried:
@@ -129,24 +130,24 @@ def emitted(e: LoopEquations, wanted: frozenset[str] | None) -> frozenset[str]:
     named |= {"mass", "inertia", "jacobian", "advance"}
     if wanted is None:
         return frozenset(named)
-    alone = divides(e) and not e.force.pairs  # a row of the acceleration is made by itself
+    alone = divides(e) and not e.force.pairs  # each row of the acceleration is one expression
     solved = set() if alone else {"force"} if divides(e) else {"force", "mass"}
-    watched |= {"mass"} if e.pivots else set()  # by what watches singularities
+    watched |= {"mass"} if e.pivots else set()  # the singularity kernel computes M's pivots
     return frozenset(named & wanted | solved | watched)
 
 
 def watches_momenta(e: LoopEquations) -> bool:
-    """Whether momenta stand in outputs."""
+    """Returns whether outputs contain momenta."""
     return any(slot.kind == "p" for slot in e.slots)
 
 
 def within(e: LoopEquations) -> dict[str, dict[str, str]]:
-    """What these write where L is taken as it stands: of carried values dL/dq takes momenta."""
+    """Returns VECTORS; with carried values the chain rule for dL/dq needs the momenta as well."""
     return VECTORS | ({"gradient": {"momenta": "momenta", "dLdq": "gradient"}} if e.carried else {})
 
 
 def divides(e: LoopEquations) -> bool:
-    """Whether M a = f is a division a row."""
+    """Returns whether M is diagonal, so that M a = f takes one division per row."""
     return e.mass.is_diagonal and not (e.bound or e.carried)
 
 
@@ -164,7 +165,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
             )
             for g in e.rows
         ]
-    # The acceleration of a coordinate that is no member takes its force by itself.
+    # The acceleration kernel needs the force on each scalar coordinate as a function of its own.
     for what in sorted({"force", *(x for outputs in vectors.values() for x in outputs.values())}):
         for g in e.scalars:
             total(f"{what}_{ids[g.name]}", getattr(e, what).totals[g.name])
@@ -216,7 +217,7 @@ def planned(e: LoopEquations, make: Builder, kernels: frozenset[str]) -> Plan:
 
 
 def _plan_before(e: LoopEquations, make: Builder, plan: Plan) -> None:
-    """The totals and the rates of states that stand in what there is, and those in these."""
+    """Plans the totals, states' rates and `let`s that the planned blocks use, also indirectly."""
     below, states = make.interior.slots.below, {g.name: g for g in e.states}
     passes = {item.name: k for k, found in enumerate(e.along) for item in found}
     nodes = [node for block in plan.blocks for node in block.nodes]
@@ -294,12 +295,12 @@ def _plan_bound(e: LoopEquations, make: Builder, plan: Plan) -> None:
 
 
 def singles(e: LoopEquations, g: Group) -> list[Bound]:
-    """The single rows in which members of a family move."""
+    """Returns the single constraint rows that depend on the rates of a family."""
     return [rows for rows in e.bound if g.name in rows.border]
 
 
 def _plan_slopes(e: LoopEquations, make: Builder, plan: Plan, total: Any) -> None:
-    """The kernels of M and of the derivatives of p and p', where these are no dense matrices."""
+    """Plans the kernels of M and of the derivatives of p and p'; skipped if these are dense."""
     try:
         slopes = slopes_of(e, make.interior.slots)
     except Unrolled:
@@ -340,7 +341,7 @@ def _plan_slopes(e: LoopEquations, make: Builder, plan: Plan, total: Any) -> Non
 
 
 def _reach(slopes: Slopes) -> int:
-    """How far a row reaches in places."""
+    """Returns the half bandwidth of the matrices, in places."""
     of = dict(slopes.families)
     at = {unknown: k for k, unknown in enumerate(of)}
     found = [0]
@@ -351,10 +352,11 @@ def _reach(slopes: Slopes) -> int:
 
 
 def apart(a: tuple[Group, int], b: tuple[Group, int], shift: int, slots: int) -> int:
-    """How many places two entries lie apart at most, of families and their slots at each index."""
+    """Returns the largest distance in places, `slots` per index, from member m of `a` (a family and
+    its slot) to member m + shift of `b`."""
     (own, i), (other, j) = a, b
     distance = abs(shift * slots + j - i)
-    # A member beyond a free end has the place of another one; so have both, or one alone.
+    # A ghost has its neighbour's place, an index away; this cancels if both have the same ends.
     alike = (own.lo, own.hi, _free(own)) == (other.lo, other.hi, _free(other))
     return distance + slots * bool((_free(own) or _free(other)) and not alike)
 
@@ -366,7 +368,7 @@ def _free(g: Group) -> tuple[Affine, ...]:
 def _of_row(
     matrix: Matrix, own: Unknown, column: dict[Unknown, str], scalar: dict[Unknown, str]
 ) -> Iterator[tuple[str, str, Row]]:
-    """Row and column of the entries that the row of a family's cell knows."""
+    """Yields row, column and value of the entries in a family's row: of the band and the border."""
     for (row, other, shift), value in matrix.entries.items():
         if row == own:
             yield "row", f"{column[other]}(p, m + {shift})", value
@@ -383,7 +385,7 @@ def _own(e: LoopEquations, g: Group) -> Row:
 
 
 def entries(e: LoopEquations, g: Group, ids: Mapping[str, str]) -> list[tuple[dict[str, Any], Row]]:
-    """Entries of M in the rows of a family's cells: with cells, then with scalars."""
+    """Returns the entries of M in the rows of a family: with families, then with scalars."""
     found = [
         ({"other": ids[other], "shift": shift}, row)
         for (own, other, shift), row in e.mass.entries.items()

@@ -1,4 +1,4 @@
-"""Rows and totals as sets of blocks: a body for the interior, guarded parts for the ends."""
+"""Rows and totals as blocks of code: a body for the interior, guarded parts for the ends."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .loops_interior import Interior
 
 @dataclass
 class Guarded:
-    """Parts of a row that share a condition: r[k] += ... where lo <= m <= hi."""
+    """The parts of rows with a common condition: r[k] += ... if lo <= m <= hi."""
 
     lo: str
     hi: str
@@ -26,7 +26,7 @@ class Guarded:
 
 @dataclass
 class Summing:
-    """A sum that is computed once: its place, its ranges in C, a term, and sums in each term."""
+    """A sum computed once: its place, its index ranges in C, a term, and the sums inside a term."""
 
     place: str
     ranges: list[tuple[str, str, str]]
@@ -40,7 +40,8 @@ class Summing:
 
 @dataclass
 class Assignment:
-    """Of members lo..hi, or with "" of one: sums before all, sums before each, the values."""
+    """Assigns members lo..hi, or if these are "" one value. `before` are sums computed once, `each`
+    sums computed for each member."""
 
     lo: str
     hi: str
@@ -55,7 +56,7 @@ class Assignment:
 
 @dataclass
 class RowSet:
-    """Some quantities of one family's cells, or terms of totals; its ranges are C.
+    """Rows of one family, several quantities per cell, or the terms of totals. Ranges are C text.
 
     The interior is where m >= each of `lows` and <= each of `highs`.
     """
@@ -66,14 +67,14 @@ class RowSet:
     guarded: list[Guarded]
     lows: list[str]
     highs: list[str]
-    group: dict = field(default_factory=dict)  # of the family, see Places.group()
-    ghosts: bool = False  # rows of ghosts are added to those of the cells they stand for
-    below: int = 0  # ghosts on each side
-    above: int = 0
-    plain: bool = False  # r[1], a mass, is a positive number: no test
-    scale: Block | None = None  # of the interior's r[0], the same in every row
-    flux: Block | None = None  # forces of bonds, into flux[k * stride], before the rows
-    span: int = 0  # a bond's ends are so far apart
+    group: dict = field(default_factory=dict)  # the family's, see Places.group()
+    ghosts: bool = False  # the row of a ghost is added to the row of the cell that it copies
+    below: int = 0  # ghosts below the range
+    above: int = 0  # ghosts above the range
+    plain: bool = False  # r[1], a mass, is a positive number: it needs no check
+    scale: Block | None = None  # factor of the interior's r[0], the same in every row
+    flux: Block | None = None  # forces of bonds into flux[k * stride], before the rows
+    span: int = 0  # distance in members between the ends of a bond
 
     @property
     def blocks(self) -> list[Block]:
@@ -90,7 +91,7 @@ class RowSet:
 
     @property
     def bonds(self) -> bool:
-        """Whether the forces of bonds come before all rows of a block."""
+        """Returns whether the bonds' forces of a whole block are computed before its rows."""
         return bool(self.flux) and not self.flux_trig
 
     @property
@@ -108,21 +109,21 @@ class RowSet:
 
 @dataclass
 class PairSet:
-    """A double loop. Of a force its block has a value for each of the `own` places, which add up
-    over j, and then for the `other` ones."""
+    """A double loop over pairs (m, j). For a force `own` are the places, in C, of the values that
+    are summed over j, and `other` of those that are added at j."""
 
     lo: str
     hi: str
     first: str
     last: str
     block: Block
-    own: dict[int, str] = field(default_factory=dict)  # by the number of the value
+    own: dict[int, str] = field(default_factory=dict)  # by the value's index in the block
     other: dict[int, str] = field(default_factory=dict)
 
 
 @dataclass
 class TotalSet:
-    """A total as a function: a constant block, loops, pair loops."""
+    """A total as a C function: a constant block, loops, pair loops."""
 
     name: str
     constant: Block
@@ -136,7 +137,7 @@ class TotalSet:
 
 
 class Builder:
-    """From vectors and totals to sets; the graph may grow."""
+    """Makes sets of blocks from rows, pairs and totals; this may add nodes to the graph."""
 
     def __init__(self, e: LoopEquations, places: Places):
         self.e, self.places = e, places
@@ -145,7 +146,8 @@ class Builder:
     def rows(
         self, name: str, group: Group, rows: list[Row], quotient: bool = False, ghosts: bool = True
     ) -> RowSet:
-        """With `quotient` of a force and a mass, whose quotient is wanted."""
+        """Returns a set of rows. With `quotient` the rows are a force and a mass, and the
+        interior's r[0] is their quotient."""
         interior = self.interior
         nodes, lows, highs = interior.interior(rows, group)
         flux: list[Node] = []
@@ -160,8 +162,8 @@ class Builder:
         number = interior.g.value(mass)
         below, above = self._beyond(group)
         mapped = group.periodic or any(end.kind == "free" for _, end in group.ends)
-        found = self._set(name, rows, nodes, lows, highs)  # as derived: expanded, differences of
-        found.group = self.places.group(group)  # neighbours would lose digits
+        found = self._set(name, rows, nodes, lows, highs)  # not expanded: differences of neighbours
+        found.group = self.places.group(group)  # would lose digits
         found.below, found.above = below, above
         found.ghosts = ghosts and mapped and bool(below or above)
         found.plain = number is not None and number > 0
@@ -174,7 +176,7 @@ class Builder:
         return found
 
     def _beyond(self, group: Group) -> tuple[int, int]:
-        """How many ghosts there are below and above."""
+        """Returns the numbers of ghosts below and above a family's range."""
         below = above = self.e.wraps.get(group.name, 0)
         for at, _ in group.ends:
             low, high = group.lo - at, at - group.hi

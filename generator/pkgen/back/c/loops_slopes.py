@@ -1,4 +1,4 @@
-"""Matrices of derivatives as templates see them: which unknowns there are, and their kernels."""
+"""The templates' view of matrices of derivatives: their unknowns and their kernels."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ def slopes_context(e: LoopEquations, plan: Plan, places: Places) -> dict[str, An
 
 
 def _hung(e: LoopEquations, plan: Plan, places: Places) -> list[dict[str, Any]]:
-    """Of each carried value its row C, where that is, and the places of what stands in it."""
+    """Returns for each carried value the row C of its recurrence, with the C text of the places of
+    the row and of the unknowns in it."""
     families = [unknown for unknown, _ in plan.slopes_of.families]
     carried = {g.name for g in e.carried_groups}
 

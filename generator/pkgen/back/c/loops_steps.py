@@ -1,4 +1,4 @@
-"""Fused steps of families kept as loops: whether there are any, and in which blocks."""
+"""Fused steps of splitting methods for families kept as loops: if they apply, and block sizes."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from ...middle.loops.slots import Slots
 from .loops import BLOCK, CHUNK, Places
 from .loops_plan import Plan
 
-LINE = 8  # members, so that rows begin where a line of memory does
-STAGES = 32  # in flight: with a block within 32 KiB
+LINE = 8  # members per cache line: chunks of rows begin at its boundary
+STAGES = 32  # stages in one pass over memory: their data and a block fit in 32 KiB of cache
 
 
 def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[str, Any] | None:
-    """Fused steps exist where the acceleration of a row needs q of cells near it and t."""
+    """Returns the templates' view of fused steps, or None if there are none. They need rows of the
+    acceleration that depend on t and on q of near cells only."""
     rows, index = plan.rows["acceleration"], places.index
     if not e.facts.separable or e.scalars or e.model.inputs:
         return None
@@ -25,11 +26,12 @@ def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[
         return None
     cells = [s.at for s in below if s.kind == "q" and s.at is not None]
     if not all(at.factor(ROW) for at in cells):
-        return None  # one member is felt by all
+        return None  # a single member acts on all rows
     reach = max((abs(at.constant) for at in cells), default=0)
     if reach > CHUNK or not all((g.lo - e.families[0].lo).is_constant for g in e.families):
         return None
-    # Behind a drift rows still need cells that have not drifted: theirs, or beyond a free end.
+    # Drifts trail kicks: the next rows read cells in their reach, or ghosts, that must not drift
+    # yet.
     reach = max([1, reach, *(s.span for s in rows)]) + max(max(s.below, s.above) for s in rows)
     trail = -(-reach // LINE) * LINE
     block = max(1, BLOCK // CHUNK // len(e.families)) * CHUNK
@@ -41,7 +43,7 @@ def stepper(e: LoopEquations, plan: Plan, places: Places, slots: Slots) -> dict[
         "line": LINE,
         "trail": trail,
         "together": together,
-        # Rows that find what is behind them in bonds alone drift as they are kicked.
+        # If rows read lower cells only through bond forces, a cell drifts right after its kick.
         "merged": len(rows) == 1
         and bool(rows[0].flux)
         and not rows[0].trig

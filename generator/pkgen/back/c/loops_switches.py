@@ -1,4 +1,4 @@
-"""Switches of families kept as loops: which call has the side of which member, and their tables."""
+"""Switches of families kept as loops: the switch that decides each call, and their tables."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from .loops import Places
 
 
 def terms(e: LoopEquations) -> Iterator[Total]:
-    """The values of each: of members, from the least index of its ranges to the greatest."""
+    """Yields the values of each switch as a total. A switch of members has a part over all indices
+    from the least of its ranges to the greatest."""
     for k, x in enumerate(e.switches):
         if x.ranges[0]:
             lo, hi = (Affine(0, ((f"{which}{k}'", 1),)) for which in ("least", "most"))
@@ -27,8 +28,8 @@ def terms(e: LoopEquations) -> Iterator[Total]:
 
 
 def sides(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> dict[Node, tuple[Symbol, int]]:
-    """Of each call that is held: the side that decides it, a slot, and 1 or -1 as its own argument
-    has that sign or the other. The graph may grow."""
+    """Returns for each call on one side throughout a step: the slot of the side that decides it,
+    and 1 or -1 if its argument has the sign of the switch or the opposite. May add nodes."""
     found: dict[Node, tuple[Symbol, int]] = {}
     if not e.switches:
         return found
@@ -50,7 +51,7 @@ def sides(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> dict[Node, t
 
 
 def described(e: LoopEquations, places: Places) -> Iterator[dict[str, Any]]:
-    """What the tables say of each."""
+    """Yields each switch's row of the tables."""
     for x in e.switches:
         ranges = [r or (Affine(), Affine()) for r in x.ranges]
         yield {

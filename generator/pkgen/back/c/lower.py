@@ -1,7 +1,7 @@
-"""Equations -> Program: straight-line code for every kernel, as text and counted.
+"""Equations -> Program: straight-line code of every kernel as text, with counts of operations.
 
-What depends on parameters alone is hoisted: computed once, by `prepare`, into the array c_ of
-the parameter struct. The rest of the work is in `rewrite.py` (powers, products), `schedule.py`
+Expressions of parameters alone are hoisted: `prepare` computes them once, into members of the
+parameter struct. The rest of the work is in `rewrite.py` (powers, products), `schedule.py`
 (order, names, sharing), `expressions.py` (C text) and `chunk.py` (very long kernels).
 """
 
@@ -28,7 +28,7 @@ from .schedule import Schedule
 
 __all__ = ["Program", "lower"]
 
-LONG = 1000  # operations of an acceleration, beyond which C to be embedded solves M a = f in a loop
+LONG = 1000  # an acceleration of more operations solves M a = f in a loop, in embedded C
 _ARGUMENT = {
     Kind.COORDINATE: "q",
     Kind.RATE: "v",
@@ -47,27 +47,28 @@ def lower(
     kept: frozenset[int] | None = None,
     plain: bool = False,
 ) -> Program:
-    """Straight-line code for the kernels named (None: all that the model has); with `libm` sine
-    and cosine are the library's. Of the parameters are there those `kept` (None: all). `plain` is
-    C to be embedded, with nothing for the runtime."""
+    """Returns straight-line code of the named kernels (None: all that the model has). With `libm`
+    sine and cosine are the library's. The parameters are those `kept` (None: all). `plain` means C
+    to be embedded, without the tables for the runtime."""
     made = _Lowering(equations, structure, libm, kept, plain).program(kernels)
     solve = made.kernel("acceleration") if plain and not equations.constraints else None
     if solve is None or solve.operations.total() <= LONG or "mass" not in (kernels or {"mass"}):
         return made
-    # Straight-line code is twice as fast, of 20 links, and half of all text.
+    # For 20 links straight-line code is twice as fast, but half of all text.
     by_loop = replace(equations, acceleration=None)
     return _Lowering(by_loop, structure, libm, kept, plain).program(kernels)
 
 
 def parameters_read(equations: Equations, kernels: frozenset[str] | None) -> frozenset[int]:
-    """The parameters that these kernels read, and the starts."""
+    """Returns the indices of the parameters that these kernels and the initial values read."""
     specs = (KERNELS[name] for name in (*needed_kernels(equations, kernels), "start"))
     nodes = [x for spec in specs for t in spec.targets(equations) for x in t.nodes]
     return _parameters_in(equations.graph, nodes)
 
 
 def with_dependents(equations: Equations, read: frozenset[int]) -> frozenset[int]:
-    """Those too by which defaults of these are computed, and the rest of families."""
+    """Returns `read` with the parameters that their defaults depend on, and with the other members
+    of their families."""
     slots, kept = equations.parameters, set(read)
     families = {slots[k].family for k in kept}
     for k in reversed(range(len(slots))):  # each is computed from earlier ones
@@ -85,7 +86,8 @@ def _parameters_in(g: Graph, nodes: Iterable[Node]) -> frozenset[int]:
 
 @record
 class _Draft:
-    """A kernel rewritten, but not yet written out: hoisted constants have no numbers yet."""
+    """A kernel with rewritten expressions but without statements: hoisted constants have no places
+    yet."""
 
     spec: KernelSpec
     targets: list[Target]
@@ -153,8 +155,6 @@ class _Lowering(Hoisting):
     def _names(self, taken: Iterable[str] = ()) -> Names:
         return Names(LOCAL_RESERVED, taken, self.prefix)
 
-    # Kernels of the motion
-
     def _draft(self, spec: KernelSpec) -> _Draft:
         targets = spec.targets(self.equations)
         roots = [node for target in targets for node in target.nodes]
@@ -204,7 +204,7 @@ class _Lowering(Hoisting):
             return variable(f"p->side_[{symbol.index}]")
         return variable(self.symbols[symbol])
 
-    # What depends on parameters alone
+    # Functions of the parameters alone
 
     def _start(self) -> Kernel:
         spec, e = KERNELS["start"], self.equations
@@ -212,7 +212,7 @@ class _Lowering(Hoisting):
         return self._finished("start", spec.result, spec.outputs(e), code, {})
 
     def _fixed_code(self, targets: list[Target]) -> Schedule:
-        """Code on parameters alone, nothing hoisted."""
+        """Returns the code of targets that depend on parameters alone, without hoisting."""
         new = rewrite(self.work, [x for t in targets for x in t.nodes], gather=False)
         return self.scheduled(rewritten(targets, new), self._names(), fixed=True)
 
@@ -230,7 +230,7 @@ class _Lowering(Hoisting):
 
 
 def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
-    """The members of struct NAME_params, and the C text of each scalar parameter."""
+    """Returns the members of struct NAME_params, and the C text of each scalar parameter."""
     names = Names(FIELD_RESERVED, (), equations.model.name + "_")
     fields: list[Field] = []
     scalars: list[str] = []
@@ -243,7 +243,7 @@ def _fields(equations: Equations) -> tuple[tuple[Field, ...], tuple[str, ...]]:
 
 
 def _local_names(equations: Equations) -> dict[Symbol, str]:
-    """What coordinates, rates, inputs, accelerations and momenta are called in the kernels."""
+    """Returns the local names of coordinates, rates, inputs, accelerations and momenta."""
     names = Names(LOCAL_RESERVED, (), equations.model.name + "_")
     own = equations.own
     accelerations = [replace(c, name=c.name + "''") for c in equations.coordinates[:own]]

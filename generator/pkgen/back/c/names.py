@@ -1,4 +1,4 @@
-"""Names in C: a model's own names, kept away from macros, keywords and each other.
+"""Makes C names of a model's names, distinct from macros, keywords and each other.
 
 A macro of any header that a user may include before ours would rewrite a struct member or a
 local variable, so such names get a trailing underscore in C. The tables that a program can read
@@ -12,7 +12,7 @@ from collections.abc import Iterable
 
 from ...indices import parted
 
-# C99 and C++17 keywords: the language reserves them already; a name may still become one here.
+# C99 and C++17 keywords. Models cannot use them as names, but a derived name may become one here.
 _KEYWORDS = """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t
     class compl const const_cast constexpr continue decltype default delete do double dynamic_cast
@@ -23,11 +23,11 @@ _KEYWORDS = """
     using virtual void volatile wchar_t while xor xor_eq
 """
 
-# Macros are written in capitals: a name of three and more gets an underscore, whatever it is. These
-# are the others: of the standard and system headers, of gcc's gnu modes, of platforms.
+# Most macros are in capitals, so a name of three or more capitals gets an underscore. _MACROS lists
+# the others: of the standard and system headers, of gcc's gnu modes, of platforms.
 _CAPITALS = re.compile(
     r"(?![A-Z](_[0-9]+)+$)[A-Z][A-Z0-9_]+[A-Z0-9](f|l|q|f[0-9]+x?)?|(PRI|SCN)[a-z]\w*[^_]"
-)  # M_0_1 is one of ours
+)  # the first alternative excepts pkgen's own names, like M_0_1
 _MACROS = """
     I B0 HZ SP IN PI AF_DECnet PF_DECnet L_ctermid L_cuserid L_tmpnam P_tmpdir
     and and_eq bitand bitor compl not not_eq or or_eq xor xor_eq
@@ -46,7 +46,7 @@ _MACROS = """
     atomic_fetch_sub_explicit atomic_fetch_xor_explicit
 """
 
-# Functions of <math.h>, POSIX included: a local variable of that name would hide them.
+# Functions of <math.h> and POSIX: a local variable of the same name would hide them.
 _FUNCTIONS = """
     acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs
     fdim floor fma fmax fmin fmod frexp gamma hypot ilogb j0 j1 jn ldexp lgamma llrint llround log
@@ -55,7 +55,7 @@ _FUNCTIONS = """
     abs labs div rand exit abort memcpy printf main
 """
 
-# What the templates call arguments, loop variables and members of their own.
+# Names of arguments, loop variables and members in the templates.
 _OURS = """
     p t q v u w a M f momenta pdot dLdq p_q pdot_q pdot_v r_q r_v r_t out given lo hi c_ i j k n
     status bad pass sc m_out r_out v_out a_out phi_out J_out residual_out phi_size residual_size
@@ -63,15 +63,15 @@ _OURS = """
 """
 _MEMBERS = " c_ side_ factors_ inverse_ block_"  # of struct NAME_params
 
-# Their names in float, long double and quad too.
+# The functions' names for float, long double and quad too.
 _LIBM = " ".join(name + end for name in _FUNCTIONS.split() for end in ("", "f", "l", "q"))
 FIELD_RESERVED = frozenset((_KEYWORDS + _MACROS + _MEMBERS).split())
 LOCAL_RESERVED = frozenset((_KEYWORDS + _MACROS + _LIBM + _OURS).split())
 
 
 class Names:
-    """Hands out C identifiers: the wished name if it can be had, else with underscores. What
-    begins with `prefix` is a symbol of the model's own."""
+    """Allocates C identifiers: the wished name if it is free, else the name with underscores.
+    Names that begin with `prefix` are reserved for the model's global symbols."""
 
     def __init__(
         self, reserved: frozenset[str], taken: Iterable[str] = (), prefix: str = "pk_"
@@ -81,7 +81,8 @@ class Names:
         self._next: dict[str, int] = {}
 
     def take(self, wish: str) -> str:
-        """`I` is `I_`; what C reserves for itself (`_X`, `__x`, `pk_x`) gets an `x` before it."""
+        """Returns a free name: `I` becomes `I_`; reserved names (`_X`, `__x`, `pk_x`) get an `x`
+        in front."""
         name = re.sub(r"\W", "_", wish, flags=re.ASCII)
         if not name or name[0] in "_0123456789" or name.lower().startswith(self._prefixes):
             name = "x" + name
@@ -91,7 +92,7 @@ class Names:
         return name
 
     def number(self, stem: str) -> str:
-        """The next free one of t1, t2, ..."""
+        """Returns the next free name of stem1, stem2, ..."""
         count = self._next.get(stem, 0) + 1
         while not self.is_free(f"{stem}{count}"):
             count += 1
@@ -106,8 +107,8 @@ class Names:
 
 
 def local_wish(name: str) -> str:
-    """What a quantity is called in a kernel: theta1' is theta1_dot, q[3] is q3, x1[3] is x1_3, and
-    r.x is r_x."""
+    """Returns the wished name of a quantity in a kernel: theta1_dot for theta1', q3 for q[3], x1_3
+    for x1[3], r_x for r.x."""
     primes = len(name) - len(name.rstrip("'"))
     stem = re.sub(r"\d\[(-?\d+)\]", lambda m: m[0][0] + "_" + m[1], name.replace("'", ""))
     stem = re.sub(r"\[(-?\d+)\]", r"\1", stem).replace("-", "m").replace(".", "_")
@@ -115,10 +116,10 @@ def local_wish(name: str) -> str:
 
 
 def dots(primes: int) -> str:
-    """The end of a derivative's name: _dot, _ddot, ..."""
+    """Returns the suffix of a derivative's name: _dot, _ddot, ..."""
     return "_" + "d" * (primes - 1) + "dot" if primes else ""
 
 
 def family_of(name: str) -> str:
-    """The declared name of a member: q for q[3], and r.x for r[3].x."""
+    """Returns the declared name of a member: q for q[3], r.x for r[3].x."""
     return parted(name)[0]

@@ -1,4 +1,4 @@
-"""Functions of the parameters: their defaults, what follows from them, their bounds, the start."""
+"""C functions of the parameters: defaults, derived defaults, prepare, bounds, initial values."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ NOT_FINITE = Return("PK_FAILED(PK_FAILURE_DERIVED, 0)")
 
 @record
 class ParameterCode:
-    """Of one parameter, or of a family: the code of its default and whether that follows others,
-    the test of its bounds, and these."""
+    """The code of one parameter or family: its default, whether that follows from other parameters,
+    the check of its bounds, and the stores of the bounds."""
 
     default: Sequence[Node]
     follows: bool
@@ -30,7 +30,7 @@ class ParameterCode:
 
 
 def checked(field: str, index: int, bounds: Interval, lo_open: bool, hi_open: bool) -> list[Node]:
-    """That a parameter lies where it may."""
+    """Returns the check that a parameter is within its bounds."""
     above = ">" if lo_open or bounds.lo is None else ">="
     below = "<" if hi_open or bounds.hi is None else "<="
     lo, hi = bounds.ends
@@ -40,14 +40,14 @@ def checked(field: str, index: int, bounds: Interval, lo_open: bool, hi_open: bo
 
 
 def ends(index: int, bounds: Interval) -> list[Node]:
-    """Stores the bounds of a parameter."""
+    """Returns the stores of a parameter's bounds."""
     lo, hi = bounds.ends
     stores = Assign(f"lo[{index}]", lo), Assign(f"hi[{index}]", hi)
     return [*statements(bounds.statements), *stores]
 
 
 def derived(rows: Iterable[ParameterCode]) -> list[Node]:
-    """Of defaults that follow others, those that are not given."""
+    """Returns the assignments of defaults that follow from others, if they are not given."""
     return [If(f"!given || !given[{k}]", row.default) for k, row in enumerate(rows) if row.follows]
 
 
@@ -58,7 +58,7 @@ def checks(rows: Iterable[ParameterCode]) -> Iterator[Node]:
 
 
 def hoisted(count: int, code: Iterable[Node]) -> Iterator[Node]:
-    """The code that fills the array of constants."""
+    """Yields the code that fills the array of `count` constants and checks that they are finite."""
     if not count:
         yield Assign("p->c_[0]", "0")
         return
@@ -71,7 +71,7 @@ def hoisted(count: int, code: Iterable[Node]) -> Iterator[Node]:
 
 
 def _scoped(needs: Sequence[Statement], nodes: list[Node]) -> list[Node]:
-    """In a scope of their own where they need local constants."""
+    """Returns the nodes in a scope of their own if they need local constants."""
     return [Scope(nodes)] if needs else nodes
 
 

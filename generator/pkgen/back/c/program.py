@@ -1,7 +1,7 @@
-"""What `lower` hands on: straight-line code as text, ready for the templates.
+"""The result of `lower`: straight-line code as text, ready for the templates.
 
-An expression is text already (`expressions.py` writes it); everything around it, from
-declarations to comments, belongs to the templates. Nothing here refers to the graph.
+Expressions are text (`expressions.py` writes it); the templates and `tree.py` write everything
+around them, from declarations to comments. Nothing here refers to the expression graph.
 """
 
 from __future__ import annotations
@@ -55,13 +55,13 @@ class Statement(NamedTuple):
 
     @property
     def names(self) -> set[str]:
-        """Variables that it reads or writes."""
+        """Returns the variables that the statement reads or writes."""
         written = () if self.kind == CHECK else self.targets
         return {base(place) for place in (*self.reads, *written)}
 
     @property
     def defines(self) -> tuple[str, ...]:
-        """The local constants that it makes."""
+        """Returns the local constants that the statement defines."""
         made = self.targets if self.kind in (LOCAL, LOAD, TRIG) else ()
         return tuple(name for name in made if name != "NULL")
 
@@ -71,11 +71,11 @@ class Statement(NamedTuple):
 
 @record
 class Block:
-    """A run of statements. All but a kernel's last block become functions of their own, which
-    hand values on through a work array: compilers are superlinear on straight-line code."""
+    """A sequence of statements. Each block of a kernel but the last becomes a function, which
+    passes values through a work array, since compilers are superlinear on straight-line code."""
 
     statements: tuple[Statement, ...]
-    uses: frozenset[str]  # of the arguments p t q v u w and the outputs
+    uses: frozenset[str]  # the arguments (p t q v u w ...) and outputs that it uses
 
     @property
     def checks(self) -> bool:
@@ -88,9 +88,9 @@ class Kernel:
     result: str  # the C type it returns
     outputs: tuple[Output, ...]
     blocks: tuple[Block, ...]
-    work: int  # length of the array through which blocks hand on values
+    work: int  # length of the array through which blocks pass values
     operations: Counter[str] = field(default_factory=Counter)
-    solves: bool = False  # acceleration by a loop over M and f, without statements
+    solves: bool = False  # whether a loop solves M a = f; there are no statements then
 
     @property
     def uses(self) -> frozenset[str]:
@@ -121,7 +121,7 @@ class Assignment:
 
 @record
 class Interval:
-    """Where one parameter may lie; None is infinite."""
+    """The bounds of one parameter; None is infinite."""
 
     statements: tuple[Statement, ...]  # locals that the bounds need
     lo: str | None
@@ -147,17 +147,17 @@ class Program:
     equations: Equations
     structure: Structure
     fields: tuple[Field, ...]
-    parameter_names: tuple[str, ...]  # of each scalar parameter in C: "m1", "k[2]"
+    parameter_names: tuple[str, ...]  # the C text of each scalar parameter: "m1", "k[2]"
     defaults: tuple[Assignment, ...]
     bounds: tuple[Interval, ...]
     prepare: Kernel  # fills the hoisted constants
-    constants: tuple[Constant, ...]  # those
+    constants: tuple[Constant, ...]  # the hoisted constants, with names
     start: Kernel
     kernels: tuple[Kernel, ...]
-    float_too: bool  # whether float can hold its constants
+    float_too: bool  # whether the constants are in the range of float
     helpers: tuple[str, ...]  # functions that the C file must define: "min", "step", ...
-    lanes: tuple[str, ...] = ()  # forms of the acceleration of many states: of LANES
-    plain: bool = False  # to be embedded: nothing is there for the runtime
+    lanes: tuple[str, ...] = ()  # forms of the acceleration of many states, out of LANES
+    plain: bool = False  # whether it is to be embedded, without tables for the runtime
 
     def kernel(self, name: str) -> Kernel | None:
         return next((k for k in self.kernels if k.name == name), None)
@@ -168,12 +168,12 @@ class Program:
 
     @property
     def has_sincos(self) -> bool:
-        """Whether any kernel calls the inline pair."""
+        """Returns whether any kernel calls the inline pair of sine and cosine."""
         return any(s.kind == TRIG for kernel in self.kernels for s in kernel.statements)
 
     @property
     def factored(self) -> bool:
-        """Whether prepare() factors M, which is constant: by a loop, as the acceleration solves."""
+        """Returns whether prepare() factors M: M is constant and a loop solves M a = f."""
         return self.structure.mass_constant and any(k.solves for k in self.kernels)
 
     def __str__(self) -> str:
@@ -186,14 +186,14 @@ class Program:
 
 @record
 class LoopProgram:
-    """Of families kept as loops, all that the templates see: strings, numbers and lists of them."""
+    """The templates' context of a model with loops: strings, numbers and lists of them."""
 
     name: str
     context: dict[str, Any]
 
 
 def operations_in(statements: Iterable[Statement]) -> Counter[str]:
-    """What statements compute: what is shown is what is counted."""
+    """Returns the counts of operations in the text of statements, without loads."""
     operations: Counter[str] = Counter()
     for statement in statements:
         if statement.kind != LOAD:
@@ -205,7 +205,7 @@ def operations_in(statements: Iterable[Statement]) -> Counter[str]:
 
 
 def operations_text(operations: Counter[str]) -> str:
-    """'31 operations: 5 +, 4 -, 20 *, 1 /, 1 sin' in a fixed order."""
+    """Returns '31 operations: 5 +, 4 -, 20 *, 1 /, 1 sin', in a fixed order."""
     total = sum(operations.values())
     if not total:
         return "no operations"

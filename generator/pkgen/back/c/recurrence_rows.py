@@ -1,14 +1,14 @@
-"""Rows that say what carried values are made of: X'' - sum Phi_z z'' = 0.
+"""Rows that state the recurrences of carried values: X'' - sum Phi_z z'' = 0.
 
-Where M a = f of a chain is not eliminated place by place, accelerations of carried values X are
-unknowns of the band as those of coordinates are, each with such a row C, beside constraints J:
+If M a = f of a chain is not eliminated place by place, the accelerations of carried values X are
+unknowns of the band like those of coordinates. Each has such a row, C, besides constraint rows J:
 
     K = [M + C^T W C  C^T  J^T; C 0 0; J 0 0]
 
-X'' is what the coordinates' accelerations make of it; how X moves besides is in the forces. C^T W C
-changes nothing where C x = 0, and makes each leading block of K regular, though coordinates have
-inertia by X alone: M is positive where C x = 0, so with it everywhere (P. Finsler, 1937). W is
-about the inertia that is there.
+X'' is the part due to the coordinates' accelerations; the rest of X'' is in the forces. C^T W C
+does not change the solution, since C x = 0. It makes each leading block of K regular, even if
+coordinates have inertia through X only: M is positive on C x = 0, so M + C^T W C is positive
+(P. Finsler, 1937). W has about the size of the inertia.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .loops import Places
 
 
 def made_of(e: LoopEquations, places: Places, slots: Slots) -> tuple[Bound, ...]:
-    """C by carried value; by level, as they are computed."""
+    """Returns the row C of each carried value, ordered by level like their computation."""
     return tuple(_row(e, item, places, slots) for item in e.carried)
 
 

@@ -1,13 +1,13 @@
-"""One kernel's expressions, rearranged for straight-line code.
+"""Rearranges one kernel's expressions for straight-line code.
 
-- A power becomes what C does about it: repeated multiplication (shared), a reciprocal, a square
-  root, pow().
-- In a product, the factors that depend on parameters alone are brought together, and so are the
-  terms of a sum: `m*(l^2*(x*y))` becomes `(m*l^2)*x*y`, whose bracket `lower` hoists. A product
-  keeps its sign outermost, so that x and -x share their work.
+- A power becomes operations of C: repeated multiplication (shared), a reciprocal, a square root, or
+  pow().
+- In a product the factors that depend on parameters alone are grouped, and in a sum such terms:
+  `m*(l^2*(x*y))` becomes `(m*l^2)*x*y`, whose bracket `lower` hoists. A product keeps its sign
+  outermost, so that x and -x share their work.
 
-Only what is used once is taken apart, so nothing is ever computed twice. Loops, no recursion: a
-chain of terms may be as deep as the model is long.
+Only nodes with one use are taken apart, so no value is computed twice. The code uses loops, not
+recursion, since a chain of terms may be as deep as the model is long.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from .constant_range import Constants, Tables
 
 _ONE = Fraction(1)
 _MINUS_ONE = Fraction(-1)
-SIDE = "side"  # the kind of a symbol: of a switch, where code is written alone
+SIDE = "side"  # the kind of a symbol, of this back end only: the side of a switch
 
 
 class Workspace(Tables):
-    """A private copy of the graph that can grow; hash-consed, but it simplifies nothing."""
+    """A growing private copy of the expression graph; hash-consed, but without simplification."""
 
     def __init__(self, graph: Graph) -> None:
         super().__init__(graph)
         self._known = graph.tables()
-        self.sides: dict[Node, Node] = {}  # of calls that a switch decides: the side
+        self.sides: dict[Node, Node] = {}  # calls that a switch decides, each with its side
         self._side_leaves: dict[Symbol, Node] = {}
         self.constants = Constants(self)
 
     def side(self, call: Node, switch: Symbol, sign: int) -> None:
-        """Has a call decided by the side of a switch, or by the other one."""
+        """Makes a call depend on the side of a switch (sign > 0) or on the opposite side."""
         if switch not in self._side_leaves:
             leaf = self._side_leaves[switch] = len(self.op)
             self.op.append(Op.SYMBOL)
@@ -80,13 +80,13 @@ class Workspace(Tables):
         return self.op[node] is Op.NUMBER or self.op[node] is Op.SYMBOL
 
     def negated(self, node: Node) -> Node | None:
-        """x, if the node is (-1)*x."""
+        """Returns x if the node is (-1)*x, else None."""
         if self.op[node] is Op.MULTIPLY and self.args[node][0] == MINUS_ONE:
             return self.args[node][1]
         return None
 
     def reachable(self, roots: Iterable[Node]) -> list[Node]:
-        """All nodes that the roots need, arguments before what uses them."""
+        """Returns the roots and all nodes below them, arguments before their users."""
         seen: set[Node] = set()
         found = set(roots)
         while found:
@@ -96,8 +96,8 @@ class Workspace(Tables):
 
 
 def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Node, Node]:
-    """For every node that the roots need, its replacement; `gather` brings together what
-    depends on parameters alone."""
+    """Returns the replacement of every node at or below the roots; `gather` groups factors and
+    terms that depend on parameters alone."""
     order = work.reachable(roots)
     absorbed = _absorbed(work, order, roots, gather)
     signed = _normal_signs(work, order) if gather else {}
@@ -105,7 +105,7 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
     new: dict[Node, Node] = {}
     for node in order:
         if node in absorbed or (gather and fixed[node]):
-            # As it is: taken apart by its user, or hoisted as a whole but for its sign.
+            # Unchanged: its user takes it apart, or it is hoisted as a whole without its sign.
             new[node] = node
             if node not in absorbed and ops[node] is not Op.NUMBER:
                 sign, plain = signed[node]
@@ -130,7 +130,8 @@ def rewrite(work: Workspace, roots: list[Node], gather: bool = True) -> dict[Nod
 
 
 def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: bool) -> set[Node]:
-    """Sums used once, in a sum; products used once, in a product or as its divisor."""
+    """Returns the sums used once, in a sum, and the products and reciprocals used once, in a
+    product; their users take them apart."""
     uses: dict[Node, int] = dict.fromkeys(order, 0)
     user: dict[Node, Node] = {}
     for root in roots:
@@ -155,8 +156,8 @@ def _absorbed(work: Workspace, order: list[Node], roots: list[Node], gather: boo
 
 
 def _normal_signs(work: Workspace, order: Iterable[Node]) -> dict[Node, tuple[int, Node]]:
-    """Each constant as a sign and a node: x and -x have the same node, and so have a - b and b - a.
-    The first term of a sum has a plus."""
+    """Returns a sign and a node for each constant: x and -x have the same node, as do a - b and
+    b - a. The first term of a sum has a plus."""
     signed: dict[Node, tuple[int, Node]] = {}
     for node in order:
         if not work.fixed[node]:
@@ -189,7 +190,7 @@ def _is_reciprocal(work: Workspace, node: Node) -> bool:
 
 
 def _terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[Node]:
-    """The terms of a sum, left to right."""
+    """Yields the terms of a sum, left to right."""
     stack = [node]
     while stack:
         x = stack.pop()
@@ -200,7 +201,7 @@ def _terms(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[Node]:
 
 
 def _factors(work: Workspace, node: Node, absorbed: set[Node]) -> Iterator[tuple[Node, bool]]:
-    """The factors of a product, left to right, each with whether it divides."""
+    """Yields the factors of a product, left to right, each with whether it is a divisor."""
     stack = [(node, False)]
     while stack:
         x, divides = stack.pop()
@@ -246,7 +247,7 @@ def _product(
             (below if divides else above).append(x)
     number = [] if magnitude is _ONE or magnitude == 1 else [work.number(magnitude)]
     if fixed:
-        # Sorted, so that the same constant met in another order is the same node.
+        # They are sorted, so that the same constants in another order give the same node.
         above.insert(0, _chain(work.multiply, number + sorted(fixed)))
     elif number or not (above or below):
         above.insert(0, work.number(magnitude))
@@ -264,7 +265,7 @@ def _chain(join, items: list[Node]) -> Node:
 
 
 def power(work: Workspace, base: Node, exponent: Fraction) -> Node:
-    """base^exponent by multiplication, division, sqrt, or else pow."""
+    """Returns base^exponent by multiplication, division, sqrt, or else pow."""
     if exponent < 0:
         return work.reciprocal(power(work, base, -exponent))
     if exponent.denominator > 2:
@@ -272,7 +273,7 @@ def power(work: Workspace, base: Node, exponent: Fraction) -> Node:
     whole = int(exponent)
     root = work.node(Op.CALL, (base,), "sqrt") if exponent.denominator == 2 else None
     result = root
-    # By squaring, from the highest bit down: every step uses the one before twice at most.
+    # Binary powering, from the highest bit down.
     power_so_far: Node | None = None
     for bit in bin(whole)[2:] if whole else "":
         if power_so_far is not None:

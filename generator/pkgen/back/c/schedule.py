@@ -1,7 +1,7 @@
-"""The statements of one kernel: in what order, under which names, what stays inline.
+"""Schedules the statements of one kernel: their order, the names of locals, inline expressions.
 
-A value used twice, or one that would make a line hard to read, becomes a local constant; the
-rest is written where it is used. A value comes just before its first use, a sine with the
+A value used twice (a common subexpression), or too long for a line, becomes a local constant;
+others are written where they are used. A local comes just before its first use, a sine with the
 cosine of the same angle (one call of the inline pair gives both), an output as soon as it is known.
 """
 
@@ -36,7 +36,7 @@ from .names import Names
 from .program import Statement
 from .rewrite import Workspace
 
-# Longest text, in characters, of an expression, and of a part of one in brackets.
+# Longest text, in characters, of an expression, of a part in brackets, and of a local's name.
 _LONGEST = 150
 _LONGEST_PART = 64
 _LONGEST_NAME = 32
@@ -44,8 +44,8 @@ _LONGEST_NAME = 32
 
 @dataclass
 class Schedule:
-    """Builds the statements of one kernel. `leaf` gives the text of symbols and of hoisted
-    values, None for anything to be computed; `hints` names for nodes that become locals."""
+    """Builds the statements of one kernel. `leaf` returns the text of symbols and of hoisted
+    values, None for nodes to be computed; `hints` are names for nodes that become locals."""
 
     work: Workspace
     names: Names
@@ -53,16 +53,16 @@ class Schedule:
     leaf: Callable[[Node], Code | None]
     hints: Mapping[Node, str] = field(default_factory=dict)
     kept: frozenset[Node] = frozenset()  # must become locals
-    known_after: frozenset[str] = frozenset()  # outputs that are read back
-    inline_sincos: bool = False  # sine and cosine by the inline pair, not by libm
+    known_after: frozenset[str] = frozenset()  # outputs that later statements may read
+    inline_sincos: bool = False  # sine and cosine by the runtime's inline pair, not by libm
     statements: list[Statement] = field(default_factory=list)
     helpers: set[str] = field(default_factory=set)
     _forms: dict[Node, Form] = field(default_factory=dict)
     _local: set[Node] = field(default_factory=set)
-    _angles: dict[Node, None] = field(default_factory=dict)  # known from the start, not yet used
+    _angles: dict[Node, None] = field(default_factory=dict)  # leaves whose sines are not taken yet
 
     def __post_init__(self) -> None:
-        self.leaf = cache(self.leaf)  # asked several times for each node
+        self.leaf = cache(self.leaf)  # called several times for each node
 
     def run(self, targets: Iterable[Target]) -> None:
         targets = list(targets)
@@ -89,7 +89,7 @@ class Schedule:
                 self._forms[target.nodes[0]] = atom(variable(target.where))
 
     def _locals(self, targets: list[Target]) -> set[Node]:
-        """Nodes used more than once; a sign on the way does not count as a value of its own."""
+        """Returns the nodes that become locals: with several uses (of x or -x), `kept`, or trig."""
         work, leaf = self.work, self.leaf
         uses: dict[Node, int] = {}
         pending = [node for target in targets for node in target.nodes]
@@ -112,19 +112,19 @@ class Schedule:
         return {node for node in local if self.leaf(node) is None}
 
     def _partner(self, node: Node) -> Node | None:
-        """The cosine that belongs to a sine, and the other way round."""
+        """Returns the node of the cosine of a sine's angle, or of the sine of a cosine's."""
         if self.work.op[node] is not Op.CALL:
             return None
         other = SQUARES.get(str(self.work.data[node]))
         return other and self.work.find(Op.CALL, self.work.args[node], other)
 
     def _is_trig(self, node: Node) -> bool:
-        """Whether the inline pair computes it."""
+        """Returns whether the inline pair computes the node."""
         call = self.work.op[node] is Op.CALL and str(self.work.data[node]) in SQUARES
         return call and self.inline_sincos
 
     def _compute(self, root: Node) -> None:
-        """Forms of everything that the root needs, arguments first."""
+        """Computes the forms of the root and of all nodes below it, arguments first."""
         work, forms = self.work, self._forms
         stack = [root]
         while stack:
@@ -160,8 +160,8 @@ class Schedule:
                 self._finish(x)
 
     def _take_sines(self, angle: Node) -> None:
-        """Sine and cosine, as far as they are needed, by one call of the inline pair; with them
-        those of another angle, if it is known: two are packed into one vector."""
+        """Adds one call of the inline pair for the needed sine and cosine of an angle. It includes
+        another angle if one is at hand, since a call computes two angles in one SIMD vector."""
         self._promote(angle, _LONGEST_PART)
         self._angles.pop(angle, None)
         angles = [angle]
@@ -227,11 +227,11 @@ class Schedule:
                 self._promote(a, 0)
 
     def _promote(self, node: Node, longest: int) -> None:
-        """Makes a local of a value whose text is longer than that."""
+        """Makes a local of a value whose text is longer than `longest`."""
         form = self._forms[node]
         if form.length <= longest or self.leaf(node) is not None:
             return
-        # A minus moves to where the value is used: -a - b is kept as a + b.
+        # The local has a positive sign, and its uses get the minus: -a - b is stored as a + b.
         sign = form.sign if not form.is_sum else max(sign for sign, _ in form.terms)
         form = negated(form) if sign < 0 else form
         value = code(form)
@@ -247,7 +247,7 @@ class Schedule:
         self._forms[node] = negated(local) if sign < 0 else local
 
     def _name(self, node: Node, form: Form, function: str = "") -> str:
-        """A name for the value of a node: of `form`, or of the function of it."""
+        """Returns a name for a node, whose value is `form`, or `function` of `form`."""
         wish = self.hints.get(node) or _described(form, function)
         if wish and len(wish) <= _LONGEST_NAME and self.names.is_free(wish):
             return self.names.take(wish)
@@ -255,13 +255,13 @@ class Schedule:
 
 
 def _typed(form: Form) -> Form:
-    """An integer as a number: <tgmath.h> would take the function of double."""
+    """Returns a form, an integer as a real: for an int <tgmath.h> would choose double."""
     text = code(form)
     return constant(f"PK_C({text}.0)") if text.isdigit() else form
 
 
 def _at_hand(value: Code) -> bool:
-    """A number, a name, or a member of a struct."""
+    """Returns whether the text is a number, a name, or a member of a struct."""
     if value.operations:
         return False
     is_name = value in value.reads and ("[" not in value or value.startswith("p->"))
@@ -269,13 +269,13 @@ def _at_hand(value: Code) -> bool:
 
 
 def _is_named(part: Code) -> bool:
-    """A local constant whose name says what it is, unlike t7."""
+    """Returns whether the text is a local with a descriptive name, unlike t7."""
     numbered = part[0] == "t" and part[1:].isdigit()
     return part.reads == (part,) and part.isidentifier() and part[0].islower() and not numbered
 
 
 def _described(form: Form, function: str) -> str | None:
-    """sin_theta1, theta1_minus_theta2, theta1_dot_sq: names that say what the value is."""
+    """Returns a descriptive name: sin_theta1, theta1_minus_theta2, theta1_dot_sq; or None."""
     if function:
         argument = code(form)
         return f"{function}_{argument}" if argument.isidentifier() else None
@@ -291,6 +291,6 @@ def _described(form: Form, function: str) -> str | None:
 
 
 def number_text(value: object) -> Code:
-    """A constant of the graph, with its sign."""
+    """Returns the C text of a number, with its sign."""
     assert isinstance(value, Fraction)
     return Code(("-" if value < 0 else "") + literal(abs(value)))

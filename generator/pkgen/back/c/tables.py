@@ -1,4 +1,4 @@
-"""What the templates see of a model's quantities: tables of names, indices, parameters."""
+"""The templates' view of a model's quantities: tables of names, indices, parameters."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .program import Program
 
 
 def tables(program: Program) -> dict[str, Sequence[Quantity]]:
-    """Names, units and descriptions, by what the array of them is called."""
+    """Returns the quantities of each table of names, units and descriptions, by table."""
     e = program.equations
     found = {
         "coordinates": e.coordinates,
@@ -28,7 +28,7 @@ def tables(program: Program) -> dict[str, Sequence[Quantity]]:
     return {name: row if _has(program, name) else () for name, row in found.items()}
 
 
-# The kernels that write what these are the names of.
+# The kernels that write the quantities in these tables.
 _WRITTEN = {
     "momentum_names": "momenta",
     "observed": "observe",
@@ -40,13 +40,13 @@ _WRITTEN = {
 
 
 def _has(program: Program, table: str) -> bool:
-    """C to be embedded has no names of what it does not compute."""
+    """Returns whether the C has a table; embedded C has none for quantities it does not compute."""
     kernel = _WRITTEN.get(table)
     return not program.plain or kernel is None or program.kernel(kernel) is not None
 
 
 def counts(program: Program) -> list[tuple[str, int, str]]:
-    """How many there are of each: the end of a constant's name, its value, a comment."""
+    """Returns the counts of quantities: the end of a C constant's name, its value, a comment."""
     e, names = program.equations, tables(program)
     rows = [
         ("N", len(e.coordinates), "degrees of freedom"),
@@ -63,7 +63,7 @@ def counts(program: Program) -> list[tuple[str, int, str]]:
 
 
 def singularities(program: Program) -> list[dict[str, Any]]:
-    """Of the system's table: there is none where the kernel is not asked for."""
+    """Returns the rows of the table of singularities, none without the kernel."""
     if program.kernel("singularity") is None:
         return []
     return [
@@ -83,7 +83,7 @@ def events(of: Program | LoopEquations) -> list[dict[str, Any]]:
 
 
 def indices(program: Program) -> list[dict[str, Any]]:
-    """Named indices, one for a plain quantity or the first of a family."""
+    """Returns the named indices: one per plain quantity, one for the first member of a family."""
     e, names = program.equations, tables(program)
     own = e.own
     parameters = [] if program.plain else [slot.quantity for slot in e.parameters]
@@ -132,6 +132,6 @@ def parameters(program: Program) -> list[dict[str, Any]]:
 
 
 def input_rates(inputs: Sequence[Quantity]) -> list[int]:
-    """For each input the index of its time derivative, or -1 where that is not an input."""
+    """Returns for each input the index of its time derivative, or -1 if that is not an input."""
     places = {quantity.name: i for i, quantity in enumerate(inputs)}
     return [places.get(quantity.name + "'", -1) for quantity in inputs]

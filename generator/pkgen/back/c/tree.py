@@ -1,6 +1,6 @@
-"""A small tree of C: statements and functions, and their text, folded and indented.
+"""A small syntax tree of C: statements and functions, and their text, folded and indented.
 
-What a kernel, a loop or a check becomes is built of these; Jinja2 keeps the frames of files.
+Kernels, loops and checks are built of these nodes; Jinja2 templates hold the frames of files.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Assign:
 
 @record
 class Call:
-    """A call for its effect."""
+    """An expression statement, mostly a call."""
 
     text: str
 
@@ -50,7 +50,7 @@ class If:
 
 @record
 class Loop:
-    """`head` is what stands in the brackets of `for`."""
+    """A loop; `head` is the text in the parentheses of `for`."""
 
     head: str
     body: Sequence[Node]
@@ -70,7 +70,7 @@ class Blank:
 
 @record
 class Text:
-    """C as it stands, at the margin."""
+    """Lines of C, copied without indentation."""
 
     text: str
 
@@ -80,7 +80,7 @@ Node = Declare | Assign | Call | Return | Comment | If | Loop | Scope | Blank | 
 
 @record
 class Function:
-    """`before` is what precedes its type: PK_INLINE."""
+    """A function; `says` is its comment, `before` a line before its type, such as PK_INLINE."""
 
     signature: str
     body: Sequence[Node]
@@ -95,7 +95,7 @@ class Function:
 
 
 def rendered(nodes: Iterable[Node], indent: int = 4) -> list[str]:
-    """Lines; some hold several, folded."""
+    """Returns the nodes' lines of C; a folded statement is one entry with several lines."""
     return [line for node in nodes for line in _lines(node, indent)]
 
 
@@ -126,7 +126,7 @@ def _lines(node: Node, indent: int) -> list[str]:
 
 
 def _headed(head: str, body: Sequence[Node], indent: int) -> list[str]:
-    """Braces where there are several statements."""
+    """Returns the lines of a head and its body, in braces if the body has several statements."""
     if len(body) == 1 and isinstance(body[0], Scope):
         body = body[0].body
     lines = rendered(body, indent + 4)

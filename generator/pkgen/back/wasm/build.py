@@ -1,5 +1,5 @@
-"""The runtime's core and one model as WebAssembly, by Debian's clang, lld and wasi-libc; without
-GSL, which is under the GPL, and without emscripten."""
+"""Compiles the runtime's core and one model to WebAssembly, by Debian's clang, lld and wasi-libc;
+without GSL, which is under the GPL, and without emscripten."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ LINKERS = (
 )
 LIBC = (Path("/usr/lib/wasm32-wasi/libc.a"), Path("/opt/wasi-sysroot/lib/wasm32-wasi/libc.a"))
 TARGET = "--target=wasm32-wasi"
-# Pairs of numbers side by side: gauss is a third faster, a swarm a tenth; browsers that can unpack
-# the page (DecompressionStream) have them. Loops that are not unrolled are as fast and a tenth
-# shorter.
+# -msimd128: with SIMD pairs gauss is a third faster, a swarm a tenth; every browser that has
+# DecompressionStream, which the page needs, has SIMD. -fno-unroll-loops: the code is as fast and a
+# tenth smaller.
 FLAGS = (
     TARGET,
     STANDARD,
@@ -47,9 +47,9 @@ FLAGS = (
     "-fno-trapping-math",
     "-DPK_RUNTIME",
 )
-# Without -O, at which clang would run a wasm-opt that is on the PATH: version 108 breaks -msimd128.
-# The stack has arrays of large models. It comes first in memory, so that one that is too small ends
-# the call instead of writing over data.
+# There is no -O here: with it clang runs a wasm-opt on the PATH, and its version 108 breaks
+# -msimd128. The stack holds the arrays of large models. It comes first in memory, so that an
+# overflow traps instead of overwriting data.
 LINK = (
     TARGET,
     "-mexec-model=reactor",
@@ -65,7 +65,7 @@ CORE = "core.o"
 
 
 def missing() -> list[str]:
-    """Debian's packages without which no page can be made here."""
+    """Returns the Debian packages that a build of a page needs and that are not installed."""
     clang, linker, libc = _found()
     wanted = (("clang", clang), ("lld", linker), ("wasi-libc", libc))
     names = [package for package, there in wanted if not there]
@@ -79,7 +79,7 @@ def _found() -> tuple[str | None, str | None, Path | None]:
 
 
 def _tools() -> tuple[list[str], list[str]]:
-    """What compiles and what links. Raises BuildError with all that is missing."""
+    """Returns the commands that compile and link. Raises BuildError with all missing packages."""
     if names := missing():
         wanted = " ".join(names)
         raise BuildError(f"a live page needs a compiler to WebAssembly: apt-get install {wanted}")
@@ -90,13 +90,13 @@ def _tools() -> tuple[list[str], list[str]]:
 
 
 def _has_builtins(clang: str) -> bool:
-    """Whether it has what it calls for operations that WebAssembly lacks."""
+    """Returns whether clang's library of functions for operations that WebAssembly lacks exists."""
     folder = Path(os.path.realpath(clang)).parents[1] / "lib"
     return any(folder.glob("clang/*/lib/**/libclang_rt.builtins*wasm32*"))
 
 
 def _runtime(compiles: list[str], linker: str) -> Path:
-    """All that is the same for all models as one object, made if missing."""
+    """Returns the cached object file of the code that all models share; compiles it if missing."""
     folders = (RUNTIME / "src", LIVE)
     sources = sorted(path for folder in folders for path in folder.rglob("*.c"))
     digest = hashlib.sha256(repr((compiles, CORE)).encode())
@@ -121,9 +121,9 @@ def _runtime(compiles: list[str], linker: str) -> Path:
 
 
 def wasm(files: Mapping[str, str], name: str, own: Sequence[Own] = ()) -> bytes:
-    """The module of the model NAME from its generated files and its `own` methods, packed by gzip;
-    the same files give the same bytes. Raises BuildError with what is missing, or what the compiler
-    said."""
+    """Returns the gzipped WebAssembly module of the model NAME, from its generated files and its
+    `own` methods; the same files give the same bytes. Raises BuildError with the missing packages
+    or the compiler's output."""
     compiles, links = _tools()
     core = _runtime(compiles, links[-1].partition("=")[2])
     every = {**files, WHICH: which_model(name, own), in_c.FILE: in_c.tables(own)}

@@ -1,4 +1,4 @@
-"""C that calls a model for live pages and for Python, and which model that is."""
+"""C functions `live_*` by which live pages and Python call a model, and the file that names it."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
-/* Many states in one call: an array of each of t, q, v and u, state by state. */
+/* Many states in one call: arrays t, q, v and u, each ordered state by state. */
 #include <string.h>
 
 #include "live.h"
 
-/* A block of lanes: the accelerations of PK_LANES states at once. Those that failed are a bit each
- * of the result. */
+/* The accelerations of PK_LANES states at once, one in each SIMD lane. Returns a bit set of the
+ * lanes that failed. */
 static unsigned long long block(const void *params, size_t n, const double *t, const double *q,
                                 const double *v, const double *u, double *out, double *work)
 {
@@ -26,13 +26,13 @@ static unsigned long long block(const void *params, size_t n, const double *t, c
     return failed;
 }
 
-/* Numbers of `work` that live_accelerations() needs. */
+/* Length of the array `work` of live_accelerations(). */
 size_t EXPORT(live_accelerations_size)(const void *params)
 {
     return PK_LANES * (3 * pk_system_count(live_system, params) + live_system->n_inputs);
 }
 
-/* failed[k]: there is none of state k, whose numbers are as they were. */
+/* Writes the accelerations of `count` states to `out`. failed[k] is 1 if state k has none. */
 void EXPORT(live_accelerations)(const void *params, size_t count, const double *t, const double *q,
                                 const double *v, const double *u, double *out,
                                 unsigned char *failed, double *work)
@@ -52,7 +52,8 @@ void EXPORT(live_accelerations)(const void *params, size_t count, const double *
                                                   out + k * n) != 0;
 }
 
-/* A kernel of `width` numbers at each state: 0 outputs, 1 claims, 2 the energy. */
+/* Evaluates a kernel with `width` results at each state. `which`: 0 outputs, 1 claims, 2 the
+ * energy. Returns 0 if the model has no such kernel. */
 int EXPORT(live_values)(const void *params, int which, size_t width, size_t count, const double *t,
                         const double *q, const double *v, const double *u, double *out)
 {
@@ -68,8 +69,8 @@ int EXPORT(live_values)(const void *params, int which, size_t width, size_t coun
     return 1;
 }
 
-/* Rows of a motion at `times`, each by at most `budget` steps; how many are made. *status: of
- * live_to(), of the first that is not. */
+/* Writes the states at `times`, each reached by at most `budget` steps. Returns the number of rows
+ * written; *status is the result of the last live_to(). */
 size_t EXPORT(live_rows)(struct live *m, size_t n, size_t count, const double *times, double budget,
                          double *q, double *v, int *status)
 {

@@ -1,4 +1,4 @@
-/* Motions: one state, any method, to any time. */
+/* Motions: one state, integrated by any method to any time. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 
 #include "live.h"
 
-enum { MOST_CROSSINGS = 1 << 16 }; /* that nobody takes */
+enum { MOST_CROSSINGS = 1 << 16 }; /* most that are kept between calls of live_take_crossings() */
 
 struct live {
     struct pk_integrator it, aside;
@@ -18,13 +18,13 @@ struct live {
     size_t size, n;
     double *q, *v, *u; /* at t */
     double t;
-    double *q0, *v0, t0; /* the start, which was taken */
+    double *q0, *v0, t0; /* the initial state */
     double *crossings;   /* event, t, q, v of each */
     size_t n_crossings, room;
     size_t n_inputs;
-    int stopped;    /* at an event, where `it` is */
-    double from;    /* where the last step began */
-    double refused; /* the time of a live_to() that is no time to go to */
+    int stopped;    /* `it` stands at an event that ends the motion */
+    double from;    /* t at which the last step began */
+    double refused; /* the time that the last live_to() refused */
     int is_refused;
 };
 
@@ -86,8 +86,8 @@ const struct pk_method *live_method(const char *name)
     return pk_method_find(name);
 }
 
-/* NULL with why where the method, its settings or the start are refused. h is 0 where the method
- * begins by itself. params stay the caller's as long as the motion is used. */
+/* Returns a motion, or NULL with a reason if an argument is refused. The method chooses the first
+ * step size if h is 0. The caller keeps params alive while it uses the motion. */
 struct live *EXPORT(live_new)(const void *params, const char *method, double h, double rtol,
                               double t, const double *q, const double *v, const double *u)
 {
@@ -148,19 +148,19 @@ struct live *EXPORT(live_new)(const void *params, const char *method, double h, 
     return m;
 }
 
-/* The integrator of steps aside, when a step was made: from the start, since no other state is
- * sure to be taken as one. */
+/* Makes the second integrator `aside`, which computes states within a step. It starts at the
+ * initial state, since another state might be refused as a start. Returns 0 if that fails. */
 static int make_aside(struct live *m)
 {
     struct pk_problem problem = m->it.problem;
-    if (m->events.sides) /* with the sides of switches */
+    if (m->events.sides) /* these params hold the sides of the switches */
         problem.params = m->events.params;
     m->aside_block = calloc(1, m->size + 1);
     return m->aside_block && pk_integrator_init(&m->aside, &problem, m->it.method, &m->it.options,
                                                 m->t0, m->q0, m->v0, m->aside_block, m->size) >= 0;
 }
 
-/* The state at t in the last step. */
+/* Computes the state at t within the last step, by dense output or by a shorter step aside. */
 static enum pk_status within(struct live *m, double t)
 {
     if (pk_integrator_is_at(&m->it, t)) {
@@ -178,8 +178,8 @@ static enum pk_status within(struct live *m, double t)
     return found;
 }
 
-/* A step goes on to the event that stops it, perhaps beyond t: 0 where there is a state at t still,
- * 2 where not, or the status. */
+/* The last step ended at the event that stops the motion, perhaps beyond t. Returns 0 with the
+ * state at t if that is before the event, else 2 with the event's state, or a failure's status. */
 static int at_stop(struct live *m, double t)
 {
     if (!(t < m->it.t) || pk_integrator_is_at(&m->it, t)) {
@@ -196,9 +196,10 @@ static int at_stop(struct live *m, double t)
     return 0;
 }
 
-/* To t, by at most `budget` steps: 1 if there are more to make, 0 at t, negative or above 1 the
- * status. Steps are what they are without t: the state at t is the method's own interpolant, or a
- * shorter step aside. A time before the last step is refused, since no state is kept there. */
+/* Integrates to t by at most `budget` steps. Returns 0 at t, 1 if more steps are needed, otherwise
+ * a status (negative or above 1). t does not affect the steps: the state at t comes from dense
+ * output or a shorter step aside. A time before the last step is refused, since no state is kept
+ * there. */
 int EXPORT(live_to)(struct live *m, double t, double budget)
 {
     struct pk_integrator *it = &m->it;
@@ -228,7 +229,7 @@ int EXPORT(live_to)(struct live *m, double t, double budget)
         }
     }
     const enum pk_status status = within(m, t);
-    if (status == PK_BAD_ARGUMENT) { /* the step has ended at a switch: its end is what there is */
+    if (status == PK_BAD_ARGUMENT) { /* the step ended at a switch: the state at its end serves */
         keep(m, it->t, it->q, it->v);
         return 0;
     }

@@ -1,4 +1,4 @@
-/* The structs of parameters, with room for the families that they point to. */
+/* The structs of parameters, with memory for the arrays (families) that they point to. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,8 +41,8 @@ size_t EXPORT(live_parameters)(void *params)
 
 size_t EXPORT(live_params_size)(void) { return live_system->params_size; }
 
-/* So many structs one after the other, each with its own room for families where `own`, else all
- * with that of the first. NULL without memory. */
+/* Allocates `count` structs in a row, each with its own memory for families if `own`, otherwise all
+ * sharing one. Only the first has its defaults set. Returns NULL without memory. */
 void *EXPORT(live_params)(size_t count, int own)
 {
     const struct pk_system *s = live_system;
@@ -73,7 +73,8 @@ void *EXPORT(live_params)(size_t count, int own)
 
 void EXPORT(live_params_free)(void *params) { free(params); }
 
-/* Values in, all of them out. 1, or 0 with why: a parameter is out of bounds. */
+/* Sets the parameters from `values` (NaN: the default) and writes all resulting values back.
+ * Returns 1, or 0 with a reason, like a parameter out of bounds. */
 int EXPORT(live_set)(void *params, double *values)
 {
     const struct pk_system *s = live_system;

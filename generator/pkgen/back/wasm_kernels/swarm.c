@@ -1,4 +1,4 @@
-/* Swarms: many states side by side, of one set of parameters, or each of its own. */
+/* Swarms: ensembles of many states, each member with its own params. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,19 +7,19 @@
 
 #include "live.h"
 
-/* Fixed steps lie on the grid of their own length, whatever times are shown: `state` is at the
- * last point of it, `shown` a shorter step further. */
+/* Steps of fixed size lie on the grid of multiples of h, whatever times are shown: `state` is at
+ * the last grid point, `shown` a shorter step further. */
 struct swarm {
     struct pk_ensemble e;
     void *block;
     size_t block_size, n;
-    pk_real at, target; /* of state; of a run */
+    pk_real at, target; /* the times of `state` and of the current run's end */
     pk_real *state, *shown, *ends, *u;
     size_t *done;
     pk_real *last;
-    float *points; /* their least and most of x and of y, then x, y of each */
+    float *points; /* least and greatest x, then y, over all members; then x, y of each */
     enum pk_status *status;
-    unsigned char *ended; /* members that failed: they stand where they were */
+    unsigned char *ended; /* flags of members that failed: they keep their last state */
 };
 
 void EXPORT(live_swarm_free)(struct swarm *s)
@@ -36,8 +36,8 @@ void EXPORT(live_swarm_free)(struct swarm *s)
     free(s);
 }
 
-/* `params`: of each member, params_size bytes one after the other. Its start is to be put where
- * live_swarm_start() is: q of all, then v of all. Inputs u are the same for all. */
+/* `params`: the structs of all members in a row, params_size bytes each. The caller writes the
+ * initial states to live_swarm_start(): q of all, then v of all. Inputs u are the same for all. */
 struct swarm *EXPORT(live_swarm_new)(const void *params, const char *method, double h, double rtol,
                                      const double *u, size_t count)
 {
@@ -102,10 +102,10 @@ struct swarm *EXPORT(live_swarm_new)(const void *params, const char *method, dou
 
 pk_real *EXPORT(live_swarm_start)(struct swarm *s) { return s->state; }
 
-/* Those at the time of the last live_swarm_to(): q of all, then v of all. */
+/* The states at the time of the last live_swarm_to(): q of all, then v of all. */
 const pk_real *EXPORT(live_swarm_states)(const struct swarm *s) { return s->shown; }
 
-/* Columns i and j, of q and behind them of v, as WebGL takes them. */
+/* Columns i and j of (q, v) as floats for WebGL, after the bounds of each; see `points`. */
 const float *EXPORT(live_swarm_points)(struct swarm *s, size_t i, size_t j)
 {
     const size_t n = s->n, members = s->e.members;
@@ -125,7 +125,7 @@ const float *EXPORT(live_swarm_points)(struct swarm *s, size_t i, size_t j)
     return s->points;
 }
 
-/* q and v of member i from one place to another. */
+/* Copies q and v of member i between arrays of states. */
 static void take(const struct swarm *s, pk_real *to, const pk_real *from, size_t i)
 {
     const size_t v = s->n * s->e.members, size = s->n * sizeof *to;
@@ -133,7 +133,7 @@ static void take(const struct swarm *s, pk_real *to, const pk_real *from, size_t
     memcpy(to + v + i * s->n, from + v + i * s->n, size);
 }
 
-/* All from `state` to t, into `to`. */
+/* Integrates all members from `state` to t and stores the results in `to`. */
 static void run(struct swarm *s, pk_real t, pk_real *to)
 {
     s->target = t;
@@ -148,8 +148,8 @@ static void run(struct swarm *s, pk_real t, pk_real *to)
     }
 }
 
-/* All to t. Members that fail stay where they are; how many do not. Where none goes on,
- * live_why() has the words of the first. */
+/* Integrates all members to t and returns how many have not failed. A failed member keeps its last
+ * state. If all have failed, live_why() returns the first member's reason. */
 size_t EXPORT(live_swarm_to)(struct swarm *s, double t)
 {
     const pk_real h = s->e.options.h;

@@ -1,4 +1,4 @@
-/* Values at a state: u are the inputs. 0: there is none. */
+/* Values at one state; u are the inputs. The functions return 0 if the value does not exist. */
 #include <math.h>
 
 #include "live.h"
@@ -33,7 +33,7 @@ int EXPORT(live_acceleration)(const void *params, double t, const double *q, con
     return !live_system->acceleration(params, t, q, v, u, out);
 }
 
-/* `rest` has room for n numbers. */
+/* Writes the n momenta to `out`; `rest` is scratch memory for n numbers. */
 int EXPORT(live_momenta)(const void *params, double t, const double *q, const double *v,
                          const double *u, double *out, double *rest)
 {
