@@ -1,6 +1,6 @@
-/* Blocks of coordinates integrated apart; see pk/apart.h. The block of memory is first the parts
- * as structs, then for each its parameters, maps and integrator, then the whole's state: all
- * padded, so that each is aligned for whatever comes first in it. /
+/* Blocks of coordinates integrated apart; see pk/apart.h. The memory block holds the structs of the
+ * parts, the state of the whole, the parameters and input map of each part, then the integrators of
+ * each part, all padded so that each is aligned.
  */
 #include <stdio.h>
 #include <string.h>
@@ -25,7 +25,7 @@ static size_t state_reals(const struct pk_system *whole)
     return coordinates(whole) + whole->n + whole->n_inputs;
 }
 
-/* Params and the map of inputs. */
+/* Returns the bytes of params and of the map of inputs. */
 static size_t own_size(const struct pk_system *system)
 {
     return padded(system->params_size) + padded(system->n_inputs * sizeof(size_t));
@@ -58,7 +58,7 @@ static enum pk_status bad(struct pk_apart *a, const char *why, size_t part)
     return a->status = PK_BAD_ARGUMENT;
 }
 
-/* Where each name of `of` is among those of the whole; 0 where one is missing. */
+/* Finds each name of `of` among those of the whole. Returns 0 if one is missing. */
 static int find(const struct pk_quantity *of, size_t count, const struct pk_quantity *whole,
                 size_t n, size_t *where)
 {
@@ -73,7 +73,8 @@ static int find(const struct pk_quantity *of, size_t count, const struct pk_quan
     return 1;
 }
 
-/* Values of equal names; what the part has besides follows from these. `given` is a flag each. */
+/* Copies the values of equal names; the part's other parameters follow from these. `given`: a flag
+ * for each. */
 static int take_parameters(struct pk_apart_part *part, const struct pk_problem *whole,
                            unsigned char *given)
 {
@@ -102,7 +103,8 @@ static void input(void *context, pk_real t, pk_real *u)
         u[i] = part->u[part->inputs[i]];
 }
 
-/* Each coordinate of the whole once, and the parts' inputs those of the whole. */
+/* Checks that each coordinate of the whole is in one part, and each input of a part is in the
+ * whole. */
 static enum pk_status check_parts(struct pk_apart *a)
 {
     const struct pk_system *whole = a->whole.system;
@@ -131,7 +133,7 @@ static enum pk_status check_parts(struct pk_apart *a)
     return PK_DONE;
 }
 
-/* The state of the parts into that of the whole. */
+/* Copies the states of the parts into that of the whole. */
 static void assemble(struct pk_apart *a)
 {
     const size_t n_q = coordinates(a->whole.system);
@@ -151,11 +153,11 @@ static enum pk_status start(struct pk_apart *a, size_t k, const struct pk_choice
     struct pk_apart_part *part = &a->parts[k];
     const struct pk_system *system = part->of.system;
     const size_t n_q = coordinates(system), n = system->n;
-    pk_real *q = a->state, *v = q + n_q; /* free until all parts have begun */
+    pk_real *q = a->state, *v = q + n_q; /* unused until all parts have started */
     struct pk_problem problem = {.system = system, .params = part->params};
     a->failed = k + 1;
     const int outside = take_parameters(part, &a->whole, (unsigned char *)block);
-    if (outside) { /* as the integrator would have found and said */
+    if (outside) { /* as the integrator would report it */
         part->it.problem = problem;
         part->it.method = choice->method;
         part->it.where = pk_refused_parameter(system, outside);

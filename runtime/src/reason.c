@@ -1,4 +1,4 @@
-/* A status in words, with the names and numbers that belong to it. */
+/* Describes a status in words, with the names and numbers that belong to it. */
 #include <stdio.h>
 
 #include <pk/constraint.h>
@@ -79,8 +79,8 @@ static const char *const singularity_use[] = {
     [PK_SINGULARITY_ARC] = "their asin or acos ends there",
 };
 
-/* An acceleration that does not grow on the way to a division by zero seems to have a limit there:
- * the expression ends and the motion may not. */
+/* If the acceleration does not grow on the way to a division by zero, it seems to have a limit
+ * there: the expression ends and the motion may not. */
 static int singular(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_system *system = it->problem.system;

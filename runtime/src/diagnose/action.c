@@ -5,13 +5,13 @@
 #include "well.h"
 
 enum { LEAST = 32, MOST = 1 << 18, SAMPLES = 1024, TIMES = 3 };
-#define SETTLED (32 * PK_EPSILON)  /* relative changes: of rounding, */
-#define NOISE (16384 * PK_EPSILON) /* of sums of many roundings, */
-#define PASSABLE PK_C(1e-6)        /* and of what is told with its error */
-#define LOST PK_C(1e-3)            /* relative error of T by rounding: a separatrix */
+#define SETTLED (32 * PK_EPSILON)  /* relative changes: rounding, */
+#define NOISE (16384 * PK_EPSILON) /* sums of many roundings, */
+#define PASSABLE PK_C(1e-6)        /* results reported with their error */
+#define LOST PK_C(1e-3)            /* relative rounding of T above which it is a separatrix */
 
-/* The relative error of T by one of the energy, at an end: T depends on the logarithm of the force
- * there, and a rounding moves the end by most epsilon/F. */
+/* Returns the relative error of T by rounding of the energy, at an end: T depends on the logarithm
+ * of the force F there, and rounding moves the end by most epsilon/F. */
 static pk_real doubt(const struct pk_well *w, pk_real q, pk_real amplitude)
 {
     const pk_real d = amplitude * PK_F(sqrt)(PK_F(sqrt)(PK_EPSILON)), F = pk_well_force(w, q);
@@ -19,8 +19,8 @@ static pk_real doubt(const struct pk_well *w, pk_real q, pk_real amplitude)
     return PK_EPSILON * w->most * pk_abs(slope) / (F * F);
 }
 
-/* One half of a libration, from its end at q inwards, with `nodes` in all. 0: h - W is not
- * positive. */
+/* Sums one half of a libration, from its end at q inwards, with `nodes` in all. Returns 0 if h - W
+ * is not positive. */
 static int half(const struct pk_well *w, pk_real q, pk_real inwards, pk_real amplitude,
                 size_t nodes, pk_real *J, pk_real *T)
 {
@@ -39,7 +39,7 @@ static int half(const struct pk_well *w, pk_real q, pk_real inwards, pk_real amp
     return 1;
 }
 
-/* Once round from q, where h - W is U. */
+/* Sums a full turn from q, where h - W is U. Returns 0 if h - W is not positive. */
 static int round_once(const struct pk_well *w, pk_real q, pk_real U, pk_real direction,
                       size_t nodes, pk_real *J, pk_real *T)
 {
@@ -68,7 +68,7 @@ static void sums(struct pk_action *a, const struct pk_well *w, pk_real q, pk_rea
         const int whole = turns ? round_once(w, q, U, direction, nodes, &J, &T)
                                 : half(w, q + a->lo, 1, amplitude, nodes, &J, &T) &&
                                       half(w, q + a->hi, -1, amplitude, nodes, &J, &T);
-        if (!whole) /* panels are too long yet */
+        if (!whole) /* panels are still too long */
             continue;
         J /= (pk_real)nodes;
         T *= PK_TURN / (pk_real)nodes;
@@ -85,7 +85,7 @@ static void sums(struct pk_action *a, const struct pk_well *w, pk_real q, pk_rea
         a->orbit = PK_ORBIT_UNSETTLED;
 }
 
-/* Its ends from the start, or that it turns. */
+/* Finds the ends of the orbit, or that it is a rotation. */
 static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q, pk_real U,
                               pk_real direction)
 {
@@ -115,8 +115,8 @@ static enum pk_orbit orbit_of(struct pk_action *a, struct pk_well *w, pk_real q,
     return a->error <= LOST ? PK_ORBIT_LIBRATION : PK_ORBIT_SEPARATRIX;
 }
 
-/* Whether W itself is h at the ends and nowhere above it between, as its integrated force has it: a
- * hump narrower than a panel hides from that. */
+/* Whether W equals h at the ends and is nowhere above it between them, as its integrated force
+ * shows: a hump narrower than a panel is missed by the march. */
 static int is_followed(const struct pk_action *a, const struct pk_well *w, pk_real q, pk_real h)
 {
     const struct pk_system *s = w->system;

@@ -9,10 +9,10 @@
  */
 #include <pk/elliptic.h>
 
-enum { MOST = 64 };      /* means; once b is near a each doubles the digits */
+enum { MOST = 64 };      /* iterations; once b is near a each doubles the digits */
 #define NEAR PK_C(0.125) /* 1 - m below which E is found by Legendre's relation */
 
-/* K, and S without its first term m/2. */
+/* Returns K; *rest is S without its first term m/2. */
 static pk_real means(pk_real m, pk_real complement, pk_real *rest)
 {
     pk_real a = 1, b = PK_F(sqrt)(complement), weight = 1;
@@ -43,7 +43,7 @@ void pk_elliptic_find(pk_real m, pk_real complement, struct pk_elliptic *found)
         found->b = PK_PI / (2 * k) + found->k * (other - complement / 2);
     }
     if (!(complement > 0 || complement < 0)) {
-        found->k = m / complement; /* infinite; of what is no number none */
+        found->k = m / complement; /* infinite; NaN for NaN */
         found->e = found->b = m;
     }
 }
@@ -66,7 +66,7 @@ pk_real pk_elliptic_e(pk_real m)
 static struct pk_elliptic swing(pk_real amplitude)
 {
     struct pk_elliptic found;
-    if (!(PK_F(fabs)(amplitude) < PK_PI)) { /* no swing: m above 1, of which all is no number */
+    if (!(PK_F(fabs)(amplitude) < PK_PI)) { /* no swing: m > 1, where all is NaN */
         pk_elliptic_find(2, -1, &found);
         return found;
     }
@@ -78,12 +78,13 @@ static struct pk_elliptic swing(pk_real amplitude)
 pk_real pk_pendulum_period(pk_real amplitude) { return 4 * swing(amplitude).k; }
 pk_real pk_pendulum_action(pk_real amplitude) { return 8 / PK_PI * swing(amplitude).b; }
 
-/* Below the upright rest m = 1 + above/2. Beyond it the same with 1/m: theta' = 2 sqrt(1/m)
- * sqrt(1 - m sin^2(theta/2)), so that the period is 2 sqrt(m) K and the action 4 E/(pi sqrt(m)). */
+/* Below the energy of the upright rest m = 1 + above/2. Above it 1/m takes the place of m: theta' =
+ * 2 sqrt(1/m) sqrt(1 - m sin^2(theta/2)), so that the period is 2 sqrt(m) K and the action 4 E/(pi
+ * sqrt(m)). */
 static pk_real by_energy(pk_real above, struct pk_elliptic *found)
 {
     if (above <= 0) {
-        if (above < -2) /* below the lowest */
+        if (above < -2) /* below the least energy */
             pk_elliptic_find(2, -1, found);
         else
             pk_elliptic_find(1 + above / 2, PK_F(fabs)(above) / 2, found);

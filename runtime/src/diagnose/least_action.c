@@ -1,6 +1,6 @@
 /* Hamilton's principle along a computed path; see pk/least_action.h. The path is integrated from
  * node to node of a composite Gauss rule, together with n displacements that start as unit rates:
- * where their determinant changes its sign is a point conjugate to the start.
+ * where their determinant changes its sign, a point is conjugate to the start.
  */
 #include <string.h>
 
@@ -42,7 +42,7 @@ size_t pk_least_action_size(const struct pk_problem *problem, const struct pk_me
     return (x.variation + x.integrator + x.path + 2 * x.matrix + x.scratch) * sizeof(pk_real);
 }
 
-/* What kernels say at one node, and the modes there. */
+/* Results of kernels at one node, and the modes there. */
 struct node {
     pk_real *p, *g, *M, *p_q, *g_q, *g_v; /* g: dL/dq */
     pk_real *sine, *rate;                 /* of the modes */
@@ -75,7 +75,7 @@ static void modes_at(const struct pk_least_action *found, pk_real t, struct node
     }
 }
 
-/* L = p.v - h, and the sum of their sizes. */
+/* Returns L = p.v - h; *size is |p.v| + |h|. */
 static pk_real lagrangian(const struct pk_problem *of, struct node *x, pk_real t, const pk_real *q,
                           const pk_real *v, size_t n, pk_real *size)
 {
@@ -89,7 +89,8 @@ static pk_real lagrangian(const struct pk_problem *of, struct node *x, pk_real t
     return work - h;
 }
 
-/* A node's part of S, of its slope, of B and C; `slope` has the sums and those of their sizes. */
+/* Adds the part of a node to S, its slope, B and C; `slope` holds the sums, then those of absolute
+ * values. */
 static void add(struct pk_least_action *found, struct node *x, pk_real weight, pk_real t,
                 const pk_real *q, const pk_real *v, pk_real *slope, pk_real *B, pk_real *C)
 {
@@ -120,7 +121,7 @@ static void add(struct pk_least_action *found, struct node *x, pk_real weight, p
         }
 }
 
-/* det dq/dv0 from the displacements, by elimination with partial pivoting. */
+/* Returns det dq/dv0 of the displacements, by elimination with partial pivoting. */
 static pk_real determinant(const struct pk_least_action *found, pk_real *J, pk_real *pivot)
 {
     const size_t n = found->n;
@@ -131,7 +132,7 @@ static pk_real determinant(const struct pk_least_action *found, pk_real *J, pk_r
 
 struct search {
     struct pk_least_action *found;
-    pk_real from; /* a time, and the state then */
+    pk_real from; /* a time; q and v are the state there */
     const pk_real *q, *v;
     pk_real *J, *pivot;
 };
@@ -151,7 +152,7 @@ static enum pk_status determinant_at(void *context, pk_real t, pk_real *y)
     return status;
 }
 
-/* Where the determinant changed its sign between s->from and now; then on from now. */
+/* Finds the conjugate point between s->from and now, then returns to the state at now. */
 static enum pk_status conjugate(struct search *s, pk_real before, pk_real det)
 {
     struct pk_least_action *found = s->found;

@@ -1,27 +1,27 @@
-/* Limits of the step on linear equations: the first zero of how far a map is outside its bound,
- * sought on a grid, between whose points maxima are looked for, and bisected. See pk/limits.h.
+/* Limits of the step size on linear equations: the first root of a map's excess over its bound,
+ * searched on a grid, with maxima between its points, and bisected. See pk/limits.h.
  */
 #include <pk/limits.h>
 
 #include "../core/internal.h"
 #include "../core/tableau.h"
 
-/* What is asked: of which method, and, where its table is an explicit Runge-Kutta method's, the
- * polynomial in y^2 whose sign is that of |R(iy)|^2 - 1. */
+/* The method and axis in question; for a tableau of an explicit Runge-Kutta method also the
+ * polynomial in y^2 that has the sign of |R(iy)|^2 - 1. */
 struct question {
     const struct pk_method *method;
     enum pk_axis axis;
-    int degree; /* of the polynomial; -1: none */
+    int degree; /* degree of the polynomial; -1: none */
     pk_real c[PK_MOST_STAGES + 1];
-    pk_real blind;        /* growth that is taken for rounding */
-    int shears;           /* the determinant of the map is 1, whatever rounding makes of it */
-    pk_real spacing, end; /* of the grid */
-    pk_real near;         /* how far below 0 a maximum on the grid may be that is above between */
+    pk_real blind;        /* growth that counts as rounding */
+    int shears;           /* the determinant of the map is 1 up to rounding */
+    pk_real spacing, end; /* grid */
+    pk_real near;         /* depth below 0 of grid maxima that are refined */
     int failed;           /* a step could not be made, so there is no answer */
 };
 
-/* |R(iy)|^2 - 1 in powers of x = y^2. What cancels below the order leaves rounding, and with the
- * power of x in front taken off the sign stands where y is small. */
+/* Sets |R(iy)|^2 - 1 in powers of x = y^2. Terms that cancel below the order leave rounding; the
+ * leading power of x is divided out, so that the sign is right for small y. */
 static void imaginary(struct question *ask, const struct pk_tableau *table)
 {
     pk_real r[PK_MOST_STAGES + 1];
@@ -40,7 +40,7 @@ static void imaginary(struct question *ask, const struct pk_tableau *table)
         ask->c[k] = ask->c[k + first];
 }
 
-/* Positive where the step grows. */
+/* Returns a number that is positive where the step grows. */
 static pk_real excess(struct question *ask, pk_real x)
 {
     pk_real map[4], factor, sum = 0;
@@ -62,14 +62,14 @@ static pk_real excess(struct question *ask, pk_real x)
     return pk_map_growth(map) - 1 - ask->blind;
 }
 
-/* The largest excess between a and b, where the middle one of three points is the largest: by
- * golden sections. */
+/* Returns the point of the largest excess between a and b by golden sections; the middle one of
+ * three grid points is the largest. */
 static pk_real crest(struct question *ask, pk_real a, pk_real b)
 {
     const pk_real golden = PK_C(0.618033988749894848204586834365638118);
     pk_real c = b - golden * (b - a), d = a + golden * (b - a);
     pk_real fc = excess(ask, c), fd = excess(ask, d);
-    for (int i = 0; i < 30; i++) { /* a millionth of it: the top is flat */
+    for (int i = 0; i < 30; i++) { /* to a millionth of the interval: the top is flat */
         if (fc > fd) {
             b = d, d = c, fd = fc;
             c = b - golden * (b - a);
@@ -83,7 +83,7 @@ static pk_real crest(struct question *ask, pk_real a, pk_real b)
     return fc > fd ? c : d;
 }
 
-/* Where growth begins (or ends) between `in`, before it, and `out`. */
+/* Bisects for the point where growth begins (or ends) between `in`, before it, and `out`. */
 static pk_real edge(struct question *ask, pk_real in, pk_real out, int ends)
 {
     for (int i = 0; i < 200 && out - in > 2 * PK_EPS * out; i++) {
@@ -93,7 +93,7 @@ static pk_real edge(struct question *ask, pk_real in, pk_real out, int ends)
     return in + (out - in) / 2;
 }
 
-/* The grid: even, and beyond 64 in ratios. */
+/* Returns the next grid point: evenly spaced, and in ratios beyond 64. */
 static pk_real after(struct question *ask, pk_real x)
 {
     return x < 64 ? x + ask->spacing : x * PK_C(1.1);
@@ -151,7 +151,7 @@ int pk_method_growth(const struct pk_method *method, enum pk_axis axis, pk_real 
     ask.end = polynomial ? 1000 : PK_C(1e4);
     ask.blind = polynomial ? 0 : pk_max(PK_C(1e-10), PK_EPS * 10000);
     first_growth(&ask, from, growth);
-    if (ask.failed && growth[0] < PK_INFINITY) { /* beyond where it grows, as well it may */
+    if (ask.failed && growth[0] < PK_INFINITY) { /* a failure beyond the growth may be */
         ask.failed = 0;
         excess(&ask, growth[0] * (1 + PK_C(1e-6)));
     }

@@ -1,4 +1,4 @@
-/* The map of one step on linear equations: from the table, or read off the step itself, run on a
+/* The map of one step on linear equations: from the table, or from the step itself, made on a
  * system of one coordinate from two starts. See pk/limits.h.
  */
 #include <pk/limits.h>
@@ -71,7 +71,7 @@ static const struct pk_system linear_system = {.abi = PK_ABI,
                                                .linear = linear,
                                                .fast = fast};
 
-/* One step of h from (q, v), by the integrator; q and v become its end. */
+/* Makes one step of h from (q, v) with the integrator; q and v become its end. */
 static enum pk_status run(const struct pk_method *method, struct spring params, pk_real h,
                           pk_real *q, pk_real *v)
 {
@@ -91,7 +91,7 @@ static enum pk_status run(const struct pk_method *method, struct spring params, 
     if (status >= 0)
         status = pk_integrator_step(&it, h);
     if (status >= 0 && !(it.t >= h))
-        status = PK_REFUSED; /* its iteration took a shorter one */
+        status = PK_REFUSED; /* its iteration forced a shorter one */
     *q = it.q ? it.q[0] : 0;
     *v = it.q ? it.v[0] : 0;
     return status;
@@ -102,7 +102,7 @@ static const struct pk_method *formula(const struct pk_method *method)
     return method->formula ? method->formula : method;
 }
 
-/* There is no one map of its step. */
+/* Whether the step of f has no single map. */
 static int varies(const struct pk_method *f)
 {
     return f->release || (f->order == 0 && !(f->traits & PK_EXACT));
@@ -171,7 +171,7 @@ enum pk_status pk_method_oscillator(const struct pk_method *method, pk_real y, p
         turn(splitting, y, map);
         return PK_DONE;
     }
-    if (tableau) { /* R(iy) = x + i w turns by the angle of the eigenvector (1, i) */
+    if (tableau) { /* R(iy) = x + i w rotates and scales in the basis of the eigenvector (1, i) */
         pk_real c[PK_MOST_STAGES + 1], part[2] = {0, 0}, power = 1;
         const int s = pk_tableau_polynomial(tableau, c);
         for (int k = 0; k <= s; k++, power *= y)
@@ -199,7 +199,7 @@ enum pk_status pk_method_decay(const struct pk_method *method, pk_real z, pk_rea
     }
     if (varies(f) || method->needs & PK_SEPARABLE)
         return PK_REFUSED;
-    if (pk_splitting_table(f)) { /* parts that go back grow by what overflows before the whole */
+    if (pk_splitting_table(f)) { /* growth in negative substeps may overflow before the whole */
         *factor = PK_F(exp)(-z);
         return PK_DONE;
     }

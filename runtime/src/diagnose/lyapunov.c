@@ -1,5 +1,5 @@
 /* The largest Lyapunov exponent; see pk/lyapunov.h. Rates over equal intervals come from marks of
- * G, at most 64 of them, thinned as time goes on: nothing else is stored.
+ * G, at most 64 of them, thinned out as time goes on. Nothing else is stored.
  */
 #include <string.h>
 
@@ -7,7 +7,7 @@
 
 #include "metric.h"
 
-/* A displacement is made of unit length before it leaves these, however long a block. */
+/* A displacement is normalised before it leaves 1/LARGE .. LARGE, even within a block. */
 #define LARGE PK_C(1e12)
 
 size_t pk_lyapunov_size(const struct pk_problem *problem, const struct pk_method *method)
@@ -32,8 +32,8 @@ static pk_real length(const struct pk_lyapunov *l, const pk_real *Q, const pk_re
     return pk_metric_length(&metric, Q + l->variation.n_q, l->variation.v);
 }
 
-/* The displacement in (q, v) made of unit length, from it->q and it->v or from the scratch itself;
- * its logarithm, or what is not finite. */
+/* Normalises the displacement, from it->q and it->v or from the scratch itself, into the scratch.
+ * Returns the logarithm of its length, which may not be finite. */
 static pk_real normalise(struct pk_lyapunov *l, const pk_real *q, const pk_real *v)
 {
     const struct pk_variation *of = &l->variation;
@@ -54,7 +54,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
                                 void *memory, size_t size)
 {
     if (l)
-        memset(l, 0, sizeof *l); /* pk_lyapunov_free() may follow whatever is refused */
+        memset(l, 0, sizeof *l); /* pk_lyapunov_free() may follow any refusal */
     const size_t least = pk_lyapunov_size(problem, method);
     if (!l || !least || !options || !q0 || !v0 || !(block > 0) || !pk_finite(block))
         return PK_BAD_ARGUMENT;
@@ -81,7 +81,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
     l->stride = 1;
     if (!(method->traits & PK_ADAPTIVE) && options->h > 0)
         l->block = options->h * pk_max(1, PK_F(ceil)(block / options->h - PK_C(1e-6)));
-    /* A direction that no symmetry has: multiples of the golden section, less whole numbers. */
+    /* A direction without any symmetry: fractional parts of multiples of the golden section. */
     const size_t n_q = l->variation.n_q;
     pk_real *Q = l->scratch, *V = Q + 2 * n_q, part = 0;
     pk_real *dq = l->variation.a, *dv = l->variation.b;
@@ -90,7 +90,7 @@ enum pk_status pk_lyapunov_init(struct pk_lyapunov *l, const struct pk_problem *
         part -= part >= 1 ? 1 : 0;
         (i < n ? dq : dv)[i % n] = part + PK_C(0.1);
     }
-    pk_metric_dq(&metric, dq); /* of like lengths, whatever the units */
+    pk_metric_dq(&metric, dq); /* of similar lengths in all units */
     pk_metric_dq(&metric, dv);
     for (size_t i = 0; i < n; i++) {
         dq[i] *= PK_F(sqrt)(metric.tau);
@@ -111,7 +111,7 @@ static int large(const struct pk_lyapunov *l)
     return !(size < LARGE) || !(size > 1 / LARGE);
 }
 
-/* Back to unit length. */
+/* Normalises the displacement and adds its growth to G. */
 static enum pk_status renew(struct pk_lyapunov *l)
 {
     const pk_real grown = normalise(l, l->it.q, l->it.v);

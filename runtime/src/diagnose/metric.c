@@ -7,7 +7,8 @@ size_t pk_metric_reals(size_t n) { return n * n; }
 
 static pk_real root(const struct pk_metric *m, size_t i) { return PK_F(sqrt)(m->L[i * m->n + i]); }
 
-/* x = C^T x and so on; each walks so that it reads what it has not written yet. */
+/* x = C^T x and so on, in place: each runs in the order in which it reads what it has not written
+ * yet. */
 static void times_Ct(const struct pk_metric *m, pk_real *x)
 {
     for (size_t i = 0; i < m->n; i++) {
@@ -74,7 +75,7 @@ void pk_metric_P(const struct pk_metric *m, pk_real *x)
     scale(x, m->n, PK_F(sqrt)(m->tau));
 }
 
-/* |C^T x|^2 of the first `n`, where what follows is 0 */
+/* Returns |C^T x|^2 of the first `n` numbers; the others count as 0. */
 static pk_real square(const struct pk_metric *m, const pk_real *x, size_t n)
 {
     pk_real sum = 0;
@@ -92,7 +93,8 @@ pk_real pk_metric_length(const struct pk_metric *m, const pk_real *dq, const pk_
     return PK_F(sqrt)(square(m, dq, m->seen) / (m->tau * m->tau) + square(m, dv, m->n));
 }
 
-/* |C^-1 A C^-T|, from the columns of A C^-T: a row of it solves C x = (row of A). */
+/* Returns the Frobenius norm of C^-1 A C^-T; overwrites A. A row of A C^-T solves C x = (row of
+ * A). */
 static pk_real frobenius(const struct pk_metric *m, pk_real *A)
 {
     const size_t n = m->n;

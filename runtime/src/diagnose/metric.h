@@ -2,9 +2,10 @@
  *
  *     Q = C^T dq / sqrt(tau),   P = C^-1 dp sqrt(tau)
  *
- * are canonical and all of one unit, whatever those of the coordinates; tau is 1/omega, omega^2 the
- * Frobenius norm of C^-1 (dr/dq) C^-T. The length of a displacement is |C^T dq/tau|, |C^T dv|, root
- * of the sum of squares: a velocity times the root of a mass. Not installed.
+ * are canonical and all have one unit, whatever the units of the coordinates; tau is 1/omega,
+ * omega^2 the Frobenius norm of C^-1 (dr/dq) C^-T. The length of a displacement is |C^T dq/tau|,
+ * |C^T dv|, combined as a root of the sum of squares: a velocity times the root of a mass. Not
+ * installed.
  */
 #ifndef PK_METRIC_H
 #define PK_METRIC_H
@@ -19,13 +20,14 @@ struct pk_metric {
     pk_real *L; /* M = L D L^T, both in one n by n array */
 };
 
-/* Numbers of L and of the work that the others take. */
+/* Returns the number of pk_real of L. */
 size_t pk_metric_reals(size_t n);
-/* At a state of the motion that `variation` is of; `otherwise` is tau where nothing oscillates. */
+/* Initialises the metric at a state of the motion of `variation`; `otherwise` is tau where nothing
+ * oscillates. */
 enum pk_status pk_metric_init(struct pk_metric *metric, const struct pk_variation *variation,
                               pk_real t, const pk_real *q, const pk_real *v, const pk_real *u,
                               pk_real otherwise, pk_real *memory);
-/* In place: dq from Q, dp from P, and back. */
+/* Convert in place: dq from Q, dp from P, and back. */
 void pk_metric_dq(const struct pk_metric *metric, pk_real *x);
 void pk_metric_dp(const struct pk_metric *metric, pk_real *x);
 void pk_metric_Q(const struct pk_metric *metric, pk_real *x);

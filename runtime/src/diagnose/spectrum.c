@@ -23,7 +23,7 @@ struct samples {
     size_t count;
 };
 
-/* d/dw of the square of the windowed transform, but for a factor. */
+/* Returns d/dw of the squared modulus of the windowed transform, up to a factor. */
 static enum pk_status slope(void *context, pk_real w, pk_real *found)
 {
     const struct samples *of = (const struct samples *)context;
@@ -47,14 +47,14 @@ pk_real pk_spectrum_peak(const pk_real *x, size_t count, pk_real dt, pk_real lo,
     pk_real a = lo * half, b = hi * half, rises, falls;
     slope(&of, a, &rises);
     slope(&of, b, &falls);
-    if (!(rises > 0) || !(falls < 0)) /* no maximum in between: the better end */
+    if (!(rises > 0) || !(falls < 0)) /* no maximum between lo and hi: the better end */
         return rises > 0 ? hi : lo;
     pk_root(slope, &of, &a, rises, &b, falls, 4 * PK_EPSILON * pk_abs(b));
     return (a + b) / 2 / half;
 }
 
-/* What the fit has at one sample, and its derivatives by the m unknowns: mean, rate, and a, b, w of
- * each line. */
+/* Returns the model at one sample, and its derivatives by the m unknowns: mean, rate, and a, b, w
+ * of each line. */
 static pk_real model(size_t lines, const pk_real *z, pk_real s, pk_real *by)
 {
     pk_real sum = z[0] + z[1] * s;
@@ -71,8 +71,8 @@ static pk_real model(size_t lines, const pk_real *z, pk_real s, pk_real *by)
     return sum;
 }
 
-/* One turn of Gauss-Newton: of all unknowns, or with frequencies held. 0 where they are not
- * independent. */
+/* Makes one Gauss-Newton iteration: of all unknowns, or with frequencies held. Returns 0 if they
+ * are not independent. */
 static int turn(const pk_real *x, size_t count, size_t lines, pk_real *z, int held,
                 pk_real *largest)
 {
@@ -87,7 +87,7 @@ static int turn(const pk_real *x, size_t count, size_t lines, pk_real *z, int he
                 A[i * m + k] += weight * by[i] * by[k];
         }
     }
-    for (size_t k = 0; held && k < lines; k++) { /* its row says: no change */
+    for (size_t k = 0; held && k < lines; k++) { /* row of no change */
         const size_t w = 4 + 3 * k;
         for (size_t i = 0; i < m; i++)
             *(i < w ? &A[w * m + i] : &A[i * m + w]) = 0;
@@ -149,7 +149,7 @@ enum pk_status pk_spectrum_fit(struct pk_spectrum *spectrum, const pk_real *x, s
         z[4 + 3 * k] = spectrum->lines[k].frequency * half;
     if (!turn(x, count, lines, z, 1, &largest))
         return PK_NO_CONVERGENCE;
-    pk_real before = PK_PI; /* further than half a line is lost */
+    pk_real before = PK_PI; /* a correction above half a line width is lost */
     for (int k = 0; k < TURNS && lines > 0; k++) {
         if (!turn(x, count, lines, z, 0, &largest) || !(largest <= before))
             return PK_NO_CONVERGENCE;
@@ -170,7 +170,7 @@ void pk_spectrum_judge(struct pk_spectrum *spectrum, const pk_real *x, size_t co
         spectrum->lines[k].error = PK_EPSILON * spectrum->lines[k].frequency; /* at best */
     for (int part = 0; part < 2; part++) {
         struct pk_spectrum of_half = *spectrum;
-        /* The last lines, found in what rounding left, may have none in a half: without them. */
+        /* The last lines, found in rounding, may not exist in a half: drop them there. */
         while (pk_spectrum_fit(&of_half, x + (part ? count - half : 0), half, dt, left) < 0 &&
                of_half.count > 0)
             of_half.count--;

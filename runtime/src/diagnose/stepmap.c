@@ -1,5 +1,6 @@
-/* The derivative of a step map and what it does to the symplectic form; see pk/stepmap.h. A column
- * of S at a time: a unit displacement in (Q, P), its (dq, dv), one step, and back to (Q, P) there.
+/* The derivative S of a step map and its effect on the symplectic form; see pk/stepmap.h. Each
+ * column of S is a unit displacement in (Q, P), taken to (dq, dv), through one step, and back to
+ * (Q, P) there.
  */
 #include <string.h>
 
@@ -45,7 +46,7 @@ static const pk_real *inputs(struct parts *w, pk_real t)
     return w->u;
 }
 
-/* dp/dq at a state, in w->J. */
+/* Evaluates dp/dq at a state, into w->J. */
 static void momentum_slope(struct parts *w, pk_real t, const pk_real *q, const pk_real *v)
 {
     const struct pk_problem *of = &w->variation.of;
@@ -53,7 +54,7 @@ static void momentum_slope(struct parts *w, pk_real t, const pk_real *q, const p
     of->system->jacobian(of->params, t, q, v, inputs(w, t), w->J, w->J + nn, w->J + 2 * nn);
 }
 
-/* Unit displacement j of (Q, P) as (dq, dv) behind the start in w->Q, w->V. */
+/* Sets unit displacement j of (Q, P), as (dq, dv), behind the start in w->Q, w->V. */
 static void displace(struct parts *w, pk_real t, size_t j)
 {
     const size_t n = w->n;
@@ -62,7 +63,7 @@ static void displace(struct parts *w, pk_real t, size_t j)
     memset(dv, 0, n * sizeof *dv);
     (j < n ? dq : dv)[j % n] = 1;
     pk_metric_dq(&w->metric, dq);
-    pk_metric_dp(&w->metric, dv); /* dp so far */
+    pk_metric_dp(&w->metric, dv); /* still dp */
     momentum_slope(w, t, w->Q, w->V);
     memset(w->dp, 0, n * sizeof *w->dp);
     pk_add_product(w->dp, w->J, dq, n);
@@ -71,7 +72,7 @@ static void displace(struct parts *w, pk_real t, size_t j)
     pk_ldl_solve(w->metric.L, n, dv);
 }
 
-/* Column j of S, from where the integrator is. */
+/* Sets column j of S from the state of the integrator. */
 static void take_column(struct parts *w, size_t j)
 {
     const struct pk_problem *of = &w->variation.of;
@@ -106,7 +107,7 @@ static void measure(struct parts *w, struct pk_stepmap *map)
                 form += a - b;
                 sum += pk_abs(a) + pk_abs(b);
             }
-            if (!(pk_abs(form) <= map->defect)) /* so that what is no number gets through */
+            if (!(pk_abs(form) <= map->defect)) /* so that NaN gets through */
                 map->defect = pk_abs(form);
             size = pk_max(size, sum);
         }
@@ -145,10 +146,10 @@ enum pk_status pk_stepmap_find(struct pk_stepmap *map, const struct pk_problem *
     const size_t size = pk_stepmap_size(problem, method);
     if (map && method && method->traits & PK_ADAPTIVE && method->traits & PK_LINEAR &&
         !(method->traits & PK_IMPLICIT))
-        return PK_REFUSED; /* its step is a function of the state, whose derivative is not made */
+        return PK_REFUSED; /* its step size depends on the state: no derivative of that */
     if (map && problem && problem->system &&
         (problem->system->n_first_order || problem->system->constraints.n))
-        return PK_REFUSED; /* states have no momenta, and constraints leave q and p not free */
+        return PK_REFUSED; /* states have no momenta; under constraints q and p are not free */
     if (!map || !options || !q0 || !v0 || !size || !(h > 0))
         return PK_BAD_ARGUMENT;
     if (!block || block_size < size || (size_t)block % _Alignof(pk_real))

@@ -1,5 +1,6 @@
-/* Steps of several integrators made ahead, in lanes; see pk/abreast.h. What is in a lane is its
- * integrator's state as long as that takes the steps that are made for it; else it is loaded anew.
+/* Steps of several integrators made ahead, in lanes; see pk/abreast.h. A lane holds its
+ * integrator's state as long as that takes the steps made for it; otherwise the lane is loaded
+ * again.
  */
 #include <string.h>
 
@@ -15,7 +16,7 @@
 #include "screen.h"
 
 enum {
-    FEW = 8,  /* no more than this part of the lanes: those are not worth while */
+    FEW = 8,  /* lanes are not worthwhile for at most 1/8 of them */
     MANY = 32 /* steps in a call */
 };
 
@@ -44,7 +45,7 @@ static size_t lay_out(struct pk_block *b, const struct pk_system *system,
 size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method *method)
 {
     const struct pk_system *system = problem->system;
-#ifdef PK_ONE_BY_ONE /* to measure what lanes save */
+#ifdef PK_ONE_BY_ONE /* to measure the gain of lanes */
     const struct pk_block_stepper *s = NULL;
 #else
     const struct pk_block_stepper *s = pk_block_stepper_of(system, method);
@@ -53,7 +54,7 @@ size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method 
                          .n = pk_system_count(system, problem->params)};
     pk_real *screen;
     if (!s || (method->traits & PK_ADAPTIVE && !s->attempt) ||
-        system->constraints.n) /* projection, which each does alone, is most of a step */
+        system->constraints.n) /* projection, made one by one, is most of a step */
         return 0;
     return lay_out(&b, system, method, s->lanes, &screen, NULL) * sizeof(pk_real);
 }
@@ -92,7 +93,7 @@ void pk_abreast_init(struct pk_abreast *a, const struct pk_problem *problem,
         a->ahead[l].lanes = a->lanes, a->ahead[l].cost = (unsigned long)stages;
 }
 
-/* What the next step towards `limit` will be; 0: that is not to be said. */
+/* Predicts the next step towards `limit`. Returns 0 if it cannot be predicted. */
 static int plan(const struct pk_abreast *a, struct pk_integrator *it, pk_real limit,
                 struct pk_planned *x)
 {
@@ -143,7 +144,7 @@ static void load(struct pk_abreast *a, const struct pk_abreast_lane *lane, size_
     a->loaded |= 1ull << l;
 }
 
-/* Numbers that are finite, for a lane with nobody in it. */
+/* Fills an unused lane with the finite numbers of another one. */
 static void copy_lane(struct pk_block *b, const struct pk_abreast *a, size_t from, size_t to)
 {
     const size_t W = b->lanes;
@@ -160,7 +161,7 @@ static void copy_lane(struct pk_block *b, const struct pk_abreast *a, size_t fro
     b->params[to] = b->params[from];
 }
 
-/* Of lanes with `mask` what they have come to, in place of where they were. */
+/* Copies `from` to `to` in the lanes of `mask`. */
 static void pick(const pk_bits *mask, size_t rows, size_t W, const pk_real *PK_RESTRICT from,
                  pk_real *PK_RESTRICT to)
 {
@@ -171,7 +172,7 @@ static void pick(const pk_bits *mask, size_t rows, size_t W, const pk_real *PK_R
     }
 }
 
-/* So many parts of the lanes' state. */
+/* Advances the state of these lanes to the end of their step. */
 static void advance(struct pk_abreast *a, unsigned long long lanes)
 {
     struct pk_block *b = &a->b;
@@ -188,7 +189,8 @@ static void advance(struct pk_abreast *a, unsigned long long lanes)
         pick(mask, pk_before(n_q, n, PK_PARTS) - low, W, b->next + low * W, b->state + low * W);
 }
 
-/* Into these lanes what their integrators are to have next. The lanes of them. */
+/* Prepares the next step of each lane, loading its state where needed. Returns the lanes that have
+ * one. */
 static unsigned long long enter(struct pk_abreast *a, const struct pk_abreast_lane *lanes)
 {
     struct pk_block *b = &a->b;
@@ -215,7 +217,7 @@ static unsigned long long enter(struct pk_abreast *a, const struct pk_abreast_la
     return live;
 }
 
-/* A lane with nothing to do has a step of no length. */
+/* Gives each lane that has no step a step of length 0. */
 static void rest(struct pk_abreast *a, unsigned long long live)
 {
     struct pk_block *b = &a->b;
@@ -232,7 +234,7 @@ static void rest(struct pk_abreast *a, unsigned long long live)
     }
 }
 
-/* Steps of all lanes; those that failed. */
+/* Makes a step in all lanes. Returns those that failed. */
 static unsigned long long step(struct pk_abreast *a)
 {
     struct pk_block *b = &a->b;
@@ -248,7 +250,7 @@ static unsigned long long accelerations(struct pk_abreast *a, const pk_real *t,
     return a->stepper->members(b, state, state + b->n_q * b->lanes, to);
 }
 
-/* Of these lanes, whose steps are made, those that meet nothing. */
+/* Returns those lanes of `of`, whose steps are made, that cross no event. */
 static unsigned long long clear(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
                                 unsigned long long of, unsigned long long known)
 {
@@ -269,7 +271,7 @@ static unsigned long long clear(struct pk_abreast *a, const struct pk_abreast_la
     return pk_screen(&a->screen, b, lanes, of, known, 1);
 }
 
-/* Whether nobody looks at its steps, which are nothing but the method's. */
+/* Whether the next steps need nothing but the method: no checks between them. */
 static int is_free(const struct pk_abreast *a, const struct pk_abreast_lane *lane)
 {
     const struct pk_integrator *it = lane->it;
@@ -287,7 +289,7 @@ static size_t bits(unsigned long long x)
     return count;
 }
 
-/* How many of its steps may be made at once. */
+/* Returns how many steps of the lane may be made at once. */
 static unsigned long most_of(const struct pk_abreast *a, const struct pk_abreast_lane *lane)
 {
     const struct pk_integrator *it = lane->it;
@@ -298,7 +300,7 @@ static unsigned long most_of(const struct pk_abreast *a, const struct pk_abreast
     return pk_step_whole(it, lane->free, left < MANY ? left : MANY);
 }
 
-/* So many steps of the lanes `live` as most of them can make together. */
+/* Makes steps of the lanes `live` together, as long as at least half of them go on. */
 static void make_many(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
                       unsigned long long live, const unsigned long *most)
 {
@@ -333,7 +335,7 @@ static void make_many(struct pk_abreast *a, const struct pk_abreast_lane *lanes,
             if (ahead->many == most[l])
                 going &= ~(1ull << l);
         }
-        if (known && !splitting) { /* their first stages */
+        if (known && !splitting) { /* the first stage of their next step */
             memcpy(b->work, b->state + n_q * W, n_q * W * sizeof *b->work);
             memcpy(b->work + m, a->screen.a1, m * sizeof *b->work);
         }
@@ -351,7 +353,7 @@ void pk_abreast_make(struct pk_abreast *a, const struct pk_abreast_lane *lanes)
     advance(a, made);
     a->single = a->idle = 0;
     const unsigned long long live = enter(a, lanes);
-    if (bits(live) * FEW <= a->lanes) /* each by itself is faster */
+    if (bits(live) * FEW <= a->lanes) /* one by one is faster */
         return;
     rest(a, live);
     for (size_t l = 0; l < a->lanes; l++)

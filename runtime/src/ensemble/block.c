@@ -1,6 +1,6 @@
-/* Members of an ensemble side by side: a block of them from row to row. Its steps are in
- * pk/step/ensemble.h; here they are instantiated for the lane kernels that a system has as
- * function pointers, or for its kernel for one state.
+/* Members of an ensemble side by side: a block of them from row to row. The steps of
+ * pk/step/ensemble.h are instantiated here for systems with lane kernels as function pointers, or
+ * with a kernel for one state.
  */
 #include <string.h>
 
@@ -84,7 +84,7 @@ static const struct pk_block_stepper *find(const struct pk_block_stepper *list, 
     return NULL;
 }
 
-/* Loops of families are over their own members, not over lanes. */
+/* Families have no blocks: their loops are over members of families, not over lanes. */
 const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *system,
                                                    const struct pk_method *method)
 {
@@ -108,7 +108,7 @@ size_t pk_block_size(const struct pk_ensemble *e, size_t n_q, size_t n, size_t W
     return pk_ensemble_padded(block_reals(e, n_q, n, W) * sizeof(pk_real));
 }
 
-/* A lane's numbers from another lane: its own are done with, and would only fail again. */
+/* Fills a lane with the numbers of another: its own member has ended, and would only fail again. */
 static void copy_lane(struct pk_block *b, const struct pk_ensemble *e, size_t from, size_t to)
 {
     const size_t W = b->lanes;
@@ -147,7 +147,8 @@ static size_t lowest(unsigned long long bits)
     return l;
 }
 
-/* Members whose lanes are in `bits` end with `status`; their lanes follow another from now on. */
+/* Ends the members in the lanes `bits` with `status`; their lanes follow another lane from now
+ * on. */
 static void retire(struct pk_block *b, const struct pk_ensemble *e, size_t first,
                    unsigned long long bits, enum pk_status status, unsigned long long *live)
 {
@@ -183,7 +184,7 @@ static struct pk_member *member_at(const struct pk_ensemble *e, char *memory, si
     return (struct pk_member *)(void *)(memory + k * pk_member_size(e));
 }
 
-/* The members of `bits` end with `status`, or for the reason that their singularities know. */
+/* Ends the members of `bits` with `status`, or with the singularity that caused it. */
 static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_integrator *clock,
                  size_t first, char *memory, unsigned long long bits, enum pk_status status,
                  unsigned long long *live)
@@ -199,7 +200,7 @@ static void fail(struct pk_block *b, const struct pk_ensemble *e, struct pk_inte
     }
 }
 
-/* As project.c does it of one state. The lanes of which no attitude is left. */
+/* Normalises quaternions as project.c does for one state. Returns the lanes where that fails. */
 static unsigned long long normalise(struct pk_block *b)
 {
     unsigned long long lost = 0;
@@ -214,14 +215,15 @@ static unsigned long long normalise(struct pk_block *b)
     return lost;
 }
 
-/* The step of all lanes. */
+/* Sets the same step in all lanes. */
 static void together(struct pk_block *b, pk_real from, pk_real end, pk_real h)
 {
     for (size_t l = 0; l < b->lanes; l++)
         b->from[l] = from, b->end[l] = end, b->h[l] = h;
 }
 
-/* As pk_integrator_aside(), into b->spare; the lanes that failed. */
+/* Makes the last step again to t, as pk_integrator_aside(), into b->spare. Returns the lanes that
+ * failed. */
 static unsigned long long aside(const struct pk_block *of, const struct pk_block_stepper *s,
                                 const struct pk_integrator *clock, pk_real t)
 {
@@ -251,7 +253,7 @@ static unsigned long long advance(struct pk_block *b, const struct pk_block_step
         together(b, clock->t, clock->own->next_t, clock->own->h);
         b->failed = b->not_finite = 0;
         const unsigned long long bad = s->step(b) & live;
-        if (bad) { /* a kernel that saw finite numbers failed on M, all else is not finite */
+        if (bad) { /* a kernel that fails at finite numbers fails on M; all else is not finite */
             const unsigned long long mass = bad & b->failed & ~b->not_finite;
             live &= ~bad;
             fail(b, e, clock, first, memory, mass, PK_SINGULAR_MASS, &live);

@@ -1,5 +1,5 @@
-/* Ensembles: which route a member takes, and the way of one member from row to row. One member:
- * member.c; blocks of members in lanes: block.c.
+/* Ensembles: the route that a member takes, and the motion of one member from row to row. One
+ * member: member.c; blocks of members in lanes: block.c.
  */
 #include <stdio.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 
 #include "ensemble.h"
 
-/* NULL: one member after the other. */
+/* Returns the stepper of blocks; NULL: one member after the other. */
 static const struct pk_block_stepper *stepper(const struct pk_ensemble *e)
 {
     return e->options.h > 0 && !e->system->constraints.n ? pk_block_stepper_of(e->system, e->method)
@@ -20,7 +20,7 @@ int pk_ensemble_fixed(const struct pk_ensemble *e)
     return !(e->method->traits & PK_ADAPTIVE) || stepper(e) != NULL;
 }
 
-/* Bytes for steps made ahead, each member's its own; 0: members go one after the other. */
+/* Returns the bytes for steps made ahead in lanes, each member with its own step; 0: none. */
 static size_t abreast_size(const struct pk_ensemble *e)
 {
     const struct pk_problem problem = pk_ensemble_problem(e, 0);
@@ -34,7 +34,8 @@ static size_t lanes(const struct pk_ensemble *e)
     return s ? s->lanes : pk_abreast_lanes(&problem, e->method);
 }
 
-/* One a lane, and one more to reach rows within steps; or those of lanes that share their steps. */
+/* Returns the number of integrators: one a lane, and one more to reach rows within steps; or those
+ * of lanes that share their steps. */
 static size_t integrators(const struct pk_ensemble *e)
 {
     return stepper(e) ? pk_member_count(e, lanes(e)) : lanes(e) + 1;
@@ -51,7 +52,7 @@ size_t pk_ensemble_size(const struct pk_ensemble *e)
            (stepper(e) ? pk_block_size(e, n_q, n, lanes(e)) : abreast_size(e));
 }
 
-/* A member on its way from row to row, which are kept or not. */
+/* A member in motion from row to row; `kept`: whether rows are stored. */
 struct way {
     const struct pk_ensemble *e;
     struct pk_member *m, *aside;
@@ -77,7 +78,7 @@ static int is_ahead(const struct way *w)
            (e->method->traits & PK_ADAPTIVE || !pk_integrator_is_at(it, t));
 }
 
-/* The rows that it has come to, or past by a fixed step. Whether it goes on. */
+/* Outputs the rows reached or passed by a fixed step. Returns whether the member goes on. */
 static int rows(struct way *w)
 {
     const struct pk_ensemble *e = w->e;
@@ -107,7 +108,7 @@ static int begin(struct way *w, size_t member)
     return w->m->it.status == PK_DONE && rows(w);
 }
 
-/* Where its next step is to end at the latest. */
+/* Returns the latest end of the next step. */
 static pk_real limit(const struct way *w)
 {
     const struct pk_ensemble *e = w->e;
@@ -116,7 +117,7 @@ static pk_real limit(const struct way *w)
                                            : pk_integrator_limit(&w->m->it, t, e->t[e->rows - 1]);
 }
 
-/* A step, or many in one call. Whether it goes on. */
+/* Makes a step, or many in one call. Returns whether the member goes on. */
 static int step(struct way *w)
 {
     const struct pk_ensemble *e = w->e;
@@ -154,7 +155,7 @@ static void run_one(const struct pk_ensemble *e, size_t member, void *block)
     end(&w);
 }
 
-/* Each lane takes the next member when its own has come to an end. */
+/* Runs members in lanes; each lane takes the next member when its own has ended. */
 static void run_abreast(const struct pk_ensemble *e, size_t first, size_t count, void *block)
 {
     const struct pk_problem problem = pk_ensemble_problem(e, first);
@@ -196,7 +197,7 @@ static enum pk_status usable(const struct pk_ensemble *e, size_t first, size_t c
         first > e->members || count > e->members - first)
         return PK_BAD_ARGUMENT;
     if (e->system->switches.impulses)
-        return PK_REFUSED; /* nobody looks for its switches here */
+        return PK_REFUSED; /* ensembles do not locate switches */
     return size < pk_ensemble_size(e) || (size_t)block % _Alignof(struct pk_member) ||
                    (size_t)block % _Alignof(pk_real)
                ? PK_BLOCK_TOO_SMALL

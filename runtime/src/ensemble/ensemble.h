@@ -1,4 +1,4 @@
-/* What the two routes of an ensemble share: one member after the other (ensemble.c), and blocks of
+/* Shared by the two routes of an ensemble: one member after the other (ensemble.c), and blocks of
  * members in lanes (block.c).
  */
 #ifndef PK_SRC_ENSEMBLE_H
@@ -8,7 +8,7 @@
 
 #include "../core/internal.h"
 
-/* The inputs of one member: the context of its problem. */
+/* Inputs of one member: context of its pk_problem. */
 struct pk_constant_input {
     const pk_real *u;
     size_t count;
@@ -18,28 +18,28 @@ struct pk_problem pk_ensemble_problem(const struct pk_ensemble *e, size_t member
 int pk_ensemble_stopped(const struct pk_ensemble *e);
 static inline size_t pk_ensemble_padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
 
-/* A member in the block: its integrator's own memory follows. Members in lanes share one, unless
- * the system has singularities, which each integrator then watches for its lane. */
+/* A member in the memory block, followed by its integrator's memory. Members in lanes share one,
+ * unless the system has singularities, which each integrator then watches for its lane. */
 struct pk_member {
     struct pk_integrator it;
     struct pk_constant_input input;
 };
 size_t pk_member_size(const struct pk_ensemble *e);
-/* Members in a block for steps that W lanes share. */
+/* Returns the number of pk_members in memory when W lanes share their steps. */
 size_t pk_member_count(const struct pk_ensemble *e, size_t W);
-/* Its integrator alone, and with what is known of the member before the first step. */
+/* Initialises the integrator of a member; begin() also resets its rows done and its last time. */
 enum pk_status pk_member_integrator(const struct pk_ensemble *e, size_t member,
                                     struct pk_member *m);
 enum pk_status pk_member_begin(const struct pk_ensemble *e, size_t member, struct pk_member *m);
-/* Gives the member the step that its lane has made, to next[i * W] and so on, or that failed with
- * `status`. Returns PK_DONE, or the failure: a singularity where that is its cause. */
+/* Gives the member the step that its lane has made, at next[i * W], or that failed with `status`.
+ * Returns PK_DONE, or the failure: a singularity where that is its cause. */
 enum pk_status pk_member_step(struct pk_member *m, const struct pk_integrator *clock,
                               const pk_real *next, size_t W, enum pk_status status);
 
-/* Steps of blocks, the system's own or for any system; NULL: there are none. */
+/* Returns the stepper of blocks, the system's own or a generic one; NULL: there is none. */
 const struct pk_block_stepper *pk_block_stepper_of(const struct pk_system *system,
                                                    const struct pk_method *method);
-/* Bytes of a block, behind those of its members. */
+/* Returns the bytes of a block, without those of its members. */
 size_t pk_block_size(const struct pk_ensemble *e, size_t n_q, size_t n, size_t W);
 void pk_block_run(const struct pk_ensemble *e, const struct pk_block_stepper *s, size_t first,
                   size_t count, char *memory);

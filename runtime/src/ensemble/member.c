@@ -1,6 +1,6 @@
-/* One member of an ensemble: where it starts, and the singularities of one whose steps are made in
- * a lane. Its integrator then makes no step: it is given those of the lane, and watches them as
- * singularity.c says, by the kernels for one state.
+/* One member of an ensemble: its start, and its singularities when its steps are made in a lane.
+ * Its integrator then makes no steps: it gets those of the lane and watches singularities in them
+ * (singularity.c), by the kernels for one state.
  */
 #include <string.h>
 

@@ -1,15 +1,15 @@
-/* The first look of events_look.c at steps in lanes: the quintic of Hermite, and the polynomial
- * through samples of a function on it. */
+/* The first test of events_look.c for steps in lanes: the quintic Hermite interpolant, and the
+ * polynomial through samples of a function on it. */
 #include <string.h>
 
 #include "../events/events.h"
 #include "screen.h"
 
 enum { N = PK_SCREENED, STRIDE = PK_MOST_SAMPLES / N, TAIL = 4, LANES = PK_LANES };
-#define SAFE PK_C(1.001) /* beyond what events_look.c asks: sums are rounded otherwise here */
+#define SAFE PK_C(1.001) /* margin over events_look.c: sums are rounded differently here */
 
-/* The difference of h^2 q'' between motion and cubic at both ends; not 0 where it is so large that
- * the interpolant says nothing. Loops are over lanes of a vector or two. */
+/* Computes the difference of h^2 q'' between motion and cubic at both ends; `bad` is not 0 where it
+ * is so large that the interpolant is useless. Inner loops are over one or two vectors of lanes. */
 static void coordinates_bend(const struct pk_screen *s, const struct pk_block *b, pk_bits *bad)
 {
     const size_t m = b->n_q * b->lanes;
@@ -32,7 +32,8 @@ static void coordinates_bend(const struct pk_screen *s, const struct pk_block *b
     }
 }
 
-/* What the cubics of states lack, by their rates at a quarter of the step; see events_look.c. */
+/* Computes the quartic terms of states, from their rates at a quarter of the step; see
+ * events_look.c. */
 static void states_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *bad)
 {
     const size_t W = b->lanes, first = b->n_q * W, end = (b->n_q + b->n) * W;
@@ -47,7 +48,7 @@ static void states_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *
     const unsigned long long failed = s->members(b, s->trial, s->trial + first, s->a_between);
     for (size_t l = 0; l < W; l++)
         bad[l] |= failed >> l & 1 ? ~(pk_bits)0 : 0;
-    for (size_t k = first; k < end - first; k += LANES) { /* of v, from the first state on */
+    for (size_t k = first; k < end - first; k += LANES) { /* states in v */
         const pk_real *v0 = b->state + first + k, *v1 = b->next + first + k;
         const pk_real *a0 = s->a0 + k, *a1 = s->a1 + k, *a = s->a_between + k;
         const pk_real *length = b->h + k % W;
@@ -69,7 +70,7 @@ void pk_screen_bend(const struct pk_screen *s, struct pk_block *b, pk_bits *bad)
     states_bend(s, b, bad);
 }
 
-/* The quintic and its derivative at x of 0 .. 1; of states the quartic. */
+/* Evaluates the quintic and its derivative at x of 0 .. 1; for states the quartic. */
 void pk_screen_between(const struct pk_screen *s, const struct pk_block *b, pk_real x)
 {
     const size_t m = b->n_q * b->lanes, all = b->n * b->lanes;
@@ -99,8 +100,9 @@ void pk_screen_between(const struct pk_screen *s, const struct pk_block *b, pk_r
     }
 }
 
-/* Not 0 where the function with these samples, `stride` apart, may be zero: where the polynomial
- * sum c_i cos(i angle) may, by the sums of its even and its odd terms. */
+/* Sets `bad` where the function with these samples, `stride` apart, may be zero: where |c_0| of the
+ * polynomial sum c_i cos(i angle) is no larger than the other terms. Even and odd terms are summed
+ * separately. */
 void pk_screen_judge(const pk_real *g, size_t stride, pk_real far, pk_bits *PK_RESTRICT bad)
 {
     enum { HALF = N / 2 };

@@ -1,4 +1,4 @@
-/* Which steps in lanes cross nothing for sure; see screen.h. */
+/* Finds steps in lanes that certainly cross nothing; see screen.h. */
 #include <string.h>
 
 #include "../events/events.h"
@@ -21,7 +21,7 @@ void pk_screen_init(struct pk_screen *s, const struct pk_block *b,
     s->members = stepper->members;
     s->values = stepper->values;
     for (size_t k = 0; k < system->events.n; k++)
-        if (system->events.table[k].stop > 1) /* limits are moved by rounding */
+        if (system->events.table[k].stop > 1) /* pk_events_functions() shifts limits by rounding */
             s->values = NULL;
     const struct pk_slot slots[] = {{&s->a0, n * W},
                                     {&s->a1, n * W},
@@ -34,7 +34,7 @@ void pk_screen_init(struct pk_screen *s, const struct pk_block *b,
         PK_LAY_OUT(base, slots);
 }
 
-/* All functions of a lane at a sample. */
+/* Evaluates all functions of a lane at a sample. */
 static void sample(const struct pk_screen *s, const struct pk_block *b,
                    const struct pk_abreast_lane *lane, size_t l, int j, const pk_real *state)
 {
@@ -59,7 +59,7 @@ unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b,
         const pk_real x = (1 - pk_events_cosines[j * STRIDE]) / 2;
         if (j > 0 && j < N)
             pk_screen_between(s, b, x);
-        if (j == 0 && !(of & ~known)) /* they are where the last step ended */
+        if (j == 0 && !(of & ~known)) /* kept from the end of the last step */
             continue;
         const pk_real *state = j == 0 ? b->state : j < N ? s->trial : b->next;
         for (size_t l = 0; l < W; l++)
@@ -75,7 +75,7 @@ unsigned long long pk_screen(struct pk_screen *s, struct pk_block *b,
     for (size_t l = 0; l < W; l++)
         if (of >> l & 1 && !bad[l])
             clear |= 1ull << l;
-    /* Where the next steps begin. */
+    /* The last sample is the first one of the next steps. */
     memcpy(s->g, s->g + (size_t)N * s->functions * W, s->functions * W * sizeof *s->g);
     return clear;
 }

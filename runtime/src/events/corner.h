@@ -6,9 +6,9 @@
 #include "../core/project.h"
 
 #define PK_CORNER_ALONG \
-    (PK_C(1024.0) * PK_EPS) /* of s_q: so little is left of it beside the rows, or none */
+    (PK_C(1024.0) * PK_EPS) /* of s_q: a smaller part outside the span of the rows counts as none */
 #define PK_CORNER_WHOLE \
-    PK_F(sqrt)(PK_EPS) /* what a position or a row is off by more by has jumped */
+    PK_F(sqrt)(PK_EPS) /* relative change above which a position or a row has jumped */
 
 struct corner {
     struct pk_events *e;
@@ -27,8 +27,8 @@ pk_real pk_corner_energy(const struct corner *x, const pk_real *v);
 void pk_corner_rows(struct corner *x, const pk_real *v);
 pk_real pk_corner_speed(const struct corner *x);
 
-/* To the zero of E where s' has a direction: 1, or 0 where there is none; -1: no rates are found.
- */
+/* Finds the rates at the root of E where s' has the sign of `direction`. Returns 1, 0 if there is
+ * no root, or -1 if no rates are found. */
 int pk_corner_leave(struct corner *x, pk_real direction, int free);
 
 static inline pk_real pk_corner_dot(const pk_real *a, const pk_real *b, size_t count)

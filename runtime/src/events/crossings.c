@@ -1,7 +1,7 @@
-/* Where an event's function crosses zero within a window of a step. The polynomial through samples
- * of the interpolant only proposes times; nodes are times with true values, by the method itself,
- * and between two of opposite signs the root is found (root.c). Where the polynomial dips towards
- * zero, true values follow it down, so that two crossings side by side are seen too.
+/* Locates the roots of an event function within a window of a step. The polynomial through samples
+ * of the interpolant only proposes times; nodes are times with exact values, from the method
+ * itself, and a root is found between two of opposite signs (root.c). Where the polynomial dips
+ * towards zero, exact values follow it down, so that two close roots are found too.
  */
 #include <string.h>
 
@@ -9,26 +9,26 @@
 #include "../core/root.h"
 
 enum { MOST_NODES = PK_MOST_NODES, REFINEMENTS = 96, PIECES = 3 };
-#define MARGIN PK_C(0.03125) /* of what g varies by: what an interpolant may be off by */
-#define TURNED PK_C(1e-7)    /* of an angle: values there are no more exact, as where a kink is */
+#define MARGIN PK_C(0.03125) /* of the range of g: possible error of an interpolant */
+#define TURNED PK_C(1e-7)    /* of an angle: closer values are no more exact, as near a kink */
 
-/* That, and what the polynomial lacks of a kink. */
+/* Returns the margin within which g may be zero: that error, and the polynomial's at a kink. */
 static pk_real near_zero(const struct pk_shape *shape)
 {
     return MARGIN * shape->range + (pk_real)shape->order / 2 * shape->tail;
 }
 
-/* One event's function along the window, x from where the step began. */
+/* One event function along the window; x is the time from the start of the step. */
 struct along {
     struct pk_events *e;
     struct pk_integrator *it;
     const struct pk_shape *shape;
     size_t k;
-    pk_real x[MOST_NODES], g[MOST_NODES]; /* true values, in order */
+    pk_real x[MOST_NODES], g[MOST_NODES]; /* nodes with exact values, in order */
     int count;
 };
 
-/* The polynomial at an angle, 0 where the window begins and pi where it ends; its slope but for a
+/* The polynomial at an angle, 0 at the start of the window and pi at its end; its slope up to a
  * factor. */
 struct point {
     pk_real x, g, slope;
@@ -60,8 +60,8 @@ static void append(struct along *a, pk_real x, pk_real g)
     a->g[a->count++] = g;
 }
 
-/* The true values of all functions at x, of which others want theirs too: those of the last such
- * x, or those where the first switch in the list has been crossed. */
+/* Gets the exact value at x. Values of all functions are kept for the other functions: at the last
+ * such x, and behind the first switch in the list. */
 static enum pk_status shared(struct along *a, pk_real x, int first, pk_real *y)
 {
     struct pk_events *e = a->e;
@@ -79,8 +79,8 @@ static enum pk_status shared(struct along *a, pk_real x, int first, pk_real *y)
     return pk_finite(*y) ? PK_DONE : pk_events_not_finite(a->it, a->k);
 }
 
-/* The true value at x, unless it is there already. What is behind the first switch does not come to
- * pass: the last value is that there. */
+/* Adds the exact value at x as a node, unless it is there already. The motion behind the first
+ * switch is not made: the last node lies there. */
 static enum pk_status settle(struct along *a, pk_real x)
 {
     const int behind = x > a->e->near;
@@ -108,7 +108,7 @@ static struct point at_angle(const struct along *a, pk_real angle)
     return found;
 }
 
-/* Where the parabola through three points has its vertex. */
+/* Returns the vertex of the parabola through three points. */
 static pk_real vertex(const pk_real *x, const pk_real *g)
 {
     const pk_real l = x[1] - x[0], r = x[2] - x[1], below = (g[1] - g[0]) / l;
@@ -169,14 +169,14 @@ static enum pk_status slope_at(void *context, pk_real angle, pk_real *slope)
     return PK_DONE;
 }
 
-/* Between two angles, at which the slope changes its sign, where the polynomial turns. */
+/* Returns the extremum of the polynomial between two angles with slopes of opposite signs. */
 static struct point turn(struct along *a, pk_real from, pk_real to)
 {
     pk_root(slope_at, a, &from, at_angle(a, from).slope, &to, at_angle(a, to).slope, TURNED);
     return at_angle(a, to);
 }
 
-/* What may cross in a piece, from one point of the polynomial to the next. */
+/* Adds nodes that show the crossings in a piece between two points of the polynomial. */
 static enum pk_status piece(struct along *a, pk_real from, pk_real to, struct point l,
                             struct point r, pk_real bow)
 {
@@ -188,14 +188,14 @@ static enum pk_status piece(struct along *a, pk_real from, pk_real to, struct po
     const struct point least = turn(a, from, to);
     if (!(sign * least.g < margin))
         return PK_DONE;
-    /* A kink is beside where the polynomial has it. */
+    /* A kink lies near the extremum of the polynomial, not at it. */
     const struct point before = at_angle(a, pk_max(2 * from - to, 0));
     const struct point behind = at_angle(a, pk_min(2 * to - from, PK_PI));
     return descend(a, sign * before.g > sign * l.g ? before.x : l.x, least.x,
                    sign * behind.g > sign * r.g ? behind.x : r.x);
 }
 
-/* Between samples j and j + 1 of the polynomial. */
+/* Adds nodes between samples j and j + 1 of the polynomial. */
 static enum pk_status interval(struct along *a, int j)
 {
     const int N = a->shape->order, stride = PK_MOST_SAMPLES / N;
@@ -203,7 +203,7 @@ static enum pk_status interval(struct along *a, int j)
     const pk_real left = pk_events_sample(a->e, j * stride)[a->k];
     const pk_real right = pk_events_sample(a->e, (j + 1) * stride)[a->k];
     const pk_real near = pk_min(pk_abs(left), pk_abs(right));
-    pk_real bow = 0; /* from the chord, at most, by the second derivative */
+    pk_real bow = 0; /* largest distance from the chord, by the second derivative */
     for (int i = 1; i <= N; i++)
         bow += (pk_real)(i * i) * pk_abs(a->shape->c[i]);
     bow *= step * step / 8;
@@ -226,7 +226,7 @@ static enum pk_status interval(struct along *a, int j)
     return PK_DONE;
 }
 
-/* True values at as many times as show each crossing between two of them. */
+/* Computes nodes such that each crossing lies between two of them. */
 static enum pk_status nodes(struct along *a)
 {
     const struct pk_events *e = a->e;
@@ -242,7 +242,7 @@ static enum pk_status nodes(struct along *a)
         const pk_real left = pk_events_sample(e, j * stride)[a->k];
         const pk_real right = pk_events_sample(e, (j + 1) * stride)[a->k];
         if (!pk_finite(left) || !pk_finite(right))
-            continue; /* the interpolant is outside of where g has values */
+            continue; /* the interpolant is where g has no value */
         if (shape->clear) {
             PK_TRY(interval(a, j));
         } else if (opposite(left, right)) {
@@ -254,16 +254,16 @@ static enum pk_status nodes(struct along *a)
                                            pk_abs(last) <= MARGIN * shape->range))) {
         PK_TRY(settle(a, end));
         if (end < h && a->count > 1 && !(a->g[a->count - 1] > 0 || a->g[a->count - 1] < 0))
-            a->count--; /* what it does behind is seen in the next window */
+            a->count--; /* the next window shows the rest */
     }
     return PK_DONE;
 }
 
-/* Puts a crossing into the list, behind those that are met before it. */
+/* Inserts a crossing into the list, in the order of the motion. */
 static void enlist(struct pk_events *e, const struct along *a, pk_real x, int direction)
 {
     const struct pk_event *events = a->it->problem.system->events.table;
-    const int limit = a->k < e->n_events && events[a->k].stop > 1; /* backwards in t as well */
+    const int limit = a->k < e->n_events && events[a->k].stop > 1; /* also backwards in t */
     const int asked = (a->k < e->n_events ? events[a->k].direction : 0) *
                       (limit ? a->it->own->direction : 1);
     if ((asked && asked != direction) || x > e->near)
@@ -292,7 +292,7 @@ enum pk_status pk_events_seek(struct pk_events *e, struct pk_integrator *it, siz
         pk_real lo = a.x[j - 1], hi = a.x[j];
         const pk_real before = a.g[j - 1], after = a.g[j];
         if (!(before > 0 || before < 0) || !opposite(before, after))
-            continue; /* from zero nothing crosses it */
+            continue; /* a motion from zero is no crossing */
         if (!(after > 0 || after < 0) && j + 1 < a.count && !opposite(before, a.g[j + 1]))
             continue; /* a touch */
         if (after > 0 || after < 0)

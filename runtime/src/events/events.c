@@ -1,9 +1,9 @@
 /* Events: crossings of zero within a step, located by the method itself; see pk/events.h.
  *
- * The functions of the events are looked at on an interpolant of the step, which costs no step, or
- * where a step is too long for it at states by shorter ones (events_look.c). It only proposes
- * times: what is believed is g at states that a second integrator, the scout, reaches from where
- * the step began. Between two such times with opposite signs lies a crossing.
+ * Event functions are sampled on an interpolant of the step, which costs no step, or, where the
+ * step is too long for it, at states from shorter steps (events_look.c). Samples only propose
+ * times: g counts at states that a second integrator, the scout, reaches from the start of the
+ * step. A crossing lies between two such times with opposite signs.
  *
  * Reference: L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
  * Comput. Math. Appl. 39 (2000) 43.
@@ -14,8 +14,8 @@
 
 #include "events.h"
 
-enum { HALVINGS = 20 }; /* of what is left to a singularity: to a millionth of a step */
-enum { SHORTER = 17 };  /* times that a step is made anew, each an eighth of the last */
+enum { HALVINGS = 20 }; /* of the time to a singularity: to a millionth of a step */
+enum { SHORTER = 17 };  /* retries of a step, each with an eighth of the last length */
 #define GROWTH PK_C(64.0)
 enum { ROUNDINGS = 16 }; /* units in the last place within which a number is zero */
 
@@ -69,7 +69,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
     if (block_size < pk_events_size(problem, it->method) || (size_t)block % _Alignof(pk_real))
         return PK_BLOCK_TOO_SMALL;
     struct pk_options options = it->options;
-    options.h_min = 0; /* a step to a crossing may be as short as it is near */
+    options.h_min = 0; /* a step to a crossing may be arbitrarily short */
     options.max_steps = 0;
     events->n_q = it->n_q;
     events->n = it->n;
@@ -79,7 +79,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
         return PK_DONE;
     const size_t scout = pk_integrator_size(problem, it->method);
     const int exact = (it->method->traits & PK_EXACT) != 0, dense = it->method->traits & PK_DENSE;
-    events->proposes = dense && !exact; /* any state of an exact flow costs a series */
+    events->proposes = dense && !exact; /* each state of an exact flow costs a series */
     events->dense = dense && it->method->dense_order >= it->method->order;
     pk_real *const own_block = (pk_real *)block + scout / sizeof(pk_real);
     memset(own_block, 0, lay_out(events, problem, own_block));
@@ -95,7 +95,7 @@ enum pk_status pk_events_init(struct pk_events *events, const struct pk_integrat
                               block, scout);
 }
 
-/* The parameters, which stand last but for sides, are those of the caller but for these. */
+/* Keeps all memory but the parameters, which lie last: they are the caller's but for the sides. */
 enum pk_status pk_events_keep(struct pk_events *e, struct pk_keep *k)
 {
     struct pk_events shape;
@@ -143,7 +143,8 @@ static pk_real largest(const pk_real *x, size_t n)
     return most;
 }
 
-/* What a limit, which is linear in q, gains along d; 0 where that is rounding. */
+/* Returns the change of limit k, which is linear in q, from q0 - d to q0 + d; 0 if it is
+ * rounding. */
 static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t k, const pk_real *d)
 {
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1), ends[2];
@@ -157,7 +158,8 @@ static pk_real gain(struct pk_events *e, const struct pk_integrator *it, size_t 
     return pk_abs(ends[1] - ends[0]) > rounding ? ends[1] - ends[0] : 0;
 }
 
-/* Whether the motion passes limit k, on which it starts: by its rate, at rest by its acceleration. */
+/* Whether the motion leaves by limit k, on which it starts: by its rate, at rest by its
+ * acceleration. */
 static int leads_outwards(struct pk_events *e, const struct pk_integrator *it, size_t k,
                           int backwards)
 {
@@ -167,9 +169,9 @@ static int leads_outwards(struct pk_events *e, const struct pk_integrator *it, s
     return rise * (pk_real)it->problem.system->events.table[k].direction > 0;
 }
 
-/* A start beyond a limit, or on it but for rounding and on the way out, which crosses nothing: the
- * run ends there, as at the limit. If it goes on that rounding is taken off, and the start is
- * inside, as pk_events_functions() has it: so the limit is crossed where the motion goes out later. */
+/* Handles a start beyond a limit, or on it within rounding and moving out, which crosses nothing:
+ * the run stops there, as at the limit. If it goes on, that rounding is subtracted and the start
+ * counts as inside (pk_events_functions()): a later way out crosses the limit. */
 static int beyond(struct pk_events *e, struct pk_integrator *it, int backwards)
 {
     const struct pk_event *table = it->problem.system->events.table;
@@ -204,11 +206,11 @@ static int beyond(struct pk_events *e, struct pk_integrator *it, int backwards)
     return 1;
 }
 
-/* The rounding of function k at the start of the step: by how much numbers that are off by some units
- * in the last place change it. */
+/* Returns the rounding of function k at the start of the step: its change when all numbers are off
+ * by some units in the last place. */
 static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, size_t k)
 {
-    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* sums and differences of all kinds */
+    static const pk_real off[] = {1, -1, -1, 1, 1, -1, 1}; /* mixes sums and differences */
     enum { OFF = sizeof off / sizeof *off };
     const pk_real small = PK_C(1e-6);
     pk_real *g = pk_events_sample(e, PK_MOST_SAMPLES + 1);
@@ -221,8 +223,8 @@ static pk_real rounding(struct pk_events *e, const struct pk_integrator *it, siz
 }
 
 /* Whether an adaptive step is so much longer than all time before it, and a function has grown so
- * much in it, that the step does not show how the function began. A first step can be so long: of a
- * motion from zero no scale is known but that of the run. */
+ * much in it, that the step does not show how the function began. A first step can be so long: for
+ * a motion from zero the run gives the only scale. */
 static int outgrown(struct pk_events *e, const struct pk_integrator *it)
 {
     const pk_real *begin = pk_events_end(e, 0), *end = pk_events_end(e, 1);
@@ -230,7 +232,7 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
     int found = 0, at_rest = -1;
     if (!(it->method->traits & PK_ADAPTIVE) || h <= GROWTH * (it->own->passed - h))
         return 0;
-    /* The function of a switch begins with rounding of 0. */
+    /* After a switch its function begins with rounding of 0. */
     if (e->at_switch || h <= PK_C(64.0) * PK_EPS * pk_abs(e->from))
         return 0;
     for (size_t k = 0; k < pk_events_count(e) && !found; k++) {
@@ -242,7 +244,7 @@ static int outgrown(struct pk_events *e, const struct pk_integrator *it)
     return found;
 }
 
-/* Undoes the last step, with the scale that the motion has shown in it. */
+/* Undoes the last step, and the scale that it has set. */
 static enum pk_status take_back(struct pk_events *e, struct pk_integrator *it)
 {
     it->own->passed -= pk_abs(it->t - e->from);
@@ -265,7 +267,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     e->scout.options.h = it->options.h;
     memcpy(e->q0, it->q, e->n_q * sizeof *e->q0);
     memcpy(e->v0, it->v, e->n * sizeof *e->v0);
-    const int clear = pk_events_ahead(e, it); /* then there is nothing at its begin either */
+    const int clear = pk_events_ahead(e, it); /* then nothing is at its start either */
     if (!clear && (at_end(e, it, 0, e->q0, e->v0) < 0 || beyond(e, it, limit < it->t)))
         return it->status;
     for (int count = 0;; count++) {
@@ -287,7 +289,7 @@ static enum pk_status try_step(struct pk_events *e, struct pk_integrator *it, pk
     }
 }
 
-/* With the sides on which it goes. */
+/* Makes one step; repeats it with other sides where a guessed side was wrong. */
 static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk_real limit)
 {
     enum pk_status status = pk_switches_settle(e, it);
@@ -299,8 +301,8 @@ static enum pk_status one_step(struct pk_events *e, struct pk_integrator *it, pk
     return status;
 }
 
-/* A step that a singularity ends has no end to look at, and events may come before it. So the
- * motion is followed up to there, each step half of what is left. */
+/* Follows the motion up to a singularity, since events may come before it and the failed step has
+ * no end: each step takes half of the time left. */
 static enum pk_status towards_end(struct pk_events *e, struct pk_integrator *it)
 {
     const enum pk_status ended = it->status;

@@ -1,8 +1,7 @@
-/* The functions of events over a step, window by window. In each they are looked at in the 9 or 17
- * points of Chebyshev and Lobatto on an interpolant, which costs no step, or where that is
- * worthless at states by shorter steps. The polynomials through them show by their last
- * coefficients whether they are the functions: where one is not, the window is halved. See
- * events.c.
+/* Samples the event functions over a step, window by window, at the 9 or 17 Chebyshev-Lobatto
+ * points, on an interpolant, which costs no step, or, where that is too inaccurate, at states from
+ * shorter steps. The last coefficients of the polynomials through the samples show whether they
+ * resolve the functions: if one does not, the window is halved. See events.c.
  *
  * Reference: L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, chapters
  * 3 and 8.
@@ -13,11 +12,12 @@
 #include "events.h"
 
 enum { SAMPLES = PK_MOST_SAMPLES, FEW = 8, TAIL = 4 };
-enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 }; /* windows of a step; where g has no value */
-enum { NOISE = 8 }; /* that many of the narrowest windows in a row do not show g: none will */
+enum { MOST_PARTS = 1 << 12, MOST_BEYOND = 1 << 6 }; /* most windows; where g is NaN */
+enum { NOISE = 8 }; /* so many narrowest windows in a row do not resolve g: none will */
 
-/* Quintic of Hermite through q, v and accelerations at the ends, and its derivative; of states the
- * quartic through them, their rates at the ends and that at a quarter of the step. */
+/* Evaluates the quintic Hermite interpolant through q, v and accelerations at the ends, and its
+ * derivative; for states the quartic through states and rates at the ends and the rate at a quarter
+ * of the step. */
 static PK_INLINE void hermite(const struct pk_events *e, const struct pk_integrator *it, pk_real x)
 {
     const struct pk_knot from = {e->q0, e->v0, e->a0}, to = {it->q, it->v, e->a1};
@@ -35,8 +35,8 @@ static PK_INLINE void hermite(const struct pk_events *e, const struct pk_integra
         v[i] += x * x * y * y * bend1[i];
 }
 
-/* What the cubics of states lack, by their rates at a quarter of the step; whether one of them may be
- * off by 1/32 of the rise half-way. */
+/* Sets the quartic terms of states from their rates at a quarter of the step. Returns whether a
+ * cubic may be off by 1/32 of the rise half-way. */
 static int states_bend(struct pk_events *e, struct pk_integrator *it)
 {
     const pk_real h = it->t - e->from, x = PK_C(0.25), y = 1 - x;
@@ -57,7 +57,7 @@ static int states_bend(struct pk_events *e, struct pk_integrator *it)
     return worthless;
 }
 
-/* The difference of h^2 q'' between motion and cubic at both ends; whether it is so large that
+/* Sets e->bend, the difference of h^2 q'' between motion and cubic at both ends. Returns whether
  * the cubic may be off by 1/32 of the rise half-way. */
 static int is_worthless(struct pk_events *e, struct pk_integrator *it)
 {
@@ -88,7 +88,7 @@ static int is_worthless(struct pk_events *e, struct pk_integrator *it)
     return worthless | states_bend(e, it);
 }
 
-/* A sample by the method itself; where it makes no such step there is none. */
+/* Computes a sample by the method itself. Returns 0 if that step fails. */
 static int reach_sample(struct pk_events *e, struct pk_integrator *it, pk_real t)
 {
     const size_t where = it->where;
@@ -101,7 +101,7 @@ static int reach_sample(struct pk_events *e, struct pk_integrator *it, pk_real t
     return 0;
 }
 
-/* All g at node j; at the ends of the step those of the motion. */
+/* Evaluates all g at node j; at the ends of the step takes the exact values. */
 static enum pk_status sample(struct pk_events *e, struct pk_integrator *it, int j)
 {
     const pk_real h = it->t - e->from, length = pk_abs(h), x = pk_events_node(e, j);
@@ -120,7 +120,7 @@ static enum pk_status sample(struct pk_events *e, struct pk_integrator *it, int 
     return PK_DONE;
 }
 
-/* What the samples of function k show, every `stride`th. */
+/* Fits the polynomial through every `stride`th sample of function k and sets its flags. */
 static void fit(struct pk_events *e, size_t k, int stride, int narrow)
 {
     const int N = SAMPLES / stride;
@@ -133,14 +133,14 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
         most = pk_max(most, g);
         finite &= pk_finite(g);
     }
-    const int far = pk_max(least, -most) > 4 * (most - least); /* on one side, as it is mostly */
+    const int far = pk_max(least, -most) > 4 * (most - least); /* on one side: the usual case */
     shape->order = N;
     shape->range = most - least;
     shape->clear = far;
     shape->lost = 0;
     shape->crosses = !far;
     shape->others = 0;
-    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* whatever it is */
+    shape->c[0] = far ? PK_C(1.0) : PK_C(0.0); /* any value */
     if (far || !finite || !pk_finite(shape->range))
         return;
     for (int i = 0; i <= N; i++) {
@@ -160,7 +160,7 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
     shape->tail = tail;
     shape->others = others + tail;
     shape->lost = shape->crosses && tail > shape->range / 16;
-    /* A jump is no less one for being looked at closer. */
+    /* A jump stays unresolved in the narrowest window, with monotone samples. */
     for (int j = 0; j < SAMPLES; j += stride) {
         const pk_real step = pk_events_sample(e, j + stride)[k] - pk_events_sample(e, j)[k];
         back += pk_abs(step);
@@ -169,8 +169,8 @@ static void fit(struct pk_events *e, size_t k, int stride, int narrow)
         shape->jumps = 1;
 }
 
-/* Whether the quintic, which costs an adaptive Runge-Kutta method nothing, is as far from zero as it
- * varies: then its dense output, which takes more stages, need not be made. */
+/* Whether all g on the quintic, which costs an adaptive Runge-Kutta method nothing, are farther
+ * from zero than they vary: then its dense output, which takes more stages, is not needed. */
 static int is_far(struct pk_events *e, struct pk_integrator *it)
 {
     int far = 1;
@@ -190,7 +190,7 @@ static int is_far(struct pk_events *e, struct pk_integrator *it)
     return far;
 }
 
-/* 1: all functions are seen in the window; 0: not. */
+/* Returns whether all functions are resolved in the window. */
 static int look(struct pk_events *e, struct pk_integrator *it, unsigned long parts)
 {
     int clear = 0;
@@ -227,7 +227,8 @@ static void doubt(struct pk_events *e, const struct pk_integrator *it)
     }
 }
 
-/* Which switch seems to cross first in the window: what crosses behind it is then not looked for. */
+/* Returns the switch that seems to cross first in the window: crossings behind it are not searched
+ * for. */
 static size_t foremost(const struct pk_events *e)
 {
     size_t first = pk_events_count(e);
@@ -252,7 +253,7 @@ static size_t foremost(const struct pk_events *e)
     return first;
 }
 
-/* All that is crossed in the window, into the list. */
+/* Puts all crossings in the window into the list. */
 static enum pk_status seek(struct pk_events *e, struct pk_integrator *it)
 {
     const size_t first = foremost(e), m = pk_events_count(e);

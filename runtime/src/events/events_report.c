@@ -1,5 +1,5 @@
-/* What was found in a step, told in order: the caller is called, the motion stopped or put on the
- * other side of a switch.
+/* Reports the crossings found in a step in order: calls the caller, stops the motion or puts it on
+ * the other side of a switch.
  */
 #include <string.h>
 
@@ -7,9 +7,8 @@
 
 #include "events.h"
 
-/* The state just behind a crossing. A step of the core's methods gives the same each time, and that
- * has been seen to be behind; GSL's bsimp differs in the last digits, and is taken a little
- * further. */
+/* Computes the state just behind a crossing. The core's methods reproduce the state that was found
+ * to be behind it; GSL's bsimp differs in the last digits, and is taken a little further. */
 static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
 {
     const size_t k = (size_t)entry[1];
@@ -26,7 +25,7 @@ static enum pk_status behind(struct pk_events *e, struct pk_integrator *it, cons
     return PK_DONE;
 }
 
-/* One crossing of the list: found() or switched(). Whether the run is to stop there. */
+/* Reports one crossing by found() or switched(). Returns whether the run stops there. */
 static int tell(struct pk_events *e, struct pk_integrator *it, const pk_real *entry)
 {
     const size_t k = (size_t)entry[1];
@@ -61,7 +60,8 @@ static void hold(struct pk_events *e)
     }
 }
 
-/* A stop where rows of constraints depend on each other: no start, so that none goes on from there. */
+/* Stops where constraint rows depend on each other: no start is possible there, and no step
+ * follows. */
 static void stay(const struct pk_events *e, struct pk_integrator *it)
 {
     memcpy(pk_state(it, PK_Q), e->q, it->n_q * sizeof *e->q);
@@ -80,7 +80,7 @@ enum pk_status pk_events_report(struct pk_events *e, struct pk_integrator *it)
     for (size_t i = 0; i < e->listed && e->list[PK_EVENT_ENTRY * i] <= last; i++) {
         const pk_real *entry = e->list + PK_EVENT_ENTRY * i;
         const int stop = tell(e, it, entry);
-        if (it->status < 0) /* of a step, or of dense output that found() asked for */
+        if (it->status < 0) /* a step failed, or dense output called by found() */
             return it->status;
         const int is_switch = entry[1] >= (pk_real)e->n_events;
         if ((stop || is_switch) && !stopped && !passed)

@@ -1,5 +1,5 @@
-/* What events and switches are at a time within a step: where the motion is there, the values of
- * their functions, and the times at which a window is sampled.
+/* Events and switches at a time within a step: the state there, the values of their functions, and
+ * the sample times of a window.
  */
 #include <string.h>
 
@@ -33,7 +33,7 @@ void pk_switches_values(const struct pk_events *e, const struct pk_integrator *i
     p->system->switches.values(e->params, t, q, v, e->u, x);
 }
 
-/* Those of the switches alone; zero has the sign of the side. */
+/* Evaluates the switches alone; zero gets the sign of the side. */
 static void switches(const struct pk_events *e, const struct pk_integrator *it, pk_real t,
                      const pk_real *q, const pk_real *v, pk_real *g)
 {
@@ -55,7 +55,7 @@ void pk_events_functions(const struct pk_events *e, const struct pk_integrator *
         p->system->events.values(e->params ? e->params : p->params, t, q, v, e->u, g);
     for (size_t k = 0; k < e->n_events; k++)
         if (p->system->events.table[k].stop > 1 && pk_abs(g[k] -= e->off[k]) <= 0)
-            g[k] = -PK_TINY * (pk_real)p->system->events.table[k].direction; /* on it is inside */
+            g[k] = -PK_TINY * (pk_real)p->system->events.table[k].direction; /* counts as inside */
     switches(e, it, t, q, v, g + e->n_events);
 }
 
@@ -65,7 +65,7 @@ enum pk_status pk_events_not_finite(struct pk_integrator *it, size_t k)
     return it->status = PK_NOT_FINITE;
 }
 
-/* The motion at t within the step, by the method itself. */
+/* Computes the state at t within the step by the method itself. */
 enum pk_status pk_events_reach(struct pk_events *e, struct pk_integrator *it, pk_real t)
 {
     struct pk_integrator *scout = &e->scout;

@@ -1,5 +1,5 @@
-/* What the motion does where it meets a switch across which L or a constraint jumps: whether there
- * is an impulse, whether it goes on or back by it, and several at once. See corner.c.
+/* The motion at a switch across which L or a constraint jumps: whether there is an impulse, whether
+ * the motion goes on or back, and several switches at once. See corner.c.
  */
 #include <stdio.h>
 #include <string.h>
@@ -8,13 +8,13 @@
 
 #include "corner.h"
 
-#define SAME (PK_C(64.0) * PK_EPS) /* of its size: what is off by less has not jumped */
-#define AGREE PK_C(1e-8)           /* of rates: two orders have the same result */
+#define SAME (PK_C(64.0) * PK_EPS) /* relative change below which nothing has jumped */
+#define AGREE PK_C(1e-8)           /* relative difference of rates below which two orders agree */
 
 /* it->detail of PK_NO_IMPULSE; it->where is the switch, it->own->condition the row. */
 enum { POSITION, ROLLING, BOTH_JUMP, TURNS, ORDER, NEITHER };
 
-/* To the other side of one, and of those in whose arguments it stands. */
+/* Puts switch k on the other side, and the switches whose arguments contain it. */
 static void turn(struct corner *x, size_t k, pk_real side)
 {
     struct pk_events *e = x->e;
@@ -37,7 +37,7 @@ static enum pk_status refuse(struct corner *x, size_t k, int why, size_t row)
     return PK_NO_IMPULSE;
 }
 
-/* What has jumped, in `found` the bits of enum pk_impulse, the state being that before. */
+/* Sets *found to the bits of enum pk_impulse that have jumped, at the state before the impulse. */
 static enum pk_status compare(struct corner *x, size_t k, unsigned *found)
 {
     struct pk_projection *w = &x->w;
@@ -73,7 +73,7 @@ static enum pk_status compare(struct corner *x, size_t k, unsigned *found)
     return PK_DONE;
 }
 
-/* One impulse of the rates x->start. */
+/* Applies one impulse to the rates x->start. */
 static enum pk_status one(struct corner *x, size_t k, pk_real side)
 {
     struct pk_events *e = x->e;

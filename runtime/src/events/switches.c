@@ -1,19 +1,18 @@
-/* Switches: which side of its zero each is held on, and where that changes; see pk/events.h.
+/* Switches: the side of its zero on which each is held, and its change; see pk/events.h.
  *
- * A step is one of the equations of one side throughout, also where its stages or its end lie
- * beyond the zero; only then is its end cut back to it, by events_report.c. So a method keeps its
- * order.
+ * A step uses the equations of one side throughout, even where its stages or its end lie beyond the
+ * zero; events_report.c then cuts the step back to the zero. This keeps the order of the method.
  *
  * References: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd
- * ed., Springer 1993, section II.6; of motions that stay on a zero (PK_SLIDING): A. F. Filippov,
+ * ed., Springer 1993, section II.6; for motions that stay on a zero (PK_SLIDING): A. F. Filippov,
  * Differential Equations with Discontinuous Righthand Sides, Kluwer 1988.
  */
 #include <string.h>
 
 #include "events.h"
 
-/* So many switchings one upon another, each after less than SHORT of a step that was to be made, or
- * some units in the last place of t, are no motion. */
+/* So many successive switchings, each after less than SHORT of the attempted step or after some
+ * units in the last place of t, are PK_SLIDING. */
 enum { MOST_BRIEF = 64, MOST_AT_ONCE = 8 };
 #define SHORT PK_F(sqrt)(PK_EPS)
 
@@ -50,7 +49,7 @@ void pk_switches_leave(struct pk_events *e, const struct pk_integrator *it)
     memcpy(e->trial_v, it->v, e->n * sizeof *e->trial);
 }
 
-/* Arguments may have switches in them, which are settled before. */
+/* Repeats until no side changes, since arguments may contain other switches. */
 enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
 {
     pk_real *x = pk_events_sample(e, PK_MOST_SAMPLES + 1);
@@ -66,7 +65,7 @@ enum pk_status pk_switches_settle(struct pk_events *e, struct pk_integrator *it)
         changed = 0;
         pk_switches_values(e, it, it->t, it->q, it->v, x);
         for (size_t k = 0; k < e->n_switches; k++) {
-            /* Exactly 0, as where another switch in it has turned, is above: step(0) = 1. */
+            /* Exactly 0, as where another switch in it has changed sides, is above: step(0) = 1. */
             const pk_real was = e->sides[k];
             e->fresh[k] = 0;
             if (e->kept && pk_switches_impulse(it, k))

@@ -1,25 +1,25 @@
-/* Which solution of the stage equations G(V; h) = 0 was found. There may be several: the midpoint
- * rule on a pendulum at rest upright has one while h omega <= 2, three at 2.01, seven at 6. All of
- * them satisfy the equations, so no residual tells them apart. The one that is meant belongs to
- * short steps: at h = 0 it is V_i = v0, with M for Newton's matrix, and it goes on with h as long
- * as that matrix J stays regular. Three tests, the cheaper first:
+/* Certifies which solution of the stage equations G(V; h) = 0 was found. There may be several: the
+ * midpoint rule on a pendulum at rest upright has one while h omega <= 2, three at 2.01, seven at
+ * 6. All of them satisfy the equations, so no residual distinguishes them. The intended solution is
+ * on the branch of short steps: at h = 0 it is V_i = v0, with M as Newton's matrix, and the branch
+ * continues in h while that matrix J is regular. Three tests, the cheapest first:
  *
- * 1. A fixed-point iteration would contract, |M^-1 (J - M)| <= .9, or .5 if J is kept from a step
- *    before: by the derivatives at the stages and at those of the step before, that is at this
- *    one's start (pk_gauss_contraction).
- *    This costs nothing where the matrix is kept, and is the case while h omega < 1 to 1.4.
- * 2. Frozen at the stages, J(tau h) is regular for 0 <= tau <= 1, and J with the derivatives of the
- *    start is near by, and J on average on the way from the start. From one matrix to the next by
- *    |J1^-1 J2 - I| < 1 or |I - J2^-1 J1| < 1: all between them are regular then, which the sign
- *    of a determinant does not say, two eigenvalues at once changing theirs. Convex stiffness
- *    passes, if not in one leap then in some; where derivatives are a band, in none: see bounded().
- * 3. The solution is followed from tau = 0 on, with the same test from one point to the next, and
- *    taken where it arrives. Where it does not there is a fold or a crossing: PK_AMBIGUOUS_STEP.
+ * 1. A fixed-point iteration would contract, |M^-1 (J - M)| <= .9, or .5 if J is kept from an
+ *    earlier step: both with the derivatives at the stages and with those of the last step or of
+ *    the start (pk_gauss_contraction). This costs nothing where the matrix is kept, and holds while
+ *    h omega < 1 to 1.4.
+ * 2. Frozen at the stages, J(tau h) is regular for 0 <= tau <= 1, and J is close to J with the
+ *    derivatives of the start and to the average of J on the way from the start. Two matrices are
+ *    connected if |J1^-1 J2 - I| < 1 or |I - J2^-1 J1| < 1: all between them are regular then. The
+ *    sign of a determinant does not show that, since two eigenvalues may change sign at once.
+ *    Convex stiffness passes in one leap or in several, with band matrices without: see bounded().
+ * 3. The solution is followed from tau = 0 with the same test from point to point, and taken if it
+ *    reaches tau = 1. If it does not, there is a fold or a crossing: PK_AMBIGUOUS_STEP.
  *
  * Derivatives are sampled at the stages, so this is no proof over all states between them. The
  * norms are those of pk_gauss_norm, so that units do not matter. Where derivatives are a band,
- * J1^-1 J2 is dense: twice its spectral radius then stands for its norm, by a power iteration. As
- * all from J1 to J2 are regular where that radius is below 1, a norm is more than is needed.
+ * J1^-1 J2 is dense: twice the spectral radius of J1^-1 J2 - I, by a power iteration, replaces its
+ * norm. A radius below 1 suffices for all matrices from J1 to J2 to be regular.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.14 (existence
  * and uniqueness); P. Deuflhard, Newton Methods for Nonlinear Problems, 5.1 (continuation).
@@ -28,14 +28,14 @@
 
 #include "gauss.h"
 
-#define REGULAR PK_C(0.95) /* where the norms above must be < 1 */
-#define STRAIGHT PK_C(0.5) /* the average over the way from v0, which bends */
-#define LASTING PK_C(0.3)  /* so little between start and stages that steps to come are as sure */
+#define REGULAR PK_C(0.95) /* bound of the norms above, which must be < 1 */
+#define STRAIGHT PK_C(0.5) /* bound for the average over the path from v0, which bends */
+#define LASTING PK_C(0.3)  /* change from start to stages below which later steps are as certain */
 #define LEAST_LEAP PK_C(1e-4)
-#define NEWTON_RATE PK_C(0.25) /* from a prediction within reach of the solution followed */
+#define NEWTON_RATE PK_C(0.25) /* first rate of Newton from a good prediction */
 enum { MOST_POINTS = 400 };
 
-/* |J1^-1 J2 - I|, J1 factored in w->lu. */
+/* Returns |J1^-1 J2 - I|, J1 factored in w->lu. */
 static pk_real apart(struct pk_gauss_work *w, const pk_real *J2, size_t stride, pk_real tau)
 {
     const size_t m = w->s * w->places;
@@ -61,8 +61,8 @@ static int factor(struct pk_integrator *it, struct pk_gauss_work *w, const pk_re
     return pk_band_factor(&w->lu);
 }
 
-/* Whether all between J1(tau1), factored in w->lu, and J2(tau2) are regular. If so, w->lu is then
- * J2; if not, it is anything. */
+/* Whether all matrices between J1(tau1), factored in w->lu, and J2(tau2) are regular. If so, w->lu
+ * becomes J2 factored; if not, it is undefined. */
 static int leap(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real *J1,
                 size_t stride1, pk_real tau1, const pk_real *J2, size_t stride2, pk_real tau2)
 {
@@ -72,7 +72,7 @@ static int leap(struct pk_integrator *it, struct pk_gauss_work *w, const pk_real
     return near || apart(w, J1, stride1, tau1) < REGULAR;
 }
 
-/* Makes a matrix symmetric; how far it was not, relative to its largest entry. */
+/* Symmetrises a matrix; returns its largest asymmetry relative to its largest entry. */
 static pk_real symmetrise(const struct pk_gauss_work *w, pk_real *numbers)
 {
     const struct pk_band A = pk_gauss_band(w, numbers);
@@ -87,11 +87,11 @@ static pk_real symmetrise(const struct pk_gauss_work *w, pk_real *numbers)
     return off / most;
 }
 
-/* Whether J(tau h) is regular for 0 <= tau <= 1, of one set of derivatives, by a theorem: with p_q =
+/* Whether J(tau h) of one set of derivatives is regular for 0 <= tau <= 1, by a theorem: with p_q =
  * 0, K = -pdot_q symmetric, K >= -mu M and C = -(pdot_v + pdot_v^T)/2 >= -nu M, a linear motion
- * grows in the norm q.(K + 2 mu M) q + v.M v by exp((sqrt(mu) + nu) t) at most, and the equations of
- * a step are solvable where (sqrt(mu) + nu) h is below .5, less than what Gauss's and Radau's tables
- * have. Hairer, Wanner II, Theorem IV.14.4, (14.24), (14.25). */
+ * grows in the norm q.(K + 2 mu M) q + v.M v by exp((sqrt(mu) + nu) t) at most, and the equations
+ * of a step are solvable where (sqrt(mu) + nu) h < .5, which is below the limits of the Gauss and
+ * Radau tableaus. Hairer, Wanner II, Theorem IV.14.4, (14.24), (14.25). */
 static int bounded(const struct pk_gauss_work *w, const pk_real *J, pk_real h)
 {
     const size_t nn = w->nn;
@@ -115,7 +115,7 @@ static int bounded(const struct pk_gauss_work *w, const pk_real *J, pk_real h)
     return pk_gauss_mass_factor(w, w->M) == 0;
 }
 
-/* The second test's first part, for the derivatives in w->jacobian; leaves J(h) in w->lu. */
+/* First part of the second test, for the derivatives in w->jacobian; leaves J(h) in w->lu. */
 static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t stride = 4 * w->nn;
@@ -140,9 +140,9 @@ static int regular(struct pk_integrator *it, struct pk_gauss_work *w)
     return at >= 1;
 }
 
-/* Whether J, factored in w->lu, is also near what it is on average over the straight way from V =
- * v0 to V, as G there tells: G(V) - G(v0) = (average of J) (V - v0). A solution far off, with a
- * fold on the way, is told by this alone. Leaves V as it was, and Q, P, F, G too. */
+/* Whether J, factored in w->lu, is near its average over the straight path from v0 to V, by G(V) -
+ * G(v0) = (average of J) (V - v0). Only this test detects a distant solution beyond a fold.
+ * Restores V, Q, P, F and G. */
 static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
 {
     const size_t n = it->n, m = w->s * n, read = pk_gauss_read(w);
@@ -164,7 +164,7 @@ static int straight(struct pk_integrator *it, struct pk_gauss_work *w)
     return pk_gauss_residual(it, w) && (off < STRAIGHT * most || off <= PK_GAUSS_ROUND);
 }
 
-/* M at the stages must be positive definite: at the ends it is seen anyway. */
+/* Checks that M is positive definite at the stages; at the ends it is checked anyway. */
 static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss_work *w)
 {
     const size_t n_q = it->n_q, n = it->n;
@@ -179,8 +179,8 @@ static enum pk_status check_mass(struct pk_integrator *it, const struct pk_gauss
     return PK_DONE;
 }
 
-/* One point of the solution followed, a step of `to` h from what is predicted by the two points
- * before. PK_DONE where it is found and the way to it is regular. */
+/* Computes the next point of the solution followed, a step of `to` h predicted from the last two
+ * points. PK_DONE if it is found and all matrices on the way are regular. */
 static enum pk_status advance(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h,
                               pk_real was, pk_real at, pk_real to)
 {
@@ -288,7 +288,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
         it->where = PK_BY_FIXED_POINT;
         if (!pk_gauss_iterate(it, w, PK_BY_MASS))
             return PK_NO_CONVERGENCE;
-        /* It contracted all the way: it is the solution next to the guess. */
+        /* If it contracted all the way, this is the solution nearest the guess. */
         w->kept->contraction = w->kept->worst_rate <= PK_GAUSS_FAST ? 0 : PK_INFINITY;
         return pk_gauss_certify(it, w);
     }
@@ -297,7 +297,7 @@ enum pk_status pk_gauss_solve(struct pk_integrator *it, struct pk_gauss_work *w)
     for (size_t i = 0; i < w->s; i++)
         memcpy(w->V + i * n, it->v, n * sizeof *w->V);
     if (!pk_gauss_residual(it, w))
-        return PK_NOT_FINITE; /* at the mildest guess there is */
+        return PK_NOT_FINITE; /* even at the safest guess, v0 */
     const int converged = pk_gauss_iterate(it, w, PK_FULL);
     it->own->flags &= ~PK_HAVE_LU;
     return converged ? pk_gauss_certify(it, w) : follow_from_start(it, w);

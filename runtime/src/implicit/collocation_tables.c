@@ -1,15 +1,15 @@
 /* Collocation of s stages: Gauss, order 2 s; Radau IIA, 2 s - 1, L-stable and stiffly accurate (the
- * last stage is the end of the step); Lobatto IIIA, 2 s - 2, of which with 2 stages, of a separable
- * system, the symplectic pair is Verlet. Nodes are the roots of the derivatives
+ * last stage is the end of the step); Lobatto IIIA, 2 s - 2 (its symplectic pair of 2 stages is
+ * Verlet for a separable system). Nodes are the roots of the derivatives
  *
- *     Gauss  d^s (x (x-1))^s     Radau  d^(s-1) x^(s-1) (x-1)^s     Lobatto  d^(s-2) (x (x-1))^(s-1)
+ *     Gauss  d^s (x (x-1))^s    Radau  d^(s-1) x^(s-1) (x-1)^s    Lobatto  d^(s-2) (x (x-1))^(s-1)
  *
- * and weights the integrals of the Lagrange polynomials, in 60 digits (mpmath). a_ij are those up to
- * c_i: by Legendre's polynomials, which are orthogonal also in the sums over the nodes,
+ * and weights the integrals of the Lagrange polynomials, in 60 digits (mpmath). a_ij are their
+ * integrals up to c_i: by Legendre polynomials, which are also orthogonal in sums over the nodes,
  *
  *     mu_ij = a_ij / b_j = sum_k P_k(c_j) int_0^c_i P_k / sum_l b_l P_k(c_l)^2.
  *
- * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.5 (Table 5.6, the
+ * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.5 (Table 5.6,
  * W-transformation); J. C. Butcher, Math. Comp. 18 (1964) 50; O. Axelsson, BIT 9 (1969) 185; B. L.
  * Ehle (1969); G. Sun, J. Comput. Math. 11 (1993) 365; L. Jay, SIAM J. Numer. Anal. 33 (1996) 368;
  * E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., II.1.3-4, II.2.2.

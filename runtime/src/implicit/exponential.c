@@ -4,20 +4,19 @@
  *
  * with a 1 for each coordinate, none for states,
  *
- * a step is x exp(h L), a product of a row and a matrix that is made once for a length of step.
+ * a step is x exp(h L), a row times a matrix that is computed once per step size.
  *
- * To last, both are of twice the working precision: the matrix because what it errs by is the same
- * in each step, so that the motion would err by it times the number of steps, and the sum because
- * its round-off, though it has no sign, would grow like that number's root. What is left is one
- * rounding of the coefficients. These come from the kernels M and `linear`, M x = r refined until
- * it too is of twice the precision (that of c moves no more than where it rests); or from
- * accelerations, where a family is kept as loops or has more coordinates than `linear` is made
- * for.
+ * Both have twice the working precision. The error of the matrix is the same in each step, so that
+ * the motion would err by it times the number of steps; the round-off of the sum has no sign, but
+ * would grow like the root of that number. One rounding of the coefficients remains. The
+ * coefficients come from the kernels M and `linear`, with M x = r refined to twice the precision
+ * (an error of c only moves the equilibrium); or from accelerations, where a family is kept as
+ * loops or is too large for `linear`.
  *
- * L is balanced by powers of two, which makes its norm, and with it the number of squarings, that
- * of its fastest motion and not of its units. References: double_double.c for the exponential; B.
- * N. Parlett, C. Reinsch, Numer. Math. 13 (1969) 293, for balancing; N. J. Higham, Accuracy and
- * Stability of Numerical Algorithms, 12, for refinement. /
+ * L is balanced by powers of two. Its norm, and the number of squarings, then depend on the fastest
+ * motion and not on units. References: double_double.c for the exponential; B. N. Parlett, C.
+ * Reinsch, Numer. Math. 13 (1969) 293, for balancing; N. J. Higham, Accuracy and Stability of
+ * Numerical Algorithms, 12, for refinement.
  */
 #include <string.h>
 
@@ -25,14 +24,14 @@
 #include "../core/tableau.h"
 
 #define ALONE PK_C(0x1p20)
-enum { KEPT = 2 }; /* matrices: of the step, and of the last, shorter one of an interval */
+enum { KEPT = 2 }; /* matrices kept: of the step, and of the shorter last step of an interval */
 
 struct work {
     size_t n_q, n, m; /* m = n_q + n + 1 */
     struct pk_pairs L, E[KEPT], x, y;
-    struct pk_pairs series;           /* of the motion, where dense output was asked for last: */
-    pk_real *piece, *at;              /* so long a piece of the step, and the number of it */
-    pk_real *scale, *norm, *h, *last; /* L balanced, its norm; the step of each E; the one used */
+    struct pk_pairs series;           /* Taylor series in the piece of the last output */
+    pk_real *piece, *at;              /* length and number of that piece of the step */
+    pk_real *scale, *norm, *h, *last; /* balancing; norm of L; h of each E; last E used */
     pk_real *room;
 };
 
@@ -74,7 +73,7 @@ static struct work work_of(const struct pk_integrator *it)
     return w;
 }
 
-/* Column j of L's middle block, from M y = r with M = L D L^T factored. */
+/* Solves M y = r, y = hi + lo, with M = L D L^T factored: y is a column of L's middle block. */
 static void refined(const struct work *w, const pk_real *M, const pk_real *factors,
                     const pk_real *r, pk_real *room, pk_real *hi, pk_real *lo)
 {
@@ -116,8 +115,8 @@ static enum pk_status from_linear(struct pk_integrator *it, const struct work *w
     return PK_DONE;
 }
 
-/* Accelerations at unit vectors so long that c is rounded away beside what they make: the
- * difference has no more round-off than a. */
+/* Sets L from accelerations at multiples of unit vectors, so long that c is below the round-off of
+ * a: the difference has no more round-off than a. */
 static enum pk_status from_accelerations(struct pk_integrator *it, const struct work *w)
 {
     const size_t n_q = w->n_q, n = w->n, m = w->m;
@@ -135,8 +134,8 @@ static enum pk_status from_accelerations(struct pk_integrator *it, const struct 
     return status;
 }
 
-/* L becomes S^-1 L S, S = diag(scale) of powers of two, so that rows and columns are alike; the
- * last row, c, no longer than they are. Returns its norm. */
+/* Balances L: it becomes S^-1 L S, S = diag(scale) of powers of two, with rows and columns of equal
+ * size and the last row, c, no larger. Returns its norm. */
 static pk_real balance(const struct work *w)
 {
     const size_t m = w->m;
@@ -160,7 +159,7 @@ static pk_real balance(const struct work *w)
                     f /= 2;
                 if (!((column + row) / f < PK_C(0.95) * before))
                     continue;
-            } else if (first) { /* it turns nothing, and may be as small as can be */
+            } else if (first) { /* uncoupled on one side: any scale will do */
                 f = row > 0 ? ALONE : 1 / ALONE;
             } else {
                 continue;
@@ -208,7 +207,7 @@ static enum pk_status exponential_init(struct pk_integrator *it)
     return PK_DONE;
 }
 
-/* exp(h L) of the one kept longest unused, where none is of this step. */
+/* Finds the kept exp(h L) of this step, or computes it in place of the one unused longest. */
 static enum pk_status matrix(struct pk_integrator *it, const struct work *w, pk_real h, int *which)
 {
     const size_t m = w->m;
@@ -241,7 +240,7 @@ static enum pk_status matrix(struct pk_integrator *it, const struct work *w, pk_
 static void load(const struct work *w, const pk_real *state)
 {
     const size_t m = w->m - 1, bytes = m * sizeof *state;
-    memcpy(w->x.hi, state, bytes); /* q and v are neighbours, and their low parts */
+    memcpy(w->x.hi, state, bytes); /* q and v are adjacent, their low parts too */
     memcpy(w->x.lo, state + pk_before(w->n_q, w->n, PK_LOW_Q), bytes);
     w->x.hi[m] = 1;
     w->x.lo[m] = 0;
@@ -262,7 +261,7 @@ static enum pk_status exponential_step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-/* From where the last step began, piece by piece, without a matrix. */
+/* Sums the series from the start of the last step, piece by piece, without a matrix. */
 static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
 {
     const struct work w = work_of(it);
@@ -294,7 +293,7 @@ static enum pk_status exponential_dense(struct pk_integrator *it, pk_real t, pk_
     return status;
 }
 
-/* A frequency or a rate is at most the norm: half a turn of the fastest. */
+/* Returns half a period of the fastest motion: the norm bounds all frequencies and rates. */
 static pk_real exponential_resolved(const struct pk_integrator *it)
 {
     return PK_PI / *work_of(it).norm;

@@ -1,4 +1,4 @@
-/* The adaptive Gauss method over function pointers; see pk/step/gauss.h. */
+/* The adaptive Gauss method with kernels called by pointers; see pk/step/gauss.h. */
 #include <string.h>
 
 #include "gauss_dense.h"
@@ -22,7 +22,7 @@ static enum pk_status init(struct pk_integrator *it)
         pk_gauss_dense_init(it);
         it->own->made = 1;
     }
-    /* Where nothing depends on rates those of stages are not made, and kernels get them yet. */
+    /* Stage rates are not computed where nothing depends on rates, but kernels get them. */
     memset(w.v, 0, it->n * PK_GAUSS_S * sizeof *w.v);
     return PK_DONE;
 }

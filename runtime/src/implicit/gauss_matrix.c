@@ -12,10 +12,10 @@
 
 #include "gauss.h"
 
-#define SMALL (PK_GAUSS_SURE / 4) /* a norm that is below this is so for any purpose */
-#define LITTLE PK_C(0.8)          /* what is gained in a turn, where many are made */
+#define SMALL (PK_GAUSS_SURE / 4) /* a norm below this needs no sharper bound */
+#define LITTLE PK_C(0.8)          /* gain below which many turns end */
 #define TINY PK_F(sqrt)(PK_EPS)
-#define SURELY_BELOW PK_C(0.2) /* growths in three turns, where a radius beside .5 is asked for */
+#define SURELY_BELOW PK_C(0.2) /* three such growths decide whether a radius is < .5 */
 #define SURELY_ABOVE PK_C(1.5)
 enum { MOST_TURNS = 16, TURNS = 16 };
 
@@ -62,7 +62,7 @@ const pk_real *pk_gauss_equations(struct pk_integrator *it)
     return it->own->flags & PK_HAVE_LU && w.pattern.dense ? w.lu.corner : NULL;
 }
 
-/* y = |M^-1 X| x, or no less: |M^-1| <= (what M is compared with)^-1, which is in M. */
+/* Computes y >= |M^-1 X| x: |M^-1| <= (comparison matrix)^-1, factored in w->M. */
 static void add_sizes(const struct pk_gauss_work *w, const pk_real *M, const pk_real *x, pk_real *y)
 {
     const size_t rows = w->pattern.rows, border = w->pattern.border, s = w->s;
@@ -90,7 +90,7 @@ pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M)
         pk_real most = 0, sum = 0;
         add_sizes(w, M, x, y);
         for (size_t i = 0; i < m; i++) {
-            if (!(y[i] <= most * x[i])) /* so that what is no number gets through */
+            if (!(y[i] <= most * x[i])) /* so that NaN gets through */
                 most = y[i] / x[i];
         }
         if (!pk_finite(most))
@@ -99,8 +99,8 @@ pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M)
         least = pk_min(least, most);
         if (m == 1 || !(most > 0) || (turn >= 5 && !falls))
             break;
-        /* A power step, damped since |X| may turn in a circle; and little, since a row that takes
-         * and does not give, as a height of a body that rolls, is to grow as fast as it takes. */
+        /* A power step, damped since |X| may be cyclic; lightly, since a row that depends on others
+         * while no row depends on it, as the height of a rolling body, must grow fast. */
         for (size_t i = 0; i < m; i++) {
             x[i] += 3 * y[i] / most;
             sum = pk_max(sum, x[i]);
@@ -111,8 +111,9 @@ pk_real pk_gauss_norm(const struct pk_gauss_work *w, const pk_real *M)
     return least;
 }
 
-/* Without a solution with M: M = D^(1/2) C D^(1/2), D its diagonal; |C^-1| <= e / det C, since the
- * eigenvalues of C > 0 sum to n; the rest by Frobenius norms, and the norms of the tables. */
+/* Returns a bound without a solve: M = D^(1/2) C D^(1/2), D its diagonal; |C^-1| <= e / det C,
+ * since the eigenvalues of C > 0 sum to n; the other factors by Frobenius norms and those of the
+ * tableau. */
 static pk_real quick_contraction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                                  const pk_real *J, size_t count)
 {
@@ -173,13 +174,13 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
         pk_band_solve(&w->lu, w->y);
         for (size_t i = 0; i < m; i++) {
             w->y[i] -= w->x[i];
-            if (!(pk_abs(w->y[i]) <= size)) /* so that what is no number gets through */
+            if (!(pk_abs(w->y[i]) <= size)) /* so that NaN gets through */
                 size = pk_abs(w->y[i]);
         }
         if (!(size > TINY) || !pk_finite(size))
             return size;
         growth[turn] = size;
-        if (turn >= 4) { /* far from 1, what is slowest to grow has come through */
+        if (turn >= 4) { /* far from the threshold a few turns are enough */
             const pk_real one = growth[turn - 1], two = growth[turn - 2];
             const pk_real most = pk_max(size, pk_max(one, two));
             const pk_real least = pk_min(size, pk_min(one, two));
@@ -194,7 +195,7 @@ pk_real pk_gauss_radius(const struct pk_gauss_work *w)
     return 2 * PK_F(pow)(product, PK_C(2.0) / TURNS);
 }
 
-/* |M^-1 (J - M)| itself, of bands no less than it. */
+/* Returns |M^-1 (J - M)|, for bands an upper bound. */
 static pk_real contraction(const struct pk_gauss_work *w, const pk_real *J, size_t stride)
 {
     const size_t n = w->places, s = w->s, m = s * n, banded = !w->pattern.dense;
@@ -226,8 +227,8 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
         const pk_real norm = w->closed ? PK_INFINITY : contraction(w, J, stride);
         if (pk_finite(norm))
             return norm;
-        /* M couples too much for a norm of its inverse; if closed, a step of none has for its matrix
-         * what has no inverse that is a band. */
+        /* No bound by norms: M couples too strongly, or, if closed, the matrix at h = 0 is more
+         * than M. Its J^-1 is no band: use the spectral radius of J(0)^-1 J(h) - I. */
         it->own->flags &= ~PK_HAVE_LU;
         pk_gauss_matrix(w, J, stride, 0, 1, &w->lu);
         pk_gauss_matrix(w, J, stride, 1, 1, &w->other);
@@ -236,7 +237,7 @@ pk_real pk_gauss_contraction(const struct pk_integrator *it, const struct pk_gau
     const pk_real quick = quick_contraction(it, w, J, count);
     if (quick <= PK_GAUSS_SURE || !pk_finite(quick))
         return quick;
-    /* How much too large that is changes little from step to step: it is seen now and then. */
+    /* The quick bound is too large by a factor that changes little: it is measured now and then. */
     const pk_real guess = 2 * w->kept->loose * quick;
     if (w->kept->loose_for > 0 && guess <= PK_GAUSS_SURE) {
         w->kept->loose_for -= 1;

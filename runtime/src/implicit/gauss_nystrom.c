@@ -3,10 +3,10 @@
  *
  *     L_j = h b_j a_j,  V_i = v0 + sum mu_ij L_j,  P_j = h b_j V_j,  Q_i = q0 + sum mu_ij P_j
  *
- * (the products h b_j V_j as numbers of their own, since mu2 of the adaptive method would break
- * b_i a_ij + b_j a_ji = b_i b_j by round-off, always the same way). The fixed-point iteration goes
- * on until corrections no longer shrink: what is left then has no sign. Where it does not
- * converge, Newton's does; see newton.c.
+ * (each product h b_j V_j is rounded once: mu2 of the adaptive method would break b_i a_ij + b_j
+ * a_ji = b_i b_j by round-off, always the same way). The fixed-point iteration ends when
+ * corrections no longer shrink: the remaining error then has no sign. If it does not converge,
+ * Newton's iteration takes over; see newton.c.
  *
  * Reference: M. Antonana, J. Makazaga, A. Murua, Numer. Algorithms 76 (2017) 861, 3.3 for the end
  * of the iteration.
@@ -45,7 +45,8 @@ static void stages(struct pk_integrator *it, const struct pk_gauss_lanes *w,
     }
 }
 
-/* The largest correction, relative to the largest a of its coordinate. */
+/* Takes over the new a; returns the largest correction relative to the largest a of its
+ * coordinate. */
 static pk_real take_over(const struct pk_gauss_lanes *w, size_t n)
 {
     pk_real worst = 0;
@@ -53,7 +54,7 @@ static pk_real take_over(const struct pk_gauss_lanes *w, size_t n)
         pk_real change = 0, size = PK_TINY;
         for (size_t j = i * PK_GAUSS_S; j < (i + 1) * PK_GAUSS_S; j++) {
             const pk_real d = pk_abs(w->next_a[j] - w->a[j]);
-            if (!(d <= change)) /* so that what is no number gets through */
+            if (!(d <= change)) /* so that NaN gets through */
                 change = d;
             size = pk_max(size, pk_abs(w->next_a[j]));
             w->a[j] = w->next_a[j];
@@ -84,10 +85,10 @@ enum pk_status pk_gauss_nystrom_step(struct pk_integrator *it, const struct pk_g
         PK_TRY(generic_gauss_evaluate(it, y.t, w.q, w.v, w.u, w.next_a));
         const pk_real change = take_over(&w, n);
         if (!pk_finite(change))
-            return PK_NO_CONVERGENCE; /* unless Newton's iteration says that there is no number */
+            return PK_NO_CONVERGENCE; /* Newton's iteration decides if it is NaN */
         if (change > PK_GAUSS_FAR && count && change > PK_GAUSS_FAST * before) {
             it->detail = change;
-            return PK_NO_CONVERGENCE; /* no contraction: Newton's, which says of what solution */
+            return PK_NO_CONVERGENCE; /* no contraction: Newton's iteration certifies its branch */
         }
         before = change;
         idle = change < least ? 0 : idle + 1;

@@ -1,4 +1,4 @@
-/* What the implicit methods in (q, p) share: their memory, and the numbers that a step is made of.
+/* Shared by the implicit methods in (q, p): their memory, and the tableau times the step size.
  */
 #include <string.h>
 
@@ -7,7 +7,7 @@
 
 #include <pk/step/gauss_stages.h>
 
-/* With table, n_q, n and pattern set. */
+/* Lays out the memory of w, whose table, n_q, n and pattern are set. Returns its pk_reals. */
 static size_t lay_out(struct pk_gauss_work *w, pk_real *base)
 {
     const size_t n = w->n, s = (size_t)w->table->stages, m = s * n;
@@ -106,7 +106,8 @@ enum pk_status pk_gauss_init(struct pk_integrator *it)
     return pk_all_finite(p, it->n) ? PK_DONE : PK_NOT_FINITE;
 }
 
-/* h b_i, mending the outer two, or the last, so that their sum is h; then h a_ij = mu_ij h b_j. */
+/* Computes h b_i, with the outer two or the last adjusted so that their sum is h; then h a_ij =
+ * mu_ij h b_j. */
 void pk_gauss_set_step(struct pk_integrator *it, struct pk_gauss_work *w, pk_real h)
 {
     const size_t s = w->s;

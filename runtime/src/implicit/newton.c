@@ -1,16 +1,16 @@
 /* The stage equations G(V) = 0 of gauss.c, by Newton's method; its matrix is in gauss_matrix.c.
  * Simplified: frozen at the predicted stages, the LU kept over iterations and steps while these
- * converge as fast as at first. If that fails, full Newton from V = v0. Fixed-point iteration has M
- * alone for its matrix and converges for small h only (Gauss: h omega < 2, 3.46, 4.64 for 1, 2, 3
- * stages); it is told apart from convergence, never cut off. That the solution is the one of short
- * steps is seen to in branch.c.
+ * converge as fast as at first. If that fails, full Newton from V = v0. Fixed-point iteration uses
+ * M alone as matrix and converges for small h only (Gauss: h omega < 2, 3.46, 4.64 for 1, 2, 3
+ * stages); divergence is detected, not a count exceeded. branch.c certifies that the solution is
+ * the one of short steps.
  *
- * An iteration ends where the next correction is foreseen to be far below round-off, on a scale
- * of its own for each coordinate that is read, max|V| + |q|/h; or where corrections are at round-off and no
- * longer shrink. Far below, because what is left undone has a sign: at round-off itself the
- * energy drifts like t, not like sqrt(t) (E. Hairer, R. McLachlan, A. Razakarivony, BIT 48 (2008)
- * 231). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
- * IV.8; GNI VIII.6.
+ * An iteration ends when the next correction is predicted to be far below round-off, on the scale
+ * max(|V|, |q|/h) of each coordinate but quadratures; or when corrections are at round-off and no
+ * longer shrink. Far below, because the remaining error has a sign: at round-off itself the energy
+ * would drift like t, not like sqrt(t) (E. Hairer, R. McLachlan, A. Razakarivony, BIT 48 (2008)
+ * 231). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8; GNI
+ * VIII.6.
  */
 #include <string.h>
 
@@ -50,8 +50,8 @@ int pk_gauss_residual(struct pk_integrator *it, struct pk_gauss_work *w)
     return pk_all_finite(w->G, s * n);
 }
 
-/* Sizes of the correction G: on each coordinate's own scale, and on one that forgives
- * coordinates at rest beside moving ones. */
+/* Sizes of the correction G: on each coordinate's own scale, and on a shared one that forgives
+ * coordinates at rest among moving ones. */
 static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w, pk_real *own,
                   pk_real *shared)
 {
@@ -62,7 +62,7 @@ static void sizes(const struct pk_integrator *it, const struct pk_gauss_work *w,
     *own = *shared = 0;
     for (size_t k = 0; k < read; k++) {
         pk_real size = 0;
-        for (size_t i = 0; i < w->s; i++) /* written so that what is no number gets through */
+        for (size_t i = 0; i < w->s; i++) /* written so that NaN gets through */
             if (!(pk_abs(w->G[i * n + k]) <= size))
                 size = pk_abs(w->G[i * n + k]);
         if (size > 0 || !pk_finite(size)) {
@@ -85,11 +85,11 @@ void pk_gauss_set_scale(const struct pk_integrator *it, struct pk_gauss_work *w)
     }
 }
 
-/* How much the derivatives have changed since the iteration before, relative, each of their four
- * kinds by itself. */
+/* Returns the relative change of the derivatives since the last iteration, the largest of their
+ * four kinds. */
 static pk_real changed(const struct pk_gauss_work *w)
 {
-    const size_t nn = w->nn, seen = w->pattern.dense ? w->places * w->n : nn; /* rows of these */
+    const size_t nn = w->nn, seen = w->pattern.dense ? w->places * w->n : nn; /* those read */
     pk_real worst = 0;
     for (size_t kind = 0; kind < 4; kind++) {
         pk_real most = 0, change = 0;
@@ -112,7 +112,7 @@ void pk_gauss_correct(struct pk_integrator *it, struct pk_gauss_work *w, enum pk
             pk_gauss_mass_solve(w, w->jacobian, w->G + i * n);
     else
         pk_gauss_lu_solve(w, &w->lu, w->s, w->G);
-    for (size_t k = 0; k < m; k++) { /* G: what V changes by, 0 where rounding leaves it */
+    for (size_t k = 0; k < m; k++) { /* G: the change of V as rounded */
         const pk_real before = w->V[k];
         w->V[k] -= w->G[k];
         w->G[k] = before - w->V[k];
@@ -129,7 +129,7 @@ void pk_gauss_settle(const struct pk_integrator *it, const struct pk_gauss_work 
         }
 }
 
-/* Divergence of a slow iteration: the largest correction of 25 is not below that of the 25
+/* Whether a slow iteration diverges: the largest correction of 25 is not below that of the 25
  * before. Single ones may rise and fall, since the eigenvalues of h^2 A^2 are complex. */
 static int rising(pk_real size, int count, pk_real *window)
 {
@@ -142,17 +142,17 @@ static int rising(pk_real size, int count, pk_real *window)
     return up;
 }
 
-/* Keeps the matrix for the next step only while that does not cost iterations; where it did, it
- * is made anew for a while, twice as long each time, before keeping it is tried again. */
+/* Keeps the matrix for the next step only while that costs no iterations. If it does, the matrix is
+ * recomputed for some steps, twice as many each time, before keeping it is tried again. */
 static void keep_or_refresh(struct pk_integrator *it, struct pk_gauss_work *w, int fresh, int count)
 {
     if (!(it->own->flags & PK_HAVE_STEP)) {
-        it->own->flags |= PK_REFRESH; /* a first step has no prediction: its count says nothing */
+        it->own->flags |= PK_REFRESH; /* the count of an unpredicted step means nothing */
     } else if (fresh) {
         w->kept->best = count;
         w->kept->wait -= w->kept->wait > 0;
     } else if (count - !pk_gauss_small(w) > w->kept->best) {
-        const int patience = w->kept->patience; /* of a checkpoint: any number */
+        const int patience = w->kept->patience; /* from a checkpoint: any number */
         w->kept->patience = patience >= 0 && patience < 31 ? 2 * patience + 1 : 63;
         w->kept->wait = w->kept->patience;
     } else {
@@ -198,8 +198,8 @@ int pk_gauss_iterate(struct pk_integrator *it, struct pk_gauss_work *w, enum pk_
         if (!pk_finite(size) || !pk_all_finite(w->V, w->s * it->n))
             return 0;
         const pk_real rate = count ? size / before : PK_C(1.0);
-        /* Where the matrix stays, one correction is all there is to do. If more are called for,
-         * they are the round-off of the forces: terms that cancel, near rest. */
+        /* With an unchanged matrix one correction is enough. Further corrections are the round-off
+         * of the forces: terms that cancel, near rest. */
         const int same = mode == PK_FULL && count && changed(w) <= PK_GAUSS_STEADY;
         stuck = !same ? 0 : rate > PK_GAUSS_STUCK ? stuck + 2 : stuck + 1;
         if (stuck >= 4) {

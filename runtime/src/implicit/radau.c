@@ -1,10 +1,10 @@
-/* Adaptive Radau IIA of 3 stages, order 5, for what is stiff or dissipates: L-stable, so that fast
- * motion which has died out does not limit the step. The stages are those of gauss.c, in (q, p):
- * p' = dL/dq + Q - dD/dv asks for no derivative of M, so M(q, v) and any dissipation are served by
- * the kernels that Newton's matrix has anyway, and momentum balances as exactly as it is summed.
+/* Adaptive Radau IIA of 3 stages, order 5, for stiff or dissipative systems: L-stable, so that fast
+ * motion which has died out does not limit the step size. The stages are those of gauss.c, in
+ * (q, p): p' = dL/dq + Q - dD/dv needs no derivative of M, so M(q, v) and any dissipation need only
+ * the kernels of Newton's matrix, and momentum balances to the round-off of its sum.
  *
- * Newton's iteration ends at a part of the tolerance of the error (radau_error.c). Where it does
- * not converge, or to a solution that is not the one of short steps (branch.c), the step is cut.
+ * Newton's iteration ends at a fraction of the tolerance of the error (radau_error.c). Where it
+ * does not converge, or its solution is not the one of short steps (branch.c), the step is cut.
  *
  * References: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.8,
  * (8.17)-(8.25), and the code RADAU5; K. Gustafsson, ACM TOMS 20 (1994) 496, for the predictive
@@ -15,8 +15,8 @@
 #define SAFETY PK_C(0.9)
 #define SHRINK PK_C(0.2)
 #define GROW PK_C(8.0)
-#define KEEP PK_C(1.2) /* a step that might grow by less stays: Newton's matrix too */
-/* Of the tolerance: corrections below it that do not shrink as they should are rounding. */
+#define KEEP PK_C(1.2) /* smaller growth is not made, to keep Newton's matrix */
+/* Fraction of the tolerance: smaller corrections that do not shrink as they should are rounding. */
 #define LITTLE PK_C(1e-3)
 enum { MOST_ITERATIONS = 10 };
 
@@ -66,7 +66,7 @@ static enum pk_status init(struct pk_integrator *it)
     return status;
 }
 
-/* The last correction, in tolerances: root mean square over stages, q and v. */
+/* Returns the last correction in units of the tolerance: root mean square over stages, q and v. */
 static pk_real correction(const struct pk_integrator *it, const struct pk_gauss_work *w,
                           const struct pk_radau_parts *r)
 {
@@ -81,7 +81,7 @@ static pk_real correction(const struct pk_integrator *it, const struct pk_gauss_
     return read ? PK_F(sqrt)(sum / (pk_real)(w->s * (read + moving))) : 0;
 }
 
-/* The last correction, relative to rates and |q/h|. */
+/* Returns the last correction relative to rates and |q/h|. */
 static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_work *w)
 {
     pk_real size = 0, scale = PK_TINY;
@@ -96,7 +96,7 @@ static pk_real relative(const struct pk_integrator *it, const struct pk_gauss_wo
     return size / scale;
 }
 
-/* Simplified Newton to a part of the tolerance; *count iterations. */
+/* Simplified Newton iteration to a fraction of the tolerance, in *count iterations. */
 static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int *count)
 {
@@ -131,7 +131,7 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
             if (!(rate < 1) && !little)
                 return PK_NO_CONVERGENCE;
             left = rate < 1 ? rate / (1 - rate) : 0;
-            if (rate > PK_C(1e-3)) /* it pays to make the matrix anew */
+            if (rate > PK_C(1e-3)) /* a new matrix pays */
                 it->own->flags |= PK_REFRESH;
             if (left * now * PK_F(pow)(rate, (pk_real)(most - 1 - *count)) > r->kept->enough) {
                 if (!little)
@@ -146,14 +146,14 @@ static enum pk_status iterate(struct pk_integrator *it, struct pk_gauss_work *w,
     return PK_NO_CONVERGENCE;
 }
 
-/* One trial of it->own->h: the stages, their error and which solution they are. */
+/* Tries the step it->own->h: solves the stages, estimates their error, certifies their branch. */
 static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int again, int *count)
 {
     enum pk_status status;
     if (it->own->h > w->kept->h || it->own->h < w->kept->h)
         pk_gauss_set_step(it, w, it->own->h);
-    for (size_t k = 0; k < it->n_q; k++) /* from zero, what the step will pass is the scale */
+    for (size_t k = 0; k < it->n_q; k++) /* from q = 0, the distance of the step is the scale */
         r->dq[k] = it->q[k] + it->own->h * it->v[k];
     pk_radau_tolerances(it, r, r->dq, it->v);
     do {
@@ -166,13 +166,13 @@ static enum pk_status attempt(struct pk_integrator *it, struct pk_gauss_work *w,
         return status;
     status = pk_gauss_certify(it, w);
     if (status >= 0 &&
-        !pk_finite(w->kept->contraction)) /* it was followed, and may be another one */
+        !pk_finite(w->kept->contraction)) /* the branch was followed, V may differ */
         status = pk_radau_judge(it, w, r, again);
     return status;
 }
 
-/* The next step over this one, by the error, by that of the step before too, and less where the
- * iteration took long. */
+/* Returns the ratio of the next step size to this one: by the error, by the last step's error too,
+ * and smaller where the iteration took long. */
 static pk_real growth(const struct pk_integrator *it, const struct pk_radau_parts *r, int count)
 {
     const pk_real error = pk_max(it->own->error, PK_C(1e-10));
@@ -209,7 +209,7 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
             break;
         if (status < 0 && status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP)
             pk_trouble(it, status,
-                       it->own->next_t); /* the others are no cause but a step too long */
+                       it->own->next_t); /* the others mean a step too long */
         const pk_real less = status < 0 ? PK_C(0.5) : pk_min(growth(it, &r, count), PK_C(0.9));
         pk_trial_reject(it, &x, pk_abs(it->own->h) * less);
     }

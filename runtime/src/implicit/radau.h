@@ -1,10 +1,10 @@
-/* Parts of the adaptive Radau method: radau.c, its steps, and radau_error.c, their error. */
+/* The adaptive Radau method: its steps (radau.c) and their error (radau_error.c). */
 #ifndef PK_RADAU_H
 #define PK_RADAU_H
 
 #include "gauss.h"
 
-/* The work behind that of the stages. */
+/* Work arrays behind those of the stages. */
 struct pk_radau_parts {
     struct pk_band E;
     pk_real *pdot, *dq, *dv, *of_q, *of_v, *x;
@@ -12,17 +12,18 @@ struct pk_radau_parts {
 };
 
 struct pk_radau_kept {
-    pk_real left; /* the factor between corrections to come and the last one, of the step before */
-    pk_real enough;   /* the part of the tolerance that the iteration may leave undone */
+    pk_real left; /* sum of the corrections to come over the last one, in the last step */
+    pk_real enough;   /* fraction of the tolerance at which the iteration ends */
     pk_real h, error; /* of the last step accepted */
 };
 
-/* What the error of a component is measured in, q and v at the start against those given. */
+/* Sets the tolerance of each component, r->of_q and r->of_v, from the larger of q and v at the
+ * start and those given. */
 void pk_radau_tolerances(const struct pk_integrator *it, const struct pk_radau_parts *r,
                          const pk_real *q, const pk_real *v);
 
-/* it->own->error of the stages found. `again`: by the second formula, where the first one rejects.
- */
+/* Sets it->own->error of the stages found. `again`: by the second formula if the first one
+ * rejects. */
 enum pk_status pk_radau_judge(struct pk_integrator *it, struct pk_gauss_work *w,
                               const struct pk_radau_parts *r, int again);
 

@@ -1,15 +1,15 @@
-/* Many fixed steps at once: of a splitting method in one call of the system's own fused code, or one by
- * one without what pk_integrator_step() does between two. The bits are the same. A fused state is
- * copied first: steps that end in what is not finite are undone, and half as many are tried, so that the
- * first that fails is found by bisection.
+/* Makes many fixed steps at once: for a splitting method in one call of the system's own fused
+ * code, or one by one without the checks of pk_integrator_step(). The bits are the same. Fused
+ * steps work on a copy: if they end in a state that is not finite, half as many are tried, so that
+ * bisection finds the first step that fails.
  */
 #include <string.h>
 
 #include "../core/internal.h"
 #include "../core/tableau.h"
 
-/* 0 where nothing was done: it passes over what singularities and constraints see to between steps,
- * and drifts all of q as v. */
+/* Makes fused steps and returns how many; 0 if it cannot: fused steps skip the checks of
+ * singularities and constraints between steps, and drift all of q by v. */
 static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     const struct pk_system *system = it->problem.system;
@@ -38,13 +38,13 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     }
     memset(pk_next(it, PK_LOW_Q), 0, (n_q + n) * sizeof *q);
     pk_exchange(it);
-    it->own->flags = 0; /* no acceleration of this state */
+    it->own->flags = 0; /* the acceleration of this state is not known */
     it->own->h = h;
     it->last_t = it->own->anchor + (it->own->grid + (pk_real)steps - 1) * h;
     it->own->grid += (pk_real)steps;
     it->t = it->own->next_t = it->own->anchor + it->own->grid * h;
     it->count.steps += steps;
-    /* The last kick of a step and the first of the next are one, but for the first of all. */
+    /* The last kick of a step and the first one of the next share an evaluation. */
     const pk_real *last = table->kick + table->stages;
     const int both = (table->kick[0] > 0 || table->kick[0] < 0) && (*last > 0 || *last < 0);
     it->count.evaluations += steps * (unsigned long)table->stages + (both ? 1 : 0);
@@ -52,8 +52,8 @@ static unsigned long advance(struct pk_integrator *it, pk_real limit, unsigned l
     return steps;
 }
 
-/* Steps on the grid, where nothing asks for more than the step itself. One that fails is left to be made
- * again by pk_integrator_step(), which says why. */
+/* Makes steps on the grid if only the step itself is needed, and returns how many. A failed step is
+ * left to pk_integrator_step(), which makes it again and says why. */
 static unsigned long plain(struct pk_integrator *it, pk_real limit, unsigned long most)
 {
     const struct pk_system *system = it->problem.system;
@@ -97,7 +97,7 @@ enum pk_status pk_integrator_steps(struct pk_integrator *it, pk_real limit, unsi
         it->own->direction == (limit > it->t) - (limit < it->t))
         left -= many(it, limit, left);
     while (left) {
-        /* A step sets the direction and the grid, and meets whatever is wrong. */
+        /* A step sets the direction and the grid, and reports any error. */
         const enum pk_status status = pk_integrator_step(it, limit);
         if (status != PK_DONE)
             return status;

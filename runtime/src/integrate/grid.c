@@ -1,13 +1,14 @@
-/* How far the next step goes, and whether there is to be one: the grid of fixed steps, limits on
- * their number, progress. Time on a fixed step is anchor + k h, rounded twice: no sum of roundings.
+/* Chooses how far the next step goes, or that there is none: the grid of fixed steps, limits on
+ * their number, progress. Times of fixed steps are anchor + k h, rounded twice: roundings do not
+ * add up.
  */
 #include "../core/internal.h"
 
-/* At progress, in steps tried: where many are rejected, and else. */
+/* Steps tried before progress is judged: where many are rejected, and otherwise. */
 enum { FIRST_LOOK = 1 << 12, LATER_LOOK = 1 << 16 };
-#define MOST_AHEAD PK_C(1e9) /* steps, where nobody says how many */
-/* Where many are rejected, and steps are so short beside the longest that was tried, errors are
- * noise; then that many over n. */
+#define MOST_AHEAD PK_C(1e9) /* most steps to come, without max_steps */
+/* Where many are rejected and steps are shorter than SHRUNK of the longest one tried, errors are
+ * noise: MOST_SHRUNK / n steps are then the limit. */
 #define SHRUNK PK_C(1e-6)
 #define MOST_SHRUNK PK_C(1e7)
 
@@ -42,9 +43,9 @@ int pk_often_rejected(const struct pk_integrator *it)
     return 4 * (it->count.rejections - it->own->judged_rejections) > tried;
 }
 
-/* Whether time all but stands still; looked at each time that the number of steps has doubled, so
- * that no more than this number and the times decide. It is measured by the lengths of steps, since
- * a caller may go back in time. */
+/* Whether time hardly advances; judged each time that the number of steps has doubled, so that only
+ * this number and the times decide. Progress is measured by lengths of steps, since a caller may go
+ * back in time. */
 static int stands_still(struct pk_integrator *it, pk_real left)
 {
     const unsigned long tried = it->count.steps + it->count.rejections;
@@ -79,7 +80,7 @@ static enum pk_status check_step(struct pk_integrator *it, pk_real limit, int fi
         return PK_NO_PROGRESS;
     if (!fixed)
         return PK_DONE;
-    it->own->trouble = PK_DONE; /* only trial steps leave it behind */
+    it->own->trouble = PK_DONE; /* only trial steps set it */
     if (it->options.h <= PK_C(10.0) * PK_EPS * pk_abs(it->t) &&
         pk_abs(limit - it->t) > it->options.h) {
         it->detail = it->options.h;

@@ -1,6 +1,6 @@
-/* The integrator: its memory, its checks, and the loop over steps. A method's step() writes the
- * new state into it->own->next; here it is checked and only then becomes the state, so a step that
- * fails leaves no trace. How far a step goes: grid.c.
+/* The integrator: its memory, its checks, and the loop over steps. A method's step() writes the new
+ * state into it->own->next; here it is checked and only then becomes the state, so a step that
+ * fails leaves no trace. grid.c chooses how far a step goes.
  */
 #include <stdint.h>
 #include <string.h>
@@ -8,8 +8,8 @@
 #include "../core/project.h"
 #include "../core/tableau.h"
 
-/* The private part stands first in the block, the state behind it. Both begin a cache line where
- * there are vectors: fused steps of a chain take a fifth longer on a state that does not. */
+/* The private part is first in the block, the state follows. Both begin a cache line on 64-bit
+ * machines: fused steps of a chain take a fifth longer on a state that does not. */
 #if UINTPTR_MAX > 0xffffffff
 #define ALIGNED ((size_t)64)
 #else
@@ -18,7 +18,7 @@
 #define OWN ((sizeof(struct pk_integrator_private) + ALIGNED - 1) / ALIGNED * ALIGNED)
 #define PRIVATE (OWN + ALIGNED)
 
-#define FROM_REST PK_C(1e-3) /* of a span: how far ahead what pushes a body at rest is looked for */
+#define FROM_REST PK_C(1e-3) /* of a span: how far ahead forces on a body at rest are looked for */
 
 struct pk_options pk_options_default(void)
 {
@@ -33,7 +33,7 @@ static size_t work_size(const struct pk_problem *problem, const struct pk_method
     return (method->size ? method->size : pk_splitting_size)(method, problem, n);
 }
 
-/* Lays out what lies behind `own`; counts alone where base is NULL. */
+/* Lays out the memory behind `own`; only counts it where base is NULL. */
 static size_t lay_out(struct pk_integrator_private *own, const struct pk_problem *problem,
                       const struct pk_method *method, size_t n_q, size_t n, pk_real *base)
 {
@@ -66,7 +66,8 @@ size_t pk_integrator_size(const struct pk_problem *problem, const struct pk_meth
     return PRIVATE + lay_out(&own, problem, method, n_q, n, NULL) * sizeof(pk_real);
 }
 
-/* The system's own for this method, its kernels compiled in, or the method's for any system. */
+/* Returns the system's own step function of this method, with its kernels compiled in, or the
+ * method's for any system. */
 static enum pk_status (*stepper(const struct pk_system *system,
                                 const struct pk_method *method))(struct pk_integrator *, pk_real)
 {
@@ -151,7 +152,7 @@ enum pk_status pk_integrator_reset(struct pk_integrator *it, pk_real t, const pk
     it->status = pk_check_params(it, it->own->params);
     if (it->status < 0)
         return it->status;
-    /* What a method does not carry stays 0, and inputs that nobody fills. */
+    /* Parts of the state that a method does not carry, and inputs without a source, stay 0. */
     memset(it->own->next, 0, pk_before(n_q, n, PK_PARTS) * sizeof *q);
     memset(it->own->u, 0, it->problem.system->n_inputs * (1 + PK_LANES) * sizeof *q);
     it->t = it->last_t = it->own->next_t = t;
@@ -184,8 +185,8 @@ enum pk_status pk_integrator_set_step(struct pk_integrator *it, pk_real h)
     return it->status = PK_DONE;
 }
 
-/* What methods keep of their last step may belong to the one that failed; and where the equations
- * end, no step follows. */
+/* Ends a failed step: drops data of the last step, which may belong to the failed one. Where the
+ * equations are singular, no step follows. */
 static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
 {
     it->own->flags &= ~(PK_HAVE_A | PK_HAVE_STEP | PK_HAVE_DENSE);
@@ -194,7 +195,7 @@ static enum pk_status stop(struct pk_integrator *it, enum pk_status status)
     return it->status = status;
 }
 
-/* Whether q, v and p of the trial step are numbers. */
+/* Whether q, v and p of the trial step are finite. */
 static int are_numbers(const struct pk_integrator *it)
 {
     return pk_all_finite(it->own->next, pk_before(it->n_q, it->n, PK_LOW_Q));
@@ -247,14 +248,14 @@ static enum pk_status advance(struct pk_integrator *it, pk_real limit)
 enum pk_status pk_integrator_step(struct pk_integrator *it, pk_real limit)
 {
     if (!pk_ready(it))
-        return it->status < 0 ? it->status : PK_BAD_ARGUMENT; /* the refusal of its start stands */
+        return it->status < 0 ? it->status : PK_BAD_ARGUMENT; /* the refused start stands */
     if (!pk_finite(limit))
         return pk_fail(it, PK_BAD_ARGUMENT, BAD_TIME);
     const pk_real left = limit - it->t;
     if (!(left > 0) && !(left < 0))
         return it->status = PK_DONE;
     if (it->options.stop && it->options.stop(it->options.context)) {
-        it->own->ready = 0; /* what goes on all the same ends at its next step */
+        it->own->ready = 0; /* a caller that goes on ends at its next step */
         return it->status = PK_STOPPED_USER;
     }
 
@@ -316,14 +317,14 @@ enum pk_status pk_integrator_aside(struct pk_integrator *it, struct pk_integrato
     if (it->own->atol && side->own->atol)
         memcpy(side->own->atol, it->own->atol,
                pk_scale_size(&it->problem, it->method, n_q, n) * sizeof *it->own->atol);
-    if (it->own->crossed) { /* no start: rows may depend on each other there */
+    if (it->own->crossed) { /* no reset: rows may depend on each other there */
         pk_real *q = pk_state(side, PK_Q), *v = pk_state(side, PK_V);
         pk_passage_at(it, t, q, v);
         side->t = t;
         return PK_DONE;
     }
     pk_integrator_reset(side, it->last_t, it->own->next, pk_next(it, PK_V));
-    if (side->status >= 0) /* what a start lacks of a state amid the motion */
+    if (side->status >= 0) /* parts of the state that a start does not have */
         memcpy(pk_state(side, PK_P), pk_next(it, PK_P),
                (pk_before(n_q, n, PK_A) - pk_before(n_q, n, PK_P)) * sizeof *it->own->next);
     if (side->status >= 0 && (it->method->traits & PK_ADAPTIVE) &&

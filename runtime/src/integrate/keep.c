@@ -1,5 +1,5 @@
-/* What an integrator has between two steps; see pk/keep.h. The memory of a method is numbers alone,
- * and all of it lies in the block: so one call keeps that of every method.
+/* Saves and restores an integrator between two steps; see pk/keep.h. The memory of a method is only
+ * numbers, all in the block: one function serves every method.
  */
 #include <string.h>
 
@@ -7,7 +7,7 @@
 
 #include "../core/internal.h"
 
-/* Where things lie, which is of this process alone. */
+/* Copies addresses, which are valid in this process alone. */
 static void addresses(struct pk_integrator_private *to, const struct pk_integrator_private *from)
 {
     to->step = from->step;
@@ -37,8 +37,8 @@ static unsigned long long name(const char *text)
 
 static int is_flag(int x) { return x == 0 || x == 1; }
 
-/* What came from elsewhere is a state, as far as memory goes: what indexes or says which part there
- * is. Numbers that are indices in the block itself are looked at where they are used: pk_index(). */
+/* Whether restored data is valid as far as memory goes: indices and flags. Numbers of the block
+ * that are used as indices are checked where they are used: pk_index(). */
 static int sound(const struct pk_integrator *it, const struct pk_integrator_private *kept)
 {
     const struct pk_integrator_private *own = it->own;

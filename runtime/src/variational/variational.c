@@ -12,12 +12,12 @@
  *              p1 = p0 + h/2 (f_0 + f_1)            P1 = C^T C^T (P0 + h/2 G_0) + h/2 G_1
  *
  * Constraints: p0 and P0 are first kicked by J(q0)^T mu so that phi(q1) = 0, and p1 and P1 at the
- * end so that J v + j0 = 0. So the steps are symplectic, symmetric, and keep the momenta of
+ * end so that J v + j0 = 0. The steps are then symplectic, symmetric, and keep the momenta of
  * symmetries, R P of a free body as a vector, however well the equations are solved. Without
- * rotations and constraints the first is the implicit midpoint rule in (q, p), the second Verlet
- * for any L, and with constraints RATTLE. First-order variables go by the midpoint or the
- * trapezoidal rule. What is carried are p and P, with compensated sums; v comes from them. Order 4
- * and 6: compositions.
+ * rotations and constraints lie_midpoint is the implicit midpoint rule in (q, p), rattle is Verlet
+ * for any L, and with constraints RATTLE. First-order variables follow the midpoint or the
+ * trapezoidal rule. p and P are carried from step to step, with compensated sums; v comes from
+ * them. Order 4 and 6: compositions.
  *
  * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, VI.6, VII.1.3-4,
  * VII.5; H. C. Andersen, J. Comput. Phys. 52 (1983) 24; J. E. Marsden, S. Pekarsky, S. Shkoller,
@@ -41,7 +41,7 @@ static enum pk_status variational_init(struct pk_integrator *it)
     return pk_all_finite(p, it->n) ? PK_DONE : PK_NOT_FINITE;
 }
 
-/* p0 becomes p1: what is added, compensated. */
+/* Advances p0 to p1 with compensated sums. */
 static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real *low)
 {
     const int ends = w->table->ends;
@@ -79,10 +79,10 @@ static void add_momenta(const struct pk_variational_work *w, pk_real *p, pk_real
     }
 }
 
-/* The guess: rates at the middle of the last part and at its end, on a straight line. */
+/* Guesses V, on a line through the rates at the middle and end of the last part, and the kick. */
 static void guess(struct pk_integrator *it, struct pk_variational_work *w, const pk_real *v)
 {
-    const int before = it->own->flags & PK_HAVE_STEP; /* else last_V and last_h are not there */
+    const int before = it->own->flags & PK_HAVE_STEP; /* else last_V and last_h are not set */
     const pk_real ratio = before && pk_abs(w->h / *w->last_h) <= 64 ? w->h / *w->last_h : 0;
     for (size_t k = 0; k < w->n; k++) {
         const int turns = k >= w->m && k < w->states; /* quaternions are no unknowns */
@@ -101,10 +101,10 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     pk_real *p = pk_variational_to(w, PK_P), *low_p = pk_variational_to(w, PK_LOW_X);
     guess(it, w, v);
     const int known = it->own->flags &
-                      PK_HAVE_A; /* here: that M and the forces are of this state */
+                      PK_HAVE_A; /* here: M and the forces are of this state */
     if (!known)
         pk_variational_momenta(it, w->t, q, v, w->spare, w->f_start);
-    if (!known || !w->whole) /* [M J^T; J 0] is in memory of the system, where others write too */
+    if (!known || !w->whole) /* [M J^T; J 0] lies in the system's memory: others write there */
         PK_TRY(pk_variational_mass(it, w, w->t, q, v));
     it->own->flags &= ~PK_HAVE_A;
     PK_TRY(pk_variational_solve(it, w));
@@ -121,7 +121,7 @@ static enum pk_status part(struct pk_integrator *it, struct pk_variational_work 
     memcpy(p + w->m, v + w->m, (n - w->m) * sizeof *v);
     if (!pk_all_finite(q, w->rotation) || !pk_all_finite(p, n))
         return PK_NOT_FINITE;
-    memcpy(v, w->V, w->m * sizeof *v); /* a guess again */
+    memcpy(v, w->V, w->m * sizeof *v); /* initial guess of pk_variational_rates() */
     const enum pk_status status = pk_variational_rates(it, w, p, low_p);
     memcpy(w->last_V, w->V, n * sizeof *w->V);
     *w->last_h = w->h;

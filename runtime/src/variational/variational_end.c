@@ -1,15 +1,15 @@
-/* The end of a variational step, see variational.c: v from p(t, q, v) = p by Newton's method on M,
- * one linear solve where L is of second degree in v. Where there are constraints p has left their
- * tangent by as much as the forces of the step's end: p -= J^T nu, so that J v + j0 = 0.
+/* The end of a variational step, see variational.c: solves p(t, q, v) = p for v by Newton's method
+ * on M, one linear solve where L is of second degree in v. With constraints, p leaves their tangent
+ * space by the forces of the step's end: p -= J^T nu restores J v + j0 = 0.
  */
 #include "variational.h"
 
-/* A correction, relative, whose square is far below round-off. */
+/* Relative correction whose square is far below round-off. */
 #define SMALL (PK_F(sqrt)(PK_EPS) / 64)
 enum { MOST = 50 };
 
-/* What rates are rounded beside, times the roots of their masses: the fastest in the metric of M,
- * and momenta, which are large of a charge at rest in a magnetic field, or M^-1 of them. */
+/* Returns the scale of rounding of rates times the roots of their masses: the fastest rate in the
+ * metric of M, or M^-1 of a momentum, which is large for a charge at rest in a magnetic field. */
 static pk_real fastest(const struct pk_variational_work *w, const pk_real *v, const pk_real *p)
 {
     pk_real most = PK_TINY;
@@ -18,8 +18,8 @@ static pk_real fastest(const struct pk_variational_work *w, const pk_real *v, co
     return most;
 }
 
-/* What is left of J v + j0 beside its terms. A row may be of rates that are rounding alone, as those
- * across the axle of a body that spins: the fastest tells what that is. */
+/* Returns the largest |J v + j0| relative to its terms. Where the rates of a row are rounding
+ * alone, as across the axle of a spinning body, the fastest rate gives their scale. */
 static pk_real left_of_rows(struct pk_variational_work *w, const pk_real *q, pk_real most,
                             const pk_real *v)
 {
@@ -33,7 +33,7 @@ static pk_real left_of_rows(struct pk_variational_work *w, const pk_real *q, pk_
     return worst;
 }
 
-/* v += d, and p += J^T mu of these rows' force. */
+/* Adds sign d to v and the force sign J^T mu of the rows to p. */
 static void correct(struct pk_variational_work *w, const pk_real *q, const pk_real *d, pk_real sign,
                     pk_real *v, pk_real *p, pk_real *low_p)
 {
@@ -44,7 +44,7 @@ static void correct(struct pk_variational_work *w, const pk_real *q, const pk_re
     }
 }
 
-/* M at the end, and J M^-1 J^T there. */
+/* Factors M at the end, and J M^-1 J^T there. */
 static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_work *w,
                                const pk_real *q, const pk_real *v)
 {
@@ -57,7 +57,8 @@ static enum pk_status matrices(struct pk_integrator *it, struct pk_variational_w
     return PK_DONE;
 }
 
-/* Of families under constraints: M d - J^T mu = p - p(v), J d = -(J v + j0) at once. */
+/* For families under constraints: solves M d - J^T mu = p - p(v), J d = -(J v + j0) at once.
+ * Returns the size of the correction. */
 static pk_real settled(struct pk_variational_work *w, const pk_real *q, pk_real *v, pk_real *p,
                        pk_real *low_p)
 {
@@ -83,7 +84,7 @@ enum pk_status pk_variational_rates(struct pk_integrator *it, struct pk_variatio
         pk_variational_momenta(it, w->end, q, v, w->p, w->f_start);
         if (!pk_all_finite(w->p, w->m))
             return PK_NOT_FINITE;
-        if (count == 0 || !quadratic) /* else M is the same */
+        if (count == 0 || !quadratic) /* else M is unchanged */
             PK_TRY(matrices(it, w, q, v));
         left = 0;
         for (size_t k = 0; k < w->m; k++)

@@ -1,11 +1,11 @@
-/* The equations of a variational step as residuals, r(V) of the rates V at its middle; they stand
- * in variational.c.
+/* The equations of a variational step as residuals r(V) of the rates V at its middle; variational.c
+ * states them.
  */
 #include <string.h>
 
 #include "variational.h"
 
-/* The end of the step by V, and its middle. */
+/* Computes the end of the step from V, and its middle. */
 void pk_variational_reach(struct pk_variational_work *w)
 {
     const size_t n = w->n;
@@ -42,7 +42,7 @@ void pk_variational_reach(struct pk_variational_work *w)
     }
 }
 
-/* Momenta and forces at the middle; or at the start, by V, and at the end. */
+/* Evaluates momenta and forces at the middle; or at the start, with rates V, and at the end. */
 int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t n = w->n;
@@ -58,7 +58,7 @@ int pk_variational_evaluate(struct pk_integrator *it, struct pk_variational_work
            pk_all_finite(w->f_end, n);
 }
 
-/* Of p0 with the kick. */
+/* Returns p0 with the kick. */
 static pk_real start(const struct pk_variational_work *w, size_t k)
 {
     return pk_variational_to(w, PK_P)[k] + w->pull[k];

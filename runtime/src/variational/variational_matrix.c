@@ -1,5 +1,5 @@
-/* One correction of V and of the kick in a variational step: the matrix M, or that of Newton's
- * method by differences, bordered by the exact derivatives of phi; see variational_solve.c.
+/* One correction of V and of the kick in a variational step: with the matrix M, or with Newton's
+ * matrix by differences, bordered by the exact derivatives of phi; see variational_solve.c.
  */
 #include <string.h>
 
@@ -19,7 +19,7 @@ static size_t place(const struct pk_variational_work *w, size_t i)
     return i < w->m ? i : i - w->m + w->states;
 }
 
-/* x by the matrix of the iteration, in place. */
+/* Solves with the matrix of the iteration, x in place. */
 static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
 {
     if (!newton) {
@@ -36,7 +36,8 @@ static void solve(const struct pk_variational_work *w, int newton, pk_real *x)
     }
 }
 
-/* dr/dV by differences, factored; the sign of its determinant, or 0. Then all is of V again. */
+/* Computes and factors dr/dV by differences, then restores the end of V. Returns the sign of its
+ * determinant, 0 if singular. */
 static int differences(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const size_t count = unknowns(w);
@@ -64,7 +65,7 @@ static int differences(struct pk_integrator *it, struct pk_variational_work *w)
     return sign;
 }
 
-/* A row of d(phi)/dV. */
+/* Computes a row of d(phi)/dV. */
 static void end_by_rates(const struct pk_variational_work *w, const pk_real *J, pk_real *row)
 {
     for (size_t k = 0; k < w->rotation; k++)
@@ -82,7 +83,7 @@ static void end_by_rates(const struct pk_variational_work *w, const pk_real *J, 
     }
 }
 
-/* What a kick of a row of J(q0), which is turned into the middle's frame, does to V. */
+/* Computes the change of V by a kick of a row of J(q0), turned into the frame of the middle. */
 static void rates_by_kick(const struct pk_variational_work *w, int newton, const pk_real *J,
                           pk_real *by)
 {
@@ -95,8 +96,8 @@ static void rates_by_kick(const struct pk_variational_work *w, int newton, const
     solve(w, newton, by);
 }
 
-/* dV += what makes phi vanish at the end of V + dV, and that much more kick. The sign of what that
- * adds to the determinant of all, 1 at h = 0; 0: singular. */
+/* Corrects dV so that phi vanishes at the end of V + dV, and the kick with it. Returns the sign of
+ * this factor of the whole determinant, 1 at h = 0; 0: singular. */
 static int constrain(struct pk_variational_work *w, int newton)
 {
     const size_t n = w->n, c = w->c;
@@ -127,7 +128,8 @@ static int constrain(struct pk_variational_work *w, int newton)
     return w->h < 0 && c % 2 ? -sign : sign;
 }
 
-/* Of families, by [M J^T; J 0] at the start: J at the end is that, but for what a step changes. */
+/* For families: by [M J^T; J 0] at the start. J at the end equals it up to the change within a
+ * step. */
 static void constrain_by_mass(const struct pk_variational_work *w)
 {
     pk_real *mu = w->at.mu;

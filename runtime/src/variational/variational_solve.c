@@ -1,12 +1,12 @@
-/* The equations of a variational step, r(V) = 0 for the rates V of its middle and phi(q1) = 0 for
- * the kick J(q0)^T mu of its start; see variational.c. By M for their matrix, at the start: that
- * contracts while h omega is below 2 and is quick where it is small. Where it does not contract all
- * the way, the equations may have several solutions: then by Newton's method with differences of r,
- * and followed from short steps on, so that the solution is theirs; its matrix, M at h = 0, must
- * keep the sign of its determinant. phi has its exact derivatives in either case.
+/* Solves the equations of a variational step, r(V) = 0 for the rates V of its middle and
+ * phi(q1) = 0 for the kick J(q0)^T mu of its start; see variational.c. The first iteration uses M
+ * at the start as its matrix: it contracts while h omega is below 2 and is quick where that is
+ * small. Where it does not contract all the way, there may be several solutions. Then Newton's
+ * method with differences of r follows the branch of short steps; its matrix, M at h = 0, must keep
+ * the sign of its determinant. phi has exact derivatives in either case.
  *
  * An iteration ends as that of newton.c does, far below round-off, with phi within the rounding of
- * its terms. Coordinates are as large, for this, as what their terms in phi are beside J.
+ * its terms. For this, the scale of a coordinate includes its terms in phi divided by J.
  */
 #include <string.h>
 
@@ -14,20 +14,21 @@
 
 enum { BY_MASS_MOST = 1000, BY_NEWTON_MOST = 50, PATIENCE = 12 };
 
-/* FAST, SURE: rates of corrections above FAR that show that the solution is next to the guess,
- * by M and by Newton's method. GENTLE: how much r - M V may change within the step, relative to the
- * rates. FIRST, SHORTEST: parts of the step by which the solution is followed. */
+/* FAST, SURE: largest rates of corrections above FAR that show that the solution is the one nearest
+ * the guess, by M and by Newton's method. GENTLE: limit of the change of r - M V within the step,
+ * relative to the rates. FIRST, SHORTEST: fractions of the step by which it is followed. */
 #define FAR PK_C(0.1)
 #define FAST PK_C(0.7)
 #define SURE PK_C(0.5)
 #define GENTLE PK_C(0.5)
 #define FIRST PK_C(0.125)
 #define SHORTEST (PK_C(1.0) / 16777216)
-/* Of its terms and of what the step adds to them, as rounding leaves phi: see project.c. */
+/* In units of the rounding of phi: of its terms and of q1 = q0 + h V; see project.c. */
 #define ROUND PK_C(4.0)
 #define STALLED (PK_C(1024.0) * PK_EPS)
 
-/* How far numbers move in a step, or the attitudes that they turn: their components mix. */
+/* Computes how far coordinates move in a step; for a body rate how far the attitude turns, all
+ * components together, since they mix. */
 static void set_moved(const struct pk_variational_work *w, pk_real *moved)
 {
     for (size_t k = 0; k < w->rotation; k++)
@@ -42,7 +43,8 @@ static void set_moved(const struct pk_variational_work *w, pk_real *moved)
     }
 }
 
-/* phi at the end, in units of the rounding of its terms and of q1 = q0 + h V; J there. */
+/* Returns the largest phi at the end, in units of the rounding of its terms and of q1 = q0 + h V;
+ * leaves J there. */
 static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
 {
     struct pk_projection *at = &w->at;
@@ -55,14 +57,14 @@ static pk_real broken(struct pk_integrator *it, struct pk_variational_work *w)
     pk_project_spread(at, w->q_end, w->v_end, at->J, w->c, w->spare, size);
     for (size_t i = 0; i < w->c; i++) {
         const pk_real ratio = pk_abs(at->phi[i]) / (PK_EPS * (at->phi_size[i] + PK_TINY + size[i]));
-        worst = ratio <= worst ? worst : ratio; /* what is no number gets through */
+        worst = ratio <= worst ? worst : ratio; /* NaN gets through */
     }
     return worst;
 }
 
-/* What V is rounded beside: itself, momenta and what adds to them, and the coordinates over h;
- * where phi adds numbers of its own to these, as in (a + x)^2, they count as what takes phi as far
- * as its terms. */
+/* Sets the scale on which V is rounded: V itself, momenta and forces, and coordinates over h. Where
+ * phi adds numbers of its own to coordinates, as in (a + x)^2, these count as the motion that
+ * changes phi by as much as its terms. */
 static void set_scale(struct pk_variational_work *w)
 {
     const pk_real *q = pk_variational_to(w, PK_Q), *v = pk_variational_to(w, PK_V);
@@ -76,7 +78,7 @@ static void set_scale(struct pk_variational_work *w)
         const pk_real sum = pk_max(pk_abs(p[k]), pk_abs(w->h * w->f[k]));
         w->scale[k] = pk_max(w->scale[k], sum / (w->root[k] * w->root[k]));
     }
-    if (w->c && !w->whole) { /* by the way that is shortest in the metric of M */
+    if (w->c && !w->whole) { /* by the shortest motion in the metric of M */
         w->at.system->constraints.solve(w->at.params, NULL, w->at.phi_size, w->spare, w->at.mu);
         for (size_t k = 0; k < w->m; k++)
             w->scale[k] = pk_max(w->scale[k], pk_abs(w->spare[k] / w->h));
@@ -93,9 +95,9 @@ static void set_scale(struct pk_variational_work *w)
     }
 }
 
-/* By the first correction: at least the change of rates that the step makes, in the metric of M, so
- * that what others set in motion has a scale too. w->jump, but for states that are set in motion from
- * 0: there is nothing that they change beside. */
+/* Raises the scale after the first correction to at least the change of rates in the step, in the
+ * metric of M, so that rates set in motion by others have a scale too. Sets w->jump, without states
+ * set in motion from 0, which have no scale before. */
 static void raise_scale(struct pk_variational_work *w)
 {
     const pk_real *v = pk_variational_to(w, PK_V);
@@ -112,20 +114,20 @@ static void raise_scale(struct pk_variational_work *w)
     }
 }
 
-/* The largest of dV beside its scale and so much of the largest scale. */
+/* Returns the largest dV relative to its scale plus `share` of the largest scale. */
 static pk_real corrected(const struct pk_variational_work *w, pk_real share)
 {
     const pk_real more = share * pk_variational_most(w);
     pk_real size = 0;
     for (size_t k = 0; k < w->n; k++) {
         const pk_real x = pk_abs(w->dV[k]) / (w->scale[k] + more);
-        if (!(x <= size)) /* what is no number gets through */
+        if (!(x <= size)) /* NaN gets through */
             size = x;
     }
     return size;
 }
 
-/* J^T mu at the start, of the kick. */
+/* Computes J^T mu at the start, of the kick. */
 static void pull(struct pk_integrator *it, struct pk_variational_work *w)
 {
     w->at.t = w->t;
@@ -134,7 +136,7 @@ static void pull(struct pk_integrator *it, struct pk_variational_work *w)
                     w->kick, w->pull);
 }
 
-/* 1 where it converged. *sign: of the determinant of Newton's last matrix. */
+/* Returns 1 if it converges. *sign: of the determinant of Newton's last matrix. */
 static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int newton, int *sign)
 {
     const int most = it->options.max_iterations > 0 ? it->options.max_iterations
@@ -149,7 +151,7 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
             return 0;
         pk_variational_residual(w, w->dV);
         const pk_real off = w->c ? broken(it, w) : 0;
-        if (small && off <= ROUND) /* all now belongs to the V that is kept */
+        if (small && off <= ROUND) /* all results now belong to the V kept */
             return 1;
         if (count == 0)
             set_scale(w);
@@ -179,8 +181,8 @@ static int iterate(struct pk_integrator *it, struct pk_variational_work *w, int 
     return 0;
 }
 
-/* By Newton's method, from a step of none on, in parts of it: each is begun on a straight line
- * through those before, and is one only if the solution is near that. */
+/* Follows the solution by Newton's method from step size 0, in parts of the step. Each part begins
+ * on a straight line through the last points; it counts only if its solution is near that line. */
 static enum pk_status follow(struct pk_integrator *it, struct pk_variational_work *w)
 {
     const pk_real h = w->h, end = w->end, *v = pk_variational_to(w, PK_V);
@@ -221,8 +223,8 @@ static enum pk_status follow(struct pk_integrator *it, struct pk_variational_wor
     return PK_DONE;
 }
 
-/* Whether forces at the middle are much those at the start, or momenta at the end: then the
- * iteration contracts all along from a step of none. */
+/* Whether forces at the middle are close to those at the start, or momenta at the end to those at
+ * the start: then the iteration contracts for all shorter steps too. */
 static int is_gentle(struct pk_variational_work *w)
 {
     for (size_t k = 0; k < w->n; k++) {

@@ -1,4 +1,4 @@
-/* What all of a variational step shares (variational.c): its memory, momenta and forces, and M. */
+/* Shared by all parts of a variational step (variational.c): its memory, momenta and forces, M. */
 #include <string.h>
 
 #include "variational.h"
@@ -57,7 +57,7 @@ struct pk_variational_work pk_variational_parts(const struct pk_integrator *it)
     struct pk_variational_work w = {.table = (const struct pk_variational *)it->method->table};
     w.n = it->n;
     w.turned = pk_system_rotations(problem->system, problem->params);
-    /* Of what is free M alone is used. */
+    /* Without constraints only M of it is used, in the work memory. */
     w.at =
         pk_project_parts(&it->problem, it->n, it->own->project ? it->own->project : it->own->work);
     w.c = w.at.c;

@@ -1,5 +1,5 @@
-/* Drift of constants of the motion, online. The slope is by Welford's update of the means and
- * co-moments, which does not cancel as the sums of t^2 and t x would. Reference: B. P. Welford,
+/* Drift of constants of the motion, online. The slope comes from Welford's update of means and
+ * co-moments, which avoids the cancellation in sums of t^2 and t x. Reference: B. P. Welford,
  * Technometrics 4 (1962) 419; T. F. Chan, G. H. Golub, R. J. LeVeque, Am. Stat. 37 (1983) 242.
  */
 #include <string.h>
@@ -11,13 +11,13 @@
 
 #define PK_SQRT2 PK_C(1.41421356237309504880168872420969808)
 
-/* What the evaluation of X may err by, in units of PK_EPSILON S, and how much a rounding a sample
- * moves it, as a random walk. */
+/* Error of evaluating X, in units of PK_EPSILON S, and the random walk of X by one rounding per
+ * sample, in the same units. */
 #define EVALUATION PK_C(16.0)
 #define WALK PK_C(2.0)
 
-/* The size of what a constant is made of: directions of random signs, of a step a part of each
- * number; and the share of that size below which a constant counts as 0. */
+/* For the size of the terms of a constant: the number of random sign vectors, the relative change
+ * of each number along them, and the share of that size below which a constant counts as 0. */
 enum { DIRECTIONS = 8 };
 #define STEP PK_C(1e-4)
 #define SHARE PK_C(0.1)
@@ -36,8 +36,8 @@ void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_rea
     for (; elapsed > drift->edge && drift->edge > 0; drift->edge *= PK_SQRT2)
         drift->marks[drift->n_marks++ % PK_DRIFT_MARKS] = drift->max;
     drift->samples++;
-    /* A value that is not a number must show, and go on to show: the first comparison lets it
-     * through, the second (false for a NaN that is held) keeps it. */
+    /* A NaN must show, and stay: the first comparison lets it through, the second (false for a NaN
+     * that is held) keeps it. */
     if (!(pk_abs(scale) <= drift->scale) && drift->scale >= 0)
         drift->scale = pk_abs(scale);
     if (!(pk_abs(d) <= drift->max) && drift->max >= 0)
@@ -59,7 +59,7 @@ void pk_drift_update(struct pk_drift *drift, pk_real t, pk_real x)
 static pk_real scaled(const struct pk_drift *drift, pk_real x)
 {
     if (!(x > 0) && !(x < 0) && pk_finite(x))
-        return drift->scale - drift->scale; /* 0, where X is 0 all along; NaN without a scale */
+        return drift->scale - drift->scale; /* 0 if X is always 0; NaN without a scale */
     return x / drift->scale + (drift->scale - drift->scale);
 }
 
@@ -71,7 +71,8 @@ pk_real pk_drift_slope(const struct pk_drift *drift)
     return drift->var_t > 0 ? scaled(drift, drift->cov / drift->var_t) : 0;
 }
 
-/* Slope of ln max over ln t by least squares; marks first .. last, the last one closed is n - 1. */
+/* Returns the slope of ln max over ln t by least squares, of marks first .. last; n - 1 is the last
+ * one closed. */
 static pk_real exponent_of(const struct pk_drift *drift, unsigned long first, unsigned long last)
 {
     const pk_real count = (pk_real)(last - first + 1), middle = (pk_real)(last - first) / 2;
@@ -106,8 +107,8 @@ enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, 
     enum pk_growth growth;
     const unsigned long n = drift->n_marks;
     unsigned long first = n > PK_DRIFT_MARKS ? n - PK_DRIFT_MARKS : 0;
-    /* Round-off shows no law: not while it was all there was, nor zeros, which have no logarithm.
-     */
+    /* Round-off shows no law: marks at its level are left out, and zeros, which have no
+     * logarithm. */
     const pk_real walk = PK_EPSILON * WALK * PK_F(sqrt)((pk_real)drift->samples);
     const pk_real least = max > level + walk ? level * (drift->scale - drift->max) : 0;
     while (first < n && !(drift->marks[first % PK_DRIFT_MARKS] > least))
@@ -140,7 +141,7 @@ const char *pk_growth_text(enum pk_growth growth)
     return (unsigned)growth < PK_GROWTH_COUNT ? text[growth] : "?";
 }
 
-/* Momenta are known to be constant where the system has flags that say which. */
+/* Returns the number of momenta; 0 where the system has no flags that say which are constant. */
 static size_t momenta_of(const struct pk_problem *problem)
 {
     const struct pk_system *system = problem->system;
@@ -186,7 +187,7 @@ static void raise_scale(struct pk_drift *drift, pk_real size)
         drift->scale = size;
 }
 
-/* All constants at a state: momenta, then `conserve`. */
+/* Evaluates all constants at a state: momenta, then `conserve`. */
 static void constants(const struct pk_problem *of, pk_real t, const pk_real *q, const pk_real *v,
                       const pk_real *u, pk_real *pdot, pk_real *x)
 {
@@ -197,7 +198,7 @@ static void constants(const struct pk_problem *of, pk_real t, const pk_real *q, 
         of->system->conserve(of->params, t, q, v, u, x + momenta);
 }
 
-/* Components of one vector have names that differ in a last x, y or z. */
+/* Whether a and b are components of one vector: names that differ in a last x, y or z. */
 static int same_vector(const char *a, const char *b)
 {
     const size_t last = strlen(a) - 1;
@@ -205,9 +206,10 @@ static int same_vector(const char *a, const char *b)
            strchr("xyz", a[last]) && strchr("xyz", b[last]);
 }
 
-/* A constant may be 0, a component of a vector or a sum that cancels. So S is also a share of what
- * it is made of, |y_i dX/dy_i|, and all components of a vector have that of the largest. The root
- * mean square over random signs of y_i takes two evaluations a direction, however many y_i are. */
+/* Widens the scales S. A constant may be 0, as a component of a vector or a sum that cancels. So S
+ * is at least a share of the size of its terms |y_i dX/dy_i|, and components of a vector share the
+ * largest S. The root mean square over random signs of y_i takes two evaluations a direction,
+ * however many y_i are. */
 static void widen(struct pk_monitor *monitor, pk_real t, const pk_real *q, const pk_real *v,
                   const pk_real *u, pk_real *work)
 {
@@ -274,7 +276,7 @@ void pk_monitor_update(struct pk_monitor *monitor, pk_real t, const pk_real *q, 
         widen(monitor, t, q, v, u, c + system->n_conserved);
 }
 
-/* Half octaves of what came from elsewhere are as many as numbers have, and their ends grow. */
+/* Checks restored data: no more half octaves than numbers have, and their ends grow. */
 void pk_drift_keep(struct pk_drift *drift, struct pk_keep *k)
 {
     enum { MOST = 1 << 16 };
