@@ -39,7 +39,7 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str) -> object:
-    """Imported where it is used: the command line needs none of it."""
+    """Imports the API at its first use, since the command line does not need it."""
     if name not in __all__:
         raise AttributeError(f"module 'pkgen' has no attribute {name!r}")
     from importlib import import_module

@@ -1,7 +1,7 @@
-"""The command line. Nothing else in pkgen prints or exits.
+"""The command line: runs a command, turns its failures into messages and exit codes.
 
 Exit codes: 0 done; 1 the model is wrong; 2 usage; 3 the C compiler failed; 4 the numerics
-failed; 75 left with a checkpoint; 130 interrupted.
+failed; 75 stopped early with a checkpoint; 130 interrupted.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from .system.toolchain import BuildError
 __all__ = ["main", "parser_of"]
 
 OPTIONAL = {"matplotlib", "rich", "scipy"}  # imported where they are used
-# What each way to fail ends with.
+# Exit codes of exceptions.
 CODES: dict[type[BaseException], int] = {
     ResourcesExceeded: MODEL_WRONG,
     UsageError: USAGE,
@@ -46,7 +46,7 @@ CODES: dict[type[BaseException], int] = {
 
 
 def main(words: list[str] | None = None) -> int:
-    """Run one command; returns the exit code."""
+    """Runs one command; returns the exit code."""
     _open_streams()
     try:
         with children.ended_by_signals():
@@ -57,12 +57,12 @@ def main(words: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        code = DONE  # whoever read our output has gone
+        code = DONE  # the reader of our output has closed it
     except OSError as error:
         code = USAGE
         with suppress(OSError):
             print(f"pkgen: standard output: {error.strerror}", file=sys.stderr)
-    # What is left of it must not fail again at exit.
+    # Python flushes stdout at exit; this must not fail again.
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     return code
 
@@ -85,7 +85,7 @@ def _main(words: list[str] | None) -> int:
 
 
 def _warn_of_the_other() -> None:
-    """`pkgen` in Python's registry is another project, with the same import name."""
+    """Warns if PyPI's `pkgen` is installed: another project with the same import name."""
     from importlib.metadata import PackageNotFoundError, version
 
     with suppress(PackageNotFoundError):
@@ -94,8 +94,8 @@ def _warn_of_the_other() -> None:
 
 
 def _open_streams() -> None:
-    """Occupies the numbers of closed standard streams, so that no other file gets them; writing to
-    closed output then fails, as it should."""
+    """Opens /dev/null for closed standard streams, so that no other file gets their numbers. It is
+    opened for reading at stdout's number, so that writing there fails."""
     for fd, how in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):
         try:
             os.fstat(fd)
@@ -108,7 +108,7 @@ def _open_streams() -> None:
 
 
 def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
-    """Run a command, every way it can fail turned into a message and an exit code."""
+    """Runs a command; turns each failure into a message and an exit code."""
     try:
         return told(command, options)
     except ModelError as error:
@@ -123,7 +123,7 @@ def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Nam
         code = next(code for kind, code in CODES.items() if isinstance(error, kind))
         return _fail(options.json, str(error) or "interrupted", code)
     except OSError as error:
-        if error.filename is None:  # a stream's
+        if error.filename is None:  # of a standard stream: handled in main()
             raise
         return _fail(options.json, f"{error.filename}: {error.strerror}", USAGE)
     except Exception as error:

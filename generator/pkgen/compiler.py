@@ -1,17 +1,17 @@
 """The architecture on one page: from the text of a model to the text of its C.
 
     parse    text                 -> File        statements, each with its place
-    check    File                 -> Model       names, units, bounds; every error of the author's
+    check    File                 -> Model       names, units, bounds; all errors in the text
     derive   Model                -> Equations   M, f, p, h, Jacobians on one expression graph
     analyze  Equations            -> Structure   facts, each proved
-    reduce   Equations, Structure -> the same    no more than a scene needs, and what went
+    reduce   Equations, Structure -> the same    only what a scene needs, and a report
     lower    Equations, Structure -> Program     straight-line code, shared and hoisted
     render   Program              -> {name: text}
 
-A model whose families can stay loops goes the same way as LoopEquations, Facts and LoopProgram;
-of one that cannot, Equations.unrolled says why.
+A model whose families (q[1..N]) stay loops takes the same path as LoopEquations, Facts and
+LoopProgram. For any other model Equations.unrolled gives the reason.
 
-Each stage imports only what is above it, changes nothing that it is given, and prints nothing.
+Each stage imports only stages above it, does not modify its arguments, and prints nothing.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ STAGES = ("parse", "check", "derive", "analyze", "reduce", "lower", "render")
 
 
 def _told(stages: Callable[..., Iterator[object]]) -> Callable[..., Iterator[object]]:
-    """The same, and what is done is said."""
+    """Wraps the generator: traces each stage, reports a RecursionError as a ModelError."""
 
     @wraps(stages)
     def told(source: Source, *what: object, **how: object) -> Iterator[object]:
@@ -58,7 +58,7 @@ def _told(stages: Callable[..., Iterator[object]]) -> Callable[..., Iterator[obj
         for name in STAGES:
             try:
                 result = next(made)
-            except RecursionError:  # where no statement is known
+            except RecursionError:  # outside of any statement, so without a place
                 raise ModelError(source, [Diagnostic(*too_deep(Span(0, 0)))]) from None
             trace(name)
             yield result
@@ -68,15 +68,15 @@ def _told(stages: Callable[..., Iterator[object]]) -> Callable[..., Iterator[obj
 
 @record
 class Use:
-    """What a scene makes of a model: what it fixes and holds in it, and what it needs of it: its
-    kernels, or where the equations are not known yet all that may come to be, and the parameters
-    that it reads besides."""
+    """How a scene restricts a model. `model` fixes parameters and holds coordinates; `needs` gives
+    the needed outputs; `kernels` also takes (equations, structure), or None before they are known,
+    and then gives all kernels that may be needed; `reads` gives parameters that a run reads."""
 
     model: Callable[[Model], tuple[Model, tuple[ReportLine, ...]]]
     needs: Callable[[Model], Needs | None]  # None: everything
     kernels: Callable[[Model, tuple | None], frozenset[str] | None] = lambda *_: None  # None: all
     reads: Callable[[Model], frozenset[str] | None] = lambda _: None  # None: all
-    declared: Callable[[Model], Model] = lambda declared: declared  # with what options say
+    declared: Callable[[Model], Model] = lambda declared: declared  # adds declarations of options
 
     def of(self, declared: Model) -> tuple[Model, tuple[ReportLine, ...]]:
         return self.model(self.declared(declared))
@@ -84,8 +84,8 @@ class Use:
 
 @record
 class CompiledPart:
-    """A block of coordinates as a system of its own; `coordinates` are their indices in the
-    whole."""
+    """A block of coordinates compiled as a system of its own; `coordinates` are their indices in
+    the whole model."""
 
     name: str
     coordinates: tuple[int, ...]
@@ -96,17 +96,17 @@ class CompiledPart:
 
 @record
 class Compilation:
-    """What each stage made of one model; `declared` is the model before a scene's use of it."""
+    """The results of all stages; `declared` is the model before `use` restricts it."""
 
     declared: Model
     model: Model
     warnings: tuple[Diagnostic, ...]
     equations: Equations | LoopEquations
-    structure: Facts  # Structure, where families are written out
+    structure: Facts  # Structure, where families are unrolled
     report: Report
     program: Program | LoopProgram
     files: dict[str, str]
-    parts: tuple[CompiledPart, ...] = ()  # blocks of coordinates that are integrated apart
+    parts: tuple[CompiledPart, ...] = ()  # blocks of coordinates that are integrated separately
 
     @property
     def looped(self) -> bool:
@@ -128,10 +128,10 @@ def stages(
     own: Sequence[Own] = (),
     plain: bool = False,
 ) -> Iterator[object]:
-    """What each of STAGES makes, in order; a caller that wants no more need not go on.
+    """Yields the result of each of STAGES, in order; a caller may stop after any stage.
 
-    `check` and `reduce` give triples: with the model as it is used and the warnings, and with the
-    structure of what is left and the report; `lower` a pair: with the parts of the program.
+    `check` yields (declared model, used model, warnings); `reduce` yields (equations, structure,
+    report); `lower` yields (program, parts).
     """
     file = parse.parse_all(source)
     yield file
@@ -144,7 +144,7 @@ def stages(
     needs = use.needs(model) if use else None
 
     def asked(*made: object) -> frozenset[str] | None:
-        """Of equations and their structure; without these all that may be asked for."""
+        """Returns the kernels for (equations, structure); without these all that may be used."""
         return use.kernels(model, made or None) if use and kernels is None else kernels
 
     called = asked()
@@ -200,7 +200,7 @@ def stages(
             kept = _kept(made, reads | {*report.starts.values()})
             report = report.unread(in_c[0].parameters, kept)
     yield left.equations, left.structure, report
-    from .back.c import lower, render  # a check goes no further
+    from .back.c import lower, render  # late import: `pkgen check` stops before
 
     how = {"libm": libm or plain, "kept": kept, "plain": plain}
     with _no_collection(), _in_range(model):
@@ -226,7 +226,7 @@ def stages(
 def _of_loops(
     equations: LoopEquations, needs: Needs
 ) -> tuple[LoopEquations, tuple[ReportLine, ...]]:
-    """Without the outputs that no column has; claims are judged, and not watched."""
+    """Drops outputs that no column needs, and claims, which are judged before a run."""
     model, lines = reduce.outputs_of_loops(equations.model, needs)
     if not lines:
         return equations, ()
@@ -238,7 +238,7 @@ def _of_loops(
 def _kept(
     made: list[tuple[Equations, frozenset[str] | None]], reads: frozenset[str]
 ) -> frozenset[int]:
-    """The parameters that a whole and its parts have in C, and that whoever runs them reads."""
+    """Returns the indices of the parameters that the kernels or the run (`reads`) read."""
     from .back.c import lower
 
     slots = made[0][0].parameters
@@ -249,7 +249,7 @@ def _kept(
 
 @contextmanager
 def _in_range(model: Model) -> Iterator[None]:
-    """A constant that no double holds is an error of the model."""
+    """Reports a constant out of the range of double as an error of the model."""
     try:
         yield
     except Beyond as beyond:
@@ -258,8 +258,8 @@ def _in_range(model: Model) -> Iterator[None]:
 
 @contextmanager
 def _no_collection() -> Iterator[None]:
-    """While a graph grows, which has no cycles, Python's collector would look for some in all of
-    it again and again."""
+    """Turns Python's garbage collector off while a graph grows. The graph has no reference cycles,
+    but the collector would scan all of it again and again."""
     enabled = gc.isenabled()
     gc.disable()
     try:
@@ -272,10 +272,10 @@ def _no_collection() -> Iterator[None]:
 def check_model(
     source: Source, *, sizes: Mapping[str, int] | None = None, unroll: int | None = 0
 ) -> tuple[Model, tuple[Diagnostic, ...]]:
-    """A model of which there are no errors, and the warnings about it; no C is made.
+    """Returns the model and the warnings about it; makes no C.
 
-    Raises ModelError as compile_model() does: what comes after `reduce` finds no more
-    than constants that a double cannot hold.
+    Raises ModelError as compile_model() does. After `reduce` only a constant out of the range of
+    double can be wrong; `lower` runs only where one may be.
     """
     made = stages(source, sizes or {}, unroll=unroll)
     _, (_, model, warnings), _, _, (equations, *_) = islice(made, STAGES.index("reduce") + 1)
@@ -284,7 +284,7 @@ def check_model(
     return model, warnings + getattr(equations, "left_out", ())
 
 
-PAIRS = 1.5  # times the coordinates that are unrolled: with sums over pairs
+PAIRS = 1.5  # a model with sums over pairs is unrolled up to PAIRS * `unroll` coordinates
 
 
 def _equations(
@@ -295,7 +295,7 @@ def _equations(
     unroll: int | None,
     needs: Needs | None,
 ) -> Equations | LoopEquations:
-    """With families as loops, or unrolled with the reason."""
+    """Returns LoopEquations, or unrolled Equations with the reason in `unrolled`."""
     declared = (*model.coordinates, *model.states)
     count = sum(f.count for f in families(model, declared).values())
     if some or whole:
@@ -314,7 +314,7 @@ def _equations(
             reason = "so few pairs are faster as straight-line code"
         except Unrolled as cannot:
             reason = str(cannot)
-    # What is reduced is derived again, with all kernels that are asked for.
+    # reduce() needs only ENOUGH; it derives its result again with the requested kernels.
     now = called if needs is None else ENOUGH
     return replace(derive.derive(model, now, reason), unrolled=reason)
 
@@ -330,15 +330,15 @@ def compile_model(
     """Compile a model to C; `how` are arguments of stages().
 
     `sizes` overrides `size` statements; `kernels` names those to emit (None: all);
-    `self_test` adds a program that checks the kernels against each other; with `libm` sine and
-    cosine are the library's, not the inline pair. Up to `unroll` coordinates (None: any number)
-    families are unrolled though they could be loops; so they are for some kernels or a self-test.
-    With `use` no more is compiled than a scene needs. With `symmetric` the model's symmetries are
-    solved for, which nothing but `explain` and comments in the C show. `canonical` adds H(q, p)
-    and its gradients. `portable` C uses no fused multiply-add: the same bits with and without.
-    Without `c` there are no files: `program` is made, and its text is not.
-    `own` are methods beside those that the model brings. `plain` C is to be embedded: with
-    libm's sine and cosine, and without what the runtime takes.
+    `self_test` adds a program that checks the kernels against each other; `libm` calls the
+    library's sine and cosine, not the inline pair. Up to `unroll` coordinates (None: any number)
+    families are unrolled even if they could be loops; `kernels`, `self_test` and `canonical` unroll
+    them too. `use` restricts the C to a scene's needs. `symmetric` searches for the model's
+    symmetries, which only `explain` and comments in the C show. `canonical` adds H(q, p) and its
+    gradients. `portable` C uses no fused multiply-add, so its results do not depend on the target
+    having one. Without `c` the program is lowered but not rendered, and `files` is empty. `own`
+    adds methods to those of the model. `plain` C is for embedding: it calls libm's sine and cosine
+    and lacks the kernels that only the runtime calls.
     Raises ModelError with every finding of the stage that could not go on.
     """
     made = stages(source, sizes or {}, **how)

@@ -1,4 +1,4 @@
-"""What `derive` hands on: the equations of motion as nodes of one expression graph.
+"""The output of `derive`: the equations of motion as nodes of one expression graph.
 
 With L(q, v, t), Q the generalized forces and D the Rayleigh function:
 
@@ -6,10 +6,10 @@ With L(q, v, t), Q the generalized forces and D the Rayleigh function:
     pdot = dL/dq + Q - dD/dv        f    = pdot - (dp/dq) v - dp/dt,   M a = f
     h    = v.p - L
 
-First-order variables x' = g(t, q, v, x), the states, may occur in L, Q and D as t does: dp/dt has
-(dp/dx) g in it.
+States are first-order variables x' = g(t, q, v, x). They may occur in L, Q and D as t does: dp/dt
+includes (dp/dx) g.
 
-Families are unrolled: everything here is flat, in declaration order.
+Families (q[1..N]) are unrolled: everything here is flat, in declaration order.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ class Quantity:
 
     @staticmethod
     def each(items: Iterable[Definition | Event]) -> tuple[Quantity, ...]:
-        """As they are declared."""
+        """Returns a quantity for each item, in order."""
         return tuple(Quantity(x.name, x.unit, x.description) for x in items)
 
 
 @record
 class Singularity:
-    """The equations end where it vanishes: what they use it for, a kind of pk/system.h without its
-    PK_SINGULARITY_. As "COORDINATES" these alone end, M being singular there."""
+    """An expression at whose zeros the equations end. `use` is a pk_singularity_kind without its
+    PK_SINGULARITY_; at "COORDINATES" M is singular, and only the coordinates end."""
 
     quantity: Quantity  # its name is the expression
     node: Node
@@ -52,20 +52,20 @@ class Singularity:
 
 @record
 class Switch:
-    """The equations are smooth on either side of its zero (middle/derive/switches.py). Where L or
-    a row may jump, `impulse` is not 0, and the slopes are there (middle/derive/impulses.py)."""
+    """An expression at whose zeros the equations have a kink or a jump (middle/derive/switches.py).
+    If L or a constraint row may jump, `impulse` is not 0 and the slopes are set (impulses.py)."""
 
     quantity: Quantity  # its name is the expression
     node: Node
-    impulse: int = 0  # of OF_ENERGY and OF_ROLLING
-    slope: Row = ()  # by the coordinates, along body rates
-    slope_t: Node = 0  # by t, all coordinates held
-    held: bool = True  # each of its calls on one side throughout a step
+    impulse: int = 0  # flags OF_ENERGY, OF_ROLLING of impulses.py
+    slope: Row = ()  # derivatives by the coordinates; for rotations along body axes
+    slope_t: Node = 0  # derivative by t, also through inputs, at fixed coordinates
+    held: bool = True  # its calls are held on one side during a step
 
 
 @record
 class ParameterSlot:
-    """One scalar parameter. `family` and `position` say which element of a C array it is."""
+    """One scalar parameter. `family` and `position` give its element of a C array."""
 
     quantity: Quantity
     family: str  # the declared name: "k" for k[2]
@@ -90,26 +90,26 @@ class Linear:
 
 @record
 class Hamiltonian:
-    """The canonical form, of q and of p instead of v: q' = dH/dp, p' = -dH/dq + applied."""
+    """The canonical form in (q, p): q' = dH/dp, p' = -dH/dq + applied."""
 
     energy: Node
     by_p: Row
     by_q: Row
-    applied: Row  # Q - dD/dv there
-    pivots: Pivots  # of M, which is solved for v
+    applied: Row  # Q - dD/dv in (q, p)
+    pivots: Pivots  # of M, from solving p for v
 
 
 @record
 class Particles:
-    """Masses and places with T = sum of m/2 |r'|^2, z 0 in a plane; in r'' the accelerations of the
-    coordinates are given. `beyond` names the other terms of L in words; none is quadratic in the
-    rates. Empty, with `why` and `span`, if T was not seen to be such a sum."""
+    """Masses and places r with T = sum of m/2 |r'|^2 (z = 0 in a plane). In `accelerations` (r'')
+    the coordinates' accelerations are symbols. `beyond` names in words the other terms of L,
+    which have degree 0 or 1 in the rates. Empty, with `why` and `span`, if T is no such sum."""
 
     masses: Row
     places: Matrix
     rates: Matrix
     accelerations: Matrix
-    names: tuple[str, ...] = ()  # of the places: "(x, y)"
+    names: tuple[str, ...] = ()  # names of the positions: "(x, y)"
     beyond: str = ""
     why: str = ""
     span: Span | None = None
@@ -117,8 +117,8 @@ class Particles:
 
 @record
 class Attitude:
-    """Where a rotation stands: the first of its three rates, and of the four states that are its
-    quaternion w, x, y, z; -1 where nothing asks for that."""
+    """Indices of a rotation: of the first of its three body rates, and of the first of the four
+    states of its quaternion w, x, y, z (-1 if a reduction dropped the quaternion)."""
 
     rate: int
     state: int
@@ -129,21 +129,21 @@ class Attitude:
 
     @property
     def numbers(self) -> range:
-        """Of its quaternion, among the states."""
+        """The indices of its quaternion among the states."""
         return range(self.state, self.state + 4) if self.state >= 0 else range(0)
 
 
 @record
 class Rows:
-    """What a model states, a row each constraint: the `holonomic` ones, which come first, as
-    phi(t, q), and all as J v + j0, which of those is the rate of phi."""
+    """The constraint rows of a model. The first `holonomic` rows have phi(t, q); all have J v + j0,
+    for a holonomic row the time derivative of phi."""
 
-    names: tuple[Quantity, ...]  # of the multipliers, in the unit of a force along q over J's
+    names: tuple[Quantity, ...]  # of the multipliers; unit: generalized force / entry of J
     holonomic: int
-    positions: Row  # phi, in the unit of a side; as many as are holonomic
-    residual: Row  # J v + j0, in that unit over time, of a rolling in that of a side
-    spans: tuple[Span, ...]  # of the statements
-    redundant: Rows | None = None  # those that follow from these, where the motion starts
+    positions: Row  # phi of the holonomic rows, in the unit of the equation's sides
+    residual: Row  # J v + j0, in that unit per time; for a rolling in that unit
+    spans: tuple[Span, ...]  # of the constraint statements
+    redundant: Rows | None = None  # rows that depend on these at the start
 
     def picked(self, which: Sequence[int]) -> Rows:
         holonomic = sum(k < self.holonomic for k in which)
@@ -158,9 +158,9 @@ class Rows:
 
 @record
 class Constraints:
-    """Rows J v + j0 = 0, the first `holonomic` of them the rates of phi = 0; the force J^T lambda
-    of d'Alembert is in `applied`, in pdot and f. What is `free` is without it. Rows that follow
-    from these are `redundant`: they have no force, and a run ends where they cease to follow."""
+    """Rows J v + j0 = 0, the first `holonomic` of them the time derivatives of phi = 0. Equations'
+    applied, pdot and force include the constraint force J^T lambda; the `free_` fields exclude it.
+    `redundant` rows depend on these and have no force; a run ends where they cease to depend."""
 
     names: tuple[Quantity, ...]  # of the multipliers
     holonomic: int
@@ -168,20 +168,20 @@ class Constraints:
     rows: Matrix  # J
     residual: Row  # J v + j0
     multipliers: Row
-    pivots: Pivots  # of S = J M^-1 J^T, each beside its diagonal entry
+    pivots: Pivots  # of S = J M^-1 J^T, each with the diagonal entry of S
     free_applied: Row
     free_pdot: Row
     free_force: Row
     spans: tuple[Span, ...]
-    workless: bool  # J v = 0 at any time: no constraint moves by itself
+    workless: bool  # j0 = 0, and nothing depends on t or inputs: no work is done
     redundant: Rows | None = None
-    redundant_rows: Matrix = ()  # J of these
-    least: Row = ()  # the multipliers of least norm, of these rows and then of the redundant ones
-    shared: frozenset[int] = frozenset()  # rows whose multiplier is not unique, counted so
+    redundant_rows: Matrix = ()  # J of the redundant rows
+    least: Row = ()  # multipliers of least norm, of these rows and then of redundant ones
+    shared: frozenset[int] = frozenset()  # rows without a unique multiplier, indexed as `least`
 
     @property
     def stated(self) -> Rows:
-        """As what constrain() made these of."""
+        """Returns the rows from which constrain() made these."""
         return Rows(
             self.names, self.holonomic, self.positions, self.residual, self.spans, self.redundant
         )
@@ -189,7 +189,7 @@ class Constraints:
 
 @record
 class Named:
-    """The quantities of a model, families unrolled; the fields are those of Equations."""
+    """The quantities of a model, families unrolled; fields as in Equations."""
 
     parameters: tuple[ParameterSlot, ...]
     coordinates: tuple[Quantity, ...]
@@ -207,63 +207,63 @@ class Equations:
     coordinates: tuple[Quantity, ...]
     rates: tuple[Quantity, ...]
     momenta_names: tuple[Quantity, ...]
-    inputs: tuple[Quantity, ...]  # an input, then those of its derivatives that occur
+    inputs: tuple[Quantity, ...]  # each input, followed by its derivatives that occur
     observed_names: tuple[Quantity, ...]
     conserved_names: tuple[Quantity, ...]
     event_names: tuple[Quantity, ...]
 
     lagrangian: Node
-    kinetic: Node | None  # None, like potential, where the model states L itself
+    kinetic: Node | None  # None, like `potential`, if the model has a `lagrangian`
     potential: Node | None
-    written: Node  # L as the model states it, before its operations are made fewer
+    written: Node  # L as in the model, before simplification
     energy: Node
     momenta: Row
     gradient: Row  # dL/dq
-    applied: Row  # Q - dD/dv, zero where there is none
+    applied: Row  # Q - dD/dv
     pdot: Row
     mass: Matrix
     force: Row  # f
-    acceleration: Row | None  # None: not asked for, or too large: solve M a = f in a loop
-    pivots: Pivots | None  # D of M = L D L^T by coordinate, in whatever order eliminated
-    p_q: Matrix | None  # None, like the next two, where the kernel is not asked for
+    acceleration: Row | None  # None: not requested, or too large: a loop solves M a = f
+    pivots: Pivots | None  # D of M = L D L^T, by coordinate, whatever the elimination order
+    p_q: Matrix | None  # None, like the next two, if the kernel is not requested
     pdot_q: Matrix | None
     pdot_v: Matrix | None
-    linear: Linear | None  # None: not asked for
+    linear: Linear | None  # None: not requested
     singularities: tuple[Singularity, ...]
     observed: Row
     conserved: Row
-    events: Row  # what crosses zero; model.events has the directions
+    events: Row  # event functions; model.events has the directions
     start_q: Row
     start_v: Row
-    left_out: tuple[Diagnostic, ...] = ()  # constraints that hold whatever the motion
-    unrolled: str = ""  # why the families of coordinates are not loops
-    hamiltonian: Hamiltonian | None = None  # None: not asked for
+    left_out: tuple[Diagnostic, ...] = ()  # warnings: dropped constraints, identically 0 = 0
+    unrolled: str = ""  # the reason why families are not kept as loops
+    hamiltonian: Hamiltonian | None = None  # None: not requested
     switches: tuple[Switch, ...] = ()
     marks: tuple[
         Switch, ...
     ] = ()  # arguments of exp, tanh, ...: no switches, see middle/derive/marks.py
-    # First-order variables x' = state_rates, which are no coordinates: states.py makes them so.
+    # First-order variables x' = state_rates; states.as_rates() turns them into coordinates.
     states: tuple[Quantity, ...] = ()
     state_rates: Row = ()
     state_start: Row = ()
-    # The last n_first_order coordinates are dummies: their rates are the states.
+    # The last n_first_order coordinates are dummies whose rates are the states.
     n_first_order: int = 0
-    n_unread: int = 0  # of these the last ones, which no rate depends on
-    attitudes: tuple[Attitude, ...] = ()  # rotations: their rates stand behind all coordinates
+    n_unread: int = 0  # of these, the number of last ones that no rate depends on
+    attitudes: tuple[Attitude, ...] = ()  # rotations; their body rates follow all other rates
     constraints: Constraints | None = None
-    # M before M a = f was solved, where `mass` is the unit matrix; and beside `unconstrained`.
+    # The mass matrix if `mass` is the unit matrix (solved form), or if `unconstrained` is set.
     inertia: Matrix | None = None
     unconstrained: tuple[Row, Row] | None = (
-        None  # in C: p and pdot without the forces of constraints
+        None  # in C: p, and pdot without constraint forces
     )
-    terms: tuple[Row, Row] | None = None  # in C: sizes of the terms of phi and of J v + j0
-    redundant_terms: Row = ()  # in C: the same of redundant rows, positions and then rates
-    particles: Particles | None = None  # None: not asked for
-    fast: Row | None = None  # the acceleration by the part of V that is named so; None: none is
+    terms: tuple[Row, Row] | None = None  # in C: magnitudes of the terms of phi, J v + j0
+    redundant_terms: Row = ()  # in C: the same for redundant rows, phi and then J v + j0
+    particles: Particles | None = None  # None: not requested
+    fast: Row | None = None  # the acceleration from the `fast` terms of V; None: there are none
 
     @property
     def moving(self) -> tuple[str, ...]:
-        """What the rows of M are of: coordinates, and body rates by their own names."""
+        """The names of the rows of M: of coordinates, or for rotations of body rates."""
         return tuple(
             (self.rates if i in self.turning else self.coordinates)[i].name
             for i in range(len(self.coordinates))
@@ -281,23 +281,23 @@ class Equations:
 
     @property
     def quaternions(self) -> int:
-        """How many of the states are numbers of attitudes; they come first."""
+        """The number of states that are quaternion components; they come first."""
         return sum(len(a.numbers) for a in self.attitudes)
 
     @property
     def own(self) -> int:
-        """How many coordinates come before those whose rates are first-order variables."""
+        """The number of coordinates before those whose rates are first-order variables."""
         return len(self.coordinates) - self.n_first_order
 
     @property
     def inertial(self) -> int:
-        """How many rows of M are of a Lagrangian: coordinates and body rates, of which those of
-        rotations are counted among the states in C."""
+        """The number of rows of M that come from the Lagrangian: of coordinates and body rates (the
+        C counts body rates among the states)."""
         return len(self.coordinates) - max(self.n_first_order - len(self.turning), 0)
 
     @property
     def seen(self) -> tuple[Quantity, ...]:
-        """The coordinates but those whose rates are body rates, which nobody sees."""
+        """The coordinates without the hidden ones, whose rates are body rates."""
         return self.coordinates[: len(self.coordinates) - len(self.turning)]
 
 
@@ -306,7 +306,7 @@ Indices = tuple[tuple[int, ...], ...]
 
 @record
 class Claim:
-    """What became of a `conserve`: proved, refuted, or not proved, and how or how far."""
+    """The outcome of a `conserve`: proved, refuted, or open, with the reason in words."""
 
     name: str
     outcome: str  # PROVED, REFUTED or OPEN of middle/analyze/proofs.py
@@ -315,30 +315,30 @@ class Claim:
 
 @record
 class Invariant:
-    """A constant of the motion that was found: a sum of terms, each a coefficient of parameters
-    times names: "t", coordinates, momenta and "energy"."""
+    """A constant of the motion: a sum of terms, each a coefficient (a node of parameters) times
+    names: "t", coordinates, momenta and "energy"."""
 
-    name: str  # "energy", "p_phi"; of any other its formula
-    reason: str  # what the motion does not notice
-    generator: str  # in derivatives: "x d/dy - y d/dx"
+    name: str  # "energy", "p_phi", or its formula
+    reason: str  # the symmetry, in words
+    generator: str  # of the symmetry: "x d/dy - y d/dx"
     terms: tuple[tuple[Node, tuple[str, ...]], ...]
     node: Node
-    when: str = ""  # for which sizes it is proved, where families are loops
+    when: str = ""  # the sizes for which it is proved, if families are loops
 
 
 @record
 class Symmetries:
-    """What Noether's theorem gives, in a basis; nodes of a graph of their own."""
+    """A basis of the invariants by Noether's theorem; nodes are of `graph`."""
 
     graph: Graph
-    parameters: tuple[str, ...]  # the names of those in coefficients
-    searched: str  # among which generators; "" where the model was too large for a search
+    parameters: tuple[str, ...]  # names of the parameters in coefficients
+    searched: str  # the generators searched, in words; "" if the model was too large
     invariants: tuple[Invariant, ...]
 
 
 @record
 class Facts:
-    """Each proved (never a guess): false means not proved. See enum pk_fact."""
+    """Proved facts about a system; False means not proved. See enum pk_fact."""
 
     mass_constant: bool
     mass_diagonal: bool
@@ -348,13 +348,13 @@ class Facts:
     conservative: bool
     variational: bool
     smooth: bool
-    affine: bool = False  # the acceleration is so in q and v, with constant coefficients
-    switched: bool = False  # smooth but for switches, which a run locates
-    linear_drag: bool = False  # separable but for forces C v with constant C
-    affine_rates: bool = False  # ... with any C(q, t)
-    fast: bool = False  # of forces of q and t alone, a part is named
+    affine: bool = False  # the acceleration is affine in q and v, with constant coefficients
+    switched: bool = False  # smooth except at switches, which a run locates
+    linear_drag: bool = False  # separable except for forces C v with constant C
+    affine_rates: bool = False  # the same with any C(q, t)
+    fast: bool = False  # separable, and terms of V are named fast
     claims: tuple[Claim, ...] = ()
-    symmetries: Symmetries | None = None  # None: not asked for
+    symmetries: Symmetries | None = None  # None: not requested
 
     @property
     def smooth_in_pieces(self) -> bool:
@@ -363,13 +363,13 @@ class Facts:
 
 @record
 class Structure(Facts):
-    """With what is known of single coordinates. `influences` errs on the side of too many: what is
-    not there is proved to have no influence."""
+    """Facts, with those about single coordinates. `influences` may have too many entries: a missing
+    one is proved to have no influence."""
 
     cyclic: tuple[bool, ...] = ()  # p_i is constant
     definite: bool = False  # M is positive definite wherever it has a value
-    singular: tuple[str, ...] = ()  # expressions; where one vanishes, M may be singular
-    mass_blocks: Indices = ()  # coordinates that M couples, the finest partition
+    singular: tuple[str, ...] = ()  # expressions at whose zeros M may be singular
+    mass_blocks: Indices = ()  # the blocks of coordinates that M couples, the finest partition
     mass_band: int = 0  # the largest |i - j| of an entry of M that is not zero
-    influences: Indices = ()  # by i: each j whose q_j or v_j occurs in a_i
-    blocks: Indices = ()  # coordinates that do not influence those of another block
+    influences: Indices = ()  # for each i all j with q_j or v_j in a_i
+    blocks: Indices = ()  # a partition of coordinates; blocks do not influence each other

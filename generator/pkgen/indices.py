@@ -12,7 +12,7 @@ _MEMBER = re.compile(r"([^\[]+)\[(-?\d+)\](.*)")
 
 
 class NotAnInteger(Exception):
-    """An index expression that is not one; `span` is the part at fault."""
+    """An index expression is not an integer; `span` is the part at fault."""
 
     def __init__(self, message: str, span: Span):
         super().__init__(message)
@@ -21,7 +21,7 @@ class NotAnInteger(Exception):
 
 
 def integer(expr: Expr, values: Mapping[str, int]) -> int:
-    """The value of an index expression, `values` giving the sizes and loop variables."""
+    """Returns the value of an index expression; `values` has sizes and loop variables."""
     match expr:
         case Number(value=value):
             if value.denominator != 1:
@@ -44,7 +44,7 @@ def integer(expr: Expr, values: Mapping[str, int]) -> int:
 
 
 def assignments(ranges: tuple[Range, ...], values: Mapping[str, int]) -> Iterator[dict[str, int]]:
-    """Every assignment of the ranges' variables, the first one slowest, added to `values`."""
+    """Yields `values` with each assignment of the ranges' variables; the first varies slowest."""
     if not ranges:
         yield dict(values)
         return
@@ -54,8 +54,8 @@ def assignments(ranges: tuple[Range, ...], values: Mapping[str, int]) -> Iterato
 
 
 def indexed(name: str, index: int | str | None) -> str:
-    """A member of a family as it is written: q[3], of a component r.x of a vector r[3].x, of a
-    body rate omega(R[3]).x."""
+    """Returns a family member's name as written: q[3]; for a vector component r.x it is r[3].x,
+    for a body rate omega(R).x it is omega(R[3]).x."""
     if index is None:
         return name
     end = re.search(r"[.)]|$", name).start()
@@ -63,7 +63,7 @@ def indexed(name: str, index: int | str | None) -> str:
 
 
 def parted(name: str) -> tuple[str, int | None]:
-    """What `indexed` was made of; primes stay behind the name."""
+    """Inverts `indexed`: returns the name, with its primes, and the index (None without one)."""
     member = _MEMBER.fullmatch(name)
     return (member[1] + member[3], int(member[2])) if member else (name, None)
 

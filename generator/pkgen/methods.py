@@ -1,5 +1,5 @@
-"""The methods of the runtime, as much of them as the generator must know without a C compiler, read
-in the runtime's own registry.
+"""The runtime's integration methods, as far as the generator must know them without a C compiler.
+They are read from the runtime's registry, pk/methods.h and pk/gsl.h.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .record import record
 
 @record
 class Method:
-    """`requires`: facts of a system."""
+    """A row of the registry; `requires` names facts of a system (fields of Facts)."""
 
     family: str
     traits: frozenset[str]
@@ -23,25 +23,25 @@ class Method:
 
     @property
     def inlined(self) -> str:
-        """The family that -DPK_INLINE_ names, if its steps are compiled with a model, whose kernels
-        are inlined then (see pk/inlined.h)."""
+        """Returns the family named by -DPK_INLINE_, whose steps are compiled together with a model
+        so that its kernels are inlined (pk/inlined.h); "" for any other family."""
         return self.family if self.family in INLINED else ""
 
     @property
     def exact(self) -> bool:
-        """Its steps are exact, whatever their length."""
+        """Whether its steps are exact for any step size."""
         return "exact" in self.traits
 
     @property
     def fixed(self) -> bool:
-        """Whether a run by it must be given its step."""
+        """Whether a run needs a step size."""
         return not {"adaptive", "exact"} & self.traits
 
 
 @record
 class Own(Method):
-    """A method that a model or the command line brings: a table of a family of the runtime, with
-    the C of its coefficients. `facts`: what its coefficients were found to be."""
+    """A method of a model or the command line: a tableau file, or weights of a composition. `table`
+    is the C of its coefficients; `facts` are their computed properties, such as the order."""
 
     name: str
     order: int
@@ -53,10 +53,10 @@ class Own(Method):
 
     @property
     def row(self) -> str:
-        """In C, as one of pk/methods.h."""
+        """Returns the C that defines the method, as PK_DEFINE_METHOD of pk/methods.h."""
         flags = " | ".join(f"PK_{trait.upper()}" for trait in sorted(self.traits)) or "0"
         numbers = f"{self.order}, {self.stages}, {self.dense_order}"
-        text = re.sub(r'[^ -~]|["\\?]', "_", self.doc)  # names a file, which may be called anything
+        text = re.sub(r'[^ -~]|["\\?]', "_", self.doc)  # a file name in it may have any character
         return (
             f"PK_DEFINE_METHOD(PK_FAMILY_{self.family}, {self.name}, {numbers}, {flags}, "
             f'{self.name}, "{text}");'
@@ -71,7 +71,7 @@ _DEFINED = re.compile(r"#define (PK_\w+)\s+\\?\s*\(?((?:PK_\w+(?: \| )?)+|0)\)?\
 
 
 def _read(text: str) -> dict[str, Method]:
-    """The rows of pk/methods.h, whose expressions are names joined by |."""
+    """Returns the methods in the registry's text; its expressions are names joined by |."""
     defined = dict(_DEFINED.findall(text))
 
     def words(expression: str) -> list[str]:
@@ -92,11 +92,11 @@ METHODS = _read("".join((HEADERS / name).read_text("utf-8") for name in ("method
 
 
 def known(own: Iterable[Own] = ()) -> dict[str, Method]:
-    """The runtime's methods and those that a model brings."""
+    """Returns the runtime's methods and `own` ones by name."""
     return {**METHODS, **{method.name: method for method in own}}
 
 
-# What includes a fact: where switches are located each step is one of smooth equations.
+# Facts that imply a fact. With switches located, each step integrates smooth equations.
 STRONGER = {
     "smooth": ("smooth_in_pieces",),
     "linear_drag": ("separable",),
@@ -105,43 +105,43 @@ STRONGER = {
 
 
 def provides(structure: object, fact: str) -> bool:
-    """Whether a run of a system has what a method requires."""
+    """Whether a system has a fact that a method requires, or a stronger one."""
     return any(getattr(structure, name, False) for name in (fact, *STRONGER.get(fact, ())))
 
 
 def in_lanes(method: Method | None, structure: object) -> bool:
-    """Whether steps of an ensemble's members are made side by side."""
+    """Whether steps of ensemble members run in SIMD lanes."""
     family = method.inlined if method else ""
     if family == "SPLITTING":
         return provides(structure, "separable")
     return family in {"ERK", "EMBEDDED"}
 
 
-NONE = Method("", frozenset(), ())  # what the generator knows of GSL's methods with no GSL
+NONE = Method("", frozenset(), ())  # a method that is not in the registry: GSL's without GSL
 
 
 def called(of: str | Method) -> frozenset[str]:
-    """The kernels that a method calls, beside those of what it integrates."""
+    """Returns the kernels that a run by a method calls; `of` is the method or its name."""
     method = METHODS.get(of, NONE) if isinstance(of, str) else of
     traits = method.traits
     kernels = {"acceleration", "singularity", "event", "observe"}
     if method.family == "GAUSS":
-        kernels |= {"lanes"}  # its stages
+        kernels |= {"lanes"}  # evaluates its stages in SIMD lanes
     if method.inlined == "SPLITTING":
-        kernels |= {"advance"}  # of families kept as loops
+        kernels |= {"advance"}  # several steps in one call, for families kept as loops
     if traits & {"linear", "exact"}:
         kernels |= {"mass", "linear"}
     if "fast" in method.requires:
         kernels |= {"fast"}
     if "jacobians" in traits:
         kernels |= {"canonical", "mass", "jacobian"}
-    if "holonomic" in traits:  # of systems with rotations or constraints: unconstrained and inertia
+    if "holonomic" in traits:  # unconstrained, inertia: with rotations or constraints
         kernels |= {"canonical", "mass", "unconstrained", "inertia"}
     return frozenset(kernels)
 
 
 def inline_flags(methods: Iterable[str | None], own: Iterable[Own] = ()) -> list[str]:
-    """Flags to compile the steps of these methods with a model: others only take time."""
+    """Returns flags that compile the steps of these methods, and no others, with a model."""
     families: dict[str, list[str]] = {}
     all_methods = known(own)
     for method in dict.fromkeys(methods):
@@ -150,6 +150,6 @@ def inline_flags(methods: Iterable[str | None], own: Iterable[Own] = ()) -> list
     flags = []
     for family, named in sorted(families.items()):
         flags.append(f"-DPK_INLINE_{family}")
-        if family != "GAUSS":  # which has one
+        if family != "GAUSS":  # it has a single method
             flags.append(f"-DPK_{family}_METHODS(X)={' '.join(named)}")
     return flags

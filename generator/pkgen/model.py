@@ -1,8 +1,8 @@
-"""A checked model: what `check` hands to `derive`. Every name is known, every unit consistent.
+"""A checked model: the output of `check`. Every name is known, every unit consistent.
 
 Expressions are those of `tree.py` with units already folded in: all values are SI and there
-is no `Quantity` left. Families and sums are still loops over index variables; `derive` unrolls
-them with `indices.py`.
+is no `Quantity` left. Families (q[1..N]) and sums are still loops over index variables; `derive`
+unrolls them with `indices.py`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .tree import Expr, Range
 
 @record
 class Size:
-    """`size N = 31`; `value` already holds what `--size` set."""
+    """`size N = 31`; `value` is the one set by `--size`, if there is one."""
 
     name: str
     value: int
@@ -25,7 +25,7 @@ class Size:
 
 @record
 class Bounds:
-    """Where a parameter may lie; None is infinite. `lo_open` excludes the end itself."""
+    """The interval of a parameter; None is infinite. `lo_open` excludes the end itself."""
 
     lo: Expr | None
     hi: Expr | None
@@ -62,15 +62,15 @@ class Coordinate:
     momentum_unit: str
     description: str
     span: Span
-    rate: str = ""  # what its rate and momentum are called, where not x' and p_x
+    rate: str = ""  # names of its rate and momentum, where they are not x' and p_x
     momentum: str = ""
 
 
 @record
 class Rotation:
-    """An attitude in SO(3); with `range`, a family R[lo..hi]. Its body rates are the rates of
-    coordinates of their own, `turns`, which stand behind all others; its unit quaternion w, x, y, z
-    are states, before all others, whose own rates have `per_time`."""
+    """An attitude in SO(3); with `range`, a family R[lo..hi]. Its body rates are the rates of three
+    coordinates `turns`, which come after all other coordinates. Its unit quaternion w, x, y, z is
+    four states, before all other states, whose rates have the unit `per_time`."""
 
     name: str
     range: Range | None
@@ -86,14 +86,14 @@ class Rotation:
 
 
 def multipliers(name: str) -> tuple[str, str]:
-    """The names of what keeps it: of a unique multiplier, and of the one of least norm."""
+    """Returns the names of a constraint's unique multiplier and of that of least norm."""
     return f"lambda_{name}", f"least_lambda_{name}"
 
 
 @record
 class Constraint:
-    """`constraint` (holonomic) or `rolling` NAME: A = B; `value` is A - B, of a vector a component.
-    `name` is that of its multiplier without the lambda_ in front."""
+    """`constraint` (holonomic) or `rolling` NAME: A = B; `value` is A - B, or one component of it,
+    if A and B are vectors. The multiplier is lambda_ followed by `name`."""
 
     name: str
     index: Expr | None
@@ -107,7 +107,7 @@ class Constraint:
 
 @record
 class State:
-    """A first-order variable, whose rate the model states; with `range`, a family."""
+    """A first-order variable, whose rate a `rate` statement gives; with `range`, a family."""
 
     name: str
     range: Range | None
@@ -119,7 +119,7 @@ class State:
 
 @record
 class Given:
-    """What NAME, NAME[index] or NAME[i = lo..hi] is given."""
+    """A value given to NAME, NAME[index] or NAME[i = lo..hi]."""
 
     name: str
     index: Expr | None
@@ -135,10 +135,10 @@ class Rate(Given):
 
 @record
 class End:
-    """What a family's coordinate outside its range means.
+    """The meaning of a family's coordinate outside its range (a boundary condition).
 
-    kind "fixed": NAME[index] has the value `value` (its rate is the value's time derivative; of the
-    body rates of a rotation, which have None, the rate is that of its quaternion);
+    kind "fixed": NAME[index] has the value `value`, and its rate is the value's time derivative;
+    for body rates of a rotation `value` is None, and they follow from the quaternion's rate;
     "free": NAME[index] is its neighbour inside; "periodic": any index wraps around (index None).
     """
 
@@ -152,7 +152,7 @@ class End:
 
 @record
 class Input:
-    """Set by the embedding program; `order` derivatives of it occur (0, 1 or 2)."""
+    """An input, set by the embedding program; derivatives up to `order` (0..2) occur."""
 
     name: str
     order: int
@@ -196,8 +196,8 @@ class Start:
 
 @record
 class Event:
-    """`event NAME: EXPR rising stop`: where EXPR crosses zero. Of a `limit` a run stops at once if
-    it starts beyond it."""
+    """`event NAME: EXPR rising stop`: a zero crossing of the event function EXPR. At a `limit` (of
+    a joint) a run that starts beyond it stops at once."""
 
     name: str
     value: Expr
@@ -211,13 +211,13 @@ class Event:
 
 @record
 class Drawing:
-    """`draw SHAPE …` or `view …`: its parts by name, each a number or as many as a place has
-    components (9 of a turn: columns). `form` is of a body, `axes` of a ground, level or plane."""
+    """`draw SHAPE …` or `view …`: its parts by name, each a number, the components of a place, or
+    the columns of a rotation matrix. `form` is a body's; `axes` a ground's, level's or plane's."""
 
     shape: str
     parts: tuple[tuple[str, tuple[Expr, ...]], ...]
     range: Range | None
-    name: str  # of the place that is drawn, "" of an expression
+    name: str  # name of the drawn place, "" if it is an expression
     description: str
     span: Span
     form: str = ""
@@ -238,37 +238,37 @@ class Assignment:
 
 @record
 class Record:
-    """`record a, b every H at EVENT`; the columns are named as in the CSV: "q[3]", "theta'"."""
+    """`record a, b every H at EVENT`; columns are named as in the CSV: "q[3]", "theta'"."""
 
     columns: tuple[Definition, ...]
     every: Expr | None
-    at: str  # "" without
+    at: str  # name of an event, "" without
     span: Span
 
 
 @record
 class Hold(Given):
-    """`hold NAME = EXPR`: a prescribed motion, of parameters and t; without a value (None) it stays
-    at its start."""
+    """`hold NAME = EXPR`: a prescribed motion, a function of parameters and t; without a value
+    (None) the coordinate stays at its start."""
 
 
 @record
 class Expect:
-    """`expect A = B within TOL at T`: a time or an event; with neither, at every recorded time."""
+    """`expect A = B within TOL at T`; T is a time, an event, or missing: every recorded time."""
 
     a: Expr
     relation: str  # "=", "<" or ">"
     b: Expr
     within: Expr | None
     at: Expr | None  # a time
-    event: str  # "" without
+    event: str  # its name, "" without
     span: Span
-    component: str = ""  # ".x" where vectors are compared
+    component: str = ""  # ".x", if vectors are compared
 
 
 @record(kw_only=True)
 class Scene:
-    """One use of the model."""
+    """A scene: one run of the model, with its settings."""
 
     name: str
     description: str = ""
@@ -285,17 +285,17 @@ class Scene:
     swarm: Range | None = None
     expects: tuple[Expect, ...] = ()
     method_span: Span | None = None
-    misfits: tuple[Diagnostic, ...] = ()  # errors that other sizes than the file's have made
+    misfits: tuple[Diagnostic, ...] = ()  # errors caused by sizes from the command line
 
 
 @record
 class Model:
-    """Everything in declaration order."""
+    """A whole model; each field is in declaration order."""
 
     source: Source
     name: str
     description: str
-    dimensionless: bool  # no unit in the whole model: time has none either
+    dimensionless: bool  # the model has no units, so neither has time
     sizes: tuple[Size, ...]
     parameters: tuple[Parameter, ...]
     coordinates: tuple[Coordinate, ...]
@@ -319,5 +319,5 @@ class Model:
     constraints: tuple[Constraint, ...] = ()
     drawings: tuple[Drawing, ...] = ()
     views: tuple[Drawing, ...] = ()
-    fast: tuple[Expr, ...] = ()  # what of the potential is
-    methods: tuple[Own, ...] = ()  # that it brings beside the runtime's
+    fast: tuple[Expr, ...] = ()  # terms of the potential named fast
+    methods: tuple[Own, ...] = ()  # methods the model adds to the runtime's

@@ -1,7 +1,7 @@
-"""The text of a model, places in it, and what is wrong there.
+"""The text of a model, places in it, and diagnostics.
 
 Every stage reports through `Diagnostic`; a stage that cannot go on raises `ModelError` with
-all the diagnostics it found. Only `__main__` prints them.
+all the diagnostics it found. The command line prints them.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ class Span:
 
 @record
 class Source:
-    """A model's text: a byte-order mark dropped, line ends normalised to newline. Behind its `own`
-    characters stands what the command line says (None: nothing)."""
+    """A model's text, without a byte-order mark and with "\\n" line ends. The first `own`
+    characters are the file's; text from the command line follows (None: there is none)."""
 
     path: str
     text: str
     own: int | None = None
-    options: str = "command line"  # the place of what stands behind its own
+    options: str = "command line"  # shown as the place of text from the command line
     _line_starts: list[int] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -44,11 +44,11 @@ class Source:
 
     @property
     def sha256(self) -> str:
-        """The digest of the text, by which generated files name what they come from."""
+        """The digest of the file's text; generated files name their source by it."""
         return hashlib.sha256(self.text[: self.own].encode()).hexdigest()
 
     def with_options(self, scene: str, clauses: Iterable[str]) -> Source:
-        """With clauses from the command line behind the text, as a scene of that name."""
+        """Returns the source with the command line's clauses appended as a scene of that name."""
         more = "\n".join(("", f"scene {scene}", *clauses, "end", ""))
         return Source(self.path, self.text + more, len(self.text))
 
@@ -75,7 +75,7 @@ class Source:
 
 @record
 class Diagnostic:
-    """One finding: what is wrong, where, and what to do about it."""
+    """One error or warning: message, place, and a hint how to fix it."""
 
     message: str
     span: Span
@@ -83,7 +83,7 @@ class Diagnostic:
     severity: str = "error"  # or "warning"
 
     def text(self, source: Source) -> str:
-        """The finding as shown to a person: place, message, the line with a caret, the hint."""
+        """Returns the text shown to a person: place, message, the line with a caret, the hint."""
         line, column = source.position(self.span.start)
         shown, caret_at = _clip(_printable(source.line(line)), column - 1)
         length = max(1, min(self.span.end - self.span.start, len(shown) - caret_at))
@@ -98,7 +98,7 @@ class Diagnostic:
         return "\n".join(lines)
 
     def record(self, source: Source) -> dict[str, object]:
-        """The same for `--json`."""
+        """Returns the diagnostic as JSON data for `--json`."""
         line, column = source.position(self.span.start)
         return {
             "severity": self.severity,
@@ -111,7 +111,7 @@ class Diagnostic:
 
 
 class ModelError(Exception):
-    """The model is wrong; holds the findings of the stage that gave up, `more` not among them."""
+    """The model is wrong: the diagnostics of the failed stage, and a count `more` of others."""
 
     def __init__(self, source: Source, diagnostics: list[Diagnostic], more: int = 0):
         super().__init__()
@@ -130,12 +130,12 @@ class ModelError(Exception):
 
 
 def _printable(line: str) -> str:
-    """The line with tabs and control characters each replaced by one column's worth."""
+    """Returns the line with each tab or control character replaced by one column."""
     return "".join(c if c.isprintable() else " " if c == "\t" else "?" for c in line)
 
 
 def _clip(line: str, at: int, width: int = 96) -> tuple[str, int]:
-    """A window of a long line around column `at`, and where that column is in it."""
+    """Returns a window of a long line around column `at`, and that column's place in it."""
     if len(line) <= width:
         return line, at
     start = max(0, min(at - width // 2, len(line) - width))

@@ -1,7 +1,7 @@
-"""Expressions as a model's author wrote them. Immutable; every node knows its place.
+"""Expressions as written in a model. Nodes are immutable and know their place in the text.
 
-Sums and products are flat, so that a sum of many terms is not a deep tree. What depth there
-is (brackets, powers, calls) is bounded by `limits.DEPTH`.
+Sums and products are flat, so that a sum of many terms is not a deep tree. Other nesting
+(brackets, powers, calls) is bounded by `limits.DEPTH`.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from .record import record
 from .source import Span
 
 AXES = "xyz"
-COMPONENTS = AXES + "w"  # what may stand behind a point, by Component.axis
+COMPONENTS = AXES + "w"  # names after the dot, by Component.axis
 
 
 @record
 class Number:
-    """A literal, exactly as spelt."""
+    """A literal with its exact value."""
 
     value: Fraction
     span: Span
@@ -48,7 +48,7 @@ class Prime:
 
 @record
 class Component:
-    """`.x`, `.y` or `.z` of a vector, `.w` of a quaternion; `axis` counts COMPONENTS."""
+    """`.x`, `.y` or `.z` of a vector, `.w` of a quaternion; `axis` is an index of COMPONENTS."""
 
     of: Expr
     axis: int
@@ -88,8 +88,8 @@ class Power:
 
 @record
 class Call:
-    """A function of `functions/`, or one of vectors: dot, cross, norm, and behind the check
-    rotate(axis, angle, vector) and attitude(quaternion, vector), a quaternion being a vector of
+    """A function of `functions/`, or of vectors: dot, cross, norm. In checked expressions also
+    rotate(axis, angle, vector) and attitude(quaternion, vector), with the quaternion as a vector
     w, x, y, z."""
 
     function: str
@@ -125,7 +125,7 @@ class Vector:
 @record
 class Quantity:
     """`EXPR [unit]` before checking; `check` replaces it by a product with the SI factor. `whole`:
-    the unit ends an item, as in `1 - 0.3 [m]`, and not a factor, as in `2 [N]*cos(w*t)`."""
+    the unit ends a whole expression, as in `1 - 0.3 [m]`; not so in `2 [N]*cos(w*t)`."""
 
     of: Expr
     unit: str
@@ -151,7 +151,7 @@ Expr = (
 
 
 def children(expr: Expr) -> tuple[Expr, ...]:
-    """The expressions directly within one, indices and the ends of ranges included."""
+    """Returns the direct children, including indices and the ends of ranges."""
     match expr:
         case Number() | Name(index=None):
             return ()
@@ -169,7 +169,7 @@ def children(expr: Expr) -> tuple[Expr, ...]:
 
 
 def within(expr: Expr) -> Iterator[Expr]:
-    """An expression and all that it consists of."""
+    """Yields an expression and all expressions within it."""
     waiting = [expr]
     while waiting:
         part = waiting.pop()
@@ -178,12 +178,12 @@ def within(expr: Expr) -> Iterator[Expr]:
 
 
 def names(expr: Expr) -> frozenset[str]:
-    """The names that occur, indices and loop variables included."""
+    """Returns the names that occur, including those in indices and loop variables."""
     return frozenset(part.id for part in within(expr) if isinstance(part, Name))
 
 
 def replaced(expr: Expr, by: Callable[[Expr], Expr | None]) -> Expr:
-    """The expression with parts replaced by what `by` has for them; None goes on inside."""
+    """Replaces each part by `by(part)`; where that is None, replaces within the part."""
     new = by(expr)
     if new is not None:
         return new
@@ -197,7 +197,7 @@ def replaced(expr: Expr, by: Callable[[Expr], Expr | None]) -> Expr:
 
 
 def of_member(expr: Expr, variable: str, index: Expr) -> Expr:
-    """The expression of a family with a member's index for the loop variable."""
+    """Returns the expression with `index` substituted for the loop variable."""
     return replaced(
         expr, lambda part: index if isinstance(part, Name) and part.id == variable else None
     )

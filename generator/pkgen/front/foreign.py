@@ -1,4 +1,4 @@
-"""What people write from other languages, a row each, and the line to write instead."""
+"""Statements, functions, names and characters of other languages, each with a hint."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _FIRST_ORDER = f"{_RATE}; for x' = f(x) write 'state x' and 'rate x = …'"
 STEP = "step(x) is 0 below 0 and 1 from 0 on; max(0, x), min, abs and clamp bend"
 _LATEX = r"\frac{a}{b} is a/b, \dot{x} is x', \theta is theta"
 
-# Statements, by how they begin.
+# Patterns of a statement's beginning.
 _STATEMENTS = tuple(
     (re.compile(pattern), help)
     for pattern, help in (
@@ -44,7 +44,7 @@ _STATEMENTS = tuple(
         (r"(//|/\*|--|;)", "a comment begins with #"),
     )
 )  # fmt: skip
-# Functions that others have.
+# Functions of other languages.
 FUNCTIONS = {
     **dict.fromkeys(("diff", "der", "ddt", "D", "Derivative", "deriv"), _RATE),
     **dict.fromkeys(("ddot", "dder"), _RATE),
@@ -52,7 +52,6 @@ FUNCTIONS = {
     **dict.fromkeys(("if", "piecewise", "Piecewise"), STEP),
 }
 NAMES = {"e": "e^x is exp(x)", "Pi": "write pi", "PI": "write pi", "M_PI": "write pi"}
-# Characters.
 CHARACTERS = {
     ";": "a statement ends with its line",
     "|": "the absolute value is abs(x)",
@@ -68,5 +67,5 @@ CHARACTERS = {
 
 
 def statement(text: str) -> str:
-    """What to write instead of a statement that begins like this; "" where nobody knows."""
+    """Returns the hint for a statement that begins like this, or ""."""
     return next((help for pattern, help in _STATEMENTS if pattern.match(text)), "")

@@ -1,11 +1,11 @@
-"""Words of `body` and `joint`, and what each kind of joint is made of.
+"""The words of `body` and `joint`, and the kinds of joints.
 
-They are words in these statements alone; a model may have a `mass` or a `ground` of its own. A
-joint is its place and turning in the parent's frame, and a row of KINDS, as text of the language: Q
-turns vectors of the child's frame to that of the joint, r is the child's origin there, w and v are
-what the joint adds to the angular velocity and to the velocity of the origin, both in the child's
-frame. In these {a} is the axis, {u} the unit vector along it, {1} the first coordinate, {e} and {f}
-what spans the plane across the axis.
+These are words only in these statements; a model may name a parameter `mass` or `ground`. A joint
+has a place and a rotation in the parent's frame, and a row of KINDS, in the text of the language:
+Q rotates vectors from the child's frame to the joint's, r is the child's origin in the joint's
+frame, w and v are the joint's contributions to the angular velocity and to the velocity of the
+origin, both in the child's frame. {a} is the axis, {u} the unit vector along it, {1} the first
+coordinate; {e} and {f} are unit vectors that span the plane normal to the axis.
 Reference: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 4.
 """
 
@@ -18,19 +18,19 @@ from ..record import record
 from ..tree import Name
 
 GROUND = "ground"
-TO = "to"  # between the two bodies of a joint
-WORDS_TO_KIND = 2  # `to` and the kind are words before what stands behind the kind of a joint
+TO = "to"  # the word between the two bodies of a joint
+WORDS_TO_KIND = 2  # `to` and the kind: the words of a joint up to its axis or clauses
 CLAUSES = {"body": ("mass", "inertia", "at"), "joint": ("at", "turned", "coord", "limits")}
-# What a body has, `point` of a vector. The other members are of what is made of it.
+# Members of a body for use in models (`point` takes a vector). Others are internal.
 SHOWN = ("com", "origin", "R", "omega", "mass", "point")
-HELD = ("held", "place", "e", "f", "g")  # of a body that is fixed to another: body_parts.py
-COLUMNS = ("X", "Y", "Z")  # of R, of families where the index is a loop's
-TURNING = ("R", "held", "turn")  # rotations
-LIMITS = {"lower": ("falling", -1), "upper": ("rising", 1)}  # how each is passed
+HELD = ("held", "place", "e", "f", "g")  # members of a body fixed to another: body_parts.py
+COLUMNS = ("X", "Y", "Z")  # columns of R, for families indexed by a loop variable
+TURNING = ("R", "held", "turn")  # members that are rotations
+LIMITS = {"lower": ("falling", -1), "upper": ("rising", 1)}  # event's direction; sign of inf
 _OWN = (*LIMITS, "at", "axis", "inertia", "products", "turn", "velocity", "speed", "field")
 MEMBERS = frozenset((*SHOWN, *HELD, *COLUMNS, *_OWN))
 
-# kind | axis | coordinates: what stands behind the joint's name, and what it is | Q | r | w | v
+# kind | axis | coordinates (suffix of the joint's name, and kind) | Q | r | w | v
 _KINDS = """
 revolute  | axis | :angle                               | rot({a}, {1}) |         | {1}'*{u}   |
 prismatic | axis | :length                              |               | {1}*{u} |            | {1}'*{u}
@@ -62,8 +62,8 @@ KINDS = dict(_kinds())
 
 
 def loose(bodies: Iterable[str], joints: Iterable) -> frozenset[str]:
-    """Bodies that no joints join to the ground, and families with such members: they have no
-    places, and that is said once."""
+    """Returns the bodies that no chain of joints connects to the ground, and the families with such
+    members. Names.unknown() reports no further error about them."""
     held, left = {GROUND}, list(joints)
     names = {*bodies}
     while more := [j for j in left if j.parent[0] in held and j.child[0] in names]:
@@ -74,8 +74,8 @@ def loose(bodies: Iterable[str], joints: Iterable) -> frozenset[str]:
 
 
 def joint_names(joint) -> tuple[tuple[str, str], ...]:
-    """Names and what each is, of a statement; those that `coord` gives, else by the joint's. Of a
-    member of a family they are the families'."""
+    """Returns the coordinates of a joint statement, (name, kind) each. The names are those of the
+    clause `coord`, or made of the joint's name; for a member of a family, the family's names."""
     kind = KINDS.get(joint.kind[0])
     if kind is None:
         return ()

@@ -1,4 +1,4 @@
-"""What the lexer hands on: a statement's tokens, and the comment that trails it as plain text."""
+"""The output of the lexer: a statement's tokens, and its trailing comment as plain text."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _DESCRIPTION_LENGTH = 200
 
 @dataclass
 class Lexed:
-    """One statement's tokens; `comment` is the last comment that trails it."""
+    """One statement's tokens; `comment` is its last trailing comment."""
 
     tokens: list[Token] = field(default_factory=list)
     comment: str = ""
@@ -22,7 +22,7 @@ class Lexed:
 
     @property
     def keyword(self) -> str:
-        """The statement word, or an empty string."""
+        """The statement word at the start, or "" without one."""
         first = self.tokens[0] if self.tokens else None
         return str(first) if first is not None and first.type.lower() in STATEMENTS else ""
 
@@ -34,7 +34,7 @@ class Lexed:
 
 
 def description(comment: str) -> str:
-    """A comment's text on one line, without control and other invisible characters."""
+    """Returns a comment's text on one line, shortened, without unprintable characters."""
     kept = (c if c.isprintable() else " " for c in comment.lstrip("#"))
     text = " ".join("".join(kept).split())
     if len(text) <= _DESCRIPTION_LENGTH:

@@ -1,9 +1,9 @@
-"""Text to statements of typed tokens.
+"""Splits a text into statements of typed tokens.
 
-A statement is a line, and goes on while a bracket is open; a line that starts with a statement
-word ends an unclosed bracket with an error. What a `[` means depends on what stands before it
-(see `_open_square`), so the tokens say which it is and the grammar needs no tricks. Whatever
-is wrong with a character, a number or a bracket is found here, all of it in one run.
+A statement is a line, and continues while a bracket is open; a line that starts with a statement
+word ends an unclosed bracket with an error. The meaning of a `[` depends on the token before it
+(see `_open_square`); the lexer gives each meaning a token type, which keeps the grammar LALR(1).
+All errors in characters, numbers and brackets are found here, in one run.
 """
 
 from __future__ import annotations
@@ -51,11 +51,11 @@ _DRAWN = frozenset(word.upper() for word, row in STATEMENTS.items() if row.synta
 _OF_BODIES = ("BODY", "JOINT")
 _CLOSERS = {"(": ")", "[": "]"}
 _AXES = {f".{name}": axis for axis, name in enumerate(COMPONENTS)}
-_TOKENS = 4 * limits.NODES  # enough for so many nodes; more would only cost memory
+_TOKENS = 4 * limits.NODES  # ample for limits.NODES nodes; more would only cost memory
 
 
 def statements(source: Source, before: Iterable[Token] = ()) -> list[Lexed]:
-    """The statements of a text, empty ones dropped; tokens `before` it begin the first."""
+    """Returns the statements of a text without empty ones; the first begins with `before`."""
     lexer = _Lexer(source.text)
     lexer.now.tokens += before
     lexer.run()
@@ -152,7 +152,7 @@ class _Lexer:
         return self._add("NAME", name, at, end)
 
     def _file(self, at: int) -> int:
-        """The path of a file, which ends at a space."""
+        """Lexes the path of a file, which ends at a space."""
         found = _PATH.match(self.text, at)
         if found:
             return self._add("FILE", found[1], found.start(1), found.end())
@@ -160,11 +160,11 @@ class _Lexer:
         return self._error(f"'{TABLEAU}' names no file", at - len(TABLEAU), at, help)
 
     def _word_of_drawing(self, name: str, at: int, end: int) -> int:
-        """The end of a shape's word or of that of a part of it; 0 of a name of the model's."""
+        """Lexes a shape's or a part's word and returns its end; 0 if it is a name of the model."""
         word, *more = self.now.tokens
         shapes = shapes_of(str(word))
         if not more and self.now.errors:
-            return 0  # behind a word that is no shape
+            return 0  # follows an unknown shape, which is reported
         if not more:
             if name in shapes:
                 return self._add("SHAPE", name, at, end)
@@ -177,8 +177,8 @@ class _Lexer:
         return 0
 
     def _is_clause(self, name: str) -> bool:
-        """Whether a name in `body` or `joint` is a word: behind what is complete, and behind the
-        kind of a joint, which may have no axis."""
+        """Whether a name in `body` or `joint` starts a clause: after a complete value, or directly
+        after the kind of a joint without an axis."""
         before = self.now.tokens[-1]
         words = sum(token.type == "WORD" for token in self.now.tokens)
         of_joint = self.now.tokens[0].type == "JOINT" and before.type == "WORD"
@@ -257,7 +257,7 @@ class _Lexer:
         return self._open_square(previous, at)
 
     def _open_square(self, previous: Token | None, at: int) -> int:
-        """An index if it touches a name; a unit after a value; a vector where one is expected."""
+        """Opens an index if it touches a name, a unit after a value, else a vector."""
         touches = previous is not None and previous.end_pos == at
         if previous is not None and previous.type == "NAME" and touches:
             return self._push("[", "LINDEX", "RBRACKET", at)
@@ -302,7 +302,7 @@ class _Lexer:
 
 
 def literal_value(spelt: str) -> Fraction | str:
-    """The exact value of a literal, or what is wrong with it; never computes a huge power."""
+    """Returns a literal's exact value, or an error text; never computes a huge power."""
     digits, _, exponent = spelt.lower().partition("e")
     if len(digits) > limits.LITERAL_DIGITS:
         return f"a number of {len(digits)} digits; the limit is {limits.LITERAL_DIGITS}"

@@ -1,7 +1,7 @@
-"""Text to statements, one at a time, so that several syntax errors show in one run.
+"""Parses a text statement by statement, so that one run reports several syntax errors.
 
-The lexer splits the text into statements of tokens; lark's LALR parser builds each. A broken
-statement leaves its place, and the names that it would have declared, to `check`.
+The lexer splits the text into statements of tokens; lark's LALR parser builds each. For a broken
+statement `check` gets its place and the names that it would have declared.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ GRAMMAR = Path(__file__).with_name("grammar.lark")
 
 
 class _Tokens(Lexer):
-    """Lark's lexer: hands on the tokens that `lexer.py` made."""
+    """The lexer that lark calls: it passes on the tokens made by `lexer.py`."""
 
     def __init__(self, lexer_conf: object) -> None:
         pass
@@ -43,14 +43,14 @@ class _Tokens(Lexer):
 
 @cache
 def parser() -> tuple[Lark, Build]:
-    """The parser of one statement, made once, and its callbacks."""
+    """Returns the parser of one statement and its callbacks; makes them once."""
     build = Build()
     rules = GRAMMAR.read_text(encoding="utf-8") + grammar()
     made_by = (rules, lark_version, sys.version_info[:2])
     digest = hashlib.sha256(repr(made_by).encode()).hexdigest()[:24]
 
-    # A folder that nobody else can write. Lark itself reads no tables that are broken or of another
-    # grammar; they are half the time of a short command.
+    # Making the tables takes half the time of a short command. The folder is private to the user;
+    # lark itself rejects tables that are broken or of another grammar.
     try:
         tables = str(cached("parser", digest, lambda _: None) / "tables")
     except BuildError:
@@ -59,16 +59,16 @@ def parser() -> tuple[Lark, Build]:
 
 
 def parse(source: Source) -> st.File:
-    """The file's statements; raises ModelError with every syntax error."""
+    """Returns the parsed file; raises ModelError with all syntax errors."""
     file = parse_all(source)
     if file.diagnostics:
         raise ModelError(source, list(file.diagnostics))
     return file
 
 
-@lru_cache(maxsize=4)  # each scene is checked from its file
+@lru_cache(maxsize=4)  # a command may compile one file once for each scene
 def parse_all(source: Source) -> st.File:
-    """The statements that parse, the broken ones' places and names, and what is wrong."""
+    """Returns the file: statements that parse, places and names of broken ones, and errors."""
     if len(source.text) > limits.FILE_BYTES:
         message = f"the model is larger than {limits.FILE_BYTES} bytes"
         return st.File(source, (), (), (Diagnostic(message, Span(0, 1)),))
@@ -89,7 +89,7 @@ def parse_all(source: Source) -> st.File:
 
 
 class _Reader:
-    """Parses statements and puts scenes together."""
+    """Parses statements and groups a scene's clauses with its head."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
@@ -97,7 +97,7 @@ class _Reader:
         self.broken: list[st.Broken] = []
         self.statements: list[st.Statement] = []
         self.scene: st.Head | None = None
-        self.headless = False  # in a scene whose first line does not parse
+        self.headless = False  # within a scene whose first line does not parse
         self.clauses: list[st.Clause] = []
         self.units: dict[str, None] = {}
         self.nodes = 0
@@ -127,7 +127,7 @@ class _Reader:
         return st.File(self.source, *map(tuple, found))
 
     def _place(self, lexed: Lexed) -> None:
-        """A scene's statement stands in a scene, a model's outside."""
+        """Reports a scene's clause outside of a scene, or a model's statement in a scene."""
         word = lexed.keyword
         where = _stands_in(word)
         if self.scene is not None and where == MODEL:
@@ -181,9 +181,8 @@ def _stands_in(word: str) -> str:
 
 
 def measure(statement: object, nodes: int = 0) -> tuple[int, Diagnostic | None]:
-    """`nodes` and those of a statement together, and the limit of size or depth that it breaks.
-
-    Goes through the tree without recursion."""
+    """Adds the expression nodes of a statement to `nodes`; returns the sum, and an error if a limit
+    of size or depth is exceeded. Does not recurse."""
     waiting = [(e, 1) for e in _expressions(statement)]
     while waiting:
         expr, depth = waiting.pop()
@@ -199,7 +198,7 @@ def measure(statement: object, nodes: int = 0) -> tuple[int, Diagnostic | None]:
 
 
 def _expressions(part: object):
-    """The expressions of a statement or of a part of it."""
+    """Yields the outermost expressions of a statement or of a part of it."""
     if isinstance(part, Expr):
         yield part
     elif isinstance(part, tuple):

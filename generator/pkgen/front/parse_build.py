@@ -1,4 +1,4 @@
-"""The callbacks of grammar.lark: tokens and finished parts to expressions and statements.
+"""The callbacks of grammar.lark: they build expressions and statements of tokens and parts.
 
 They run while the LALR parser reduces, so nothing here recurses, however long a sum is.
 """
@@ -40,7 +40,7 @@ def _product(parts: tuple) -> tree.Expr:
 
 @v_args(inline=True)
 class Build(Transformer):
-    """One method a rule of the grammar; `comment` is that of the statement at hand."""
+    """One method for each rule of the grammar; `comment` belongs to the current statement."""
 
     comment = ""
 
@@ -59,13 +59,13 @@ class Build(Transformer):
         return tree.Component(of, axis.value, _over(of, axis))
 
     def member(self, name, *parts):
-        """`upper.com`, `link[i].com`: what a body has is named so."""
+        """Builds a member of a body, `upper.com` or `link[i].com`, as a Name."""
         *index, which = parts
         at = index[1] if index else None
         return tree.Name(f"{name}{which}", at, _over(name, which))
 
     def point(self, name, *parts):
-        """`upper.point(r)`, that is upper.origin + upper.R*r."""
+        """Builds `upper.point(r)` as upper.origin + upper.R*r."""
         *index, point, _, place, close = parts
         at, to = _over(name, close), index[1] if index else None
         origin, turn = (tree.Name(f"{name}.{m}", to, _over(name, point)) for m in ("origin", "R"))
@@ -84,7 +84,7 @@ class Build(Transformer):
         return _chain(tree.Add, parts)
 
     def multiply(self, *parts):
-        """A unit belongs to what stands before it: check/quantities.py says to how much of that."""
+        """Attaches a unit to all factors before it; check/quantities.py narrows that."""
         made: tuple = ()
         for part in parts:
             if getattr(part, "type", "") == "UNIT":
@@ -95,7 +95,7 @@ class Build(Transformer):
         return _product(made)
 
     def item(self, of):
-        """The unit at its end is that of all of it, where it fits."""
+        """Attaches a unit at the end to the whole expression; check/quantities.py narrows that."""
         last = of.terms[-1] if isinstance(of, tree.Add) else of
         if not isinstance(last, tree.Quantity) or last.whole:
             return of
@@ -130,7 +130,7 @@ class Build(Transformer):
         return st.Left(str(name), one, many, _over(name, close or name))
 
     def left_range(self, name, _, lo, __, hi, close):
-        """`link[1..N]`, whose members need no number."""
+        """Builds `link[1..N]`, a family without a loop variable."""
         span = _over(name, close)
         return st.Left(str(name), None, Range("", lo, hi, span), span)
 

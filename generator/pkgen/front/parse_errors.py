@@ -1,7 +1,7 @@
-"""What is wrong with a statement that does not parse, in words, with a hint where one is known.
+"""Messages for statements that do not parse, with a hint where one is known.
 
-The parser says which token it met and which kinds it could have taken. The rules in
-`parse_mistakes.py` are tried in order; each knows one mistake that people make.
+The parser gives the token that it could not take and the types it accepts. The rules in
+`parse_mistakes.py` are tried in order; each recognizes one common mistake.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _ENERGIES = {"L": "lagrangian", "T": "kinetic"} | dict.fromkeys("UV", "potential
 
 
 def explain(source: Source, lexed: Lexed, error: UnexpectedToken) -> Diagnostic:
-    """The parser's complaint as a physicist should read it."""
+    """Returns the parser's error in terms of the language."""
     tokens = lexed.tokens
     at = next((i for i, t in enumerate(tokens) if t is error.token), len(tokens))
     token = tokens[at] if at < len(tokens) else Token("$END", "")
@@ -39,8 +39,8 @@ def explain(source: Source, lexed: Lexed, error: UnexpectedToken) -> Diagnostic:
 
 
 def _acceptable(parser) -> frozenset[str]:
-    """The kinds of tokens that the parser could take. (Those in lark's `expected` include some
-    that only lead to a reduction after which they fail; its `accepts` copies whole trees.)"""
+    """Returns the token types that the parser can shift. (lark's `expected` includes types that
+    fail after a reduction; its `accepts` copies whole trees.)"""
     states = parser.parse_conf.states
     return frozenset(
         kind
@@ -61,7 +61,7 @@ def _leads_to_shift(states, stack: list, kind: str) -> bool:
 
 
 def misplaced(lexed: Lexed) -> Diagnostic:
-    """A scene's statement outside a scene."""
+    """Returns the error about a scene's clause outside of a scene."""
     word = lexed.keyword
     if word == "end":
         return Diagnostic("this 'end' ends no scene", lexed.span)
@@ -71,7 +71,7 @@ def misplaced(lexed: Lexed) -> Diagnostic:
 
 
 def declared_names(lexed: Lexed) -> tuple[str, ...]:
-    """The names that a broken statement meant to declare, as well as one can tell."""
+    """Returns the names that a broken statement probably declares."""
     word = lexed.keyword
     names = [str(t) for t in lexed.tokens if t.type == "NAME"]
     declares = STATEMENTS[word].declares if word in STATEMENTS else FIRST

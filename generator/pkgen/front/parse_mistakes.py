@@ -1,7 +1,7 @@
-"""The mistakes that people make in a statement, a rule for each: what to say, with a hint.
+"""Rules for common syntax mistakes, each with its message and hint.
 
-A rule looks at the spot where the parser gave up and answers None, or the message, the hint and,
-if the mistake is elsewhere, its span. They are tried in the order of RULES.
+A rule gets the Spot where the parser failed. It returns None if it does not apply, else the
+message, the hint and, if the mistake is elsewhere, its span. RULES gives their order.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from .table import STATEMENTS, SYNTAX
 from .units import bare_unit, bracketed
 from .words import CLAUSE_WORDS
 
-# Of each clause which other comes after it, and how both are written.
+# For each clause: the clause that must come after it, and an example of both.
 ORDER = {
     "every": ("at", "record a, energy every 0.01 [s] at EVENT"),
     "step": ("rtol", "method dop853 step 0.01 [s] rtol 1e-9"),
     "within": ("at", STATEMENTS["expect"].form),
 }
-# What the parser may have wanted.
+# Names of tokens in messages.
 WHAT = {
     "EQUAL": "'='", "COLON": "':'", "DOTS": "'..'", "_COMMA": "','", "RPAREN": "')'",
     "RBRACKET": "']'", "NAME": "a name", "LEND": "'(' or '['", "REND": "')' or ']'",
@@ -41,12 +41,12 @@ _LISTS = frozenset(word for word, row in STATEMENTS.items() if "(_COMMA" in SYNT
 
 @record
 class Spot:
-    """Where the parser gave up."""
+    """The place where the parser failed."""
 
     source: Source
     lexed: Lexed
-    token: Token  # that it could not take; of type $END where the statement stops too early
-    before: Token  # the last that it took
+    token: Token  # the rejected token; its type is $END if the statement ends too early
+    before: Token  # the last accepted token
     after: Token | None
     expected: frozenset[str]
 
@@ -62,7 +62,7 @@ class Spot:
 
     @property
     def form(self) -> str:
-        """How the statement is written, "" of none."""
+        """The form of the statement, for hints; "" if its word is unknown."""
         return STATEMENTS[self.word].form if self.word in STATEMENTS else ""
 
     def text(self, token: Token) -> str:
@@ -96,7 +96,7 @@ def _model_name(spot: Spot):
 
 
 def _sum_form(spot: Spot):
-    """Directly within the brackets of a sum: its ranges are wrong, or missing."""
+    """Recognizes wrong or missing ranges directly within the brackets of a sum."""
     opened, before = [], ""
     for token in spot.lexed.tokens:
         if token is spot.token:
@@ -138,7 +138,7 @@ def _reserved_word(spot: Spot):
 
 
 def _index_without_space(spot: Spot):
-    """`coord theta[rad]`: the bracket touches the name, so it is an index."""
+    """Recognizes `coord theta[rad]`: a bracket that touches the name is an index."""
     tokens = spot.lexed.tokens
     if spot.word not in ("coord", "input", "state") or "DOTS" not in spot.expected:
         return None
@@ -201,7 +201,7 @@ def _missing_operator(spot: Spot):
 
 
 def _no_name_wanted(spot: Spot):
-    """`kinetic T = …`."""
+    """Recognizes `kinetic T = …`."""
     if spot.token.type != "EQUAL" or "EQUAL" in spot.expected:
         return None
     if spot.before.type == "EQUAL":
@@ -231,7 +231,7 @@ def _comparison(spot: Spot):
 
 
 def _clause_order(spot: Spot):
-    """`record x at up every 0.5`."""
+    """Recognizes clauses in the wrong order, `record x at up every 0.5`."""
     clause = str(spot.token)
     if clause not in ORDER:
         return None
@@ -254,7 +254,7 @@ def _value_missing(spot: Spot):
 
 
 def _something_missing(spot: Spot):
-    """What could have come, if that is one thing or two; else what should not have."""
+    """The last rule: names the missing token, if one or two could follow, else the wrong one."""
     wanted = [WHAT[t] for t in WHAT if t in spot.expected]
     if "EQUAL" in spot.expected and spot.word != "expect":
         wanted = ["'='"]

@@ -1,4 +1,4 @@
-"""A model's file to its Source, or a clear reason why not."""
+"""Reads a model's file into a Source, or raises an error with a clear reason."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from functools import cache
 from .. import limits
 from ..source import Diagnostic, ModelError, Source, Span
 
-READ: dict[str, None] = {}  # the files read so far, in this order: what is made depends on them
+READ: dict[str, None] = {}  # the files read so far, in order: dependencies of the output
 _ALLOWED: ContextVar[tuple[str, ...]] = ContextVar("allowed", default=())
-STANDARD = "-"  # the path of the standard input
+STANDARD = "-"  # the path that means standard input
 
 
 class UnreadableModel(ModelError):
-    """The file cannot be read at all: there is no line to point at."""
+    """The file cannot be read, so the error has no line."""
 
     def text(self) -> str:
         lines = []
@@ -32,10 +32,9 @@ class UnreadableModel(ModelError):
 
 
 def read(path: str | os.PathLike[str], what: str = "a .lag file") -> Source:
-    """The text of a file, or by "-" of the standard input: UTF-8, a byte-order mark dropped, line
-    ends made newlines.
-
-    Raises UnreadableModel, or ModelError where a place in the text is at fault.
+    """Returns the UTF-8 text of a file, or of standard input for "-", without a byte-order mark
+    and with line ends normalized to newlines; `what` names the wanted file in messages.
+    Raises UnreadableModel, or ModelError if a place in the text is at fault.
     """
     shown = os.fspath(path)
     if shown == STANDARD:
@@ -59,7 +58,7 @@ def read(path: str | os.PathLike[str], what: str = "a .lag file") -> Source:
 
 @contextmanager
 def allowing(*folders: str | os.PathLike[str]) -> Iterator[None]:
-    """Within it, models and plans may name files in these folders too."""
+    """Within the context, models and plans may also name files in these folders."""
     token = _ALLOWED.set(tuple(map(os.path.realpath, folders)))
     try:
         yield
@@ -71,13 +70,13 @@ def inside(path: str | os.PathLike[str], *folders: str | os.PathLike[str]) -> bo
     """Whether a file lies in one of the folders, all links resolved."""
     try:
         place = os.path.realpath(path)
-    except ValueError:  # a NUL in it
+    except ValueError:  # a NUL in the path
         return False
     return any(os.path.commonpath((place, f)) == f for f in map(os.path.realpath, folders))
 
 
 def refusal(named: str, path: str | os.PathLike[str], *folders: str | os.PathLike[str]) -> str:
-    """Why a file that a model or a plan names is not read; "": it may be."""
+    """Returns why a file that a model or a plan names may not be read, or ""."""
     if inside(path, *folders, *_ALLOWED.get()):
         return ""
     return f"'{named}' lies outside of the folder of the file that names it"
@@ -87,13 +86,13 @@ ALLOW = "copy it there, or allow its folder: --allow-path DIR"
 
 
 def unquoted(path: str | os.PathLike[str], wrong: ModelError) -> tuple[str, str]:
-    """What is said of a file whose text is not to be shown, and the help."""
+    """Returns message and help for a wrong file outside the folder, without quoting its text."""
     line, column = wrong.source.position(wrong.diagnostics[0].span.start)
     return f"{path}:{line}:{column}: this is no tableau", f"see: pkgen methods --tableau {path}"
 
 
 def from_text(path: str, text: str) -> Source:
-    """The Source of a text from elsewhere than a file."""
+    """Returns the Source of a text; raises ModelError if it has a NUL character."""
     source = Source(path, text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n"))
     nul = source.text.find("\0")
     if nul >= 0:
@@ -104,7 +103,7 @@ def from_text(path: str, text: str) -> Source:
 
 def _bytes(path: str, wanted: str) -> bytes:
     try:
-        # Asked before opening: a pipe would block, a device might never end.
+        # Checked before opening: a pipe would block, a device might never end.
         if not stat.S_ISREG(os.stat(path).st_mode):
             what = "a directory" if os.path.isdir(path) else "not a regular file"
             raise _unreadable(path, f"this is {what}", f"give the path of {wanted}")
@@ -117,7 +116,7 @@ def _bytes(path: str, wanted: str) -> bytes:
         raise _unreadable(path, f"cannot read it: {reason}") from None
 
 
-@cache  # what has been read from it is gone
+@cache  # standard input can be read only once
 def _standard_input() -> bytes:
     if sys.stdin is None:
         raise _unreadable(STANDARD, "the standard input is closed")

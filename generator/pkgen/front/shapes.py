@@ -1,7 +1,7 @@
-"""The shapes of `draw` and `view`, a row each: what stands behind the word, and their parts.
+"""The shapes of `draw` and `view`, a row each: the subject after the shape's word, and its parts.
 
-Their words are words there alone. Whatever follows a complete value is the name of a part; where a
-value is due stands a name of the model, which may have a `rod` or a `radius` of its own.
+These are words only in these statements: a name after a complete value is the word of a part.
+Elsewhere it is a name of the model, which may be `rod` or `radius` too.
 """
 
 from __future__ import annotations
@@ -11,17 +11,17 @@ from difflib import get_close_matches
 
 from ..record import record
 
-# What a part is; the dimension of lengths is that of the places of the whole drawing.
+# Kinds of parts. Lengths have the dimension of the drawing's places.
 PLACE, LENGTH, VECTOR, SCALE, COUNT, TIME = "place", "length", "vector", "scale", "count", "time"
 ROTATION, AXIS, PLANE, VALUE, COORDINATE = "rotation", "axis", "plane", "value", "coordinate"
 NOTHING = ""
 
-FORMS = {"box": 3, "cylinder": 2, "ellipsoid": 3, "disk": 2, "top": 2}  # sizes of each
+FORMS = {"box": 3, "cylinder": 2, "ellipsoid": 3, "disk": 2, "top": 2}  # number of sizes
 PLANES = {"xy": ("x", "y"), "xz": ("x", "z"), "yz": ("y", "z")}
 
 
-# shape  what stands behind its word  its parts, each with what it is  form
-# A ? is behind what may be left out.
+# shape  kind of its subject  its parts, each with its kind  form
+# A ? marks what may be left out.
 _DRAW = """
 rod    -         from:place,to:place                 from A to B
 line   -         from:place,to:place                 from A to B
@@ -44,9 +44,9 @@ space  -         width?:length                       width 2 [m]
 @record
 class Shape:
     form: str  # as a hint shows it
-    subject: str  # what stands behind its word
+    subject: str  # kind of the value after its word, "" for none
     subject_optional: bool
-    parts: dict[str, str]  # what each is
+    parts: dict[str, str]  # kind of each part, by its word
     optional: tuple[str, ...]
     view: bool
 
@@ -74,12 +74,12 @@ SHAPES = dict(_shapes())
 
 
 def shapes_of(word: str) -> dict[str, Shape]:
-    """Those of `draw` or of `view`."""
+    """Returns the shapes of `draw` or of `view`."""
     return {name: shape for name, shape in SHAPES.items() if shape.view == (word == "view")}
 
 
 def unknown_shape(word: str, name: str) -> str:
-    """What to write in place of it."""
+    """Returns the hint for an unknown shape."""
     shapes = shapes_of(word)
     near = get_close_matches(name, shapes, 1, 0.6)
     return f"did you mean '{near[0]}'?" if near else f"{word} takes: {', '.join(shapes)}"

@@ -1,4 +1,4 @@
-"""The statements of a .lag file as written: what `parse` hands to `check`.
+"""The statements of a .lag file as written: the output of `parse`.
 
 A `Left` is the left side of a definition: NAME, NAME[index] or NAME[i = lo..hi]. Units are
 kept as text with their place; `check` reads them.
@@ -24,7 +24,7 @@ class Left:
 
 @record
 class UnitText:
-    """What stands between the brackets of a unit, not read yet."""
+    """The text between the brackets of a unit, not parsed yet."""
 
     text: str
     span: Span
@@ -32,7 +32,7 @@ class UnitText:
 
 @record
 class Head:
-    """`model NAME`, or `scene NAME`, which is consumed while scenes are put together."""
+    """`model NAME`, or `scene NAME`; parse merges the latter with its clauses into a Scene."""
 
     keyword: str
     name: str
@@ -96,7 +96,7 @@ class Declare:
 @record
 class Pairs:
     """`fixed q[0] = EXPR, …`, `free q, …`, `periodic q, …`; in a scene `set p = EXPR, …` or
-    `hold a = EXPR, …`. Names that stand alone have no value."""
+    `hold a = EXPR, …`. Names without `= EXPR` have the value None."""
 
     keyword: str
     items: tuple[tuple[Left, Expr | None], ...]
@@ -134,13 +134,13 @@ class Event:
     stop: bool
     description: str
     span: Span
-    limit: bool = False  # of a joint
+    limit: bool = False  # made of a joint's `limits`
 
 
 @record
 class Draw:
-    """`draw` or `view` (the keyword) a shape; of `ground y = 0` the axis is "y", its subject the
-    value. `also` stands behind a comma: the range of members, or the second coordinate."""
+    """`draw SHAPE …` or `view SHAPE …`; `ground y = 0` has the axis "y" and the value as subject.
+    `also` is the part after a comma: the range of members, or a level's second coordinate."""
 
     keyword: str
     shape: str
@@ -153,18 +153,18 @@ class Draw:
     span: Span
 
 
-Clauses = tuple[tuple[str, Span, tuple[Expr, ...]], ...]  # a word, where it is, what it takes
+Clauses = tuple[tuple[str, Span, tuple[Expr, ...]], ...]  # a word, its place, its values
 Word = tuple[str, Span]
 
 
 def _said(name: str, of: Left | Name) -> Word:
-    """A body or a joint, of a family a member: `link[3]`."""
+    """Returns the name of a body, a joint, or a member of a family (`link[3]`), and its place."""
     return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None), of.span
 
 
 @record
 class Body:
-    """Families are written out before the check (check/body_families.py)."""
+    """A body; families are split into members before the check (check/body_families.py)."""
 
     keyword: ClassVar[str] = "body"
     left: Left
@@ -183,7 +183,7 @@ class Body:
 
 @record
 class Joint:
-    """`joint NAME: PARENT to CHILD KIND AXIS`, its ends being both; `to` as it was written."""
+    """`joint NAME: PARENT to CHILD KIND AXIS`; `ends` are PARENT and CHILD, `to` a word."""
 
     keyword: ClassVar[str] = "joint"
     left: Left
@@ -233,7 +233,7 @@ class Method:
     name_span: Span
     step: Expr | None
     rtol: Expr | None
-    file: str | None  # of its tableau
+    file: str | None  # path of its tableau
     file_span: Span | None
     span: Span
 
@@ -272,7 +272,7 @@ Clause = StartAt | Pairs | Single | Method | Record | Swarm | Expect
 
 @record
 class EndOfScene:
-    """`end`; consumed like the head."""
+    """`end`, which closes a scene and is dropped."""
 
     span: Span
 

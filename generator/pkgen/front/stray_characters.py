@@ -1,4 +1,4 @@
-"""Characters that have no place in a model: what people paste, and what to write instead."""
+"""Characters that are not allowed in a model, and their replacements."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _INSTEAD = {
 
 
 def stray_character(character: str, where: str) -> tuple[str, str]:
-    """The message about a character that has no place here, and what to write instead."""
+    """Returns the message about a character that is not allowed in `where`, and the hint."""
     name = unicodedata.name(character, "a control character")
     instead = _INSTEAD.get(character)
     simple = unicodedata.normalize("NFKC", character)

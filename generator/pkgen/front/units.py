@@ -1,9 +1,9 @@
 """Units and dimensions: a dimension is a vector of exponents over the seven SI base units.
 
-Exponents are integers, or Fractions where a root was taken. A unit is a factor to SI (exact; a
-power of pi kept apart, so that 180 deg is pi) and a dimension. Names that are not in the small
-table below are looked up with pint, one name at a time, after a strict pattern has passed
-them; pint is imported only then, because that takes half a second.
+Exponents are integers, or Fractions where a root was taken. A unit is an exact factor to SI, a
+power of pi (so that 180 deg is exactly pi) and a dimension. Names that are not in the small table
+below are looked up with pint, one name at a time, if they match a strict pattern. pint is imported
+only then, since its import takes half a second.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from functools import cache
 
 from ..record import record
 
-Dimension = tuple  # of seven exponents, in the order of BASE
+Dimension = tuple  # seven exponents, in the order of BASE
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
 _PINT_BASE = ("kilogram", "meter", "second", "ampere", "kelvin", "mole", "candela")
@@ -75,7 +75,7 @@ _SIMPLE = {  # name: (factor, dimension, exponent of the angle)
     "rad": (1, NONE, 1),
 }
 
-# Units that are no prefixes: Nm is a slip for N*m. (T is one: THz, TJ, TW.)
+# Units that are no SI prefixes: Nm is a mistake for N*m. (T is a prefix: THz, TJ, TW.)
 _JOINED = ("kg", "N", "J", "W", "Pa", "C", "V", "A", "K")
 
 KINDS = {
@@ -114,20 +114,20 @@ _MORE = ("deg", "kN", "kJ", "kW", "kPa", "mN", "um", "nm", "us", "kHz", "MHz", "
 
 
 def bare_unit(text: str, at: int) -> str:
-    """The well-known unit that stands there without brackets, or ""."""
+    """Returns the well-known unit written at `at` without brackets, or ""."""
     found = _BARE.match(text, at)
     names = re.findall(r"[A-Za-z]\w*", found.group()) if found else ["?"]
     return found.group() if all(n in _SIMPLE or n in _MORE for n in names) else ""
 
 
 def bracketed(number: str, unit: str) -> str:
-    """What is said of one."""
+    """Returns the hint for a unit without brackets."""
     product = f"; a product is written {number}*{unit}" if unit.isalpha() else ""
     return f"a unit stands in square brackets: {number} [{unit}]{product}"
 
 
 class UnitError(Exception):
-    """A unit that cannot be read: what is wrong, where in its text, and a hint."""
+    """A unit that cannot be read: the message, its place in the text, and a hint."""
 
     def __init__(self, message: str, start: int, end: int, help: str = ""):
         super().__init__(message)
@@ -136,17 +136,17 @@ class UnitError(Exception):
 
 @record
 class Unit:
-    """One of it is `factor` * pi^`pi` in SI. `angle` counts radians, for display only."""
+    """A unit of `factor` * pi^`pi` SI units. `angle`: the exponent of rad, for display only."""
 
     factor: Fraction
     pi: int
     dimension: Dimension
     angle: int
-    text: str = ""  # as its author wrote it, where values are in it
+    text: str = ""  # as written in the model, if values are shown in it
 
     @property
     def shown(self) -> str:
-        """For display: a torque's N*m is no J, though it is one in SI."""
+        """The unit for display. A torque written in N*m is not shown in J, the same SI unit."""
         return self.text or si_text(self.dimension, self.angle)
 
     @property
@@ -189,7 +189,7 @@ def _plain(x: Fraction | int) -> Fraction | int:
 
 
 def si_text(a: Dimension, angle: int = 0) -> str:
-    """`kg*m/s^2`, `J`, `1/s`; empty if dimensionless. `angle` adds radians to it."""
+    """Returns `kg*m/s^2`, `J`, `1/s`; "" if dimensionless. `angle` is an exponent of rad."""
     if a in _SHORT and not angle:
         return _SHORT[a]
     parts = [(n, e) for n, e in zip((*BASE, "rad"), (*a, angle), strict=True) if e]
@@ -207,7 +207,7 @@ def _raised(name: str, exponent: Fraction | int) -> str:
 
 
 def described(a: Dimension) -> str:
-    """`a force [kg*m/s^2]`, `a pure number`, or `in [kg*m^3]` where it has no name."""
+    """Returns `a force [kg*m/s^2]`, `a pure number`, or `in [kg*m^3]` for one without a name."""
     if a == NONE:
         return "a pure number"
     kind = KINDS.get(a)
@@ -268,14 +268,14 @@ def _registry():
 
 
 def _is_odd(registry, name: str) -> bool:
-    """A constant with a prefix: to pint Pc is a petaspeed of light."""
+    """Whether pint reads a constant with a prefix: Pc is its petaspeed of light."""
     prefix, unit, _ = registry.parse_unit_name(name)[0]
     return bool(prefix) and unit.endswith(("_constant", "speed_of_light"))
 
 
 @cache
 def _look_up(name: str) -> Unit | str:
-    """The unit of that name, or what is wrong with it."""
+    """Returns the unit of a name, or an error text."""
     if name in _SIMPLE:
         factor, dim, angle = _SIMPLE[name]
         return Unit(Fraction(factor), 0, dim, angle)
@@ -287,7 +287,7 @@ def _look_up(name: str) -> Unit | str:
         if not all(registry._units[u].is_multiplicative for u in units._units):
             return f"'{name}' has an offset or a logarithm; a model needs a plain unit"
         factor, base = registry.get_base_units(units)
-    except Exception:  # pint raises a dozen kinds for what it does not know
+    except Exception:  # pint raises many types for unknown names
         return f"unknown unit '{name}'"
     exponents = dict(base._units)
     if any(Fraction(x).denominator != 1 for x in exponents.values()) or _is_odd(registry, name):
@@ -295,13 +295,13 @@ def _look_up(name: str) -> Unit | str:
     dim = tuple(_plain(Fraction(exponents.get(b, 0))) for b in _PINT_BASE)
     angle = exponents.get("radian", 0)
     if not any(dim) and not angle and not set(units._units) <= RATIOS:
-        return f"unknown unit '{name}'"  # to pint AU is one of absorbance
+        return f"unknown unit '{name}'"  # pint's AU is an absorbance unit
     exact, pi = _without_pi(Fraction(factor))
     return Unit(exact, pi, dim, int(angle) if angle == int(angle) else 0)
 
 
 def _without_pi(factor: Fraction) -> tuple[Fraction, int]:
-    """Takes out the power of pi that pint multiplied in as a long decimal."""
+    """Factors out the power of pi that pint multiplied in as a long decimal."""
 
     def bits(x: Fraction) -> int:
         return x.numerator.bit_length() + x.denominator.bit_length()
@@ -316,7 +316,7 @@ def _named(name: str, at: int) -> Unit:
     if isinstance(found, Unit):
         if pair is None or found.dimension == times(_SIMPLE[pair[0]][1], _SIMPLE[pair[1]][1]):
             return found
-        found = f"unknown unit '{name}'"  # to pint Nm is a measure of yarn
+        found = f"unknown unit '{name}'"  # pint's Nm is a yarn count
     help = ""
     near = [n for n in (*_SIMPLE, "au") if n.lower() == name.lower()]
     near = near or get_close_matches(name, [*_SIMPLE, "deg", "newton", "joule", "metre"], 1, 0.75)
@@ -330,5 +330,5 @@ def _named(name: str, at: int) -> Unit:
 
 
 def known_units() -> tuple[str, ...]:
-    """Those that are usual in models; pint knows more."""
+    """Returns the units usual in models; pint knows more."""
     return (*_SIMPLE, *_MORE)

@@ -1,4 +1,4 @@
-"""Words of the language: clauses, what no name may be, and Greek spelt out."""
+"""Words of the language: clause words, reserved names, and Greek letters spelt out."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _C = """
     volatile wchar_t while xor xor_eq
     NULL NAN INFINITY HUGE_VAL EOF errno assert main size_t
 """
-# C90 to C23's headers. A model's own NAME.h would hide the compiler's: cc finds -I. first.
+# Headers of C90 to C23. A model's NAME.h would hide the compiler's, since cc searches -I. first.
 _HEADERS = """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal
     stdalign stdarg stdatomic stdbit stdbool stdckdint stddef stdint stdio stdlib stdnoreturn
     string tgmath threads time uchar wchar wctype
 """
 
-# What symbols of others begin with, before a '_'. Those of a model begin with its name.
+# Prefixes, before a '_', of other libraries' symbols. A model's symbols begin with its name.
 _OTHERS = {
     "the runtime": re.compile(r"(?i:pk)(_\w*)?"),
     "GSL": re.compile(r"(?i:gsl)(_\w*)?"),
@@ -40,7 +40,7 @@ _OTHERS = {
 }
 
 CLAUSE_WORDS = frozenset(_CLAUSES.split())
-TABLEAU = "tableau"  # before the file of a method
+TABLEAU = "tableau"  # precedes the file of a method
 CONSTANTS = {
     "t": "the time",
     "pi": "the number pi",
@@ -66,7 +66,7 @@ _LOOK_ALIKES = {
 
 
 def reserved(name: str) -> str:
-    """Why a name cannot be declared, or an empty string."""
+    """Returns why a name cannot be declared, or ""."""
     if (name in STATEMENTS and not STATEMENTS[name].soft) or name in CLAUSE_WORDS:
         return "is a word of the language"
     if name in CONSTANTS:
@@ -79,12 +79,12 @@ def reserved(name: str) -> str:
 
 
 def symbols_of(name: str) -> str:
-    """Whose symbols begin as those of a model of this name would, or ""."""
+    """Returns the library whose symbols begin like those of a model of this name, or ""."""
     return next((whose for whose, found in _OTHERS.items() if found.fullmatch(name)), "")
 
 
 def greek(character: str) -> str | None:
-    """A Greek letter spelt out, look-alikes and mathematical alphabets included, or None."""
+    """Spells a Greek letter, also look-alikes and mathematical alphabets; None for others."""
     spelt = _LOOK_ALIKES.get(character)
     if spelt is not None:
         return spelt

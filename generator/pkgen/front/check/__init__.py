@@ -1,5 +1,5 @@
-"""Statements to a Model: names, kinds, bounds, indices and units, all errors of a file in one run.
+"""Makes a Model of statements and reports all semantic errors of a file in one run.
 
-`check.check_text` is the entrance. `scene_numbers` and `options_text` evaluate numbers of scenes
-and of the command line by the same rules; `scenes` and `run` call them.
+The entry point is `check.check_text`. `scene_numbers` and `options_text` evaluate numbers of scenes
+and of the command line by the same rules; the packages `scenes` and `run` call them.
 """

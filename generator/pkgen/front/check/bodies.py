@@ -1,10 +1,10 @@
-"""`body`, `joint` and `gravity`: a tree of bodies as the coordinates, definitions and energies that
-it stands for. What is made of it is text of the language, so that all that comes later sees an
-ordinary model; whatever is said of it points at the author's statement.
+"""Expands `body`, `joint` and `gravity`, a tree of bodies, into coordinates, definitions and
+energies. They are made as text of the language, so that later stages see an ordinary model. Their
+places in messages are those of the body or joint.
 
-Velocities are those of each body's own frame, passed on from parent to child, so that the second
-derivatives of L can be pushed down the tree (graph/pushed.py). Reference: R. Featherstone, Rigid
-Body Dynamics Algorithms, Springer 2008, chapters 4 and 7.
+Velocities are in each body's own frame, computed from parent to child, so that second derivatives
+of L can be propagated along the tree (graph/pushed.py). Reference: R. Featherstone, Rigid Body
+Dynamics Algorithms, Springer 2008, chapters 4 and 7.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ class Bodies(BodyJoints):
     def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
         super().__init__(shared, run, file)
         self.expressions.columns = self.columns
-        self.wrong: set[Span] = set()  # statements of families of which a member had an error
+        self.wrong: set[Span] = set()  # statements with an error, possibly in another member
         self.bodies: dict[str, st.Body] = {}
-        self.joints: dict[str, st.Joint] = {}  # by the body that hangs on it
-        self.waiting: list[st.Joint] = []  # for a body that is declared later
+        self.joints: dict[str, st.Joint] = {}  # by child body
+        self.waiting: list[st.Joint] = []  # joints whose bodies are not placed or declared yet
         self.placed: list[str] = []
-        self.bad: set[str] = set()  # bodies that have an error, or hang on one
+        self.bad: set[str] = set()  # bodies with an error, or with such an ancestor
         self.gravity_at: Span | None = None
 
     # statements
@@ -72,7 +72,7 @@ class Bodies(BodyJoints):
         self._advance()
 
     def _declared(self, left: st.Left) -> bool:
-        """Whether the name of a body was free; a member of a family joins the others."""
+        """Declares a body or a family's member; returns whether its name was free."""
         entry, index = self.names.table.get(left.name), left.index
         members = None if index is None else Members((int(index.value),) * 2)
         if members is None or entry is None or entry.kind != "body" or entry.members is None:
@@ -124,10 +124,10 @@ class Bodies(BodyJoints):
         self.waiting.append(statement)
         self._advance()
 
-    # what is made of them
+    # definitions and energies
 
     def _advance(self) -> None:
-        """Places all that hangs on what is placed."""
+        """Places all bodies whose parents are placed."""
         ready = True
         while ready:
             known = {GROUND, *self.placed}
@@ -149,7 +149,7 @@ class Bodies(BodyJoints):
             self._say(f"{child}.{member}", text, joint.span)
 
     def _members(self, joint: st.Joint, child: str, parent: str) -> Iterator[tuple[str, str]]:
-        """What the child has by its joint, as text."""
+        """Yields the members of a joint's child body, as (name, text)."""
         kind, name = KINDS[joint.kind[0]], joint.name[0]
         axis, turned, e, f = self.texts[name]
         words = dict(a=axis, u=f"{axis}/norm({axis})", e=e, f=f)
@@ -179,14 +179,14 @@ class Bodies(BodyJoints):
             carried.append(f"{place}'")
         passed = [f"inverse({q})*({self._sum(*carried)})"] if carried else []
         yield "velocity", self._sum(*passed, velocity)
-        yield "speed", f"{child}.velocity + cross({child}.omega, {child}.at)"  # of its centre
+        yield "speed", f"{child}.velocity + cross({child}.omega, {child}.at)"  # of its com
 
     @staticmethod
     def _sum(*terms: str) -> str:
         return " + ".join(filter(None, terms)) or _REST
 
     def finish(self) -> None:
-        """What is wrong with the tree as a whole, and the energies."""
+        """Reports errors of the whole tree, and adds the energies."""
         self._tree()
         if self.gravity_at is not None and not self.bodies:
             self.report.error("gravity acts on bodies, and there is none", self.gravity_at)
@@ -201,8 +201,8 @@ class Bodies(BodyJoints):
                 self._say(what, text, self.bodies[name].span)
 
     def _energies(self, name: str, slides: bool) -> Iterator[tuple[str, str]]:
-        """`slides`: it is carried by none and carries none, and its coordinates are of space: so
-        its mass is best constant there."""
+        """Yields energies, as (statement, text). `slides`: a single body moves in coordinates of
+        space; com' makes its mass matrix constant."""
         speed = f"{name}.com'" if slides else f"{name}.speed"
         if name in self.carriers:
             terms = self.held_energy(name, self.carriers[name])
@@ -214,7 +214,7 @@ class Bodies(BodyJoints):
             yield "potential", f"-{name}.mass*dot(gravity.field, {name}.com)"
 
     def _say(self, what: str, text: str, span: Span) -> None:
-        """Adds to an energy, or defines a name."""
+        """Adds a term to an energy, or defines the name `what`."""
         value = parsed(text, span)
         if what in ("kinetic", "potential"):
             self.run(st.Single(what, value, span))
@@ -228,7 +228,7 @@ class Bodies(BodyJoints):
         self.names.table[name].used = True
 
     def columns(self, name: str) -> tuple[str, ...]:
-        """The columns of a family of rotations, vectors that are made when they are needed."""
+        """Returns the names of the columns of a family of rotations; defines them if needed."""
         found = tuple(f"{name.rpartition('.')[0]}.{column}" for column in COLUMNS)
         entry = self.names.table[name]
         there = self.names.table.get(found[0])
@@ -242,7 +242,7 @@ class Bodies(BodyJoints):
         self._poisoned(f"{child}.{member}" for member in SHOWN)
 
     def _poison_coordinates(self, joint: st.Joint) -> None:
-        """Those that it would have, if they are not those of its kind."""
+        """Poisons the names in a wrong joint's clauses, which may be its coordinates."""
         given = (e for word, _, items in joint.clauses if word != "turned" for e in items)
         self._poisoned([joint.left.name, *(e.id for e in given if isinstance(e, Name))])
 
@@ -250,15 +250,15 @@ class Bodies(BodyJoints):
         for name in names:
             own = parted(name)[0]
             entry = self.names.table.setdefault(own, Entry(own, "poisoned", UNKNOWN, Span(0, 0)))
-            entry.periodic |= own != name  # whatever its index is nothing more is said
+            entry.periodic |= own != name  # no errors about its indices
 
-    # what is wrong with the tree
+    # errors of the tree
 
     def _tree(self) -> None:
         names = [*self.bodies]
         broken, told = False, {GROUND, *names}
         for joint in self.joints.values():
-            broken |= joint.child[0] == GROUND  # said where it stands
+            broken |= joint.child[0] == GROUND  # reported by joint()
             for name, span in (joint.parent, joint.child):
                 if name in told:
                     continue
@@ -286,6 +286,6 @@ class Bodies(BodyJoints):
         while joint not in found:
             found.append(joint)
             if joint.parent[0] not in self.joints:
-                return []  # hangs on what is no body, which has been told
+                return []  # its parent is no body, which is reported already
             joint = self.joints[joint.parent[0]]
         return found[found.index(joint) :]

@@ -1,6 +1,6 @@
-"""Families of bodies and of joints, written out: `body link[1..N] …`, `joint j[i = 2..N]: link[i-1]
-to link[i] …` become a statement each member, with numbers for its indices. A tree is made of
-members, so there is no loop that could be kept."""
+"""Expands families of bodies and joints: `body link[1..N] …`, `joint j[i = 2..N]: link[i-1] to
+link[i] …` become one statement for each member, with numbers as indices. The tree consists of
+members, so these families cannot stay loops."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def written_out(
     taken: Container[str],
     tell: Callable[[str, Span, str], None],
 ) -> st.File:
-    """The file with a statement each member; what is wrong with indices is told, and the statement
-    left out. `given` are sizes of the command line, `taken` the names that no loop may use."""
+    """Returns the file with one statement for each member. Reports errors of indices by `tell` and
+    drops the statement. `given`: sizes of the command line; `taken`: names forbidden for loops."""
     if not any(indices(s) for s in file.statements):
         return file
     sizes = _sizes(file, given)
@@ -53,7 +53,7 @@ def written_out(
 
 
 def indices(statement: st.Statement) -> list[Expr]:
-    """What counts the members of a family of bodies or joints; none of anything else."""
+    """Returns the index and range expressions of a body or joint, [] for other statements."""
     if not isinstance(statement, OfBodies):
         return []
     ends = statement.ends if isinstance(statement, st.Joint) else ()
@@ -66,7 +66,7 @@ def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
     found: dict[str, int] = {}
     for statement in file.statements:
         if isinstance(statement, st.Define) and statement.keyword == "size":
-            with suppress(NotAnInteger):  # its own check says so
+            with suppress(NotAnInteger):  # reported by its own check
                 found[statement.left.name] = integer(statement.value, found)
             found |= {k: v for k, v in given.items() if k == statement.left.name}
     return found
@@ -75,7 +75,7 @@ def _sizes(file: st.File, given: Mapping[str, int]) -> dict[str, int]:
 def _members(
     statement: OfBodies, sizes: Mapping[str, int], taken: Container[str], most: int, shared: bool
 ) -> list[OfBodies]:
-    """One statement each; none of 2..1 where others have members of the same family."""
+    """Returns one statement for each member. `shared`: others add members, so 2..1 is allowed."""
     left = statement.left
     if left.range is None:
         return [_with_numbers(statement, sizes)]
@@ -97,7 +97,7 @@ def _members(
 
 
 def _with_numbers(statement: OfBodies, sizes: Mapping[str, int]) -> OfBodies:
-    """Its indices and those of its ends computed."""
+    """Returns the statement with numbers as its indices and those of its ends."""
 
     def number(index: Expr | None) -> Number | None:
         return None if index is None else Number(Fraction(integer(index, sizes)), index.span)
@@ -110,7 +110,7 @@ def _with_numbers(statement: OfBodies, sizes: Mapping[str, int]) -> OfBodies:
 
 
 def _at(part: object, variable: str, number: Number) -> object:
-    """A statement, or a part of it, with a number for the loop variable."""
+    """Returns a statement, or a part of it, with a number for the loop variable."""
     if isinstance(part, Expr):
         return of_member(part, variable, number)
     if isinstance(part, tuple):
@@ -122,11 +122,11 @@ def _at(part: object, variable: str, number: Number) -> object:
 
 
 def family(statements: tuple[st.Statement, ...], kind: type, name: str) -> list[int]:
-    """The numbers of the members of a family, in order; none of what is no family."""
+    """Returns the indices of a family's members, sorted; [] for no family."""
     found = (s.left for s in statements if isinstance(s, kind) and s.left.name == name)
     return sorted(int(left.index.value) for left in found if isinstance(left.index, Number))
 
 
 def with_number(name: str, of: st.Left) -> str:
-    """A coordinate of a joint: of a member of a family `phi[3]`."""
+    """Returns a name with the index of `of`, if it has one: `phi[3]`."""
     return indexed(name, int(of.index.value) if isinstance(of.index, Number) else None)

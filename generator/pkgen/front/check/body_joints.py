@@ -1,4 +1,4 @@
-"""What a `joint` says: its kind, its coordinates, families of them, its place, its limits."""
+"""Checks a `joint`: its kind, its coordinates, families of joints, its place, its limits."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from .shared import Shared
 
 
 class BodyJoints(BodyParts):
-    """`run` checks a statement that is made."""
+    """Checks joints; `run` checks the statements made of them."""
 
     def __init__(self, shared: Shared, run: Callable[[st.Statement], None], file: st.File) -> None:
         super().__init__(shared)
         self.run, self.statements = run, file.statements
-        self.families: dict[str, st.Joint] = {}  # of joints, the first member
-        self.texts: dict[str, list[str]] = {}  # by the joint: its axis if it has one, its turning
+        self.families: dict[str, st.Joint] = {}  # the first member of each family of joints
+        self.texts: dict[str, list[str]] = {}  # by the joint: axis, rotation, e, f; "" without
 
     def kind_of(self, statement: st.Joint) -> Kind | None:
         word, span = statement.kind
@@ -83,8 +83,8 @@ class BodyJoints(BodyParts):
             self.run(st.Declare(word, (item,), said, span))
 
     def _family(self, statement: st.Joint, pairs) -> tuple[Number, Number] | None:
-        """The ends of a family of joints, the first time it is met: its coordinates are families of
-        all members, wherever these are declared."""
+        """Returns the first and last index of a family at its first joint, None at the others. The
+        joint's coordinates are then declared as families of all members."""
         name, at = statement.left.name, statement.left.span
         first = self.families.setdefault(name, statement)
         if first is not statement:
@@ -114,7 +114,7 @@ class BodyJoints(BodyParts):
     def parts_of(self, statement: st.Joint, kind: Kind) -> None:
         name = statement.name[0]
         given = self.clauses(statement, CLAUSES["joint"], f"the joint '{name}'")
-        self.texts[name] = texts = ["", "", "", ""]  # axis, turning, what spans the plane across
+        self.texts[name] = texts = ["", "", "", ""]  # axis, rotation, and e, f of plane.py
         if statement.axis is not None:
             values = self.axis(name, statement.axis)
             if None in values and len(kind.coordinates) > 1:
@@ -130,7 +130,7 @@ class BodyJoints(BodyParts):
             self._limits(statement, kind, given["limits"])
 
     def _limits(self, statement: st.Joint, kind: Kind, value: Expr) -> None:
-        """Two events that stop a run: j_lower and j_upper of the joint j, of j[3] j_3_lower."""
+        """Adds two events that stop a run: j_lower and j_upper for joint j, j_3_lower for j[3]."""
         name, before = statement.name[0], len(self.report.errors)
         if len(kind.coordinates) != 1 or kind.coordinates[0][1] == "rotation":
             message = f"a {statement.kind[0]} joint has no limits"
@@ -179,14 +179,14 @@ def parsed(text: str, span: Span) -> Expr:
 
 
 def _infinite(value: Expr) -> int:
-    """1 of inf, -1 of -inf, 0 of a number."""
+    """Returns 1 for inf, -1 for -inf, 0 for a number."""
     value = value.of if isinstance(value, Quantity) else value
     of = value.of if isinstance(value, Negate) else value
     return (isinstance(of, Name) and of.id == "inf") * (-1 if of is not value else 1)
 
 
 def _moved(part: object, span: Span) -> object:
-    """An expression, or a part of it, all of whose places are one."""
+    """Returns an expression, or a part of it, with all places replaced by `span`."""
     if isinstance(part, Span):
         return span
     if isinstance(part, tuple):

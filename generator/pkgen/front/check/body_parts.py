@@ -1,4 +1,4 @@
-"""What `body` and `joint` take: masses, inertias, places, axes, each checked and kept as a hidden
+"""Checks the values of `body` and `joint`: masses, inertias, places, axes. Each becomes a hidden
 definition, so that numbers without units are in SI where they are used."""
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .names import Entry, Facts, Members, joined
 from .scope import PLACES, Scope
 from .shared import Checks, Shared
 
-Value = Fraction | float | None  # of what is known while compiling
+Value = Fraction | float | None  # None: not known at compile time
 
 _INERTIAS = "[Ixx, Iyy, Izz], [Ixx, Iyy, Izz, Ixy, Ixz, Iyz] or three rows of three"
 
@@ -29,13 +29,13 @@ class BodyParts(Checks):
         super().__init__(shared)
         self.united = self.expressions.time_dimension != NONE
         self.masses: dict[str, Value] = {}
-        self.inertias: dict[str, tuple[Value, ...]] = {}  # elements that may not be zero
-        self.carriers: dict[str, str] = {}  # of bodies that are fixed to another
+        self.inertias: dict[str, tuple[Value, ...]] = {}  # tensor elements by body
+        self.carriers: dict[str, str] = {}  # of a body fixed to another: the body that carries both
 
     def clauses(
         self, statement: st.Body | st.Joint, words: tuple[str, ...], what: str
     ) -> dict[str, Expr]:
-        """By the word what stands behind it, the first of what `coord` has."""
+        """Returns the value of each clause by its word; of `coord` only the first name."""
         found: dict[str, Expr] = {}
         for word, span, items in statement.clauses:
             if word not in words:
@@ -57,7 +57,7 @@ class BodyParts(Checks):
             self.report.error("a mass is not negative", value.span)
 
     def place(self, name: str, value: Expr | None, of: st.Body) -> None:
-        """Of the centre of mass, in the frame of the body."""
+        """Checks `at` of a body, the place of its centre of mass in the body's frame."""
         self.given(f"{name}.at", value or _zero(of.name_span), "a place needs [m]", LENGTH)
 
     def moving_place(self, name: str, value: Expr | None, of: st.Joint) -> None:
@@ -65,8 +65,8 @@ class BodyParts(Checks):
         self.given(f"{name}.at", value, "a place needs [m]", LENGTH, place="joint")
 
     def inertia(self, name: str, value: Expr | None) -> None:
-        """The elements of the tensor about the centre of mass, those off the diagonal as they
-        stand in it."""
+        """Checks the inertia tensor about the centre of mass; elements off the diagonal have the
+        sign that they have in the tensor."""
         self.inertias[name] = ()
         if value is None:
             return
@@ -92,7 +92,7 @@ class BodyParts(Checks):
         self.inertias[name] = values
 
     def _elements(self, value: Expr) -> tuple[Expr, ...] | None:
-        """Those that are written out, each with the unit behind all."""
+        """Returns the elements of a literal vector or of three rows, each with the common unit."""
         if isinstance(value, Quantity):
             inner = self._elements(value.of)
             unit = value.unit, value.unit_span
@@ -124,7 +124,7 @@ class BodyParts(Checks):
         return values or (None,)
 
     def turning(self, name: str, value: Expr) -> bool:
-        """`turned rot(...)`, as the definition NAME.turn; whether it is one."""
+        """Checks `turned rot(...)` and defines NAME.turn; returns whether it is a rotation."""
         _, facts = self.expressions.factor(value, Scope(PLACES["body"]))
         if facts.known and not facts.turns:
             text = self.expressions.mismatch.text(value)
@@ -150,8 +150,8 @@ class BodyParts(Checks):
         vector: bool = True,
         place: str = "body",
     ) -> tuple[Value, ...]:
-        """The value as a definition of this name; what is known of its numbers, () after an
-        error."""
+        """Checks a value and adds it as a definition; returns its numbers as far as they are
+        known, () after an error."""
         dimension = dimension if self.united else NONE
         target, scope = Target(dimension, needs, bare=True), Scope(PLACES[place])
         before = len(self.report.errors)
@@ -175,8 +175,8 @@ class BodyParts(Checks):
         return tuple(self.expressions.check(item, scope)[1].value for item in items)
 
     def keep(self, name: str, facts: Facts, span: Span) -> None:
-        """The entry of what a body or a joint has. `link[3].R` is a member of the family `link.R`,
-        of which all members are known by what they have together."""
+        """Declares a member of a body or a joint. `link[3].R` is a member of the family `link.R`,
+        whose entry has the joined facts of all members."""
         own, index = parted(name)
         entry = self.names.table.get(own)
         if index is None or entry is None:
@@ -198,8 +198,8 @@ class BodyParts(Checks):
         return self.masses[name] != 0
 
     def held(self, child: str, parent: str, turn: str, at: str) -> Iterator[tuple[str, str]]:
-        """Of a body that is fixed to another: how it stands and where it is in the frame of the
-        body that carries both, and where the axes of that one point in its own."""
+        """Yields the members of a body fixed to another one, as (name, text): its rotation and
+        place in the carrier's frame, and the carrier's axes in its own frame."""
         on = parent in self.carriers
         self.carriers[child] = self.carriers.get(parent, parent)
         yield "held", f"{parent}.held*{turn}" if on else turn
@@ -208,7 +208,7 @@ class BodyParts(Checks):
             yield member, f"inverse({child}.held)*{axis}"
 
     def held_energy(self, name: str, carrier: str) -> Iterator[str]:
-        """As one body with its carrier: by velocities of that one's frame."""
+        """Yields kinetic energies of a body fixed to a carrier, in velocities of the carrier."""
         if self.massive(name):
             at = f"{name}.place + {name}.held*{name}.at"
             speed = f"{carrier}.velocity + cross({carrier}.omega, {at})"
@@ -225,7 +225,7 @@ class BodyParts(Checks):
                 yield f"({terms}){half}*{carrier}.omega.{'xyz'[i]}*{carrier}.omega.{'xyz'[k]}"
 
     def turning_energy(self, name: str) -> Iterator[str]:
-        """Half of w.I.w, a term an element that is not zero."""
+        """Yields the terms of w.I.w/2, one for each element that is not known to be 0."""
         for half, element, (a, b) in self._elements_of(name):
             yield f"{name}.{element}{half}*{name}.omega.{a}*{name}.omega.{b}"
 

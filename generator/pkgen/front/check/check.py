@@ -1,8 +1,8 @@
-"""Statements to a Model: names, kinds, bounds, units. All semantic errors, in one run.
+"""Makes a Model of a file's statements and reports all semantic errors in one run: names, kinds,
+bounds, units.
 
-What each statement means is in the files beside this one, expressions in `check/expr.py`, indices
-in `check/indices.py`, scenes in `check/scenes.py`. Here: the order of the checks, what a model must
-have, and the limit on how much is said.
+The checks of statements are in the other files of this folder, of expressions in `check/expr.py`,
+of indices in `check/indices.py`. Here are the order of the checks and the limit of reported errors.
 """
 
 from __future__ import annotations
@@ -46,19 +46,19 @@ _INERTIA = ("kinetic", "potential", "lagrangian")
 def check_text(
     source: Source, sizes: Mapping[str, int] = {}
 ) -> tuple[m.Model, tuple[Diagnostic, ...]]:
-    """Parses and checks; raises one ModelError with all that is wrong, else gives warnings."""
+    """Returns model and warnings of a text; raises one ModelError with all errors."""
     return check(parse_all(source), sizes)
 
 
 def check(file: st.File, sizes: Mapping[str, int] = {}) -> tuple[m.Model, tuple[Diagnostic, ...]]:
-    """The model and its warnings; `sizes` are those set on the command line."""
+    """Returns the model and its warnings; `sizes` are those of the command line."""
     given = tuple(sorted(sizes.items()))
     brings = any(isinstance(s, st.Method) or _brings(s) for s in file.statements)
     return (_checked.__wrapped__ if brings else _checked)(file, given)
 
 
 def _brings(statement: st.Statement) -> bool:
-    """Whether a scene reads a file, which may have changed since."""
+    """Whether a scene reads a tableau file; it may change, so the model is not cached."""
     return isinstance(statement, st.Scene) and any(
         isinstance(clause, st.Method) and clause.file for clause in statement.clauses
     )
@@ -66,13 +66,13 @@ def _brings(statement: st.Statement) -> bool:
 
 @record(eq=False)
 class Seen:
-    """All that is known of a file, be it right or wrong: its names, and what they are of."""
+    """The result of a check, also of a wrong file: model, names and findings."""
 
     model: m.Model | None
     names: Names
-    parts: Mapping[str, list]  # by the field of a Model
+    parts: Mapping[str, list]  # what statements made, by field of Model
     sizes: Mapping[str, int]
-    errors: tuple[Diagnostic, ...]  # by place, each once
+    errors: tuple[Diagnostic, ...]  # sorted by place, without duplicates
     warnings: tuple[Diagnostic, ...]
 
 
@@ -87,7 +87,7 @@ def see(file: st.File, sizes: Mapping[str, int] = {}) -> Seen:
     return Seen(model, *known, tuple(errors), tuple(warnings))
 
 
-@lru_cache(maxsize=4)  # each scene is checked with its model
+@lru_cache(maxsize=4)  # a command may compile one file once for each scene
 def _checked(file: st.File, sizes: tuple) -> tuple[m.Model, tuple[Diagnostic, ...]]:
     seen = see(file, dict(sizes))
     if seen.errors:
@@ -96,7 +96,7 @@ def _checked(file: st.File, sizes: tuple) -> tuple[m.Model, tuple[Diagnostic, ..
 
 
 def _limited(source: Source, errors: list[Diagnostic]) -> ModelError:
-    """The first errors, and how many more there are."""
+    """Returns a ModelError with the first errors and the number of the others."""
     shown = errors[: limits.DIAGNOSTICS]
     return ModelError(source, shown, more=len(errors) - len(shown))
 
@@ -105,7 +105,7 @@ class _Checker:
     def __init__(self, file: st.File, given: Mapping[str, int]) -> None:
         self.report = Report()
         counted = (expr for s in file.statements for expr in indices(s))
-        self.counting = frozenset().union(*map(names, counted))  # sizes of families of bodies
+        self.counting = frozenset().union(*map(names, counted))  # in indices of bodies
         taken = {*dict(_declarations(file.statements)), *CONSTANTS}
         self.file, self.given = written_out(file, given, taken, self.report.error), dict(given)
         file = self.file
@@ -148,7 +148,7 @@ class _Checker:
         if not self.broken & {"", "body", "joint"}:
             self.bodies.finish()
         for statement in self.file.statements:
-            if isinstance(statement, st.Scene):  # when all names are known
+            if isinstance(statement, st.Scene):  # now that all names are known
                 self.scenes.check(statement)
         self.expressions.indices.finish()
         if "rate" not in self.broken:
@@ -177,8 +177,8 @@ class _Checker:
         return replace(model, scenes=tuple(scenes))
 
     def _misfits(self) -> dict[str, list[Diagnostic]]:
-        """With sizes from the command line a scene may name missing members. Such errors stay with
-        the scene, and are reported only when it is chosen."""
+        """Takes errors of scenes out of the report, by scene, if the command line sets sizes: a
+        scene may name members that are missing then. They are reported if the scene is run."""
         found: dict[str, list[Diagnostic]] = {}
         scenes = [s for s in self.file.statements if isinstance(s, st.Scene)]
         for scene in scenes if self.given else ():
@@ -226,7 +226,7 @@ _UNUSED = ("parameter", "constant", "size", "input", "definition")
 
 
 def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]:
-    """The names that `coord`, `state` or `rotation` declares anywhere."""
+    """Returns the names that the keyword `coord`, `state` or `rotation`, or a joint, declares."""
     found = {item.name for s in statements if s.keyword == keyword for item in s.items}
     joints = [s for s in statements if isinstance(s, st.Joint)]
     for name, what in (pair for joint in joints for pair in joint_names(joint)):
@@ -236,11 +236,11 @@ def _named(statements: tuple[st.Statement, ...], keyword: str) -> frozenset[str]
 
 
 def _declarations(statements: tuple[st.Statement, ...]) -> Iterator[tuple[str, Span]]:
-    """Every name that the statements declare, with its place."""
+    """Yields every name that the statements declare, with its place."""
     for statement in statements:
         match statement:
             case st.Define(keyword="rate" | "force"):
-                pass  # of a name that is declared elsewhere
+                pass  # these refer to a name that is declared elsewhere
             case st.Param(left=left) | st.Define(left=left):
                 yield left.name, left.span
             case st.Declare(items=items):

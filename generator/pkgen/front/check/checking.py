@@ -1,4 +1,4 @@
-"""What every part of the check of expressions shares: the model's names and what is reported."""
+"""State and helpers shared by all parts of the check of expressions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Checked = tuple[Expr, Facts]
 
 
 class Checking:
-    """Parts are checked by `check` and `factor` of `Expressions`, which is made of all parts."""
+    """Base of Operators, Calls and Quantities, which `Expressions` combines."""
 
     def __init__(
         self,
@@ -38,7 +38,7 @@ class Checking:
     def constant(
         self, expr: Expr, facts: list[Facts], compute: Callable, *more: object
     ) -> Fraction | float | None:
-        """What it computes of the values of parts, if they are all known."""
+        """Returns `compute` of the parts' values; None if one is unknown, or after an error."""
         if any(f.value is None for f in facts):
             return None
         try:
@@ -48,7 +48,7 @@ class Checking:
             return None
 
     def unit(self, text: str, span: Span) -> units.Unit | None:
-        """Reads a unit; `span` includes its brackets."""
+        """Parses a unit and reports errors; `span` includes its brackets."""
         try:
             return units.parse_unit(text)
         except UnitError as error:
@@ -63,7 +63,7 @@ class Checking:
 
     @staticmethod
     def parsed(text: str) -> units.Unit | None:
-        """A unit that was reported already if it is wrong."""
+        """Parses a unit; None if it is wrong, which is not reported."""
         try:
             return units.parse_unit(text)
         except UnitError:

@@ -1,7 +1,7 @@
-"""`constraint NAME: A = B` and `rolling NAME: A = B`: rows of equations, each with a multiplier.
+"""Checks `constraint NAME: A = B` and `rolling NAME: A = B`; each row has a multiplier.
 
-The multiplier lambda_NAME of A - B is such that the force along q is lambda d(A-B)/dq, and for a
-rolling lambda d(A-B)/dq', so that its unit is an energy, or a power, over that of A.
+The generalized force along q is lambda d(A-B)/dq, and for a rolling lambda d(A-B)/dq', with the
+multiplier lambda_NAME. So its unit is an energy, for a rolling a power, over the unit of A.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from .vectors import component, component_name
 
 
 class Constraints(Checks):
-    """Statements into `m.Constraint`s, one for each component of a vector's, and names: NAME itself
-    and its multipliers, of which outputs and events may use the second."""
+    """Makes a `m.Constraint` of each statement, for vectors one of each component. Declares NAME,
+    and its multipliers, which outputs and events may use."""
 
     def equation(self, statement: st.Equation) -> None:
-        """Reports sides that are not alike, in kind or unit, and what a constraint or a rolling
-        cannot be of; then it declares the names alone."""
+        """Checks an equation; reports sides of different rank or unit, and quantities that it must
+        not contain. After an error it only declares the names."""
         left = statement.left
         scope, members = self.shared.left_scope(left, "constraint")
         before = len(self.report.errors)
@@ -67,8 +67,8 @@ class Constraints(Checks):
 
     @staticmethod
     def _rows(name: str, difference: Add, vector: bool) -> list[tuple[str, Expr]]:
-        """Of a vector a row each component, of the sides' components: what is not in one of them
-        is not in the row."""
+        """Returns the names and values A - B of the rows: one for a number, one for each component
+        of a vector."""
         if not vector:
             return [(name, difference)]
         rows = [tuple(component(x, k) for x in difference.terms) for k in range(len(AXES))]

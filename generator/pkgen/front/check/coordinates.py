@@ -1,4 +1,4 @@
-"""`coord`, `state`, `rotation`, `input`, and the ends of families: `fixed`, `free`, `periodic`."""
+"""Checks `coord`, `state`, `rotation`, `input`, and ends: `fixed`, `free`, `periodic`."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ class Coordinates(Checks):
             "rotation": rotations.declare,
             "input": self._input,
         }
-        self.own_ends: dict[tuple[str, int | None], Span] = {}  # those given, with their place
+        self.own_ends: dict[tuple[str, int | None], Span] = {}  # declared ends and their places
 
     def declare(self, statement: st.Declare) -> None:
-        # A unit covers the names since the last unit, so they are gone through backwards.
+        # A unit applies to all names since the last unit, so this loop goes backwards.
         given: list[units.Unit] = []
         unit: units.Unit | None = units.ONE
         for item in reversed(statement.items):
@@ -84,7 +84,7 @@ class Coordinates(Checks):
             self._end(keyword, left, entry, value, statement)
 
     def _fixed_value(self, value: Expr | None, entry: Entry) -> Expr | tuple[Expr, ...] | None:
-        """What an end is given, of a rotation its quaternion; None of one that is free."""
+        """Returns the checked value of an end, a quaternion for a rotation, None for a free end."""
         if value is None:
             return None
         scope, target = Scope(PLACES["fixed"]), as_is(entry.name, entry.facts.dimension)
@@ -125,7 +125,7 @@ class Coordinates(Checks):
         else:
             index = self.indices.value(left.index, Scope(PLACES["size"]))
             if index is None:
-                entry.periodic = True  # so that it causes no more errors
+                entry.periodic = True  # avoids further errors
                 return
             at = [index]
         for index in at:

@@ -1,4 +1,4 @@
-"""`model`, `size`, `param`, `const`, `let`, `observe`, `conserve`: names and what they mean."""
+"""Checks `model`, `size`, `param`, `const`, `let`, `observe` and `conserve`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .scope import PLACES, Scope
 from .shared import Checks, as_is, name_span
 from .vectors import by_component
 
-_UNKNOWN = "?"  # a bound that an error elsewhere hides; no name is written so
+_UNKNOWN = "?"  # stands for a bound with an error; no name in a model is "?"
 
 
 class Definitions(Checks):
@@ -156,8 +156,8 @@ class Definitions(Checks):
         entry = self.names.table.get(left.name)
         new = entry is None or entry.kind != "definition" or entry.members is None
         if new:
-            # Declared before its value is checked, for the value may use lower members. What
-            # they are is not known then; the first member says.
+            # Declared before its value is checked, since the value may use lower members. Their
+            # facts are UNKNOWN then; the first member sets them.
             entry = Entry(left.name, "definition", UNKNOWN, name_span(left), Members())
             self.names.declare(entry)
         if not members.intervals:  # its range or index has an error
@@ -178,7 +178,7 @@ class Definitions(Checks):
         return value, facts
 
     def _merge(self, entry: Entry, facts: Facts, statement: st.Define) -> None:
-        """The facts of a family are those of all its members together."""
+        """Merges the facts of a new member into those of its family."""
         before = entry.facts
         facts = replace(facts, bare=False, value=None)
         if before is UNKNOWN:
@@ -196,7 +196,7 @@ class Definitions(Checks):
 
 
 def _declared(facts: Facts, written: Expr) -> Facts:
-    """A name's facts when it is used: no longer a bare number."""
+    """Returns the facts of a defined name: those of its value, but never of a bare number."""
     dimension = NONE if facts.dimension is None and facts.known else facts.dimension
     united = isinstance(written, Quantity) or facts.united or dimension != NONE
     return replace(facts, dimension=dimension, bare=False, united=united)

@@ -1,5 +1,4 @@
-"""`draw` and `view`: what each part of a shape must be. All places of a model's drawing have one
-dimension, which is that of the first."""
+"""Checks `draw` and `view`. All places of a model's drawing have the dimension of the first."""
 
 from __future__ import annotations
 
@@ -23,8 +22,8 @@ from .vectors import applied, component
 class Drawings(Checks):
     def __init__(self, shared: Shared) -> None:
         super().__init__(shared)
-        self.length: Dimension | None = None  # of the first place
-        self.first = 0  # its line
+        self.length: Dimension | None = None  # dimension of the first place
+        self.first = 0  # line of the first place
 
     def draw(self, statement: st.Draw) -> None:
         scope: Scope | None = Scope(PLACES["drawing"])
@@ -58,8 +57,8 @@ class Drawings(Checks):
         self._add("drawings", statement, parts, axes, members, name, form)
 
     def _of_body(self, statement: st.Draw) -> st.Draw:
-        """`draw body upper box [..]` of what `body upper` declares: as it is turned, where its
-        centre of mass is unless `at` says so."""
+        """Completes `draw body upper box [..]`, if upper is a body, with its rotation upper.R and,
+        without `at`, its centre of mass as place."""
         name = statement.subject.id if isinstance(statement.subject, Name) else ""
         entry = self.names.table.get(name)
         if statement.shape != "body" or entry is None or entry.kind != "body":
@@ -69,7 +68,7 @@ class Drawings(Checks):
         return replace(statement, subject=turn, parts=(*at, *statement.parts))
 
     def _part(self, what: str, word: str, value: Expr, scope: Scope) -> tuple[Expr, ...]:
-        """Of what other parts say nothing is left: they are of the subject."""
+        """Checks a part; () for parts that are checked with the subject (scale, level's `in`)."""
         if what == shapes.PLACE:
             return self._place(value, scope)
         if word in shapes.FORMS:
@@ -120,10 +119,10 @@ class Drawings(Checks):
         ]
         self._add("views", statement, parts, axes)
 
-    # which parts there are
+    # the set of parts
 
     def _fits(self, statement: st.Draw) -> bool:
-        """Whether the shape has what is written behind it, and all that it must have."""
+        """Whether a drawing has the subject and the parts of its shape; reports errors."""
         name, shape = statement.shape, shapes.SHAPES[statement.shape]
         before = len(self.report.errors)
         form = f"the form is: {shape.form}"
@@ -167,7 +166,7 @@ class Drawings(Checks):
             self.report.error("a level is over two coordinates", _end(statement.span), form)
         return len(self.report.errors) == before
 
-    # what they are
+    # values of parts
 
     def _place(self, value: Expr, scope: Scope) -> tuple[Expr, ...]:
         value = self.shared.origin(value)
@@ -190,7 +189,7 @@ class Drawings(Checks):
         return _components(found)
 
     def _lengths(self, needs: str = "it is a length") -> Target:
-        """Of a number that is measured as places are."""
+        """Returns the target of a number with the dimension of places."""
         length = self.length
         if length is None and self.expressions.time_dimension != NONE:
             length = LENGTH
@@ -216,7 +215,7 @@ class Drawings(Checks):
         return (found,) if facts.known else ()
 
     def _arrow(self, vector: Expr, scale: Expr, scope: Scope) -> tuple[Expr, ...]:
-        """The arrow as long as it is drawn."""
+        """Returns the components of an arrow, scaled to its drawn length."""
         found, facts = self.expressions.check(vector, scope)
         if facts.known and not facts.vector:
             self.report.error(
@@ -247,7 +246,7 @@ class Drawings(Checks):
         return tuple(part for parts in found for part in parts) if all(found) else ()
 
     def _turn(self, value: Expr | None, scope: Scope) -> tuple[Expr, ...]:
-        """The columns of its matrix, one after another."""
+        """Returns the 9 elements of a rotation matrix, column by column."""
         if value is None:
             return ()
         _, facts = self.expressions.factor(value, scope)

@@ -1,7 +1,7 @@
-"""Expressions: every name known, every unit consistent, every `[unit]` folded in.
+"""Checks expressions: every name is known, every unit consistent, every `[unit]` folded in.
 
-`Expressions.check` hands back the expression in SI and its Facts. An error leaves facts that
-fit anything, so that one mistake is reported once.
+`Expressions.check` returns the expression in SI and its Facts. An error gives the facts UNKNOWN,
+which fit anything, so that one mistake is reported once.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from .vectors import EXAMPLE, output_vector
 
 @record
 class Target:
-    """What a place needs: a dimension (None takes any), in words, and whether a number without
-    a unit may stand for one in SI."""
+    """The required dimension of a value (None: any), as words `needs` for messages, and whether a
+    `bare` number, without a unit, is a value in SI."""
 
     dimension: Dimension | None
     needs: str
@@ -37,7 +37,7 @@ class Target:
 
 
 class Expressions(Operators, Calls, Quantities):
-    """What each class of expression means, by a method that has its name."""
+    """Checks each class of `tree.Expr` by the method with its name in lower case."""
 
     def __init__(self, *given, lagrangian: bool) -> None:
         super().__init__(*given)
@@ -54,7 +54,7 @@ class Expressions(Operators, Calls, Quantities):
         return expr, UNKNOWN
 
     def factor(self, expr: Expr, scope: Scope) -> Checked:
-        """What may be a rotation too: of that the expression means nothing, its facts say all."""
+        """Checks an expression that may be a rotation; if so, only its facts (`turns`) count."""
         try:
             return getattr(self, type(expr).__name__.lower())(expr, scope)
         except Wrong as wrong:
@@ -63,7 +63,7 @@ class Expressions(Operators, Calls, Quantities):
             return expr, UNKNOWN
 
     def wanted_vector(self, expr: Expr, scope: Scope, target: Target) -> Checked:
-        """Checks a vector whose dimension is given; of one that is written out each item."""
+        """Checks a vector of a given dimension; of a literal [x, y, z] each item."""
         if isinstance(expr, Vector) and len(expr.items) == len(AXES):
             parts = [self.wanted(item, scope, target) for item in expr.items]
             facts = joined(target.dimension, True, [f for _, f in parts])
@@ -79,7 +79,7 @@ class Expressions(Operators, Calls, Quantities):
         return new, facts
 
     def wanted(self, expr: Expr, scope: Scope, target: Target) -> Checked:
-        """Checks an expression whose dimension is given; each term of a sum by itself."""
+        """Checks a number of a given dimension; of a sum each term."""
         if isinstance(expr, Add) and not target.bare:
             parts = [self.wanted(term, scope, target) for term in self.terms(expr)]
             return self.summed(expr, parts, target.dimension)
@@ -133,10 +133,10 @@ class Expressions(Operators, Calls, Quantities):
             return expr, self._turning(expr, entry)
         return expr, entry.facts
 
-    columns: Callable[[str], tuple[str, ...]]  # of a body's R: names of vectors, check/bodies.py
+    columns: Callable[[str], tuple[str, ...]]  # set by check/bodies.py: names of R's columns
 
     def _turning(self, expr: Name, entry: Entry) -> Facts:
-        """Of a member of a family of rotations; where its index is a loop's, by its columns."""
+        """Returns the facts of a family's member; if a loop variable is its index, by columns."""
         try:
             member = entry.turning.get(integer(expr.index, self.sizes))
             if member is None:

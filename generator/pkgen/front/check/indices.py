@@ -1,10 +1,10 @@
-"""Indices and ranges: integers all of them, and every member that is reached is there.
+"""Checks that indices and ranges are integers, and that every indexed member exists.
 
-Coordinates may have their ends declared below their use, so their indices are settled in
-`finish`; members of a `let` must be defined above, so theirs at once.
+The ends of a family of coordinates may be declared below their use, so indices of coordinates are
+checked in `finish`. Members of a `let` must be defined above, so their indices are checked at once.
 
-An index is first bounded by interval arithmetic over its loops, which settles nearly every one;
-only where that says no are the loops gone through point by point.
+An index is first bounded by interval arithmetic over its loops, which proves nearly every one
+valid. For the others the loops are enumerated point by point.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Indices:
         self.defining: tuple[str, Range] | None = None  # the `let` family being defined
 
     def valid(self, index: Expr, scope: Scope) -> bool:
-        """Whether an index is an integer expression; reports it if not."""
+        """Whether an index is an integer expression; reports one that is not."""
         if not self._names_known(index, scope):
             return False
         try:
@@ -45,11 +45,11 @@ class Indices:
         return True
 
     def value(self, expr: Expr, scope: Scope) -> int | None:
-        """The value of an index expression outside loops."""
+        """Returns the value of an index expression outside loops; None after an error."""
         return integer(expr, self.sizes) if self.valid(expr, scope) else None
 
     def _samples(self, scope: Scope) -> dict[str, int]:
-        """Some value for each loop variable: enough to see whether an index is an integer."""
+        """Returns a value for each loop variable, enough to see if an index is an integer."""
         return {**self.sizes, **{x.range.variable: x.interval[0] for x in scope.loops}}
 
     def _names_known(self, index: Expr, scope: Scope) -> bool:
@@ -72,14 +72,14 @@ class Indices:
         return known
 
     def is_index(self, text: str) -> bool:
-        """Whether the text of a unit looks like an index set apart by mistake."""
+        """Whether a unit's text looks like an index that a space separates from its name."""
         word = text.split("+")[0].split("-")[0].strip()
         return word.isdigit() or word in self.names.table or len(word) == 1
 
     # ranges
 
     def around(self, expr: Sum, scope: Scope) -> Scope:
-        """The scope of a sum that is the same for some loops around it: these do not count."""
+        """Returns a sum's scope; `points` counts only outer loops whose variable it uses."""
         used = names(expr)
         lengths = (
             max(0, loop.interval[1] - loop.interval[0] + 1)
@@ -89,7 +89,7 @@ class Indices:
         return replace(scope, points=prod(lengths))
 
     def enter(self, ranges: tuple[Range, ...], scope: Scope) -> Scope | None:
-        """The scope within some loops, or None after an error."""
+        """Returns the scope within the loops, or None after an error."""
         for item in ranges:
             loop = self._loop(item, scope)
             if loop is None:
@@ -129,7 +129,7 @@ class Indices:
         return loop
 
     def family(self, lo: Expr, hi: Expr, span: Span, scope: Scope) -> tuple[int, int] | None:
-        """The ends of a family's range, which must not be empty."""
+        """Returns the ends of a family's range; None after an error, such as an empty range."""
         if not (self.valid(lo, scope) & self.valid(hi, scope)):
             return None
         first, last = integer(lo, self.sizes), integer(hi, self.sizes)
@@ -146,7 +146,7 @@ class Indices:
     # members
 
     def member(self, expr: Name, entry: Entry, scope: Scope) -> bool:
-        """Whether a name has an index exactly if it should, an integer; reports it if not."""
+        """Whether a family has an integer index and any other name has none; reports errors."""
         if expr.index is None:
             if entry.members is not None:
                 self._no_index(expr, entry, scope)
@@ -206,7 +206,7 @@ class Indices:
             self._outside(expr, entry, *found, recursive)
 
     def _defined_before(self, value: int, at: dict[str, int]) -> bool:
-        """In `let x[i = lo..hi]`, the members below the one at hand."""
+        """Whether a member of `let x[i = lo..hi]` is below the one being defined."""
         own = self.defining[1]
         return integer(own.lo, self.sizes) <= value < at[own.variable]
 
@@ -230,7 +230,7 @@ class Indices:
         )
 
     def exponent(self, expr: Expr, scope: Scope) -> None:
-        """An exponent made of loop variables stays within the limit."""
+        """Reports an exponent made of loop variables that exceeds the limit."""
         try:
             integer(expr, self._samples(scope))
         except NotAnInteger:
@@ -247,7 +247,7 @@ class Indices:
 
 
 def bound(expr: Expr, variables: Mapping[str, Interval]) -> Interval:
-    """The interval of an index expression that `indices.integer` accepts."""
+    """Returns the interval of an index expression that `indices.integer` accepts."""
     match expr:
         case Number(value=value):
             return int(value), int(value)
@@ -279,7 +279,7 @@ def intervals(sizes: Mapping[str, int], loops: tuple[Loop, ...]) -> dict[str, In
 
 
 def points(sizes: Mapping[str, int], loops: tuple[Loop, ...]) -> Iterator[dict[str, int]]:
-    """Every assignment of the loop variables (sizes included), up to the limit."""
+    """Yields each assignment of the loop variables, with the sizes, up to limits.UNROLLED."""
     ranges = tuple(loop.range for loop in loops)
     for number, values in enumerate(assignments(ranges, sizes)):
         if number == limits.UNROLLED:
@@ -290,7 +290,7 @@ def points(sizes: Mapping[str, int], loops: tuple[Loop, ...]) -> Iterator[dict[s
 def first_outside(
     index: Expr, sizes: Mapping[str, int], loops: tuple[Loop, ...], inside
 ) -> tuple[int, dict[str, int]] | None:
-    """The first value of an index that `inside(value, variables)` refuses, and where it is met."""
+    """Returns the first index value that `inside(value, variables)` refuses, and its variables."""
     for values in points(sizes, loops):
         value = integer(index, values)
         if not inside(value, values):
@@ -299,7 +299,7 @@ def first_outside(
 
 
 def at_text(variables: Mapping[str, int]) -> str:
-    """` at i = 3, j = 4`, or nothing."""
+    """Returns ` at i = 3, j = 4`, or ""."""
     if not variables:
         return ""
     return " at " + ", ".join(f"{name} = {value}" for name, value in variables.items())

@@ -1,4 +1,4 @@
-"""Methods that a model brings: `method NAME tableau FILE`."""
+"""Checks methods that a model adds: `method NAME tableau FILE`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Methods(Checks):
         self.source = source
 
     def declare(self, statement: st.Method) -> None:
-        """Outside of scenes: no more than that there is one."""
+        """Checks a `method` statement outside of scenes, which only adds the method."""
         for value, word in ((statement.step, "step"), (statement.rtol, "rtol")):
             if value is not None:
                 message = f"'{word}' is of a scene that the method is used in"
@@ -34,7 +34,7 @@ class Methods(Checks):
             self.bring(statement)
 
     def bring(self, statement: st.Method) -> None:
-        """Raises ModelError, of its own file, where what is in that is wrong."""
+        """Reads the tableau and adds the method. Raises ModelError, placed in the tableau file."""
         name, help = statement.name, _FORM
         why = reserved(name)
         if name in METHODS:

@@ -1,4 +1,4 @@
-"""What to say when units do not fit, as helpfully as can be."""
+"""Reports mismatches of units, with hints."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ class Mismatch:
         self.source, self.report, self.names = source, report, names
 
     def text(self, expr: Expr) -> str:
-        """The expression as it is written, shortened if it is long."""
+        """Returns the expression as written, shortened if it is long."""
         text = " ".join(self.source.text[expr.span.start : expr.span.end].split())
         return text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"
 
     def against(
         self, expr: Expr, facts: Facts, needed: Dimension, needs: str, numbers: bool
     ) -> None:
-        """A whole expression, or a term of a sum, where one dimension is needed. `numbers`: of a
-        value that is no motion, so that no hint should make it one."""
+        """Reports an expression, or a term of a sum, that lacks the `needed` dimension. `numbers`:
+        the value must not depend on the motion, so hints suggest no coordinates or rates."""
         message = f"unit mismatch: {self.text(expr)} is {described(facts.dimension)}, {needs}"
         self.report.error(message, expr.span, self._hint(expr, facts, needed, needs, numbers))
 
@@ -40,7 +40,7 @@ class Mismatch:
         where: str = "a sum",
         numbers: bool = False,
     ) -> Dimension | None:
-        """The one dimension of all parts; those in the minority are reported."""
+        """Returns the dimension of most parts; reports parts with another one."""
         dims = [f.dimension for f in facts if f.dimension is not None]
         if not dims:
             return None
@@ -84,7 +84,7 @@ class Mismatch:
         numbers: bool,
         within: bool = False,
     ) -> str:
-        """`within` a larger expression, where a unit ends the whole but for brackets."""
+        """Returns a hint. `within`: the expression is a part, so its unit needs brackets."""
         if self.report.full:
             return ""
         text = self.text(expr)
@@ -116,7 +116,7 @@ class Mismatch:
         return f"{kind} [{si_text(factor)}] is missing as a factor" if kind else ""
 
     def _fitting(self, ratio: Dimension, expr: Expr, needs: str, numbers: bool) -> str | None:
-        """A declared name with this dimension; one with the expression's own number first."""
+        """Returns a declared name of dimension `ratio`, if possible with the same last digit."""
         if ratio == NONE:
             return None
         own = _names(expr)
@@ -159,6 +159,6 @@ class Mismatch:
 
 
 def _names(expr: Expr) -> list[str]:
-    """In the order in which they are written."""
+    """Returns the names in an expression, in the order of the text."""
     places = {part.span.start: part.id for part in within(expr) if isinstance(part, Name)}
     return [places[start] for start in sorted(places)]

@@ -1,4 +1,4 @@
-"""The names of a model, and where findings are collected."""
+"""The table of a model's names, the facts about expressions, and the report of findings."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ SPECIAL = ROTATIONS | {"sum", "drift", "time"}
 
 
 def callable_names() -> frozenset[str]:
-    """The functions that a model may call, but for SPECIAL."""
+    """Returns the functions that a model may call, without SPECIAL."""
     rows = (name for name, row in FUNCTIONS.items() if not row.internal)
     return frozenset(rows) | VECTOR_FUNCTIONS.keys() | WRITTEN_OUT.keys()
 
 
 @record
 class Turn:
-    """A factor of a rotation: rot(axis, angle), or the attitude of a declared one, `quaternion`
-    of its numbers w, x, y, z. `name` and `index` are of one that stands as it is declared. Or
-    vectors, the `columns` of its matrix; of its inverse they are the `rows`."""
+    """A factor of a product of rotations, in one of four forms: rot(axis, angle); the `quaternion`
+    w, x, y, z of a declared rotation (`name`, `index` are set unless it is inverted); the vectors
+    that are the `columns` of its matrix; or the `rows` (an inverted matrix)."""
 
     axis: Expr | None = None
     angle: Expr | None = None
@@ -53,23 +53,23 @@ Turns = tuple[Turn, ...]
 
 @dataclass(slots=True)
 class Facts:
-    """What is known about an expression. Shared between expressions, so never changed."""
+    """Properties of an expression. Treated as immutable, since expressions share them."""
 
-    dimension: Dimension | None  # None fits anything: a literal 0, or a name with an error
-    vector: bool | None = False  # None: not known
-    value: Fraction | float | None = None  # of a constant
-    bare: bool = False  # of literals, pi, sizes and loop variables only
+    dimension: Dimension | None  # None fits any: a literal 0, or a name with an error
+    vector: bool | None = False  # None: unknown
+    value: Fraction | float | None = None  # if it is a constant
+    bare: bool = False  # contains only literals, pi, sizes and loop variables
     united: bool = False  # something in it was declared with a unit
-    known: bool = True  # False if an error elsewhere hides what it is
+    known: bool = True  # False after an error: its properties are unknown
     time: bool = False  # t occurs
     coordinates: frozenset[str] = NOTHING
     rates: frozenset[str] = NOTHING
-    inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)  # highest derivative
+    inputs: dict[str, int] = field(default_factory=lambda: NO_INPUTS)  # highest derivative of each
     states: frozenset[str] = NOTHING
     state_rates: frozenset[str] = NOTHING
-    rough: str = ""  # the first function of the motion that is not smooth
-    turns: Turns = ()  # of a rotation
-    accelerations: bool = False  # or rates of the rates of states: of what is solved for
+    rough: str = ""  # its first function that is not smooth and depends on the motion
+    turns: Turns = ()  # the factors, if it is a rotation
+    accelerations: bool = False  # contains accelerations, or second derivatives of states
 
     @property
     def moves(self) -> bool:
@@ -80,7 +80,7 @@ UNKNOWN = Facts(None, None, known=False)
 
 
 def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts]) -> Facts:
-    """The facts of an expression made of `parts`, its value not yet known."""
+    """Returns the facts of an expression made of `parts`, without its value."""
     found = Facts(dimension, vector, bare=True)
     for part in parts:
         found.bare &= part.bare
@@ -102,7 +102,7 @@ def joined(dimension: Dimension | None, vector: bool | None, parts: list[Facts])
 
 
 class Members:
-    """Which indices of a family there are: disjoint closed intervals, in order."""
+    """The indices of a family's members: disjoint closed intervals, in order."""
 
     def __init__(self, *intervals: tuple[int, int]) -> None:
         self.intervals: list[tuple[int, int]] = []
@@ -110,7 +110,7 @@ class Members:
             self.add(lo, hi)
 
     def add(self, lo: int, hi: int) -> None:
-        # Those that touch lo..hi are merged with it; they lie side by side.
+        # Intervals that overlap or adjoin lo..hi are merged with it; they are consecutive.
         first = bisect_left(self.intervals, lo - 1, key=lambda x: x[1])
         last = bisect_right(self.intervals, hi + 1, key=lambda x: x[0])
         for a, b in self.intervals[first:last]:
@@ -141,11 +141,11 @@ class Entry:
     kind: str
     facts: Facts
     span: Span
-    members: Members | None = None  # of a family, what its ends say among them
-    own: tuple[int, int] | None = None  # of a family of coordinates, without its ends
-    periodic: bool = False  # or not known for an error: any index will do
+    members: Members | None = None  # of a family, including its declared ends
+    own: tuple[int, int] | None = None  # of a family of coordinates, without the ends
+    periodic: bool = False  # any index is valid; also set after an error
     used: bool = False
-    turning: dict[int, Facts] | None = None  # of a family of rotations by definition, each member's
+    turning: dict[int, Facts] | None = None  # facts by member, of bodies' rotations
 
 
 KIND_TEXT = {
@@ -170,19 +170,19 @@ KIND_TEXT = {
     "time": "the time",
     "built-in": "built in",
 }
-MOVING = ("coordinate", "state", "rotation")  # kinds of which families have ends
+MOVING = ("coordinate", "state", "rotation")  # kinds whose families have ends
 
 
 class Wrong(Exception):
-    """What is wrong with the expression at hand, or the part of it at `span`; without a message it
-    has been said already. Nothing is known of it then."""
+    """An error in the current expression, or in its part at `span`; without a message it has been
+    reported already. The expression's facts become UNKNOWN."""
 
     def __init__(self, message: str = "", help: str = "", span: Span | None = None) -> None:
         self.message, self.help, self.span = message, help, span
 
 
 class Report:
-    """The findings so far."""
+    """Collects errors and warnings."""
 
     def __init__(self) -> None:
         self.errors: list[Diagnostic] = []
@@ -193,7 +193,7 @@ class Report:
 
     @property
     def full(self) -> bool:
-        """Whether more than can be shown were found already; hints are costly then."""
+        """Whether there are more errors than are shown, so that hints would only cost time."""
         return len(self.errors) > limits.DIAGNOSTICS
 
     def warn(self, message: str, span: Span, help: str = "") -> None:
@@ -205,7 +205,7 @@ class Names:
 
     def __init__(self, report: Report, line_of, later: dict[str, Span], poisoned: Iterable[str]):
         self.report = report
-        self.line_of = line_of  # a span's line, for messages
+        self.line_of = line_of  # returns the line of a span, for messages
         self.later = later  # every name that the file declares, with its place
         self.table: dict[str, Entry] = {}
         self.reported: set[str] = set()
@@ -213,7 +213,7 @@ class Names:
             self.table[name] = Entry(name, "poisoned", UNKNOWN, Span(0, 0))
 
     def declare(self, entry: Entry) -> bool:
-        """Adds a name; reports one that is taken, reserved or misleading."""
+        """Adds a name; reports one that is taken, reserved or misleading. False if not usable."""
         name, span = entry.name, entry.span
         why = reserved(name)
         before = self.table.get(name)
@@ -233,15 +233,15 @@ class Names:
 
     coordinates: frozenset[str] = NOTHING  # all of the file, set before checking
     states: frozenset[str] = NOTHING  # likewise
-    rotations: frozenset[str] = NOTHING
-    loose: frozenset[str] = NOTHING  # bodies that hang on nothing, which is said of them
+    rotations: frozenset[str] = NOTHING  # likewise
+    loose: frozenset[str] = NOTHING  # bodies not connected to the ground, reported elsewhere
 
     @property
     def moving(self) -> frozenset[str]:
-        """What has an equation of motion."""
+        """The names with a second-order equation of motion."""
         return self.coordinates | self.rotations
 
-    missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # if nothing else helps
+    missing = "declare it, e.g. 'param {name} = 1' or 'let {name} = …'"  # the last hint
 
     def unknown(
         self,
@@ -252,9 +252,9 @@ class Names:
         missing: str = "",
         built_in: bool = False,
     ) -> None:
-        """Reports a name that there is not, once, with what may have been meant, `built_in` names
-        too. `missing` is what helps where no name is near, in a scene, where products of two names
-        are rarely meant."""
+        """Reports an unknown name, once, with a similar name as hint (also `built_in` ones).
+        `missing` is the hint if no name is similar; with it (in scenes) no product of two names is
+        suggested."""
         if name in self.reported or name.partition(".")[0] in self.loose:
             return
         self.reported.add(name)
@@ -304,7 +304,7 @@ class Names:
         return (missing or self.missing).format(name=name)
 
     def _rate(self, name: str) -> str:
-        """`xdot`, `x_dot`, and `dx`, `dt` of `dx/dt`: what a rate is written as."""
+        """Returns a hint for `xdot`, `x_dot`, or `dx` and `dt` of `dx/dt`, else ""."""
         moving = self.moving | self.states
         if name == "dt" and moving:
             return f"a rate is written with a prime: {min(moving)}'"
@@ -317,7 +317,7 @@ class Names:
         return ""
 
     def _product(self, name: str) -> str:
-        """`m*g` for `mg` where m and g are names."""
+        """Returns `m*g` for `mg` if m and g are names, else ""."""
         for i in range(1, len(name)):
             if name[:i] in self.table and name[i:] in self.table:
                 return f"{name[:i]}*{name[i:]}"

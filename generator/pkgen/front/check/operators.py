@@ -1,6 +1,4 @@
-"""Primes, components, signs, sums, products and powers: the part of `check/expr.py` that has
-operators.
-"""
+"""Checks primes, components, signs, sums, products and powers."""
 
 from __future__ import annotations
 
@@ -68,7 +66,7 @@ class Operators(Checking):
         return component(of, expr.axis), replace(facts, vector=False, value=None)
 
     def _of_rotation(self, expr: Component, facts: Facts) -> Checked:
-        """R.w, R.x, R.y, R.z: the quaternion of a rotation that is declared."""
+        """Checks R.w, R.x, R.y, R.z, the quaternion of a declared rotation."""
         turn, *more = facts.turns
         if more or not turn.name:
             message = f"{self.mismatch.text(expr.of)} is a rotation, which turns a vector"

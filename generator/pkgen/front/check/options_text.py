@@ -1,6 +1,6 @@
-"""What stands in the options of the command line: `30 [cm]`, `pi/2 + 0.1`, `theta'`, `q[1]'`.
+"""Parses values and names in options of the command line: `30 [cm]`, `pi/2 + 0.1`, `q[1]'`.
 
-The same lexer, parser and units as in a model, so that the same text means the same.
+It uses the lexer, parser and units of models, so that a text has the same meaning as there.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ _COMPONENT = re.compile(rf"(.*)(\.[{COMPONENTS}])('*)\s*")
 
 
 class OptionError(Exception):
-    """An option that cannot be read; `text()` shows where, as for a model."""
+    """An option that cannot be parsed; `text()` shows the place, as for a model."""
 
     def __init__(self, source: Source, diagnostic: Diagnostic):
         super().__init__(diagnostic.message)
         self.source, self.diagnostic = source, diagnostic
 
     def text(self) -> str:
-        """The message, the option with a caret, the hint; without a file's name or line."""
+        """Returns the message, the option with a caret, and the hint, without a file and line."""
         _, line, caret, *help = self.diagnostic.text(self.source).split("\n")
         shown = (part.partition("| ")[2] for part in (line, caret))
         return "\n".join([self.diagnostic.message, *(f"   {s}" for s in shown), *help])
@@ -48,7 +48,7 @@ class OptionError(Exception):
 
 @record
 class LeftSide:
-    """`q[1]'` is LeftSide("q", 1, 1); without an index and primes LeftSide("q", None, 0), and
+    """The left side of an option: `q[1]'` is LeftSide("q", 1, 1), `q` is LeftSide("q", None, 0),
     `r[1].x` is LeftSide("r.x", 1, 0)."""
 
     name: str
@@ -67,8 +67,8 @@ def quantity(
     values: Mapping[str, int] = {},
     name: str = "the value",
 ) -> Fraction | float:
-    """A value in SI. A number without a unit is in `unit` (SI, as a Model gives it); `values`
-    are sizes that it may use; `name` is what it is for, in messages. Raises OptionError."""
+    """Returns a value in SI. A number without a unit is in `unit`, an SI unit as in a Model;
+    `values` are the usable sizes; `name` names the value in messages. Raises OptionError."""
     source = _source(text)
     setting = _parsed(source, [Token("UNTIL", "until", start_pos=0, end_pos=0)], [])
     dimension = NONE if dimensionless else parse_unit(unit).dimension if unit else NONE
@@ -90,7 +90,7 @@ def quantity(
 
 
 def left_side(text: str, sizes: Mapping[str, int] = {}) -> LeftSide:
-    """What `--start` sets: NAME, NAME[index], each with primes. Raises OptionError."""
+    """Parses the target of `--start`: NAME or NAME[index], with primes. Raises OptionError."""
     component = _COMPONENT.fullmatch(text)
     if component:
         side = left_side(component[1] + component[3], sizes)
@@ -142,7 +142,7 @@ def _parsed(source: Source, before: list[Token], after: list[Token]) -> object:
     except UnexpectedToken as error:
         found = explain(source, lexed, error)
         message, help = found.message, found.help
-        if message.endswith("takes one item"):  # of the statement that stands around the value
+        if message.endswith("takes one item"):  # about the statement wrapped around the value
             message, help = "one value is needed here", ""
         elif help.startswith(("the form", "e.g.")):
             help = ""

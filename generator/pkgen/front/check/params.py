@@ -1,4 +1,4 @@
-"""Default values within their bounds, evaluated as the generated C will."""
+"""Checks that default values are within their bounds, evaluated as in the generated C."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def check_bounds(
     sizes: Mapping[str, int],
     report: Report,
 ) -> None:
-    """Each default is finite and lies within its bounds, lower below upper."""
+    """Reports defaults that are not finite or out of bounds, and empty bounds."""
     values: dict[object, object] = {}
     items = sorted([*parameters, *definitions], key=lambda x: x.span.start)
     for item in items:
@@ -33,7 +33,7 @@ def check_bounds(
             try:
                 value = evaluate(item.default, values, inner)
             except KeyError:
-                break  # it follows a parameter that has an error
+                break  # it depends on a parameter with an error
             except NoValue as error:
                 report.error(f"the default of {shown}: {error}", item.default.span)
                 value = Fraction(1)
@@ -50,7 +50,7 @@ def check_bounds(
 
 
 def _constant(item: m.Definition, values: dict, sizes: Mapping[str, int]) -> None:
-    with suppress(NoValue, KeyError):  # a `let` of the motion, or reported already
+    with suppress(NoValue, KeyError):  # a `let` that is no constant, or reported already
         values[item.name] = evaluate(item.value, values, sizes)
 
 
@@ -60,12 +60,12 @@ def _indices(item: m.Parameter, sizes: Mapping[str, int]):
     lo, hi = integer(item.range.lo, sizes), integer(item.range.hi, sizes)
     if hi - lo < limits.SAMPLED:
         return range(lo, hi + 1)
-    half = limits.SAMPLED // 2  # of a longer family, as many at each end
+    half = limits.SAMPLED // 2  # of a longer family, half at each end
     return [*range(lo, lo + half), *range(hi - half + 1, hi + 1)]
 
 
 def ends_of(item: m.Parameter, values: dict, sizes: Mapping[str, int], report: Report):
-    """The bounds' values, None for an infinite one; None for both after an error."""
+    """Returns the values (lo, hi), None for an infinite one; one None after an error."""
     ends = []
     for end in (item.bounds.lo, item.bounds.hi):
         try:

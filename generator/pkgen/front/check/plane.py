@@ -1,4 +1,4 @@
-"""What spans the plane across an axis."""
+"""Unit vectors that span the plane normal to an axis."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 
 def across(axis: Sequence[float]) -> tuple[str, str]:
-    """Two unit vectors e and f, as text, with e x f along the axis: of z they are x and y, of x y
-    and z, of y z and x."""
+    """Returns two orthogonal unit vectors e and f, as text, with e x f along the axis: for z they
+    are x, y; for x they are y, z; for y they are z, x."""
     length = math.hypot(*map(float, axis))
     n = [float(part) / length for part in axis]
     k = max(range(3), key=lambda i: abs(n[i]))

@@ -1,4 +1,4 @@
-"""What a model must have, once all of its statements have been checked."""
+"""Checks that a model has all it needs, after all of its statements have been checked."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .shared import Shared
 
 
 class Required:
-    """`broken` are the keywords of statements that could not be read, "" where there is none."""
+    """`broken`: keywords of statements that did not parse, "" for one without a keyword."""
 
     def __init__(self, file: st.File, shared: Shared, broken: set[str]) -> None:
         self.file, self.shared, self.report, self.broken = file, shared, shared.report, broken
@@ -20,7 +20,7 @@ class Required:
 
     def _required(self) -> None:
         if not self.file.statements:
-            if not self.file.diagnostics:  # else there was something, but nothing could be read
+            if not self.file.diagnostics:  # else there are statements that did not parse
                 self.report.error(
                     "there is no statement in this file", Span(0, 0), "begin with 'model NAME'"
                 )
@@ -56,11 +56,11 @@ class Required:
             )
 
     def _bodies(self) -> bool:
-        """Whether there are bodies, whose energies are made where they are without errors."""
+        """Whether there are bodies; if they have no errors they have kinetic energies."""
         return any(isinstance(s, st.Body) for s in self.file.statements)
 
     def _states_alone(self) -> None:
-        """There is no Lagrangian where nothing has a second derivative."""
+        """Reports energies in a model of states, where nothing has a second derivative."""
         for statement in self.file.statements:
             if isinstance(statement, st.Single):
                 self.report.error(
@@ -82,7 +82,7 @@ class Required:
                 self.report.error(message, self._first_line(), help)
 
     def inertia(self) -> None:
-        """A light check: every coordinate's rate occurs in an energy. The exact one is derive's."""
+        """Reports coordinates whose rate is in no energy; `derive` checks M itself."""
         energies = self.shared.energies
         has_kinetic = self.shared.parts["kinetic"] or self.shared.parts["lagrangian"]
         if not has_kinetic or not all(f.known for f in energies):

@@ -1,7 +1,7 @@
-"""`rotation`, and what is started and applied along one.
+"""Checks `rotation`, and forces, starts and ends of rotations.
 
-In the model a rotation is three coordinates of its own, whose rates are its body rates, and four
-states, its quaternion: see check/rotations.py. So a torque is three forces, and a start four.
+In a Model a rotation is three coordinates, whose rates are its body rates, and four states, its
+quaternion: see check/rotations.py. So a torque is three forces, and a start is four starts.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from .scope import Scope
 from .shared import Checks
 from .vectors import component
 
-TURNS = 5  # of a start or an end: more are more terms than anyone writes
+TURNS = 5  # factors of a start or an end: the terms of their product multiply
 
 
 class Rotations(Checks):
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
-        """`rotation NAME`; a unit is reported, so that `unit` is of no use here."""
+        """Checks `rotation NAME`; reports a unit, and ignores `unit`."""
         if item.unit is not None:
             self.report.error("a rotation has no unit", item.unit.span, f"rotation {item.name}")
         own, turns = frozenset((item.name,)), (attitude(item.name, None, item.span),)
@@ -44,7 +44,7 @@ class Rotations(Checks):
         self.parts["rotations"].append(rotation)
 
     def force(self, statement: st.Define) -> Iterable[m.Force]:
-        """A torque, in body components."""
+        """Checks a torque, a vector of body components; returns three forces."""
         left = statement.left
         found = self.shared.wanted_of(left, statement.value, "a force", ("rotation",), "force")
         if found is None:
@@ -65,8 +65,8 @@ class Rotations(Checks):
     def start(
         self, item: st.StartItem, entry: Entry | None, around: Scope
     ) -> tuple[m.Start, ...] | None:
-        """`start R = rot(...)` as four starts of numbers, or `start omega(R) = [...]` as three of
-        rates; None where that is wrong, said already."""
+        """Returns `start R = rot(...)` as four starts of its quaternion, `start omega(R) = [...]`
+        as three starts of rates; None after an error."""
         left = item.left
         before = len(self.report.errors)
         if item.function not in ("", "omega"):
@@ -80,7 +80,7 @@ class Rotations(Checks):
             help = f"start omega({left.name}) = [x, y, z]"
             self.report.error(f"the rates of a rotation are omega({left.name})", item.span, help)
         scope = self.shared.member_scope(left, entry, around) or around
-        of_rates = item.function or item.order  # R' gives rates, if under a wrong name
+        of_rates = item.function or item.order  # R' is reported; its value is checked as rates
         values = self._rates(item, scope) if of_rates else self._attitude(item, scope)
         if len(self.report.errors) > before or entry is None or not values:
             return None
@@ -102,7 +102,7 @@ class Rotations(Checks):
     def numbers(
         self, what: str, example: str, value: Expr, around: Scope
     ) -> tuple[tuple[Expr, ...] | None, Facts]:
-        """The quaternion of a product of rot(AXIS, ANGLE)s, None after an error; its facts."""
+        """Returns the quaternion of rot(AXIS, ANGLE)*…, None after an error, and its facts."""
         _, facts = self.expressions.factor(value, around)
         if not facts.turns:
             if facts.known:
@@ -113,7 +113,7 @@ class Rotations(Checks):
             self.report.error(f"{what} of more than {TURNS} turns", value.span)
             return None, facts
         if any(turn.quaternion is not None for turn in facts.turns):
-            return None, facts  # a rotation is no parameter: said already
+            return None, facts  # it names a declared rotation, which is reported already
         if any(turn.angle is None for turn in facts.turns):
             self.report.error(f"{what} is a product of rot(AXIS, ANGLE)", value.span)
             return None, facts
@@ -121,8 +121,8 @@ class Rotations(Checks):
 
 
 def ends_of(end: m.End, numbers: tuple[Expr, ...] | None) -> Iterable[m.End]:
-    """The ends of what a family of rotations is made of; `numbers` are of a fixed one, whose body
-    rates follow from these."""
+    """Yields the ends of the states and coordinates of a family of rotations. `numbers` is the
+    quaternion of a fixed end; its body rates follow from it, so their value is None."""
     for k, number in enumerate(quaternion_names(end.name)):
         yield replace(end, name=number, value=numbers and numbers[k])
     for turn in turn_names(end.name):
@@ -130,7 +130,7 @@ def ends_of(end: m.End, numbers: tuple[Expr, ...] | None) -> Iterable[m.End]:
 
 
 def coordinates_of(rotation: m.Rotation) -> Iterable[m.Coordinate]:
-    """Three, whose rates are the body rates; their own unit is that of an angle, none."""
+    """Yields the three coordinates whose rates are the body rates; they have no unit."""
     units_of = "", rotation.rate_unit, rotation.momentum_unit
     for k, axis in enumerate(AXES):
         says = rotation.description or f"body rate about {axis}"
@@ -139,13 +139,13 @@ def coordinates_of(rotation: m.Rotation) -> Iterable[m.Coordinate]:
 
 
 def states_of(rotation: m.Rotation) -> Iterable[m.State]:
-    """Four pure numbers w, x, y, z."""
+    """Yields the four states of the quaternion w, x, y, z, dimensionless."""
     for number in rotation.quaternion:
         what = rotation.description or "of its unit quaternion, body to space"
         yield m.State(number, rotation.range, "", rotation.per_time, what, rotation.span)
 
 
 def identity(rotation: m.Rotation) -> m.Start:
-    """What is started nowhere else."""
+    """Returns the default start: the quaternion w = 1 of the identity."""
     one = Number(Fraction(1), rotation.span)
     return m.Start(rotation.quaternion[0], None, rotation.range, 0, one, rotation.span)

@@ -1,11 +1,10 @@
-"""Functions of rotations: rot, inverse, omega, euler and tait_bryan; and what a declared rotation R
-is made of.
+"""Checks the functions of rotations: rot, inverse, omega, euler and tait_bryan; and defines the
+scalars of a declared rotation R.
 
-R is an attitude in SO(3), body to space, by the unit quaternion R.w, R.x, R.y, R.z. Its rates are
-those of the body frame, omega(R). Behind the check there are names of numbers alone: the
-quaternion's numbers are states of the model, and the body rates are rates of three coordinates,
-turn(R).x, .y and .z, which nothing depends on and nobody sees (quasi-coordinates: Whittaker,
-Analytical Dynamics, section 30)."""
+R is an attitude in SO(3), body to space, given by the unit quaternion R.w, R.x, R.y, R.z. Its rates
+are the body rates omega(R). A checked model has only their scalars: the four quaternion components
+are states, and the body rates are the rates of three hidden coordinates turn(R).x, .y and .z, on
+which nothing depends (quasi-coordinates: Whittaker, Analytical Dynamics, section 30)."""
 
 from __future__ import annotations
 
@@ -22,29 +21,29 @@ from .vectors import EXAMPLE, applied, component
 
 
 def quaternion_names(rotation: str) -> tuple[str, ...]:
-    """In the order in which they are states."""
+    """Returns the names of its quaternion's states, in their order."""
     return tuple(f"{rotation}.{axis}" for axis in "wxyz")
 
 
 def rate_names(rotation: str) -> tuple[str, ...]:
-    """Of the body rates, as they are written: omega(R).x, .y, .z."""
+    """Returns the names of the body rates: omega(R).x, .y, .z."""
     return tuple(f"omega({rotation}).{axis}" for axis in AXES)
 
 
 def turn_names(rotation: str) -> tuple[str, ...]:
-    """Of the coordinates whose rates these are, which nobody can write."""
+    """Returns the names of the coordinates of the body rates, which no model can write."""
     return tuple(f"turn({rotation}).{axis}" for axis in AXES)
 
 
 def attitude(name: str, index: Expr | None, span: Span) -> Turn:
-    """A declared rotation, or a member of a family of them, as it stands."""
+    """Returns the Turn of a declared rotation or of a family's member."""
     numbers = tuple(Name(number, index, span) for number in quaternion_names(name))
     return Turn(quaternion=Vector(numbers, span), name=name, index=index)
 
 
 def quaternion_of(turns: Turns, span: Span) -> tuple[Expr, ...]:
-    """The unit quaternion w, x, y, z of a product of rot(AXIS, ANGLE)s, without declared rotations
-    among them: Euler's cos(angle/2), sin(angle/2) axis/|axis| each. () of none."""
+    """Returns the unit quaternion w, x, y, z of a product of rot(AXIS, ANGLE). For a factor it is
+    cos(angle/2), sin(angle/2) axis/|axis|. Returns () for no factors."""
 
     def times(a: Expr, b: Expr) -> Expr:
         return Multiply((a, b), (1, 1), span)
@@ -63,7 +62,7 @@ def quaternion_of(turns: Turns, span: Span) -> tuple[Expr, ...]:
 
 
 def _product(a: tuple[Expr, ...], b: tuple[Expr, ...], times, span: Span) -> tuple[Expr, ...]:
-    """Of two quaternions: i j = k, j k = i, k i = j."""
+    """Returns the product of two quaternions: i j = k, j k = i, k i = j."""
 
     def row(*terms: tuple[int, int, int]) -> Expr:
         return Add(tuple(times(a[i], b[j]) for _, i, j in terms), tuple(s for s, *_ in terms), span)
@@ -78,8 +77,8 @@ def _product(a: tuple[Expr, ...], b: tuple[Expr, ...], times, span: Span) -> tup
 
 class RotationCalls(Checking):
     def rotation_call(self, expr: Call, parts: list[Checked]) -> Checked:
-        """The call with its arguments, which are checked already. Of a rotation the `turns` of the
-        facts are what counts, not the expression."""
+        """Checks a call with its checked arguments `parts`. If it is a rotation, only the `turns`
+        of its facts count, not the expression."""
         if expr.function == "rot":
             return self._rot(expr, parts)
         if len(parts) != 1:
@@ -127,7 +126,7 @@ class RotationCalls(Checking):
         return expr, replace(joined(NONE, True, [of_axis, of_angle]), turns=(turn,))
 
     def _omega(self, expr: Call, facts: Facts) -> Checked:
-        """The rates of the body frame, of a declared rotation alone."""
+        """Checks omega(R), the body rates of a declared rotation."""
         turn, *more = facts.turns
         if more or not turn.name:
             help, at = _of_no_name(facts.turns), expr.arguments[0].span
@@ -139,7 +138,7 @@ class RotationCalls(Checking):
 
 
 def _euler(turns: Turns, span: Span) -> tuple[Expr, ...]:
-    """[phi, theta, psi] of rot(z, phi)*rot(x, theta)*rot(z, psi); theta from 0 to pi."""
+    """Returns phi, theta, psi of rot(z, phi)*rot(x, theta)*rot(z, psi), theta in [0, pi]."""
     z, bottom = _column(turns, "z", span), _column(_inverse(turns), "z", span)
     phi = _atan2(z[0], Negate(z[1], span))
     theta = _atan2(_length(z[0], z[1]), z[2])
@@ -148,7 +147,7 @@ def _euler(turns: Turns, span: Span) -> tuple[Expr, ...]:
 
 
 def _tait_bryan(turns: Turns, span: Span) -> tuple[Expr, ...]:
-    """[yaw, pitch, roll] of rot(z, yaw)*rot(y, pitch)*rot(x, roll), pitch within a right angle."""
+    """Returns yaw, pitch, roll of rot(z, yaw)*rot(y, pitch)*rot(x, roll); |pitch| <= pi/2."""
     x, bottom = _column(turns, "x", span), _column(_inverse(turns), "z", span)
     yaw = _atan2(x[1], x[0])
     pitch = _atan2(Negate(x[2], span), _length(x[0], x[1]))
@@ -157,8 +156,8 @@ def _tait_bryan(turns: Turns, span: Span) -> tuple[Expr, ...]:
 
 
 def _column(turns: Turns, axis: str, span: Span) -> list[Expr]:
-    """Of the matrix of a rotation: where it takes a unit vector of the body. Those of the inverse
-    are the rows."""
+    """Returns a column of a rotation's matrix, the rotated unit vector. A column of the inverse is
+    a row of the matrix."""
     unit = Vector(tuple(Number(Fraction(int(axis == x)), span) for x in AXES), span)
     whole = applied(turns, unit, span)
     return [Component(whole, k, span) for k in range(len(AXES))]
@@ -169,7 +168,7 @@ def _inverse(turns: Turns) -> Turns:
 
 
 def _of_no_name(turns: Turns) -> str:
-    """How body rates are had of what is no declared rotation."""
+    """Returns a hint how to get the rates of a rotation that is not declared."""
     if len(turns) > 1:
         return "of a product of rotations the rates are in several frames: add them as vectors"
     if turns[0].quaternion is not None:

@@ -1,7 +1,7 @@
-"""What a scene sets, as numbers: within bounds, positive, in the time that it runs.
+"""Checks the numbers of a scene: bounds, signs, and times within the run.
 
-Numbers here are those of the model as it stands; options of the command line may give others, and
-`scene.py` and the C check again.
+Here parameters have the model's and the scene's values. Options of the command line may change
+them, so the package `scenes` and the C check again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def check_scene_values(model: Model, report: Report) -> None:
         _Numbers(model, scene, report).check()
 
 
-SHORTEST = 10 * sys.float_info.epsilon  # a step and an interval, of the whole time: as in main.c
+SHORTEST = 10 * sys.float_info.epsilon  # least step or interval, over the whole time: as in main.c
 
 
 class _Numbers:
@@ -55,7 +55,7 @@ class _Numbers:
                 )
 
     def _interval(self, name: str, expr: Expr | None, until: float | None) -> float | None:
-        """A part of the time that the scene runs."""
+        """Returns a step or an interval; reports one that is too long or too short for the run."""
         found = self._of(lambda: self.values.positive(name, expr))
         if found is None or until is None:
             return found
@@ -68,8 +68,8 @@ class _Numbers:
         return found
 
     def _rows(self, record: Record, every: float | None, until: float | None) -> None:
-        """No disk would hold what somebody asks for by mistake."""
-        if until is None or (every and every < SHORTEST * until):  # said already
+        """Reports a record with more rows than limits.WRITTEN allows, probably a mistake."""
+        if until is None or (every and every < SHORTEST * until):  # reported already
             return
         members, swarm = None, self.scene.swarm
         if swarm is not None:
@@ -100,7 +100,7 @@ class _Numbers:
             return None
 
     def _assignments(self) -> None:
-        """In the order written, as they are set."""
+        """Evaluates the assignments in order; reports parameters out of their bounds."""
         parameters = {p.name: p for p in self.model.parameters}
         given: dict = {}
         outside: set[str] = set()  # a parameter is reported once

@@ -1,7 +1,7 @@
-"""Scenes, clause by clause: names, units, members, and what cannot stand together.
+"""Checks scenes, clause by clause: names, units, members, and combinations of clauses.
 
-What a scene gives the model is in `check/given.py`, numbers and events in `check/settings.py`,
-expectations in `check/expects.py`; `check/scene_values.py` computes what is a number already.
+`check/given.py` checks what a scene sets, `check/settings.py` numbers and events,
+`check/expects.py` expectations; `check/scene_values.py` checks values that are known already.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Scenes(Checks):
         self.expects = Expects(shared, self.settings)
 
     def head(self, scene: st.Scene) -> None:
-        """Its clauses are checked when all names are known."""
+        """Does nothing: check() runs at the end, when all names are known."""
 
     def check(self, scene: st.Scene) -> None:
         if any(s.name == scene.name for s in self.parts["scenes"]):
@@ -57,12 +57,12 @@ class Scenes(Checks):
 
 
 class _Scene(Given):
-    """One scene while its clauses are read."""
+    """Builds one scene from its clauses."""
 
     def __init__(self, scenes: Scenes, swarm: Range | None) -> None:
         super().__init__(scenes.shared, scenes.dynamics, swarm)
         self.scenes, self.settings = scenes, scenes.settings
-        self.said: dict[str, object] = {}  # fields of the scene
+        self.said: dict[str, object] = {}  # fields of m.Scene
         self.expects: list[m.Expect] = []
         self.seen: set[str] = set()
 
@@ -124,7 +124,7 @@ class _Scene(Given):
         )
 
     def _columns(self, item: Expr) -> Iterable[m.Definition]:
-        """One, of a vector three, none after an error."""
+        """Returns the columns of a recorded name: one, three for a vector, four for a rotation."""
         before = len(self.report.errors)
         value, facts = self.expressions.factor(item, Scope(PLACES["record"]))
         if len(self.report.errors) > before:
@@ -165,7 +165,7 @@ class _Scene(Given):
         columns = by_component(column) if facts.vector else (column,)
         return (replace(c, name=c.name + "'" * order) for c in columns)
 
-    # all of it
+    # the whole scene
 
     def made(self, scene: st.Scene) -> m.Scene:
         self.finish()

@@ -1,4 +1,4 @@
-"""Where an expression stands, and so what it may use."""
+"""The places where expressions stand in a model, and what each may use."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Interval = tuple[int, int]
 
 @record
 class Loop:
-    """A range whose ends are known to be integers, and the interval its variable covers."""
+    """A range with integer ends, and the interval that contains all values of its variable."""
 
     range: Range
     interval: Interval
@@ -20,15 +20,15 @@ class Loop:
 
 @record
 class Place:
-    """`what` it is in messages, which kinds of names it takes, whether derivatives mean
-    anything there."""
+    """A place of expressions: `what` it is in messages, the kinds of names that it takes, and
+    whether it takes derivatives."""
 
     what: str
     kinds: frozenset[str]
     may_use: str
     derivatives: bool = False
-    missing: str = ""  # what to do where a name is not there; "": what helps anywhere
-    accelerations: bool = False  # where the equations of motion are solved
+    missing: str = ""  # hint for an unknown name; "": the general one
+    accelerations: bool = False  # takes accelerations
 
 
 DECLARED = "declare it: param {name} = 1"
@@ -76,10 +76,10 @@ PLACES: dict[str, Place] = {
 
 @record
 class Scope:
-    """A place and the loops around it, outermost first. `name` is what is being defined."""
+    """A place and the loops around it, outermost first. `name` is being defined."""
 
     place: Place
     loops: tuple[Loop, ...] = ()
     name: str = ""
     variables: frozenset[str] = field(default=frozenset())
-    points: int = 1  # at most so many assignments of the loops' variables
+    points: int = 1  # upper bound of the number of the loops' iterations

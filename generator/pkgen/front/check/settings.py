@@ -1,4 +1,4 @@
-"""Settings of a scene: times, tolerances, an accuracy, a method; and the events that it names."""
+"""Checks settings of a scene: times, tolerances, accuracy, method, and names of events."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .names import KIND_TEXT
 from .scope import PLACES, Scope
 from .shared import Checks, as_is
 
-# What a result can be exact to in double precision, its own rounding and that of its formula.
+# The best relative accuracy in double precision: rounding of the result and of its formula.
 FINEST = 2.0**-51
 
 
@@ -26,7 +26,7 @@ class Settings(Checks):
         return self.expressions.wanted(value, Scope(PLACES[place]), target)
 
     def time(self, name: str, value: Expr | None) -> Expr | None:
-        """In a model without units a time may have its unit all the same."""
+        """Checks a time; it may have a unit of time even in a model without units."""
         if value is None:
             return None
         if self.expressions.time_dimension == NONE:
@@ -54,7 +54,7 @@ class Settings(Checks):
         return new
 
     def method(self, clause: st.Method) -> None:
-        """Which there is, with the settings that it takes."""
+        """Reports an unknown method, or settings that it lacks or does not take."""
         methods = known(self.parts["methods"])
         name, method = clause.name, methods.get(clause.name)
         if method is None:
@@ -72,7 +72,7 @@ class Settings(Checks):
             )
 
     def event(self, at: Expr, clause: str) -> str:
-        """The name of an event, "" after an error."""
+        """Returns the name of an event, "" after an error."""
         events = {e.name for e in self.parts["events"]}
         if isinstance(at, Name) and at.index is None and at.id in events:
             return at.id

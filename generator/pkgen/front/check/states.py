@@ -1,4 +1,4 @@
-"""`state` and `rate`: first-order variables, each with exactly one rate."""
+"""Checks `state` and `rate`: first-order variables, each with exactly one rate."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .shared import Checks, Shared
 class States(Checks):
     def __init__(self, shared: Shared) -> None:
         super().__init__(shared)
-        self.given: dict[str, Members] = {}  # of each state the members that have a rate
-        self.wrong: set[str] = set()  # states of which nobody knows what rates they have
+        self.given: dict[str, Members] = {}  # the members that have a rate, by state
+        self.wrong: set[str] = set()  # states with an error in a rate
 
     def declare(self, item: st.Declared, unit: units.Unit | None, description: str) -> None:
         found = self.shared.variable(item, unit, "state", states=frozenset((item.name,)))
@@ -60,7 +60,7 @@ class States(Checks):
         given.add(lo, hi)
 
     def finish(self) -> None:
-        """No state is left without a rate."""
+        """Reports states without a rate."""
         for state in self.parts["states"]:
             if state.name in self.wrong:
                 continue

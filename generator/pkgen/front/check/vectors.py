@@ -1,9 +1,9 @@
-"""Vectors and rotations as what they stand for: components, and turns of a vector.
+"""Splits vectors into components, and applies rotations to vectors.
 
-An output that is a vector is three outputs, `r.x`, `r.y` and `r.z`; its name stands for a vector of
-these. A rotation is the row of turns that it consists of, rot(AXIS, ANGLE) or a declared attitude,
-the leftmost done last; it stands alone only where it is a start, so that rotate(AXIS, ANGLE,
-VECTOR) and attitude(QUATERNION, VECTOR) are all that is left of it."""
+A vector output r is three outputs `r.x`, `r.y` and `r.z`; the name r stands for the vector of
+these. A rotation is a product of factors (Turn), rot(AXIS, ANGLE) or a declared attitude; the
+rightmost is applied first. Checked expressions contain no rotations, only rotate(AXIS, ANGLE,
+VECTOR) and attitude(QUATERNION, VECTOR)."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ EXAMPLE = "rot([0, 0, 1], angle)*r"
 
 
 def component(vector: Expr, axis: int) -> Expr:
-    """Of a checked vector; of one that is written out the item itself, and of a sum the sum of
-    components, which can stay a loop."""
+    """Returns a component of a checked vector: the item of a literal [x, y, z]; for a Sum the sum
+    of components, which can stay a loop."""
     if isinstance(vector, Vector):
         return vector.items[axis]
     if isinstance(vector, Sum):
@@ -33,21 +33,21 @@ def component_name(name: str, axis: int) -> str:
 
 
 def by_component(definition: Definition) -> Iterator[Definition]:
-    """An output that is a vector as three that are numbers."""
+    """Yields a vector output as three scalar outputs."""
     for axis in range(len(AXES)):
         name, value = component_name(definition.name, axis), component(definition.value, axis)
         yield replace(definition, name=name, value=value)
 
 
 def output_vector(expr: Name) -> Vector:
-    """What the name of such an output stands for."""
+    """Returns the vector of components for which the name of a vector output stands."""
     names = (replace(expr, id=component_name(expr.id, axis)) for axis in range(len(AXES)))
     return Vector(tuple(names), expr.span)
 
 
 def turned(expr: Multiply, factors: list[Expr], facts: list[Facts]) -> Expr | None:
-    """A product in which there are rotations, or, where they turn nothing, a rotation: None, its
-    turns being those of `turns_of`. Raises Wrong where it is neither."""
+    """Returns a product in which rotations turn a vector. Returns None for a product of rotations
+    alone, a rotation with the factors `turns_of`. Raises Wrong if it is neither."""
     last = max(i for i, f in enumerate(facts) if f.turns)
     vectors = [i for i, f in enumerate(facts) if f.vector and not f.turns]
     numbers = [i for i, f in enumerate(facts) if not f.vector and not f.turns]
@@ -71,7 +71,7 @@ def turned(expr: Multiply, factors: list[Expr], facts: list[Facts]) -> Expr | No
 
 
 def applied(turns: Turns, vector: Expr, span: Span) -> Expr:
-    """The vector as they turn it."""
+    """Returns the vector rotated by the factors, the rightmost first."""
     for turn in reversed(turns):
         if turn.quaternion is not None:
             vector = Call("attitude", (turn.quaternion, vector), span)
