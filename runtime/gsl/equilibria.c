@@ -1,12 +1,12 @@
 /* (Relative) equilibria; see pk/gsl_equilibria.h. Powell's hybrid method with scaling and analytic
- * derivatives, GSL's hybridsj, from Halton's points; then roots are told apart. Unknown i is q_i,
- * or v_i where coordinate i is cyclic; equation i is pdot_i = 0, or p_i = what it was. Of a
- * first-order variable, which v_i is, it is its rate; of one that no rate depends on, what it was.
+ * derivatives, GSL's hybridsj, from Halton's points; then duplicates are removed. Unknown i is q_i,
+ * and equation i is pdot_i = 0; for a cyclic coordinate v_i, and p_i has its initial value; for a
+ * first-order variable v_i, and its rate is 0, or a quadrature has its initial value.
  *
- * After Newton's method has come to round-off a root counts where the equations hold to 1e-10 of
- * their size and the correction is below 1e-4 of the way from the start. The second test rejects
- * points on the way to infinity, where forces vanish too; that it is no sharper admits roots at
- * which the linear terms vanish (a hoop at its critical rate). Reference: M. J. D. Powell, in
+ * When Newton's method has come to round-off, a point is a root if the equations hold to 1e-10 of
+ * their size and the correction is below 1e-4 of the distance from the start. The second test
+ * rejects points on the way to infinity, where forces vanish too. It is loose to admit roots where
+ * the linear terms vanish (a bead on a hoop at its critical rate). Reference: M. J. D. Powell, in
  * P. Rabinowitz (ed.), Numerical Methods for Nonlinear Algebraic Equations (1970) 87.
  */
 #include <stdlib.h>
@@ -21,8 +21,8 @@
 #include "halton.h"
 #include "rates.h"
 
-static const double BESIDE = 1e-2;                /* of a reach, to look along a continuum */
-enum { ITERATIONS = 200, POLISH = 60, MORE = 8 }; /* starts for each root */
+static const double BESIDE = 1e-2; /* step along a continuum, relative to the reach */
+enum { ITERATIONS = 200, POLISH = 60, MORE = 8 }; /* MORE: starts per root found, at least */
 
 static int open_search(struct search *s, const struct pk_problem *problem)
 {
@@ -127,8 +127,8 @@ static int gsl_fdf(const gsl_vector *z, void *context, gsl_vector *f, gsl_matrix
     return failed ? failed : gsl_df(z, context, J);
 }
 
-/* Newton's correction into s->F, and its largest part beside the reach; 0 where the linear terms
- * vanish exactly, HUGE_VAL where the equations do not hold. */
+/* Overwrites s->F with Newton's correction. Returns its largest component relative to the reach; 0
+ * if the linear terms vanish exactly, HUGE_VAL if the equations do not hold. */
 static double correction(struct search *s)
 {
     const size_t n = s->n;
@@ -155,8 +155,7 @@ static double correction(struct search *s)
     return most;
 }
 
-/* The state is a root, and Newton's method would go nowhere; it is gone on with for as long as
- * corrections shrink. */
+/* Returns whether the state is a root, after Newton's method as long as corrections shrink. */
 static int is_root(struct search *s)
 {
     double size = correction(s);
@@ -174,13 +173,13 @@ static int is_root(struct search *s)
         }
         size = next;
     }
-    for (size_t i = 0; i < s->n; i++) /* to the last digit */
+    for (size_t i = 0; i < s->n; i++) /* exactly 0, without round-off */
         s->v[i] = is_body_rate(s, i) ? 0 : s->v[i];
-    return size < HUGE_VAL && equations(s) && derivatives(s); /* leaves M */
+    return size < HUGE_VAL && equations(s) && derivatives(s); /* sets s->M for is_positive() */
 }
 
-/* With a root that leaves directions free: whether equilibria go on there, by solving again from
- * BESIDE along one. A root at which linear terms vanish takes back most of that. */
+/* Returns whether a root with null directions lies on a continuum of equilibria: solves again from
+ * BESIDE along one. An isolated root where linear terms vanish takes most of that step back. */
 static int goes_on(struct search *s)
 {
     double *const at = s->p_q, *const step = s->F_q, back = 0, way = 0;
@@ -203,7 +202,7 @@ static int goes_on(struct search *s)
     }
     s->slack = slack;
     const int goes = off <= 1e-4 && back < way / 4;
-    for (size_t i = 0; i < s->n && !goes; i++) /* the root is known no better along there */
+    for (size_t i = 0; i < s->n && !goes; i++) /* the root is this uncertain in that direction */
         s->step[i] = step[i] / 100;
     return goes;
 }
@@ -214,7 +213,8 @@ static int is_positive(struct search *s)
     return is_bound(s) || pk_ldl_factor(s->J, s->n) == 0;
 }
 
-/* The last step was round-off. Equations are no measure: beside a pole in the box all are small. */
+/* Returns whether the last step was round-off. The residual is no test: a pole in the box makes the
+ * scale large and all residuals small. */
 static int arrived(struct search *s, const gsl_vector *step)
 {
     for (size_t i = 0; i < s->n; i++)
@@ -223,7 +223,7 @@ static int arrived(struct search *s, const gsl_vector *step)
     return 1;
 }
 
-/* Whether a root was found that was not known. */
+/* Searches from z. Returns whether it found a root that was not known. */
 static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vector *z,
                     gsl_multiroot_function_fdf *function, struct pk_equilibria *found)
 {
@@ -239,7 +239,7 @@ static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vecto
         set_unknowns(s, solver->x);
     const int again = s->known != NULL;
     s->known = NULL;
-    if (!is_root(s)) /* also where it stopped at round-off, as GSL calls it */
+    if (!is_root(s)) /* tested even if GSL reports no progress: that may be round-off */
         found->failed += !again;
     else if (!is_positive(s))
         found->singular += !again;
@@ -253,7 +253,7 @@ static int try_from(struct search *s, gsl_multiroot_fdfsolver *solver, gsl_vecto
     return 0;
 }
 
-/* From a point, and as long as that finds another root again, those known deflated. */
+/* Searches from a point, then again with known roots deflated, as long as that finds new roots. */
 static void search_from(struct search *s, size_t point, gsl_multiroot_fdfsolver *solver,
                         gsl_vector *z, gsl_multiroot_function_fdf *function,
                         struct pk_equilibria *found)

@@ -1,14 +1,14 @@
-/* The equations of equilibria with rotations and constraints, in the numbers of q and v themselves,
- * on the constraints or not:
+/* The equations of equilibria with rotations and constraints. The unknowns are all numbers of q and
+ * v, also off the constraints:
  *
- *     of a coordinate      a_i = 0, or where it is cyclic p_i = what it was
+ *     of a coordinate      a_i = 0; if it is cyclic, p_i = its initial value
  *     of a body rate       w_i = 0
  *     of a quaternion      the body's three accelerations = 0, |Q|^2 = 1
- *     and besides          phi = 0, J v + j0 = 0
+ *     in addition          phi = 0, J v + j0 = 0
  *
- * with the multipliers put in, so that J a = 0 too: rows depend on each other, and where there is a
- * continuum of equilibria, unknowns do. They are solved by Levenberg and Marquardt's method, GSL's
- * gsl_multifit_nlinear, and Newton's corrections are the shortest ones.
+ * The accelerations contain the multipliers, so J a = 0 too, and rows are linearly dependent; on a
+ * continuum of equilibria columns are too. The Levenberg-Marquardt method (gsl_multifit_nlinear)
+ * solves them, and Newton's corrections are those of least norm.
  */
 #include <string.h>
 
@@ -23,10 +23,10 @@
 #include "rates.h"
 
 enum { ITERATIONS = 100, NEWTON = 6 };
-static const double DEPENDENT = 1e-7; /* of the largest singular value */
-static const double BESIDE = 6e-6;    /* of a reach, for derivatives by differences */
+static const double DEPENDENT = 1e-7; /* relative to the largest singular value: smaller are 0 */
+static const double BESIDE = 6e-6;    /* difference for derivatives, relative to the reach */
 
-/* p of what is cyclic, the others' places left as they are. */
+/* Computes the momenta p; only those of cyclic coordinates are used. */
 static void momenta(struct search *s, double *p)
 {
     const struct pk_problem *problem = s->problem;
@@ -57,10 +57,10 @@ int pk_bound_equations(struct search *s)
     return pk_all_finite(s->F, s->rows);
 }
 
-/* The column of unknown j among those of pk_gsl_linearised(). */
+/* Returns the column of unknown j in the matrix of pk_gsl_linearised(). */
 static size_t column(const struct search *s, size_t j) { return is_cyclic(s, j) ? s->n + j : j; }
 
-/* dp_i of what is cyclic by every unknown. */
+/* Computes dp_i of cyclic coordinates by each unknown, by central differences. */
 static void momenta_by(struct search *s)
 {
     const size_t n = s->n;
@@ -89,7 +89,7 @@ int pk_bound_derivatives(struct search *s)
     momenta_by(s);
     for (size_t i = 0; i < s->rows; i++)
         for (size_t j = 0; j < n; j++) {
-            const size_t k = column(s, j), part = i - Q; /* huge before them, and beyond large */
+            const size_t k = column(s, j), part = i - Q; /* wraps to a huge number for i < Q */
             double *const x = &s->J[i * n + j];
             if (i >= n)
                 *x = gsl_matrix_get(s->C, i - n, k);
@@ -126,7 +126,7 @@ void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df)
         if (!pk_bound_equations(s) || !pk_bound_derivatives(s) || !pk_bound_correct(s) ||
             !pk_all_finite(s->F, s->n))
             break;
-        for (size_t i = 0; i < s->n; i++) { /* squares are not to underflow */
+        for (size_t i = 0; i < s->n; i++) { /* tiny numbers become 0: squares would underflow */
             const double x = *unknown(s, i) - s->F[i];
             *unknown(s, i) = fabs(x) > 1e-40 * s->box[i] ? x : 0;
         }

@@ -1,5 +1,5 @@
-/* Where equilibria are sought, and what is large or small there: nothing is compared with 1,
- * lengths are those of the motion, each equation has its own size.
+/* The box in which equilibria are sought, and its scales: lengths are those of the motion, each
+ * equation has its own size, and nothing is compared with 1.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -22,8 +22,8 @@ void pk_equilibria_normalise(struct search *s)
     }
 }
 
-/* The start itself for k = 0; then half of the points in the box, a quarter each in one four and
- * one 32 times as wide, except for angles. Not in base 2, whose digits go with those of k. */
+/* Point 0 is the start. Half of the others lie in the box, a quarter each in boxes 4 and 32 times
+ * as wide, except for angles. Bases begin at 3: base 2 correlates with the choice by k % 4. */
 void pk_equilibria_place(struct search *s, size_t k)
 {
     static const double widths[] = {32, 1, 4, 1};
@@ -34,21 +34,21 @@ void pk_equilibria_place(struct search *s, size_t k)
     }
     for (size_t i = quaternions(s); k && i < quaternions(s) + 4 * s->problem->system->n_rotations;
          i++)
-        s->v[i] -= s->middle[i]; /* any attitude */
+        s->v[i] -= s->middle[i]; /* any orientation, not one near the start */
     pk_equilibria_normalise(s);
 }
 
-/* Whether q_i and q_i + 2 pi are the same place, tried at three others: each momentum and force
- * beside its own size, for one may be of a far smaller one than the others. */
+/* Returns whether q_i and q_i + 2 pi are the same position, tested at three states. Each momentum
+ * and force is compared with its own size, since sizes may differ by orders of magnitude. */
 static int is_turn(struct search *s, size_t i)
 {
-    double *size = s->p_q, *change = s->F_q; /* of each p and pdot */
+    double *size = s->p_q, *change = s->F_q; /* of each number compared */
     double *copy = s->M;
     const size_t n = s->n;
     const struct {
         const double *of;
         size_t count;
-    } parts[] = {{s->p, n}, {s->pdot, n}, {s->F, s->rows}}; /* either the first two or F */
+    } parts[] = {{s->p, n}, {s->pdot, n}, {s->F, s->rows}}; /* p and pdot, or F */
     int same = 1;
     for (int part = is_bound(s) ? 2 : 0; part < (is_bound(s) ? 3 : 2) && same; part++) {
         const double *now = parts[part].of;
@@ -74,15 +74,15 @@ static int is_turn(struct search *s, size_t i)
         double most = 0;
         for (size_t j = 0; j < count; j++)
             most = fmax(most, size[j]);
-        for (size_t j = 0; j < count; j++) /* one that vanishes is round-off of the others */
+        for (size_t j = 0; j < count; j++) /* a vanishing one has round-off of the others' size */
             same = same && change[j] <= 1e-9 * size[j] + 1e-14 * most;
     }
     return same;
 }
 
-/* How far the motion from the start goes in some steps of dop853, which are of its own length, into
- * box: |q - q0|, or |v| of what is cyclic. Steps count once they no longer double; one after which
- * something is RUNAWAY times as far as at the first that counts ends it. */
+/* Sets box to the extent of the motion in some steps of dop853: |q - q0|, or |v| for unknowns v_i.
+ * Steps count once their size no longer doubles. The motion ends if an unknown is RUNAWAY times as
+ * far as after the first counted step. */
 static void extent(struct search *s, const double *q0, const double *v0)
 {
     const struct pk_method *method = &pk_method_dop853;
@@ -93,7 +93,7 @@ static void extent(struct search *s, const double *q0, const double *v0)
     double before = HUGE_VAL, *begun = s->p;
     int settled = 0, runs = 1;
     options.rtol = 1e-6;
-    options.atol = 1e-300; /* no unit is small or large */
+    options.atol = 1e-300; /* none: the size of the units is not known */
     memset(s->box, 0, s->n * sizeof *s->box);
     if (!block)
         return;
@@ -117,7 +117,8 @@ static void extent(struct search *s, const double *q0, const double *v0)
     free(block);
 }
 
-/* A length for each unknown: twice the motion's, or |q0|; where both are 0 the others', or 1. */
+/* Sets the box of each unknown: twice the extent of the motion, or 2 |q0|; if both are 0, the
+ * largest box of the other coordinates, or 1. */
 static void choose_box(struct search *s, const double *q0, const double *v0)
 {
     double others = 0;
@@ -137,8 +138,8 @@ static void choose_box(struct search *s, const double *q0, const double *v0)
         s->box[quaternions(s) + i] = 1;
 }
 
-/* The size of each equation: the most of it in the box; of one that vanishes there all the same
- * round-off of the largest. */
+/* Sets the size of each equation: its largest value in the box; at least the round-off of the
+ * largest equation. */
 static void measure(struct search *s)
 {
     double most = 0;
@@ -152,7 +153,7 @@ static void measure(struct search *s)
     }
     for (size_t i = 0; i < s->rows; i++)
         s->scale[i] = fmax(s->scale[i], most > 0 ? 1e-14 * most : 1);
-    for (size_t i = 0; i < s->n; i++) /* these vanish at every place */
+    for (size_t i = 0; i < s->n; i++) /* w = 0 at all of these points */
         if (is_body_rate(s, i))
             s->scale[i] = s->box[i];
     for (size_t r = 0; r < s->problem->system->n_rotations; r++)

@@ -1,4 +1,4 @@
-/* Deflation: what the equations of equilibria are multiplied by, so that known roots are none.
+/* Deflation: a factor of the equations that removes known roots.
  * Reference: P. E. Farrell, A. Birkisson, S. W. Funke, SIAM J. Sci. Comput. 37 (2015) A2026.
  */
 #include <string.h>
@@ -7,16 +7,17 @@
 
 #include "equilibria_search.h"
 
-/* Unknown i's part of the square of how far the state is from root k, in reaches: of an angle its
- * sine, so that the root is kept from in every turn, of a quaternion, whose first number has all of
- * it, that of half the turn between. *half: half of the square's derivative by the unknown. */
+/* Returns the part of unknown i in the squared distance of the state from root k, in boxes. For an
+ * angle it is a squared sine, so that all its turns are deflated. For a quaternion it is the
+ * squared sine of half the angle between, counted at its first component. *half: half the
+ * derivative of the square by the unknown. */
 static double apart(struct search *s, const struct pk_equilibria *known, size_t k, size_t i,
                     double *half)
 {
     const int c = is_by_rate(s, i);
     const double *root = (c ? known->v : known->q) + k * s->n;
     const double d = *unknown(s, i) - root[i], size = s->box[i];
-    const size_t part = i - quaternions(s); /* huge of what is before them */
+    const size_t part = i - quaternions(s); /* wraps to a huge number before the quaternions */
     if (part < 4 * s->problem->system->n_rotations) {
         const double *Q = s->v + (i - part % 4), *R = root + (i - part % 4);
         *half = Q[part % 4] - (Q[0] * R[0] + Q[1] * R[1] + Q[2] * R[2] + Q[3] * R[3]) * root[i];

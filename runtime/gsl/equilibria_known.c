@@ -1,5 +1,5 @@
-/* Equilibria that are known: whether a state is one of them or of their continua, and their list, the
- * lowest energy first.
+/* The list of known equilibria, lowest energy first, and the test whether a state is one of them or
+ * on the continuum of one.
  */
 #include <string.h>
 
@@ -13,8 +13,8 @@ double pk_equilibria_energy(const struct search *s, const double *q, const doubl
     return system->energy ? system->energy(s->problem->params, 0, q, v, NULL) : 0;
 }
 
-/* Whether the state is of the continuum that known root k is of: energy is one all along it, or
- * with rolling, which leaves fewer ways than places, all rates of the linearised equations are. */
+/* Returns whether the state is on the continuum of known root k: the energy is constant along it.
+ * With nonholonomic constraints also if all eigenvalues of the linearised equations agree. */
 static int is_continued(struct search *s, double h, double size, const struct pk_equilibria *found,
                         size_t k)
 {
@@ -24,13 +24,13 @@ static int is_continued(struct search *s, double h, double size, const struct pk
         return 1;
     if (kept->n == kept->n_holonomic)
         return 0;
-    double *const here = s->p_q, *const there = s->F_v, most = 0; /* 4 n each */
+    double *const here = s->p_q, *const there = s->F_v, most = 0; /* 4 n numbers each */
     size_t count, other;
     if (pk_gsl_rates(s->problem, 0, s->q, s->v, here, here + 2 * s->n, &count) != PK_DONE ||
         pk_gsl_rates(s->problem, 0, q, v, there, there + 2 * s->n, &other) != PK_DONE)
         return 0;
     double apart = 0;
-    for (size_t power = 2; power <= 8; power += 2) { /* sums of |lambda|^power */
+    for (size_t power = 2; power <= 8; power += 2) { /* compares sums of |lambda|^power */
         double a = 0, b = 0;
         for (size_t i = 0; i < count; i++)
             a += pow(hypot(here[i], here[2 * s->n + i]), (double)power);
@@ -52,7 +52,7 @@ int pk_equilibria_known(struct search *s, const struct pk_equilibria *found)
         int same = 1;
         if (s->slack && found->slack && found->slack[k] && is_continued(s, h, size, found, k))
             return 1;
-        for (size_t r = 0; r < s->problem->system->n_rotations; r++) { /* Q and -Q are the same */
+        for (size_t r = 0; r < s->problem->system->n_rotations; r++) { /* Q and -Q are equal */
             const size_t i = quaternions(s) + 4 * r;
             same = same && turned(s->v + i, found->v + k * s->n + i) <= 1e-8;
         }

@@ -1,6 +1,6 @@
-/* A search for equilibria: shared by where to seek them (equilibria_box.c), how they are found
- * (equilibria.c), and what else there is with rotations and constraints (equilibria_bound.c). Not
- * installed.
+/* The search for equilibria, shared by its files: starting points (equilibria_box.c), Newton's
+ * method (equilibria.c), deflation (equilibria_deflate.c), the list of roots (equilibria_known.c),
+ * rotations and constraints (equilibria_bound.c). Not installed.
  */
 #ifndef PK_GSL_EQUILIBRIA_SEARCH_H
 #define PK_GSL_EQUILIBRIA_SEARCH_H
@@ -15,29 +15,29 @@
 
 static const double TWO_PI = 6.283185307179586476925;
 
-/* The problem, a state to write to, and room for the kernels' results. */
+/* The problem, the current state, and memory for the kernels' results. */
 struct search {
     const struct pk_problem *problem;
     size_t n;
-    double *q, *v;               /* the state tried; what is not sought stays as in the start */
+    double *q, *v;               /* the current state; numbers not sought stay as in the start */
     double *kept;                /* momenta of the start */
-    double *step;                /* Newton's, to be taken back */
-    double *along;               /* where nothing leads back to a root, by pk_bound_correct() */
-    double energy;               /* the start's, as a size */
-    size_t slack;                /* in so many directions */
-    double *box, *middle;        /* where to seek each unknown */
+    double *step;                /* Newton's last correction */
+    double *along;               /* a null direction of J, from pk_bound_correct() */
+    double energy;               /* |energy| of the start */
+    size_t slack;                /* dimension of the null space of J */
+    double *box, *middle;        /* unknown i is sought in middle_i +- box_i */
     size_t rows;                 /* equations: n, or more with constraints */
     double *p, *pdot, *pivot;    /* n */
-    double *F, *scale;           /* rows; the size of each equation in the box */
+    double *F, *scale;           /* rows: residuals; the size of each equation in the box */
     double *rest, *r_t;          /* n zeros; n */
     double *M, *p_q, *F_q, *F_v; /* rows by n, of which n by n are used */
-    double *J;                   /* rows by n */
-    gsl_matrix *A, *C;           /* with rotations or constraints: pk/rates.h; else NULL */
-    unsigned char *turns;        /* q_i + 2 pi is the same place */
-    unsigned char *unread;       /* a first-order variable that no rate depends on */
+    double *J;                   /* rows by n: dF/d(unknowns) */
+    gsl_matrix *A, *C;           /* with rotations or constraints: see rates.h; else NULL */
+    unsigned char *turns;        /* q_i + 2 pi is the same position */
+    unsigned char *unread;       /* quadratures: first-order variables that no rate depends on */
     size_t *primes;              /* n + 1, the bases of Halton's points */
-    double *slope;               /* of the factor of deflation, by each unknown */
-    const struct pk_equilibria *known; /* roots to keep away from; NULL: none */
+    double *slope;               /* gradient of the logarithm of the deflation factor */
+    const struct pk_equilibria *known; /* roots to deflate; NULL: none */
 };
 
 static inline size_t coordinates(const struct search *s)
@@ -51,13 +51,13 @@ static inline int is_cyclic(const struct search *s, size_t i)
     return cyclic && i < coordinates(s) && cyclic[i];
 }
 
-/* There are rotations or constraints. */
+/* Returns whether there are rotations or constraints. */
 static inline int is_bound(const struct search *s)
 {
     return s->problem->system->n_rotations || s->problem->system->constraints.n;
 }
 
-/* The first quaternion among v. */
+/* Returns the index of the first quaternion in v. */
 static inline size_t quaternions(const struct search *s)
 {
     return coordinates(s) + 3 * s->problem->system->n_rotations;
@@ -68,43 +68,43 @@ static inline int is_body_rate(const struct search *s, size_t i)
     return i < quaternions(s) && i + 3 * s->problem->system->n_rotations >= quaternions(s);
 }
 
-/* 1 - (Q.R)^2 beside |Q| = 1, the squared sine of half the turn between them. */
+/* Returns |Q|^2 - (Q.R)^2, for unit quaternions the squared sine of half the angle between. */
 static inline double turned(const double *Q, const double *R)
 {
     const double same = Q[0] * R[0] + Q[1] * R[1] + Q[2] * R[2] + Q[3] * R[3];
     return Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3] - same * same;
 }
 
-/* What is sought of i is v_i: where it is cyclic, and of first-order variables. */
+/* Returns whether unknown i is v_i (cyclic coordinates, first-order variables); else it is q_i. */
 static inline int is_by_rate(const struct search *s, size_t i)
 {
     return i >= coordinates(s) || is_cyclic(s, i);
 }
 
-/* Unknown i of the state: q_i or v_i. */
+/* Returns the address of unknown i in the state: q_i or v_i. */
 static inline double *unknown(struct search *s, size_t i)
 {
     return (is_by_rate(s, i) ? s->v : s->q) + i;
 }
 
-/* The length that a difference of unknown i is small or large beside. */
+/* Returns the length by which differences of unknown i are measured. */
 static inline double reach(struct search *s, size_t i)
 {
     return fmax(s->box[i], fabs(*unknown(s, i) - s->middle[i]));
 }
 
-/* As GSL calls F and J. */
+/* F and J as GSL's solvers call them. */
 typedef int pk_gsl_vector(const gsl_vector *z, void *search, gsl_vector *f);
 typedef int pk_gsl_matrix(const gsl_vector *z, void *search, gsl_matrix *J);
 
-/* With rotations or constraints: F; J; and from the state to where the equations hold best. */
+/* With rotations or constraints: computes F; computes J; moves the state to the least residual. */
 int pk_bound_equations(struct search *s);
 int pk_bound_derivatives(struct search *s);
 void pk_bound_solve(struct search *s, pk_gsl_vector *f, pk_gsl_matrix *df);
-/* Newton's shortest correction by J into F, which has n numbers then; 0 where there is none. */
+/* Overwrites the first n numbers of F with Newton's shortest correction; 0 on failure. */
 int pk_bound_correct(struct search *s);
 
-/* F at the state; 0 where it is not finite. */
+/* Computes F at the state; returns 0 if it is not finite. */
 static inline int equations(struct search *s)
 {
     const struct pk_problem *problem = s->problem;
@@ -112,7 +112,7 @@ static inline int equations(struct search *s)
     if (is_bound(s))
         return pk_bound_equations(s);
     system->canonical(problem->params, 0, s->q, s->v, NULL, s->p, s->pdot);
-    if (system->n_first_order) /* pdot at rest, and the rates of the others */
+    if (system->n_first_order) /* pdot at rest, and rates of first-order variables */
         system->force(problem->params, 0, s->q, s->v, NULL, s->pdot);
     for (size_t i = 0; i < s->n; i++)
         s->F[i] = is_cyclic(s, i) ? s->p[i] - s->kept[i]
@@ -121,22 +121,22 @@ static inline int equations(struct search *s)
     return pk_all_finite(s->F, s->n);
 }
 
-/* A box about the start, which coordinates are angles in it, the momenta to keep and the size of
- * each equation. The state is then at rest but for what is cyclic. */
+/* Sets the box about the start, the angles, the momenta to keep and the size of each equation. The
+ * state is then the start at rest, except for cyclic coordinates and first-order variables. */
 void pk_equilibria_box(struct search *s, const double *q0, const double *v0);
-/* Quaternions of length 1. */
+/* Scales quaternions to length 1. */
 void pk_equilibria_normalise(struct search *s);
-/* Point k of the search as unknowns of the state; 0 is the start. */
+/* Sets the unknowns of the state to point k of the search; 0 is the start. */
 void pk_equilibria_place(struct search *s, size_t k);
-/* prod (1 + 1/|z - z_k|^2) over the known roots, in reaches, infinite at one; its logarithm's
- * derivative by each unknown into s->slope. */
+/* Returns prod (1 + 1/|z - z_k|^2) over the known roots, in units of the box; infinite at a root.
+ * Sets s->slope to the gradient of its logarithm. */
 double pk_equilibria_deflated(struct search *s);
 
-/* The energy at q and v, or 0 without one. */
+/* Returns the energy at q and v, or 0 if the system has none. */
 double pk_equilibria_energy(const struct search *s, const double *q, const double *v);
-/* Whether the state is one of those found, or of the continuum of one. */
+/* Returns whether the state is a known root, or on the continuum of one. */
 int pk_equilibria_known(struct search *s, const struct pk_equilibria *found);
-/* Puts it where its energy belongs; equal ones stay in the order in which they came. */
+/* Inserts the state by its energy; roots of equal energy keep their order. */
 void pk_equilibria_insert(struct search *s, struct pk_equilibria *found);
 
 #endif

@@ -1,7 +1,7 @@
-/* The lines of a spectrum, found one after the other; see pk/spectrum.h. GSL's transform of radix 2
- * works in place, over the samples that are left, windowed and with zeros behind them to at least
- * twice their number, so that the grid is finer than a line is wide. (Windowed, since the fit has
- * the window as its weight: it leaves more at the ends.)
+/* Finds the lines of a spectrum one by one; see pk/spectrum.h. GSL's radix-2 transform works in
+ * place on the residual of the fit so far. The residual is windowed, since the fit uses the window
+ * as its weight and leaves more at the ends. It is padded with zeros to at least twice its length,
+ * so that the grid is finer than the width of a line.
  */
 #include <math.h>
 #include <string.h>
@@ -13,7 +13,8 @@
 
 #include "../src/core/internal.h"
 
-/* What the fit leaves of a line, beside the largest: no line is looked for below. */
+/* Amplitude relative to the largest line that the fit may leave of a line; the search ends
+ * there. */
 #define LEAST 1e-13
 
 static size_t padded(size_t count)
@@ -26,7 +27,8 @@ static size_t padded(size_t count)
 
 size_t pk_gsl_spectrum_size(size_t count) { return (padded(count) + count) * sizeof(double); }
 
-/* The frequency at which the transform is largest, between the grid's neighbours lo and hi. */
+/* Brackets the largest peak of the transform by grid frequencies lo and hi. Returns its amplitude,
+ * or -1 on failure. */
 static double strongest(const double *left, size_t count, double dt, double *work, double *lo,
                         double *hi)
 {
@@ -51,7 +53,7 @@ static double strongest(const double *left, size_t count, double dt, double *wor
     const double grid = 2 * PK_PI / (dt * (double)size);
     *lo = grid * (double)(at - 1);
     *hi = grid * (double)(at + 1);
-    return sqrt(most) / (double)count; /* the amplitude, near enough */
+    return sqrt(most) / (double)count; /* approximate amplitude */
 }
 
 static int resolved(const struct pk_spectrum *spectrum, double frequency)
@@ -81,7 +83,7 @@ enum pk_status pk_gsl_spectrum(struct pk_spectrum *spectrum, const double *x, si
         if (!(amplitude > LEAST * first))
             break;
         const double frequency = pk_spectrum_peak(left, count, dt, lo, hi);
-        if (!resolved(spectrum, frequency)) /* what is left belongs to the lines there are */
+        if (!resolved(spectrum, frequency)) /* the residual belongs to lines already found */
             break;
         more.lines[more.count++].frequency = frequency;
         if (pk_spectrum_fit(&more, x, count, dt, left) < 0)

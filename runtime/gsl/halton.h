@@ -1,13 +1,13 @@
-/* Points that fill a box evenly and are the same each time: coordinate i of point k is digit by
- * digit k mirrored at the point, in a base of its own, a prime. Reference: J. H. Halton, Numer.
- * Math. 2 (1960) 84.
+/* Halton's sequence: points that fill a box evenly and are the same each time. Coordinate i of
+ * point k is the radical inverse of k (its digits mirrored at the radix point) in the i-th prime
+ * base. Reference: J. H. Halton, Numer. Math. 2 (1960) 84.
  */
 #ifndef PK_GSL_HALTON_H
 #define PK_GSL_HALTON_H
 
 #include <stddef.h>
 
-/* Number k of Halton's sequence in a base, in (0, 1). */
+/* Returns number k of Halton's sequence in a base, in (0, 1). */
 static inline double halton(size_t k, size_t base)
 {
     double x = 0, digit = 1;
@@ -18,7 +18,7 @@ static inline double halton(size_t k, size_t base)
     return x;
 }
 
-/* The first primes, in order. */
+/* Sets list to the first `count` primes, in order. */
 static inline void primes(size_t *list, size_t count)
 {
     for (size_t found = 0, candidate = 2; found < count; candidate++) {

@@ -1,4 +1,4 @@
-/* What rotations and constraints keep, linearised; rates.h. A turn of the body by a small vector d
+/* Linearised constraints and rotations; see rates.h. A rotation of the body by a small vector d
  * adds Q (0, d)/2 to its quaternion, so that d = 2 vec(Q* dQ).
  */
 #include <math.h>
@@ -12,7 +12,7 @@
 
 #include "../src/core/internal.h"
 
-static const double DEPENDENT = 1e-9; /* of the largest singular value */
+static const double DEPENDENT = 1e-9; /* relative to the largest singular value: smaller are 0 */
 
 size_t pk_gsl_kept_count(const struct pk_problem *problem)
 {
@@ -30,7 +30,7 @@ void pk_gsl_residuals(const struct pk_problem *problem, const double *q, const d
         kept->jacobian(problem->params, 0, q, v, NULL, work, residuals + kept->n_holonomic);
 }
 
-/* A row of J, and what of it stands in the columns of the quaternions. */
+/* Writes a row of J to row `to` of C; its columns of body rates become columns of quaternions. */
 static void fill(const struct pk_problem *problem, const double *v, const double *row, size_t to,
                  gsl_matrix *C)
 {
@@ -49,7 +49,8 @@ static void fill(const struct pk_problem *problem, const double *v, const double
     }
 }
 
-/* d(J v + j0) by coordinates and first-order variables, body rates aside, by differences. */
+/* Computes d(J v + j0) by coordinates and first-order variables, except body rates, by central
+ * differences. */
 static void by_places(const struct pk_problem *problem, double *q, double *v, double *work,
                       gsl_matrix *C)
 {
@@ -108,8 +109,8 @@ enum pk_status pk_gsl_kept(const struct pk_problem *problem, const double *q, co
     return finite ? PK_DONE : PK_NOT_FINITE;
 }
 
-/* Appends to T an orthonormal basis of the displacements in `count` of its rows, `some`, whose
- * products with C's rows vanish, each taken at length 1. Whether that was done. */
+/* Appends to T an orthonormal basis of the null space of C, restricted to the `count` rows `some`
+ * of T; rows of C are scaled to length 1. Returns whether it succeeded. */
 static int add_free(const gsl_matrix *C, const size_t *among, const size_t *some, size_t count,
                     gsl_matrix *T, size_t *columns)
 {
@@ -138,7 +139,7 @@ static int add_free(const gsl_matrix *C, const size_t *among, const size_t *some
     return good;
 }
 
-/* Whether number j of A is a rate: of a coordinate, or of a body. */
+/* Returns whether number j of A is a rate of a coordinate or a body rate. */
 static int is_rate(const struct pk_problem *problem, size_t j)
 {
     const size_t n = pk_system_count(problem->system, problem->params);
@@ -146,8 +147,9 @@ static int is_rate(const struct pk_problem *problem, size_t j)
     return j >= n || (j >= m && j < m + 3 * problem->system->n_rotations);
 }
 
-/* T^T A T; what is round-off of A's entries of the same kind, places or rates by places or rates,
- * is 0: a free motion's eigenvalues would be the root of that. */
+/* Returns T^T A T. Entries that are round-off relative to A's entries of the same kind (positions
+ * or rates, by positions or rates) are set to 0: a free motion's eigenvalues would be their square
+ * root. */
 static gsl_matrix *projected(const struct pk_problem *problem, const size_t *among,
                              const gsl_matrix *A, const gsl_matrix *T, const int *rates)
 {
@@ -186,7 +188,7 @@ enum pk_status pk_gsl_tangent(const struct pk_problem *problem, const double *q,
     *T = NULL;
     if (status == PK_DONE)
         status = pk_gsl_kept(problem, q, v, C);
-    for (size_t i = h; i < h + c && status == PK_DONE; i++) /* where rates depend on places */
+    for (size_t i = h; i < h + c && status == PK_DONE; i++) /* J v + j0 depends on positions */
         for (size_t j = 0; j < N; j++)
             mixed |= !is_rate(problem, among[j]) && fabs(gsl_matrix_get(C, i, among[j])) > 0;
     for (int part = 0; part < 2 && status == PK_DONE && good; part++) {

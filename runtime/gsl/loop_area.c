@@ -1,6 +1,6 @@
-/* The area of a loop; see pk/gsl.h. By Fourier series of q and p round the loop, the derivative of
- * q exact: what is wrong is what samples do not resolve, and that shows in the last harmonics.
- */
+/* The area of a loop; see pk/gsl.h. It uses Fourier series of q and p round the loop, with the
+ * exact derivative of the series of q. The error is what the samples do not resolve; the last
+ * harmonics show it. */
 #include <math.h>
 
 #include <gsl/gsl_errno.h>
@@ -15,7 +15,7 @@ enum {
     LARGEST = 1000, /* a prime factor p of the length costs as p^2 */
     ROUNDINGS = 4,  /* units in the last place by which a sample may be wrong */
     FEW = 4
-}; /* of harmonics there are as many at least, to tell how large they are */
+}; /* FEW: least number of harmonics over which a mean square is taken */
 
 static size_t largest_factor(size_t count)
 {
@@ -26,7 +26,7 @@ static size_t largest_factor(size_t count)
     return count > most ? count : most;
 }
 
-/* How many are the last ones. */
+/* Returns the number of harmonics that count as the last ones. */
 static size_t last_of(size_t harmonics) { return harmonics / 8 > FEW ? harmonics / 8 : FEW; }
 
 static double square(const double *c, size_t j)
@@ -34,7 +34,7 @@ static double square(const double *c, size_t j)
     return c[2 * j - 1] * c[2 * j - 1] + c[2 * j] * c[2 * j];
 }
 
-/* Mean square of the harmonics from + 1 .. to. */
+/* Returns the mean square of the harmonics from + 1 .. to. */
 static double mean_square(const double *c, size_t from, size_t to)
 {
     double sum = 0;
@@ -43,8 +43,8 @@ static double mean_square(const double *c, size_t from, size_t to)
     return to > from ? sum / (double)(to - from) : 0;
 }
 
-/* Of the transform c of samples of which the largest is `most`; `besides`, on the same footing, is
- * what the series varies by without its harmonics: of what winds the winding, and the mean of p. */
+/* Describes a series by its transform c; `most` is its largest sample. `besides` is variation that
+ * the harmonics lack, scaled as they are: the winding for q, the mean for p of a winding q. */
 static void describe(struct pk_loop_series *s, const double *c, size_t count, double most,
                      double besides)
 {
@@ -95,7 +95,7 @@ enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double windi
     const double noise_q = mean_square(q, rest, harmonics);
     const double noise_p = mean_square(p, rest, harmonics);
     double sum = 0, noise = 0;
-    for (size_t j = harmonics; j > 0; j--) { /* the smallest first */
+    for (size_t j = harmonics; j > 0; j--) { /* the smallest terms first, for less round-off */
         const double weight = (double)j;
         sum += weight * (p[2 * j] * q[2 * j - 1] - p[2 * j - 1] * q[2 * j]);
         noise += weight * weight * (square(p, j) * noise_q + square(q, j) * noise_p) / 2;
@@ -106,6 +106,6 @@ enum pk_status pk_gsl_loop_area(double *q, double *p, size_t count, double windi
     describe(&found->p, p, count, most_p, fabs(winding) > 0 ? p[0] : 0);
     found->size = 2 * PK_PI * found->q.rms * found->p.rms;
     if (!isfinite(found->area) || !isfinite(found->size) || !isfinite(found->noise))
-        return PK_NOT_FINITE; /* of finite q and p: squares that a double does not hold */
+        return PK_NOT_FINITE; /* q and p are finite, but their products overflow */
     return PK_DONE;
 }

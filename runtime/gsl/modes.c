@@ -1,8 +1,8 @@
 /* Normal modes at a (relative) equilibrium; see pk/gsl_equilibria.h for the pencil M, C, K.
  *
- * Where C vanishes and K is symmetric, as at an equilibrium of a natural system, they are those of
- * K u = omega^2 M u (gsl_eigen_gensymmv: Cholesky's factors of M, then symmetric QR), else those of
- * the first-order system of twice the size (gsl_eigen_nonsymmv).
+ * If C vanishes and K is symmetric, as at an equilibrium of a natural system, the modes solve K u =
+ * omega^2 M u (gsl_eigen_gensymmv: Cholesky's factors of M, then symmetric QR). Otherwise they are
+ * those of the first-order system of twice the size (gsl_eigen_nonsymmv).
  */
 #include <math.h>
 #include <stdlib.h>
@@ -17,10 +17,10 @@
 #include "pencil.h"
 #include "rates.h"
 
-static const double ZERO = 1e-7; /* of the largest eigenvalue */
+static const double ZERO = 1e-7; /* relative to the largest eigenvalue: smaller ones are 0 */
 
-/* The pencil of the m coordinates that are not cyclic, and what brings the others back:
- * v_c = R u' + S u. */
+/* The pencil of the m coordinates that are not cyclic, and R and S that give the rates of the
+ * cyclic ones: v_c = R u' + S u. */
 struct pencil {
     size_t n, m;
     size_t *map; /* coordinates that are not cyclic, then those that are */
@@ -30,7 +30,7 @@ struct pencil {
 
 static double *entry(double *A, size_t columns, size_t i, size_t j) { return A + i * columns + j; }
 
-/* Kernels' matrices, the cyclic block factored, and what is left of the others. */
+/* Evaluates the kernels' matrices and eliminates the cyclic coordinates (Routh reduction). */
 static enum pk_status reduce(struct pencil *x, const struct pk_problem *problem, const double *q,
                              const double *v, double *work)
 {
@@ -80,7 +80,7 @@ static enum pk_status reduce(struct pencil *x, const struct pk_problem *problem,
     return PK_DONE;
 }
 
-/* Whether C is round-off beside the rates that M and K give, and K symmetric. */
+/* Returns whether C is round-off, relative to M and K, and K is symmetric. */
 static int is_natural(const struct pencil *x)
 {
     const size_t m = x->m;
@@ -95,8 +95,8 @@ static int is_natural(const struct pencil *x)
     return 1;
 }
 
-/* A mode whose part u of the coordinates that are not cyclic is given, scaled so that the largest
- * component of that part is 1. The cyclic ones' q_c = v_c / lambda, where lambda is not 0. */
+/* Stores a mode, given its part u of the coordinates that are not cyclic. The largest component of
+ * that part is scaled to 1. Cyclic coordinates have q_c = v_c / lambda, if lambda is not 0. */
 static void add(const struct pencil *x, double growth, double frequency, const double *re,
                 const double *im, struct pk_mode *mode, double *shape)
 {
@@ -128,7 +128,7 @@ static void add(const struct pencil *x, double growth, double frequency, const d
             b = w / most;
         }
     }
-    for (size_t i = 0; i < n && most > 0; i++) { /* times exp(-i phase of the largest) */
+    for (size_t i = 0; i < n && most > 0; i++) { /* rotates phases: the largest becomes real */
         const double u = shape[i] / most, w = shape[n + i] / most;
         shape[i] = u * a + w * b;
         shape[n + i] = w * a - u * b;
@@ -158,8 +158,8 @@ static int natural_modes(const struct pencil *x, struct pk_mode *modes, double *
     return failed;
 }
 
-/* Those of z' = A z, of which the first m are the shape, or with T of y' = A y, z = T y; `left` of
- * the zeros are none. */
+/* Computes the modes of z' = A z, or with T of y' = A y and z = T y; the first m numbers of z are
+ * the shape. Skips `left` zero eigenvalues. Returns whether it failed. */
 static int spectrum(const struct pencil *x, gsl_matrix *A, const gsl_matrix *T, size_t left,
                     struct pk_mode *modes, double *shapes, size_t *count, double *scratch)
 {
@@ -224,9 +224,9 @@ static int general_modes(const struct pencil *x, struct pk_mode *modes, double *
     return failed;
 }
 
-/* With first-order variables, rotations or constraints: of all that something depends on, on the
- * tangent space of what is kept. The momenta of what is cyclic are constant, which is a zero each.
- */
+/* Modes with first-order variables, rotations or constraints: of all variables that a rate depends
+ * on, in the tangent space of the constraints. Each cyclic coordinate adds a zero eigenvalue, from
+ * its constant momentum, which is skipped. */
 static enum pk_status first_order_modes(struct pencil *x, const struct pk_problem *problem,
                                         const double *q, const double *v, struct pk_mode *modes,
                                         double *shapes, size_t *count, double *scratch)
@@ -257,7 +257,7 @@ static enum pk_status first_order_modes(struct pencil *x, const struct pk_proble
     return status;
 }
 
-/* The fastest first; at one rate the growing before the decaying. */
+/* Sorts by |lambda|, largest first; at equal |lambda| growing modes come before decaying ones. */
 static void sort(size_t n, struct pk_mode *modes, double *shapes, size_t count)
 {
     for (size_t i = 1; i < count; i++)
@@ -289,7 +289,7 @@ enum pk_status pk_gsl_modes(const struct pk_problem *problem, const double *q, c
         return PK_REFUSED;
     x.n = pk_system_count(system, problem->params);
     x.map = (size_t *)calloc(x.n, sizeof *x.map);
-    unsigned char *apart = (unsigned char *)calloc(x.n, 1); /* cyclic, or read by nothing */
+    unsigned char *apart = (unsigned char *)calloc(x.n, 1); /* cyclic, or a quadrature */
     double *block = (double *)calloc(10 * x.n * x.n + 6 * x.n, sizeof *block);
     enum pk_status status = x.map && apart && block ? PK_DONE : PK_NO_MEMORY;
     if (status == PK_DONE && system->n_first_order)

@@ -8,9 +8,10 @@
 #include "../src/core/internal.h"
 #include "pencil.h"
 
-static const double SAME = 1e-12; /* of what is to cancel, beside what there is */
+static const double SAME = 1e-12; /* relative tolerance of differences that must vanish */
 
-/* M, and K = -d(pdot)/dq made symmetric. PK_REFUSED where rates act besides, or K is no Hessian. */
+/* Computes M and K = -d(pdot)/dq, made symmetric. PK_REFUSED if forces depend on rates, or K is not
+ * symmetric. */
 static enum pk_status pencil(const struct pk_problem *problem, size_t n, const double *q, double *M,
                              double *K, double *work)
 {
@@ -34,7 +35,7 @@ static enum pk_status pencil(const struct pk_problem *problem, size_t n, const d
     return PK_DONE;
 }
 
-/* Mode k, column k of U, to a row of its own, the largest component positive. */
+/* Copies mode k, column k of U, to `shape`, with its largest component positive. */
 static void take(size_t n, const double *U, size_t k, double *shape)
 {
     double most = 0;

@@ -1,8 +1,7 @@
 /* GSL's steppers rkf45 and rk8pd (explicit Runge-Kutta), msadams and msbdf (multistep, of variable
- * order) and bsimp (extrapolation of the implicit midpoint rule) on y = (q, v), with GSL's own step
- * control, as methods like the core's. The last two take the Jacobian of y' = (v, a) from the
- * system's `linear`. GSL's error handler, which aborts, is switched off around every call into it
- * and put back.
+ * order) and bsimp (extrapolation of the implicit midpoint rule) on y = (q, v), as methods like the
+ * core's, with GSL's formula for the step size. The last two take the Jacobian of y' = (v, a) from
+ * the system's `linear`. GSL's error handler, which aborts, is off during every call into GSL.
  *
  * References: GNU Scientific Library Reference Manual, "Ordinary Differential Equations";
  * E. Fehlberg, NASA TR R-315 (1969); P. J. Prince, J. R. Dormand, J. Comp. Appl. Math. 7 (1981) 67;
@@ -19,7 +18,7 @@
 
 #include <pk/gsl.h>
 #include <pk/keep.h>
-#include <pk/linear.h> /* size of work */
+#include <pk/linear.h> /* pk_system_linear_size() */
 #include <pk/methods.h>
 
 #include "../src/core/internal.h"
@@ -27,9 +26,9 @@
 struct foreign {
     gsl_odeiv2_system system;
     gsl_odeiv2_driver *driver;
-    enum pk_status status; /* of the right-hand side, which GSL sees only as "failed" */
-    double h;              /* the step that GSL proposes; 0: to be guessed */
-    double *linear;        /* work for the Jacobian; NULL where it is not asked for */
+    enum pk_status status; /* of the right-hand side; GSL only knows that it failed */
+    double h;              /* step size that GSL proposes; 0: choose one */
+    double *linear;        /* work for the Jacobian; NULL for methods without it */
 };
 
 static int right_hand_side(double t, const double *y, double *dy, void *context)
@@ -51,7 +50,7 @@ static int right_hand_side(double t, const double *y, double *dy, void *context)
         return GSL_SUCCESS;
     }
     pk_trouble(it, f->status, t);
-    return GSL_FAILURE; /* GSL halves the step on this, and gives up only on GSL_EBADFUNC */
+    return GSL_FAILURE; /* GSL halves the step on this; on GSL_EBADFUNC it would give up */
 }
 
 static int jacobian(double t, const double *y, double *df_dy, double *df_dt, void *context)
@@ -88,8 +87,8 @@ static void release(struct pk_integrator *it)
     it->own->extra = NULL;
 }
 
-/* Steps as GSL's standard control has them ("Adaptive Step-size Control" in its manual), by the
- * errors that other methods may make too. */
+/* Step size control by the formulas of GSL's standard control ("Adaptive Step-size Control" in its
+ * manual), with the core's tolerances pk_tolerance(). */
 static int errlevel(void *context, double y, double dy, double h, size_t i, double *level)
 {
     struct pk_integrator *it = (struct pk_integrator *)context;
@@ -123,7 +122,7 @@ static int hadjust(void *context, size_t dim, unsigned int order, const double y
 static void *control_alloc(void)
 {
     static char none;
-    return &none; /* set to the integrator below; the driver's own is freed with the driver */
+    return &none; /* NULL would mean no memory; init() replaces it by the integrator */
 }
 
 static int control_init(void *context, double eps_abs, double eps_rel, double a_y, double a_dydt)
@@ -192,13 +191,12 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     struct foreign *f = (struct foreign *)it->own->extra;
     const double left = limit - it->t;
     double t = it->t, h = f->h;
-    if (!(h * left > 0)) { /* first step, or the direction turned */
+    if (!(h * left > 0)) { /* first step, or the direction has changed */
         h = it->options.h > 0 ? it->options.h : 1e-3 * (left > 0 ? left : -left);
         h = left > 0 ? h : -h;
         it->own->flags = 0;
     }
-    if (!(it->own->flags &
-          PK_HAVE_STEP)) /* a step that GSL has made was refused: its end is none */
+    if (!(it->own->flags & PK_HAVE_STEP)) /* the last step was rejected: GSL must forget it */
         fall_back(f, PK_DONE);
     it->own->flags = 0;
     if (it->options.h_max > 0 && (h > it->options.h_max || h < -it->options.h_max))
@@ -245,8 +243,8 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     return PK_DONE;
 }
 
-/* What evolve has is public, and a step of Runge-Kutta's has nothing else; that of the others is
- * GSL's own. */
+/* Saves or restores the state. A Runge-Kutta method has all its state in the public
+ * gsl_odeiv2_evolve; the other methods have private state, so they return PK_REFUSED. */
 static enum pk_status keep(struct pk_integrator *it, struct pk_keep *k)
 {
     struct foreign *f = (struct foreign *)it->own->extra;

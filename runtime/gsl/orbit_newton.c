@@ -1,7 +1,7 @@
-/* Newton's method on the gap y -> end - y of some steps of a method; see pk/gsl_orbits.h.
+/* Newton's method for the gap y -> end - y of some steps of a method; see pk/gsl_orbits.h.
  *
- * Deflation multiplies the gap by p = prod (1 + 1/|y - known|^2). Newton's correction of that is
- * the same one times 1/(1 - grad(p).correction/p), so no derivative is made again.
+ * Deflation multiplies the gap by p = prod (1 + 1/|y - known|^2). Its Newton correction is that of
+ * the gap times 1/(1 - grad(p).correction/p), so it needs no other derivative.
  */
 #include <math.h>
 #include <string.h>
@@ -13,11 +13,11 @@
 
 enum { MOST_TURNS = 60 };
 static const double TWO_PI = 6.283185307179586476925;
-static const double BESIDE = 1e-6;  /* of a box: central differences are good to 1e-10 then */
-static const double FLAT = 1e-7;    /* singular values below, of the largest, are not divided by */
-static const double SMALL = 1e-9;   /* a correction, in boxes, that ends it */
-static const double CLOSED = 1e-6;  /* a gap that is one still */
-static const double FURTHEST = 0.5; /* a correction, in boxes; of h a quarter of that */
+static const double BESIDE = 1e-6;  /* central differences, in boxes: errors are about 1e-10 */
+static const double FLAT = 1e-7;    /* singular value, relative to the largest, that counts as 0 */
+static const double SMALL = 1e-9;   /* correction, in boxes, at which the iteration ends */
+static const double CLOSED = 1e-6;  /* largest gap of a closed orbit, in boxes */
+static const double FURTHEST = 0.5; /* largest correction, in boxes; a quarter of it for log h */
 
 int pk_orbit_advance(struct closing *x, const double *y, double h, size_t steps)
 {
@@ -57,7 +57,7 @@ static int gap(struct closing *x, double h, double *out)
     return 1;
 }
 
-/* d(gap)/d(unknown k), in x->other; of k = d by log h. */
+/* Sets x->other to d(gap)/d(unknown k), or for k = d to d(gap)/d(log h). */
 static int slope(struct closing *x, size_t k)
 {
     const int of_h = k == x->d;
@@ -73,7 +73,7 @@ static int slope(struct closing *x, size_t k)
     return good;
 }
 
-/* J, and with x->free the column of h, into the rows of U: U is its transpose. */
+/* Computes J, and the rows of U, which is its transpose; with a free h, U has another row. */
 static int derivative(struct closing *x)
 {
     for (size_t k = 0; k < x->U->size1; k++) {
@@ -90,7 +90,7 @@ static int derivative(struct closing *x)
     return 1;
 }
 
-/* The least correction that closes the gap by its derivative. */
+/* Sets x->step to the shortest Newton correction; returns 0 on failure. */
 static int least(struct closing *x)
 {
     if (!derivative(x) || gsl_linalg_SV_decomp(x->U, x->V, x->singular, x->work))
@@ -122,7 +122,7 @@ static double deflated(const struct closing *x)
     return slope < 1 || slope > 1 ? 1 / (1 - slope) : 1;
 }
 
-/* Goes by x->step; its size. */
+/* Moves by x->step, deflated and at most FURTHEST long. Returns its size before that limit. */
 static double go(struct closing *x)
 {
     double size = 0, by = x->n_known ? deflated(x) : 1;

@@ -1,4 +1,4 @@
-/* What the files of pk/gsl_orbits.h share. Not installed. */
+/* State and functions shared by the files of pk/gsl_orbits.h. Not installed. */
 #ifndef PK_GSL_ORBIT_NEWTON_H
 #define PK_GSL_ORBIT_NEWTON_H
 
@@ -10,24 +10,24 @@ struct closing {
     const struct pk_problem *problem;
     const struct pk_closed_orbits *asked;
     struct pk_integrator it;
-    size_t n, d, steps;   /* coordinates, unknowns, steps after which it is to close */
-    size_t *of;           /* which of the 2 n numbers unknown k is */
-    unsigned char *turns; /* of unknown k: 2 pi further is the same place */
+    size_t n, d, steps;   /* degrees of freedom, unknowns, steps of the orbit */
+    size_t *of;           /* index of unknown k in the 2 n numbers of the state */
+    unsigned char *turns; /* unknown k + 2 pi is the same position */
     double h;
-    double *y, *end;             /* 2 n: where it begins, and is after the steps */
-    double *gap, *other, *ahead; /* d: end - y, in boxes, of this start and two beside it */
+    double *y, *end;             /* 2 n: the start, and the state after the steps */
+    double *gap, *other, *ahead; /* d: end - y, in boxes, of the start and of two shifted starts */
     double *u;                   /* inputs */
-    double *known;               /* 2 n each: states that are to be left out */
+    double *known;               /* 2 n each: states to deflate */
     size_t n_known;
-    gsl_matrix *J, *U, *V; /* d by d: of the gap; its singular vectors, d + 1 by d and d by d */
-    gsl_vector *singular, *work, *right, *step; /* d, d, d, d + 1 */
+    gsl_matrix *J, *U, *V; /* d(gap)/d(unknowns), d by d; SVD: U d or d + 1 by d, V d by d */
+    gsl_vector *singular, *work, *right, *step; /* d, d, d, d or d + 1 (with h) */
 };
 
-/* After the steps, in x->end; 0 where one fails. */
+/* Makes the steps from y and sets x->end; returns 0 if one fails. */
 int pk_orbit_advance(struct closing *x, const double *y, double h, size_t steps);
-/* b - a of an unknown, in boxes, by the shorter way round. */
+/* Returns b - a of unknown k, in boxes; an angle is taken modulo 2 pi. */
 double pk_orbit_apart(const struct closing *x, size_t k, const double *a, const double *b);
-/* From x->y, x->h to where the gap closes; 0 where it does not. x->J is the derivative there. */
+/* Changes x->y and x->h until the gap closes, and sets x->J there; returns 0 on failure. */
 int pk_orbit_newton(struct closing *x);
 
 #endif

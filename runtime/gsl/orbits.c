@@ -1,4 +1,4 @@
-/* Orbits that close, sought from many starts; see pk/gsl_orbits.h. */
+/* Closed orbits, sought from many starts; see pk/gsl_orbits.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,14 +12,14 @@
 #include "orbit_newton.h"
 
 static const double TWO_PI = 6.283185307179586476925;
-static const double SAME = 1e-5;   /* of a box */
-static const double REST = 1e-6;   /* what the equations move in a step where they rest, in boxes */
-static const double ALIKE = 1e-11; /* relative: rates that are the same */
-static const double AWAY = 16;     /* boxes: out of sight */
-/* Halton's first points are middles and quarters, where a start may lie and a sine vanish. */
+static const double SAME = 1e-5;   /* distance of equal states, in boxes */
+static const double REST = 1e-6;   /* motion in a step at an equilibrium, in boxes */
+static const double ALIKE = 1e-11; /* relative difference of equal rates */
+static const double AWAY = 16;     /* distance at which an orbit is ignored, in boxes */
+/* ODD skips Halton's first points: at middles and quarters of the box a sine may vanish. */
 enum { PROBES = 3, ODD = 16, MOST_KNOWN = 128 };
 
-/* What the unknowns are told from. */
+/* Memory to test which numbers of the state the equations depend on. */
 struct probe {
     const struct pk_problem *of;
     const double *middle, *box;
@@ -33,7 +33,8 @@ static int rates(const struct probe *x, double t, double *a)
     return x->of->system->acceleration(x->of->params, t, x->y, x->y + x->n, x->u, a);
 }
 
-/* Whether the rates at some states stay what they are if number i is `by` more, or (i = 2 n) t. */
+/* Returns whether the rates at PROBES states stay the same if number i of the state, or t (i = 2
+ * n), is increased by `by`. */
 static int same_rates(struct probe *x, size_t i, double by)
 {
     size_t base[PROBES * 8];
@@ -64,7 +65,7 @@ static size_t choose(struct probe *x, size_t *of, unsigned char *turns)
     for (size_t i = 0; i < 2 * x->n; i++) {
         const int place = i < seen || i >= x->n + seen; /* else a rate */
         if (i >= seen && i < x->n)
-            continue; /* nobody's: what a state's rate belongs to */
+            continue; /* the integral of a first-order variable, which nothing uses */
         if (place && same_rates(x, i, 0.7390851 * x->box[i]))
             continue;
         turns[d] = place && same_rates(x, i, TWO_PI);
@@ -94,7 +95,8 @@ size_t pk_closed_unknowns(const struct pk_problem *problem, const double *middle
     return d;
 }
 
-/* Where something depends on time, all steps together are to be its period. */
+/* Returns whether the equations are the same after all steps: if they depend on time, the steps
+ * must span whole periods. */
 static int in_step(const struct pk_problem *problem, const struct pk_closed_orbits *o)
 {
     struct probe x = {.of = problem, .middle = o->middle, .box = o->box};
@@ -133,7 +135,7 @@ static int in_sight(const struct closing *x)
     return 1;
 }
 
-/* Whether the equations have a place of rest there. */
+/* Returns whether x->y is an equilibrium. */
 static int rests(struct closing *x)
 {
     const struct pk_problem *of = x->problem;
@@ -202,8 +204,8 @@ static void keep(struct closing *x, struct pk_closed_orbits *o)
     }
 }
 
-/* Fewer steps, after which the state is the same but for whole turns: Newton's method is then of
- * them. 0: they are none that are asked for. */
+/* Reduces x->steps to the orbit's least number of steps (up to whole turns), and then repeats
+ * Newton's method. Returns 0 if that number is below the requested ones, or Newton fails. */
 static int shorten(struct closing *x, const struct pk_closed_orbits *o)
 {
     for (size_t k = 1; o->tries && k < x->steps; k++) {
@@ -223,7 +225,7 @@ static int shorten(struct closing *x, const struct pk_closed_orbits *o)
     return 1;
 }
 
-/* All that one start leads to, each found being kept from. */
+/* Finds all orbits that Newton's method reaches from one start; each one found is deflated. */
 static void search_from(struct closing *x, const double *y0, size_t number, const size_t *base,
                         struct pk_closed_orbits *o)
 {

@@ -1,4 +1,4 @@
-/* By Cholesky's factors of M and symmetric QR (gsl_eigen_gensymmv). */
+/* Solves the pencil by Cholesky factors of M and symmetric QR (gsl_eigen_gensymmv). */
 #include <math.h>
 #include <string.h>
 
@@ -15,7 +15,7 @@ double pk_gsl_largest(const double *x, size_t count)
     return most;
 }
 
-/* Of u, which GSL gives of length 1, the factor that makes u.M u = 1. */
+/* Returns the factor that makes u.M u = 1; u is column k of U, of length 1 from GSL. */
 static double scale(size_t n, const double *M, const gsl_matrix *U, size_t k)
 {
     double square = 0;

@@ -1,4 +1,4 @@
-/* The linearised equations at a state as z' = A z, and the eigenvalues of A; pk/gsl_equilibria.h. */
+/* The linearised equations z' = A z and the eigenvalues of A; see pk/gsl_equilibria.h. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -48,7 +48,7 @@ enum pk_status pk_gsl_unread(const struct pk_problem *problem, const double *q, 
     enum pk_status status = A && place ? PK_DONE : PK_NO_MEMORY;
     for (size_t i = 0; i < n; i++)
         unread[i] = i >= m;
-    for (size_t k = 0; k < 3 && status == PK_DONE; k++) { /* the state itself, and beside it */
+    for (size_t k = 0; k < 3 && status == PK_DONE; k++) { /* the state, and two states near it */
         for (size_t i = 0; i < n; i++) {
             place[i] = q[i] + (double)k * (0.01 + 0.013 * (double)i) * (1 + fabs(q[i]));
             place[n + i] = v[i] + (double)k * (0.02 + 0.011 * (double)i) * (1 + fabs(v[i]));

@@ -5,7 +5,7 @@
 
 #include "pencil.h"
 
-/* The first `modes` modes of each coordinate alone. */
+/* Copies the submatrix of the first `modes` modes of each coordinate. */
 static void part(const struct pk_least_action *found, const double *from, size_t modes, double *to)
 {
     const size_t all = found->modes, wide = found->n * all, m = found->n * modes;

@@ -1,4 +1,4 @@
-/* What is written beside CSV: rows as a NumPy array, and the description of a run in JSON. */
+/* Output besides CSV: rows as a NumPy array, and the description of a run in JSON. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "../run/base/json.h"
@@ -27,7 +27,7 @@ int write_npy(const struct pk_run *run, const char *path)
     }
     fprintf(head, "], 'fortran_order': False, 'shape': (%zu,), }", count);
     int failed = fclose(head) != 0;
-    /* The magic string, version 1.0 and the length; all of it a multiple of 64. */
+    /* Magic string, version 1.0, length of the header; the total is a multiple of 64 bytes. */
     const size_t length = (size + 11 + 63) / 64 * 64 - 10;
     failed |= length > UINT16_MAX;
     if (!failed) {

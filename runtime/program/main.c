@@ -1,5 +1,5 @@
-/* The program that `pkgen build` makes of a model: options in, rows and a report out, by the layer
- * of pk/run.h. It needs nothing but the C library.
+/* The program that `pkgen build` makes of a model: it reads options and writes rows and a report,
+ * by the layer of pk/run.h. It needs only the C library.
  *
  * Exit codes: those of enum pk_run_code.
  */
@@ -55,7 +55,7 @@ static int help(const struct program *p)
     return 0;
 }
 
-/* The file's name with another end, in memory of malloc(). */
+/* Returns `path` with `end` appended, in memory of malloc(). */
 static char *named(const char *path, const char *end)
 {
     char *text = (char *)malloc(strlen(path) + strlen(end) + 1);
@@ -68,7 +68,7 @@ static int failed(const char *what, const char *path)
     return PK_RUN_USAGE;
 }
 
-/* The report, with the columns and what they are, beside the rows. */
+/* Writes the report and the names and units of the columns to a file next to the rows. */
 static int write_beside(struct program *p, struct pk_run *run)
 {
     char *path = named(p->output, ".json");
@@ -119,7 +119,7 @@ static int go(struct program *p)
         code = failed("write", partial);
     const int over =
         run && (code == PK_RUN_DONE || (code == PK_RUN_FAILED && strlen(pk_run_report(run)) > 2));
-    if (checkpoint && over) /* there is nothing to go on with */
+    if (checkpoint && over) /* the run has ended: its checkpoint is of no use */
         remove(checkpoint);
     if (run && p->output && code != PK_RUN_USAGE && code != PK_RUN_LEFT) {
         const int whole = strstr(pk_run_report(run), "\"whole\": true") != NULL;

@@ -1,4 +1,4 @@
-/* What the files of the stand-alone program share. */
+/* State and functions shared by the files of the stand-alone program. */
 #ifndef PROGRAM_H
 #define PROGRAM_H
 
@@ -6,7 +6,7 @@
 
 #include <pk/run.h>
 
-/* Of the model; written by `pkgen build`: the settings of its scene, or defaults. */
+/* The model, and the settings of its scene or defaults; `pkgen build` writes both. */
 extern const struct pk_run_model program_model;
 extern const struct pk_run_settings program_settings;
 
@@ -14,36 +14,37 @@ struct program {
     const char *name;
     struct pk_run_settings settings;
     const char *output; /* NULL: standard output */
-    int json, shows;
-    const char *shard, *starts, *to; /* of a sweep: what is said of a shard, in JSON; its files */
-    unsigned long first;             /* its first member, from 0 */
+    int json, shows;    /* the report goes to standard output; progress goes to the terminal */
+    const char *shard, *starts, *to; /* shard of a sweep: its JSON members; input, output file */
+    unsigned long first;             /* number of its first member, from 0 */
     void *lists[16];                 /* memory of keep() */
     size_t n_lists;
 };
 
 enum { OPTIONS_HELP = -1 };
 
-/* 0, OPTIONS_HELP, or the exit code after a message. */
+/* Reads the options. Returns 0, OPTIONS_HELP, or the exit code after a message. */
 int options_read(struct program *p, int argc, char **argv);
 void options_help(FILE *file);
 void options_free(struct program *p);
 
-/* Of shard.c: the members of a shard; the exit code. */
+/* Of shard.c: runs the members of a shard; returns the exit code. */
 int shard_write(const struct program *p);
-/* Of tables.c: an ensemble's CSV; 0, or the exit code after a message. */
+/* Of tables.c: reads an ensemble's CSV; returns 0, or the exit code after a message. */
 int table_read(struct program *p, const char *path);
-/* Of files.c: rows as an array with named columns; settings, columns and report in JSON; one line.
+/* Of files.c: writes rows as a NumPy array; columns, report and rows in JSON; a summary in one
+ * line.
  */
 int write_npy(const struct pk_run *run, const char *path);
 void write_description(const struct program *p, struct pk_run *run, FILE *file);
 void write_summary(struct pk_run *run, FILE *file);
 
-/* Of names.c. A name of the model: `kind` p of a parameter, i of an input, q, v, o of an output, e
- * of an event, z, s of a size; its index and unit. 0: there is none. */
+/* Of names.c. Finds a name of the model and sets its index and unit; returns 0 if there is none.
+ * `kind`: p parameter, i input, q coordinate, v rate, o output, e event, s size. */
 int find_name(const char *name, size_t length, char kind, size_t *index, const char **unit);
-/* A number, in SI or with the unit that it is to have. 0: it is none. */
+/* Reads a number in SI, which may be followed by [unit]. Returns 0 if it is not a finite number. */
 int read_number(const char *text, const char *unit, double *x);
-/* Memory that options_free() gives back; ends the program where there is none. */
+/* Returns `old` resized (NULL: new) for options_free(); ends the program without memory. */
 void *keep(struct program *p, void *old, size_t size);
 
 #endif

@@ -1,4 +1,4 @@
-/* The file of an ensemble: a header of names, then a row of numbers for each member. */
+/* Reads the CSV file of an ensemble: a header of names, then a row of numbers for each member. */
 #include "program.h"
 
 #include <errno.h>

@@ -49,7 +49,7 @@ static int jacobian(const struct pk_problem *problem, pk_real t, const pk_real *
                                 : status == PK_DONE;
 }
 
-/* What is asked for: how many numbers it has at a state, 0 where the system has none. */
+/* A kernel by its name; `width` is its numbers per state, 0 if the system has no such kernel. */
 struct kernel {
     const char *name;
     enum { ACCELERATION, JACOBIAN, MOMENTA, ENERGY, PLAIN } kind;
@@ -77,7 +77,7 @@ static struct kernel find(const struct settings *s, const char *name)
     return *k;
 }
 
-/* One state. 0 where M is singular: `out` is not a number then. */
+/* Evaluates a kernel at one state. Returns 0 if M is singular there; `out` is then undefined. */
 static int at(const struct settings *s, const struct pk_problem *problem, const struct kernel *k,
               pk_real t, const pk_real *q, const pk_real *v, const pk_real *u, pk_real *out,
               pk_real *work)
@@ -100,7 +100,7 @@ static int at(const struct settings *s, const struct pk_problem *problem, const 
     }
 }
 
-/* Blocks of PK_LANES states. */
+/* Computes accelerations in blocks of PK_LANES states. Returns how many states failed. */
 static size_t in_lanes(const struct settings *s, size_t count, const double *t, const double *q,
                        const double *v, const double *u, double *out, pk_real *work)
 {

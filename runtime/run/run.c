@@ -7,7 +7,7 @@
 #include "settings/settings.h"
 #include "steps/steps.h"
 
-#define LAP_SECONDS 1e-3 /* so many runs that the clock's own cost is nothing */
+#define LAP_SECONDS 1e-3 /* least length of a lap, so that reading the clock costs nothing */
 
 static void tell_failure(struct pk_run *run)
 {
@@ -19,13 +19,13 @@ static void tell_failure(struct pk_run *run)
             run->besides ? run->besides : "");
 }
 
-/* What there is to say of one trajectory, and the code. */
+/* Writes the final messages of one trajectory. Returns the exit code. */
 static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
 {
     char reason[640];
     code = rows_end(run, code);
     if (run->write_failed == EPIPE)
-        return PK_RUN_DONE; /* who read them has read enough */
+        return PK_RUN_DONE; /* the reader of the pipe has closed it */
     if (!run->settings.asked.bare && !run->settings.asked.compared) {
         trust_judge(run);
         watch_warn(run);
@@ -50,7 +50,7 @@ static enum pk_run_code finish(struct pk_run *run, enum pk_run_code code)
     return code;
 }
 
-/* What stands for rows that are wanted and that there are none of. */
+/* Writes start and end, or the final state, as rows where a compared or bare run has no others. */
 static void ends(struct pk_run *run)
 {
     const struct settings *s = &run->settings;
@@ -65,7 +65,7 @@ static void ends(struct pk_run *run)
         observe_row(run, run_moment(run));
 }
 
-/* With a checkpoint; who goes on from it says what there is to say. */
+/* Ends a run that left a checkpoint; the resumed run writes the other messages. */
 static enum pk_run_code leave(struct pk_run *run)
 {
     const enum pk_run_code code = rows_end(run, PK_RUN_LEFT);
@@ -97,7 +97,7 @@ static enum pk_run_code one(struct pk_run *run)
     return finish(run, code);
 }
 
-/* Settings, and where rows go. */
+/* Takes the settings and opens the file of the rows. */
 static void take(void *context)
 {
     struct pk_run *run = context;
@@ -158,7 +158,7 @@ size_t pk_run_members(const struct pk_run *run, const double **numbers, size_t *
     return run->members ? run->settings.asked.members : 0;
 }
 
-/* What is written when it is first asked for. */
+/* Returns *text, which `write` makes at the first call. */
 static const char *once(struct pk_run *run, char **text,
                         void (*write)(struct pk_run *run, FILE *file))
 {
@@ -171,17 +171,17 @@ static const char *once(struct pk_run *run, char **text,
     return *text ? *text : "{}";
 }
 
-const char *pk_run_report(struct pk_run *run) /* an ensemble has its own, and no integrator */
+const char *pk_run_report(struct pk_run *run) /* an ensemble sets run->report, and has no `it` */
 {
     const int known = (run->report || run->it.method) && !run->checkpoint.refused;
-    return known ? once(run, &run->report, report_run) : "{}"; /* what was refused is no state */
+    return known ? once(run, &run->report, report_run) : "{}"; /* a refused checkpoint: no state */
 }
 
 const char *pk_run_given(struct pk_run *run) { return once(run, &run->told, settings_tell); }
 
 const char *pk_run_messages(const struct pk_run *run)
 {
-    const int none = run->code == PK_RUN_FAILED; /* who fails otherwise has said why */
+    const int none = run->code == PK_RUN_FAILED; /* other failures have messages */
     return run->said ? run->said : none ? "out of memory\n" : "";
 }
 
@@ -195,7 +195,7 @@ size_t pk_run_size(int which)
     return which >= 0 && which < 5 ? sizes[which] : 0;
 }
 
-/* Laps are longer until the clock shows them: under a limit of CPU time it goes by ticks of
+/* Laps are doubled until the clock resolves them: under a limit of CPU time it ticks in
  * milliseconds. */
 double pk_run_laps(struct pk_run *run, double seconds)
 {

@@ -1,21 +1,21 @@
-/* Integrators abreast: the next steps of several integrators of one system and one method, each
- * with a state, parameters, a time and a length of step of its own, made at once in vector lanes.
+/* Integrators abreast: makes the next steps of several integrators at once, in SIMD lanes. They
+ * share system and method; each has its own state, parameters, time and step size.
  *
  *     size_t size = pk_abreast_size(&problem, method);      (bytes; 0: there are no lanes for it)
  *     pk_abreast_init(&abreast, &problem, method, block, size);
  *     while (...) {
- *         lanes[l] = (struct pk_abreast_lane){&it[l], NULL, limit[l], it[l].t}; (abreast.lanes of them)
+ *         lanes[l] = (struct pk_abreast_lane){&it[l], NULL, limit[l], it[l].t};  (for all lanes)
  *         pk_abreast_make(&abreast, lanes);
  *         pk_integrator_step(&it[l], limit[l]);  (of each that is not idle, or pk_events_step())
  *     }
  *
- * An integrator comes to the step that was made for it and takes it, if that is the step that it
- * would make: of this state, to this time. It does all else as ever, looks at events, rejects,
- * fails. What was not made, or failed, it makes by itself. So with -ffp-contract=off nothing comes
- * out other than without lanes, to the bit, whoever is in them.
+ * An integrator takes the step made ahead for it if that is the step it would make: from this
+ * state, to this time. All else it does as usual: events, rejections, failures. A step that was not
+ * made ahead, or failed, it makes itself. So with -ffp-contract=off results have the same bits as
+ * without lanes, with any neighbours.
  *
- * Explicit Runge-Kutta and splitting methods have lanes, adaptive ones too, but not of systems with
- * constraints, whose projection is most of a step. Inputs are to be constant.
+ * Lanes serve explicit Runge-Kutta methods, adaptive ones too, and splitting methods, but no
+ * systems with constraints, since projection is most of their step. Inputs must be constant.
  */
 #ifndef PK_ABREAST_H
 #define PK_ABREAST_H
@@ -27,15 +27,15 @@ PK_BEGIN
 struct pk_events;
 
 struct pk_abreast_lane {
-    struct pk_integrator *it; /* NULL: nobody */
-    struct pk_events *events; /* by which its steps are made; NULL: none are looked for */
+    struct pk_integrator *it; /* NULL: an empty lane */
+    struct pk_events *events; /* the events of its steps; NULL: none are detected */
     pk_real limit;
-    /* Up to there nobody looks at each step: where steps are fixed, a call may make many. it->t:
-     * there are none such. */
+    /* No step up to this time is examined, so a call may make many fixed steps. it->t: every step
+     * is examined. */
     pk_real free;
 };
 
-/* For the runtime alone: functions of events and switches along steps. */
+/* For the runtime alone: event functions and switches along steps. */
 struct pk_screen {
     size_t functions;
     pk_real *a0, *a1, *a_between, *bends, *trial, *g, *one;
@@ -54,17 +54,17 @@ struct pk_abreast {
     struct pk_ahead ahead[PK_BLOCK_MOST];
     struct pk_screen screen;
     unsigned long long loaded; /* lanes whose numbers are finite */
-    unsigned long long single; /* lanes with one step, whose state is where it began */
-    unsigned long long idle;   /* lanes whose integrators are to make no step this time */
+    unsigned long long single; /* lanes with one step, whose state is still at its start */
+    unsigned long long idle;   /* lanes whose integrators make no step this time */
 };
 
-/* How many there are at once; the block is to be aligned for pk_real. */
+/* Return the number of lanes; the bytes of the block, which must be aligned for pk_real. */
 size_t pk_abreast_lanes(const struct pk_problem *problem, const struct pk_method *method);
 size_t pk_abreast_size(const struct pk_problem *problem, const struct pk_method *method);
 void pk_abreast_init(struct pk_abreast *a, const struct pk_problem *problem,
                      const struct pk_method *method, void *block, size_t size);
 void pk_abreast_make(struct pk_abreast *a, const struct pk_abreast_lane *lanes);
-/* It goes on by itself. */
+/* Drops the steps made ahead for an integrator, which then continues alone. */
 void pk_abreast_leave(struct pk_integrator *it);
 
 PK_END

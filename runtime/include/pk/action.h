@@ -2,14 +2,14 @@
  *
  *     J = (1/2 pi) closed integral of p dq,     T = closed integral of dq/v = 2 pi dJ/dh,
  *
- * of L = M(q) v^2/2 + b(q) v - W(q), where p = M v + b. It goes to and fro between two places where
- * v = 0 (libration), or once round where the equations have the period 2 pi in q (rotation). With
- * q = middle + amplitude sin s the integrands of the first are smooth and periodic in s, those of
- * the second are so in q, and of such sums at equal distances converge geometrically: their number
- * is doubled until nothing changes. What is left of the energy at q, h - W, is integrated inwards
- * from where it is 0, so that small swings keep all their digits.
+ * for L = M(q) v^2/2 + b(q) v - W(q), where p = M v + b. The motion oscillates between two
+ * positions with v = 0 (libration), or goes round once if the equations have the period 2 pi in q
+ * (rotation). For a libration, with q = middle + amplitude sin s, the integrands are smooth and
+ * periodic in s; for a rotation they are so in q. Sums over equidistant nodes then converge
+ * geometrically: their number is doubled until the result settles. The kinetic energy at q, h - W,
+ * is integrated inwards from where it is 0, so that small librations keep all their digits.
  *
- * Where L depends on time slowly J is its adiabatic invariant.
+ * If L depends on time slowly, J is its adiabatic invariant.
  *
  * References: L. Landau, E. Lifshitz, Mechanics, 49 and 50; L. N. Trefethen, J. A. C. Weideman, The
  * exponentially convergent trapezoidal rule, SIAM Rev. 56 (2014) 385.
@@ -38,13 +38,13 @@ struct pk_action {
     enum pk_orbit orbit;
     pk_real action, period;
     pk_real lo, hi; /* the ends of a libration */
-    pk_real error;  /* of both, relative: by what the last doubling changed them, and by what a
-                       rounding of the energy does close to a separatrix */
+    pk_real error;  /* of both, relative: the change by the last doubling, and near a separatrix the
+                       effect of rounding of the energy */
     size_t nodes;
 };
 
-/* Of the motion through q, v at t; `u`: its inputs, or NULL. PK_REFUSED: it has none, and `orbit`
- * says why. */
+/* Computes both for the motion through q, v at t with inputs u, or NULL. PK_REFUSED: it has no
+ * action, and `orbit` says why. */
 enum pk_status pk_action_find(struct pk_action *found, const struct pk_problem *problem, pk_real t,
                               const pk_real *q, const pk_real *v, const pk_real *u);
 const char *pk_orbit_text(enum pk_orbit orbit);

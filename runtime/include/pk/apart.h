@@ -1,13 +1,13 @@
-/* Independent blocks of coordinates, each integrated by itself: by a method, a step or a tolerance
- * of its own. The whole is a pk_system too, for names, outputs and energy; it is not integrated.
+/* Independent blocks of coordinates, each integrated by itself, with its own method, step size or
+ * tolerance. The whole is a pk_system too, for names, outputs and energy; it is not integrated.
  *
  *     size_t size = pk_apart_size(&whole, parts, choices, count);
  *     pk_apart_init(&apart, &whole, parts, choices, count, t0, q0, v0, block, size);
  *     status = pk_apart_to(&apart, t, t);                        apart.t, apart.q, apart.v
  *
- * A part has its own parameters: each takes the value of that of the whole which has its name, and
- * the rest are its defaults or follow. So too its inputs. A coordinate of the
- * whole is in one part.
+ * A part has its own parameters. Each takes the value of the whole's parameter of the same name;
+ * the others have their defaults or follow. Inputs likewise. Each coordinate of the whole is in
+ * exactly one part.
  */
 #ifndef PK_APART_H
 #define PK_APART_H
@@ -18,7 +18,7 @@
 
 PK_BEGIN
 
-/* A block: its own system, and where its coordinates and states, system->n, are in those of the
+/* A block: its system, and for each of its system->n coordinates and states the index in the
  * whole. */
 struct pk_part {
     const struct pk_system *system;
@@ -31,53 +31,53 @@ struct pk_choice {
     struct pk_options options;
 };
 
-/* A part at work; to be read alone. */
+/* A part during integration; read only. */
 struct pk_apart_part {
     struct pk_part of;
     struct pk_integrator it, aside;    /* see pk_integrator_aside() */
-    const struct pk_integrator *there; /* of these, at the time of the whole */
+    const struct pk_integrator *there; /* `it` or `aside`: the one at the time of the whole */
     void *params;
     const struct pk_apart *apart;
-    size_t *inputs; /* where they are in those of the whole */
+    size_t *inputs; /* indices of its inputs in the whole */
     pk_real *u;     /* inputs of the whole */
 };
 
 struct pk_apart {
-    /* To be read by the caller: where all parts are. */
+    /* To be read by the caller: the time and state that all parts have reached. */
     pk_real t;
     const pk_real *q, *v;
     enum pk_status status; /* of the last call */
-    size_t failed;         /* 1 + the part that it is about, 0: none */
+    size_t failed;         /* 1 + the part that the status is about, 0: none */
     struct pk_apart_part *parts;
     size_t count;
-    /* To be set behind init, or NULL: called after each step of part number k. */
+    /* To be set after init, or NULL: called after each step of part number k. */
     void (*stepped)(void *context, size_t k);
     void *context;
 
     /* For the runtime alone. */
     struct pk_problem whole;
     pk_real *state;
-    const char *why; /* of a bad argument */
+    const char *why; /* why an argument is bad */
 };
 
-/* Bytes of the block that pk_apart_init() wants, aligned as malloc's are; 0 where an argument is
- * null, a system is of another PK_ABI, or a part keeps its families as loops. */
+/* Returns the bytes of the block for pk_apart_init(), aligned as malloc's are; 0 if an argument is
+ * null, a system has another PK_ABI, or a part has families kept as loops. */
 size_t pk_apart_size(const struct pk_problem *whole, const struct pk_part *parts,
                      const struct pk_choice *choices, size_t count);
-/* Copies q0 and v0; the rest must outlive it, and the struct must not move. PK_BAD_ARGUMENT where
- * the parts are not the whole; else the first status that is not PK_DONE of a part's init. */
+/* Copies q0 and v0. All other arguments must outlive the struct, which must not move.
+ * PK_BAD_ARGUMENT if the parts do not make up the whole, or the first failure of a part. */
 enum pk_status pk_apart_init(struct pk_apart *apart, const struct pk_problem *whole,
                              const struct pk_part *parts, const struct pk_choice *choices,
                              size_t count, pk_real t0, const pk_real *q0, const pk_real *v0,
                              void *block, size_t block_size);
-/* Integrates each part to t in turn. Fixed steps may pass t; only `limit` shortens them.
- * Where one fails the state stays at the last t that all reached; parts before it are at t already,
- * and no later call makes a step. */
+/* Integrates each part to t in turn. Fixed steps may pass t; only `limit` shortens them. If a part
+ * fails, the state stays at the last t that all parts reached, parts before it have reached the new
+ * t, and no later call makes a step. */
 enum pk_status pk_apart_to(struct pk_apart *apart, pk_real t, pk_real limit);
-/* The last status in words, with the part's coordinates and its last valid time. Returns its length
- * as snprintf() does. */
+/* Writes the last status in words, with the part's coordinates and its last valid time. Returns the
+ * length as snprintf() does. */
 int pk_apart_reason(const struct pk_apart *apart, char *text, size_t size);
-/* Needed for methods that allocate (GSL's), harmless for others. */
+/* Needed after methods that allocate (GSL's), harmless after others. */
 void pk_apart_free(struct pk_apart *apart);
 
 PK_END

@@ -1,5 +1,5 @@
-/* What a header of functions begins and ends with: they are C's, and a shared library shows them
- * and no others (it is compiled with -fvisibility=hidden).
+/* The begin and end of each header with functions: C linkage, and visibility in a shared library,
+ * which hides all other functions (it is compiled with -fvisibility=hidden).
  */
 #ifndef PK_BEGIN_H
 #define PK_BEGIN_H

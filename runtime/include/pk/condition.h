@@ -1,22 +1,22 @@
-/* How well the equations of a motion can be solved in this precision: of M, of J M^-1 J^T and of the
- * matrix of a step's equations the condition number, and by how much rounding is magnified in the
+/* How well the equations of a motion can be solved in this precision: the condition numbers of M,
+ * of J M^-1 J^T and of the matrix of a step's equations, and how much rounding is magnified in the
  * accelerations. The condition number of A is the least over all units of unknowns and equations,
  *
  *     min over diagonal D1, D2 of cond(D1 A D2) = rho(|A^-1| |A|)    (in the maximum norm),
  *
- * so metres or millimetres make no difference. M known to its last bit, and lambda from
- * J M^-1 J^T known so, leave in the accelerations the errors, in units of rounding,
+ * independent of units. If M is exact up to its last bit, and lambda is computed from such a J M^-1
+ * J^T, accelerations have errors, in units of rounding, of
  *
  *     d = |M^-1| |M| |a| + |M^-1 J^T| |(J M^-1 J^T)^-1| |J M^-1 J^T| |lambda|.
  *
- * Beside the terms e_i that it is a sum of, |M_ij a_j|/M_ii and those of M^-1 J^T lambda, each loses
- * log10(d_i/e_i) digits: 0 of a diagonal M. What cancels within the forces is not seen.
+ * Let e_i be the sum of the sizes of its terms, |M_ij a_j|/M_ii and those of M^-1 J^T lambda. Then
+ * a_i loses log10(d_i/e_i) digits, 0 if M is diagonal. Cancellation in forces is not seen.
  *
- * Of families kept as loops, under constraints, there is of J M^-1 J^T a bound from below, in O(N):
- * by how little a row differs from what the others say. It stands for the loss too.
+ * For families kept as loops, with constraints, the number of J M^-1 J^T is a lower bound, found in
+ * O(N) from how little a row differs from a combination of the others. It also serves as the loss.
  *
- * References: F. L. Bauer, Numer. Math. 5 (1963) 73; R. D. Skeel, J. ACM 26 (1979) 494;
- * N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 7.2, 7.3.
+ * References: F. L. Bauer, Numer. Math. 5 (1963) 73; R. D. Skeel, J. ACM 26 (1979) 494; N. J.
+ * Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., 7.2, 7.3.
  */
 #ifndef PK_CONDITION_H
 #define PK_CONDITION_H
@@ -25,24 +25,24 @@
 
 PK_BEGIN
 
-/* The largest so far, and when; 0 where there is no such matrix, infinite where it is singular. */
+/* The largest value so far, and its time; 0: there is no such matrix, infinite: it is singular. */
 struct pk_condition_most {
     pk_real x, t;
 };
 
 struct pk_condition {
     struct pk_condition_most mass, constraints, step;
-    struct pk_condition_most lost; /* d_i/e_i, */
-    size_t where;                  /* of this degree of freedom */
+    struct pk_condition_most lost; /* largest d_i/e_i, */
+    size_t where;                  /* the index i of it */
     unsigned long looks;
 };
 
-/* More unknowns than these are not looked at where a look costs some 6 times their cube. */
+/* Most unknowns; a look costs about 6 times their cube. */
 enum { PK_CONDITION_MOST = 128 };
 
-/* Bytes, and alignment for pk_real; 0: the system has no M here, or it is too large. */
+/* Returns the bytes of the block, aligned for pk_real; 0: M is not available, or is too large. */
 size_t pk_condition_size(const struct pk_problem *problem, const struct pk_method *method);
-/* A state; `it`, or NULL, is the integrator that has made a step to it. */
+/* Examines a state; `it` is the integrator that has made a step to it, or NULL. */
 void pk_condition_look(struct pk_condition *c, const struct pk_problem *problem,
                        struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v,
                        void *block);

@@ -1,17 +1,17 @@
-/* How well constants of the motion are kept. For a quantity X sampled at times t
+/* How well constants of the motion are conserved. For a quantity X sampled at times t
  *
  *     max   = max |X - X(0)| / S       final = (X(end) - X(0)) / S
  *     slope = least-squares slope of (X - X(0)) over t, / S
- *     S     = max |X|, or a tenth of what X is made of, or max |X| of another component of its
- *             vector, whichever is largest;  for the energy  max (|v.p| + |L|),  L = v.p - h
+ *     S     = the largest of max |X|, max |X| of other components of its vector, and a tenth of
+ *             the scale of X, since X may vanish;  for the energy  max (|v.p| + |L|),  L = v.p - h
  *
- * X may vanish, and so may h. X is made of the root of the sum of (y_i dX/dy_i)^2 over all numbers
- * y_i of the state; components have names that differ in a last x, y or z. And how it grows: the exponent e of
+ * The scale of X is the root of the sum of (y_i dX/dy_i)^2 over all numbers y_i of the state;
+ * components are names that differ in a last x, y or z. The growth law is the exponent e of
  *
  *     max over [0, t] of |X - X(0)|  ~  t^e
  *
- * by least squares over the last six octaves of t: 0 of what stays bounded, 1/2 of a random walk, 1
- * of a secular drift, 2 of one that itself grows. All of it online: nothing is stored.
+ * by least squares over the last six octaves of t: 0 if bounded, 1/2 for a random walk, 1 for a
+ * secular drift, 2 for a drift that itself grows. Everything is computed online, without storage.
  */
 #ifndef PK_DIAGNOSTICS_H
 #define PK_DIAGNOSTICS_H
@@ -22,18 +22,19 @@
 
 PK_BEGIN
 
-enum { PK_DRIFT_MARKS = 13 }; /* six octaves, by halves */
+enum { PK_DRIFT_MARKS = 13 }; /* six octaves, in halves */
 
 struct pk_drift {
     unsigned long samples;
     pk_real first, scale, max, final;   /* max and final not yet divided by S */
     pk_real mean_t, mean_x, var_t, cov; /* Welford's sums for the slope */
-    pk_real start, edge;           /* first time; time after it at which this half octave ends */
+    pk_real start, edge;           /* first time; then the end of the current half octave, relative
+                                      to it */
     pk_real marks[PK_DRIFT_MARKS]; /* max at the ends of the last half octaves, in a ring */
-    unsigned long n_marks;         /* half octaves that have ended */
+    unsigned long n_marks;         /* number of completed half octaves */
 };
 
-/* What an exponent says; the texts are in pk_growth_text(). */
+/* Kinds of growth by the exponent; pk_growth_text() returns the texts. */
 #define PK_GROWTHS(X)                                        \
     X(PK_GROWTH_ZERO, "zero all along")                      \
     X(PK_GROWTH_CONSTANT, "constant to the last bit")        \
@@ -50,25 +51,25 @@ enum pk_growth { PK_GROWTHS(PK_EACH_NAME) PK_GROWTH_COUNT };
 
 void pk_drift_init(struct pk_drift *drift);
 void pk_drift_update(struct pk_drift *drift, pk_real t, pk_real x);
-/* The same with its own contribution to S in place of |x|. */
+/* The same with `scale` in place of |x| for S. */
 void pk_drift_update_scaled(struct pk_drift *drift, pk_real t, pk_real x, pk_real scale);
 pk_real pk_drift_max(const struct pk_drift *drift);
 pk_real pk_drift_final(const struct pk_drift *drift);
 pk_real pk_drift_slope(const struct pk_drift *drift); /* per unit of time */
-/* The exponent, and by how much it differs between the earlier and the later of the six octaves
- * (either pointer may be NULL; both 0 where nothing can be fitted: ZERO, CONSTANT, SHORT, and NaN
- * of what is not finite). ROUND_OFF: at the level of evaluating X, or of a random walk of
- * roundings; a law is fitted only to what is above that of evaluating X. */
+/* Returns the kind of growth, the exponent, and how much it differs between the earlier and the
+ * later of the six octaves. Either pointer may be NULL; both numbers are 0 without a fit (ZERO,
+ * CONSTANT, SHORT), NaN if X is not finite. ROUND_OFF: at the level of the round-off of X, or of a
+ * random walk of roundings; the fit uses only errors above the round-off of X. */
 enum pk_growth pk_drift_growth(const struct pk_drift *drift, pk_real *exponent, pk_real *spread);
 const char *pk_growth_text(enum pk_growth growth);
 
-/* The drifts of one run: energy if the system is conservative, the momentum of every cyclic
- * coordinate, every `conserve`. Memory is the caller's. */
+/* The drifts of one run: the energy if the system is conservative, the momenta of cyclic
+ * coordinates, every `conserve`. The caller provides the memory. */
 struct pk_monitor {
     struct pk_problem problem;
     int has_energy; /* 0: the energy of this system is not conserved */
     struct pk_drift energy;
-    struct pk_drift *momenta;   /* n, of which cyclic ones are updated; none if none is known */
+    struct pk_drift *momenta;   /* n, only cyclic ones updated; NULL without flags `cyclic` */
     struct pk_drift *conserved; /* n_conserved */
     pk_real *work;
 };

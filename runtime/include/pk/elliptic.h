@@ -3,11 +3,11 @@
  *     K(m) = integral of 1/sqrt(1 - m sin^2 s)  over s from 0 to pi/2
  *     E(m) = integral of   sqrt(1 - m sin^2 s)
  *
- * and what they say of the pendulum theta'' = -omega0^2 sin theta: periods in units of 1/omega0,
- * actions (1/2 pi) closed integral of p dtheta in units of m l^2 omega0. It swings up to an
- * amplitude; or it has an energy above the upright rest, in units of m l^2 omega0^2: from -2, where
- * it hangs, up to 0 it swings, above it turns round. At 0 it does neither, the period is infinite,
- * and the action is that of the swings, 8/pi; a turning one has half of what it encloses, 4/pi.
+ * and from them periods and actions of the pendulum theta'' = -omega0^2 sin theta: periods in units
+ * of 1/omega0, actions (1/2 pi) closed integral of p dtheta in units of m l^2 omega0. A motion is
+ * given by its amplitude, or by its energy above the upright rest in units of m l^2 omega0^2: from
+ * -2, hanging at rest, to 0 it swings, above 0 it rotates. At 0 the period is infinite, and the
+ * action is that of the swings, 8/pi; the action of a rotation tends to half of that, 4/pi.
  *
  * Reference: M. Abramowitz, I. Stegun, Handbook of Mathematical Functions, 17.3 and 17.6.
  */
@@ -21,18 +21,18 @@ PK_BEGIN
 
 struct pk_elliptic {
     pk_real k, e;
-    pk_real b; /* E - (1 - m) K, which cancels where m is small, and here does not */
+    pk_real b; /* E - (1 - m) K, computed without its cancellation at small m */
 };
 
-/* Of m <= 1 and its complement 1 - m, each given, since near 1 a difference has no digits. K(1) is
- * infinite; of a larger m all is no number. */
+/* For m <= 1 and its complement 1 - m, both given, since near m = 1 the difference has no digits.
+ * K(1) is infinite; for m > 1 all results are NaN. */
 void pk_elliptic_find(pk_real m, pk_real complement, struct pk_elliptic *found);
 pk_real pk_elliptic_k(pk_real m);
 pk_real pk_elliptic_e(pk_real m);
 
 pk_real pk_pendulum_period(pk_real amplitude); /* in radians, below pi */
 pk_real pk_pendulum_action(pk_real amplitude);
-/* The period of a turning pendulum is that of once round. */
+/* `above`: energy above the upright rest. The period of a rotation is that of one turn. */
 pk_real pk_pendulum_energy_period(pk_real above);
 pk_real pk_pendulum_energy_action(pk_real above);
 

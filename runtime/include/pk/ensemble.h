@@ -4,15 +4,15 @@
  *     size_t size = pk_ensemble_size(&e);                 (bytes, for one thread)
  *     pk_ensemble_run(&e, first, count, block, size);     (each thread its own members and block)
  *
- * Explicit methods with a fixed step advance many members side by side, in vector lanes: the
- * Runge-Kutta and the splitting methods of pk/methods.h, and dopri5 and dop853 where options.h is
- * given, which is then kept; the singularities of a system that has some are watched lane by lane.
- * Any other method integrates one member after the other by pk_integrator, adaptive ones with steps
- * of their own. A member's result is the same in any company and any thread; with -ffp-contract=off
- * it is what pk_integrator gives for it alone, to the bit.
+ * Explicit methods with a fixed step size advance many members at once, in SIMD lanes: the
+ * Runge-Kutta and splitting methods of pk/methods.h, and dopri5 and dop853 if options.h is set,
+ * which fixes their step size. Singularities are monitored in each lane. Other methods integrate
+ * one member after the other by pk_integrator, adaptive ones with their own steps. A member's
+ * result does not depend on other members or threads; with -ffp-contract=off it has the same bits
+ * as with pk_integrator.
  *
- * A member that fails stops alone: its status says why, its results up to then are valid. Nothing
- * is allocated.
+ * A member that fails stops alone: its status says why, and its results up to then are valid.
+ * Nothing is allocated.
  */
 #ifndef PK_ENSEMBLE_H
 #define PK_ENSEMBLE_H
@@ -26,58 +26,57 @@ PK_BEGIN
 struct pk_ensemble {
     const struct pk_system *system;
     const struct pk_method *method;
-    struct pk_options options; /* a member that options.stop ends has PK_STOPPED_USER */
+    struct pk_options options; /* a member ended by options.stop has PK_STOPPED_USER */
     size_t members;
 
-    /* Of member i: number i of params_size bytes each, prepared; q0[i * n], v0[i * n], and inputs
-     * u[i * n_inputs], constant in time (NULL: zero). n is that of member 0 for all. */
+    /* Member i has params_size bytes of prepared params number i, q0[i * n], v0[i * n], and
+     * constant inputs u[i * n_inputs] (NULL: zero). All members have the n of member 0. */
     const void *params;
     const pk_real *q0, *v0, *u;
 
-    /* Rows: the times at which results are wanted, one after the other away from t0. Adaptive steps
-     * end at each; fixed ones at the last alone, and for a time within one the result is that of a
-     * shorter step from where it began. */
+    /* Rows: the times of results, in order away from t0. Adaptive steps end at each of them. Fixed
+     * steps end at the last one only; at a time within a step the result is that of a shorter step
+     * from its start. */
     pk_real t0;
     size_t rows;
     const pk_real *t;
 
-    /* Results, the caller's memory: q[(i * rows + row) * n], the same for v, of which
-     * the first of q are the coordinates and the rest is left alone; and of each member how many rows there are, its last valid time, and why it ended. */
+    /* Results, in the caller's memory: q[(i * rows + row) * n], of which the first n_q are written;
+     * v likewise; of each member the number of rows done, the last valid time, the final status. */
     pk_real *q, *v;
     size_t *done;
     pk_real *last_t;
     enum pk_status *status;
 };
 
-/* Bytes of the block that one thread wants, a multiple of 64, 0 if a pointer is null. It is to be
- * aligned for pk_real and for pointers, as malloc() does; at 64 bytes it is fastest. */
+/* Returns the bytes of the block for one thread, a multiple of 64, 0 if a pointer is null. The
+ * block must be aligned as malloc's are; it is fastest if aligned to 64 bytes. */
 size_t pk_ensemble_size(const struct pk_ensemble *e);
 
-/* Whether all members take the fixed steps options.h. */
+/* Whether all members take fixed steps of size options.h. */
 int pk_ensemble_fixed(const struct pk_ensemble *e);
 
-/* Members first, ..., first + count - 1. PK_BAD_ARGUMENT or PK_BLOCK_TOO_SMALL, and then no member
- * was touched; else PK_DONE, or the status of the first member that did not arrive. */
+/* Runs members first, ..., first + count - 1. Returns PK_BAD_ARGUMENT or PK_BLOCK_TOO_SMALL without
+ * touching a member; else PK_DONE, or the status of the first member that did not reach its end. */
 enum pk_status pk_ensemble_run(const struct pk_ensemble *e, size_t first, size_t count, void *block,
                                size_t size);
 
-/* Why a member of a run failed, in words, with its last valid time, as pk_integrator_reason() has
- * it: the member goes its way once more, alone. The block is as for pk_ensemble_run(), and what is
- * wrong with the arguments is the text; results stay as they are. Returns its length as snprintf()
- * does. */
+/* Writes why a member failed, with its last valid time, as pk_integrator_reason() does, by running
+ * it once more alone. Results are unchanged. The block is as for pk_ensemble_run(); bad arguments
+ * give a text, too. Returns the length as snprintf() does. */
 int pk_ensemble_reason(const struct pk_ensemble *e, size_t member, void *block, size_t block_size,
                        char *text, size_t size);
 
-/* All members, by `threads` threads of OpenMP (libpk_omp.a, compiled with -fopenmp; without it,
- * one after the other). The block is for all of them: threads * pk_ensemble_size(). */
+/* Runs all members in `threads` OpenMP threads (libpk_omp.a, compiled with -fopenmp; without it,
+ * one after the other). The block for all has threads * pk_ensemble_size() bytes. */
 enum pk_status pk_ensemble_run_threads(const struct pk_ensemble *e, size_t threads, void *block,
                                        size_t size);
-/* work(context, 0), ..., work(context, count - 1), by so many threads, in no order. */
+/* Calls work(context, 0), ..., work(context, count - 1) in that many threads, in no order. */
 void pk_parallel(size_t threads, size_t count, void (*work)(void *context, size_t i),
                  void *context);
-/* How many threads there are to be had; 1 without OpenMP. */
+/* Returns the number of available threads; 1 without OpenMP. */
 size_t pk_ensemble_threads(void);
-/* Which of them this is; 0: the one that has called. */
+/* Returns the number of the current thread; 0: the calling one. */
 size_t pk_thread(void);
 
 PK_END

@@ -1,23 +1,23 @@
-/* Steps compiled together with the kernels of one model: included by the C that pkgen generates,
+/* Compiles steps together with the kernels of one model. The C that pkgen generates includes it
  * ahead of its struct pk_system, once for each model in a file. The text of a step,
- * pk/step/FAMILY.h, is the same that the library compiles over function pointers; here the number
- * of coordinates is a constant and the kernels are inlined. -DPK_INLINE_ERK, _EMBEDDED,
- * _SPLITTING, _GAUSS ask for a family, and -DPK_INLINE_ENSEMBLE for that family's steps of whole
- * blocks of members too; without any of them nothing is compiled, and the library's steps are used.
- * "-DPK_SPLITTING_METHODS(X)=X(verlet)", and so for _ERK_ and _EMBEDDED_, compiles fewer of a
- * family.
+ * pk/step/FAMILY.h, is the one that the library compiles with function pointers; here the number of
+ * coordinates is a constant and the kernels are inlined. -DPK_INLINE_ERK, _EMBEDDED, _SPLITTING,
+ * _GAUSS select families, and -DPK_INLINE_ENSEMBLE adds their steps of blocks of members. Without
+ * any of them nothing is compiled, and the library's steps are used.
+ * "-DPK_SPLITTING_METHODS(X)=X(verlet)", and likewise _ERK_ and _EMBEDDED_, compiles fewer methods
+ * of a family.
  *
- * The generated C defines PK_MODEL(x), the model's name before _x; and PK_MODEL_N(it) if the
- * number of coordinates is not the constant PK_MODEL(N); PK_MODEL_FIRST_ORDER if it has states; and
- * PK_MODEL_WITHOUT_LANES or _MEMBERS if it has no such kernel: then the library's steps are used.
- * Steps are written over
+ * The generated C defines PK_MODEL(x), which prefixes x with the model's name; PK_MODEL_N(it) if
+ * the length of v is not the constant PK_MODEL(N); PK_MODEL_FIRST_ORDER if it has first-order
+ * variables; and PK_MODEL_WITHOUT_LANES or _MEMBERS if it has no such kernel: then the library's
+ * steps are used. Steps use the macros
  *
- *     PK_STEPPER(x)                   x with a name of its own in this file
- *     PK_STEPPER_N(it)                rates and states
- *     PK_STEPPER_COORDINATES(it)      coordinates, whose rates are the first of these
+ *     PK_STEPPER(x)                   x with a name that is unique in this file
+ *     PK_STEPPER_N(it)                the length of v
+ *     PK_STEPPER_COORDINATES(it)      the number of coordinates
  *     PK_STEPPER_INPUT(it, t)         the inputs at t
  *     PK_STEPPER_FEEDBACK(it, t, q, v)              the inputs at a state
- *     PK_STEPPER_ACCELERATION(it, t, q, v, u, a)    0, or 1 + the coordinate that failed
+ *     PK_STEPPER_ACCELERATION(it, t, q, v, u, a)    0, or the failure of acceleration()
  *     PK_STEPPER_LANES(it, t, q, v, u, a)           the bits of lanes that failed
  *     PK_BLOCK_...                    see pk/step/ensemble.h
  */
@@ -46,7 +46,7 @@
     PK_MODEL(lanes_inline)(PK_LANES, (const struct PK_MODEL(params) *)(it)->problem.params, t, q, \
                            v, u, a)
 
-/* Members a block: state, stages and parameters of few coordinates then stay in the first cache. */
+/* Members in a block: state, stages and parameters of few coordinates then fit the L1 cache. */
 #ifndef PK_INLINE_LANES
 #define PK_INLINE_LANES (PK_MODEL(N) <= 4 ? 64 : PK_MODEL(N) <= 8 ? 32 : 16)
 #endif

@@ -1,4 +1,4 @@
-/* What a system is told in: quantities and kernels. */
+/* Types of a system's tables: named quantities and kernels. */
 #ifndef PK_KERNEL_H
 #define PK_KERNEL_H
 
@@ -9,7 +9,7 @@
 
 PK_BEGIN
 
-/* A named quantity as its author declared it. `unit` is SI, "" if it has none. */
+/* A named quantity as its author declared it. `unit` is in SI units, "" if it has none. */
 struct pk_quantity {
     const char *name;
     const char *unit;
@@ -19,10 +19,10 @@ struct pk_quantity {
 /* Writes `out` at (t, q, v, u). */
 typedef void pk_kernel(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                        const pk_real *u, pk_real *out);
-/* Writes two. */
+/* Writes two arrays. */
 typedef void pk_kernel_2(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                          const pk_real *u, pk_real *out, pk_real *second);
-/* Writes three. */
+/* Writes three arrays. */
 typedef void pk_kernel_3(const void *params, pk_real t, const pk_real *q, const pk_real *v,
                          const pk_real *u, pk_real *out, pk_real *second, pk_real *third);
 /* Returns a number. */

@@ -1,11 +1,11 @@
-/* L D L^T of a symmetric matrix in place, row by row without pivoting: a band, and behind it rows
- * that are kept whole. Of the lower triangle entry (i, j) is
+/* Factors a symmetric matrix as L D L^T in place, row by row without pivoting: a band, followed by
+ * a border of dense rows. Entry (i, j) of the lower triangle is
  *
  *     band[i * apart + j - i],  i - width <= j                 i < rows
  *     below[(i - rows) * down + j * along],  j < rows          else
  *     corner[(i - rows) * across + j - rows]
  *
- * and in place of D its inverse is kept. Each row's pivot is its caller's to judge.
+ * The inverse of D replaces D. The caller judges each row's pivot.
  *
  * Reference: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 4.3.
  *
@@ -19,19 +19,19 @@ struct pk_ldl {
     pk_real *band, *below, *corner;
 };
 
-/* The first column of a row of the band. */
+/* Returns the first column of a row of the band. */
 PK_INLINE static ptrdiff_t pk_ldl_first(const struct pk_ldl *A, ptrdiff_t i)
 {
     return i > A->width ? i - A->width : 0;
 }
 
-/* Row i, so that its column j is [j]: in the band. */
+/* Returns row i of the band; [j] is its column j. */
 PK_INLINE static pk_real *pk_ldl_row(const struct pk_ldl *A, ptrdiff_t i)
 {
     return A->band + i * (A->apart - 1);
 }
 
-/* Entry (i, j), j <= i. */
+/* Returns entry (i, j), j <= i. */
 PK_INLINE static pk_real *pk_ldl_entry(const struct pk_ldl *A, ptrdiff_t i, ptrdiff_t j)
 {
     const ptrdiff_t n = A->rows;
@@ -41,10 +41,10 @@ PK_INLINE static pk_real *pk_ldl_entry(const struct pk_ldl *A, ptrdiff_t i, ptrd
                  : A->corner + (i - n) * A->across + j - n;
 }
 
-/* Row i, so that its column j < rows is [j * step], and its column j >= rows [j]. */
+/* Row i: its column j < rows is row[j * step], its column j >= rows is corner[j]. */
 struct pk_ldl_parts {
     pk_real *row, *corner;
-    ptrdiff_t step, from, to; /* columns before `rows` */
+    ptrdiff_t step, from, to; /* range of its columns before `rows` */
 };
 PK_INLINE static struct pk_ldl_parts pk_ldl_parts(const struct pk_ldl *A, ptrdiff_t i)
 {
@@ -60,7 +60,7 @@ PK_INLINE static struct pk_ldl_parts pk_ldl_parts(const struct pk_ldl *A, ptrdif
     return of;
 }
 
-/* Of a row the columns before `rows` become L D. */
+/* Turns the columns before `rows` of a row into L D. */
 PK_INLINE static void pk_ldl_multiply(const struct pk_ldl *A, pk_real *row, ptrdiff_t step,
                                       ptrdiff_t from, ptrdiff_t to)
 {
@@ -75,7 +75,7 @@ PK_INLINE static void pk_ldl_multiply(const struct pk_ldl *A, pk_real *row, ptrd
     }
 }
 
-/* Entry x of L D becomes one of L; what that subtracts from the pivot. */
+/* Turns entry x of L D into that of L. Returns what it subtracts from the pivot. */
 PK_INLINE static pk_real pk_ldl_scale(pk_real *x, pk_real inverse)
 {
     const pk_real scaled = *x;
@@ -83,7 +83,8 @@ PK_INLINE static pk_real pk_ldl_scale(pk_real *x, pk_real inverse)
     return scaled * *x;
 }
 
-/* Row i becomes L, those before it are. Its pivot, and what was added to the diagonal of that. */
+/* Turns row i into L, after those before it. Returns its pivot; *added: the sum of positive terms
+ * subtracted from its diagonal. */
 PK_INLINE static pk_real pk_ldl_pivot(const struct pk_ldl *A, ptrdiff_t i, pk_real *added)
 {
     const ptrdiff_t n = A->rows;

@@ -1,6 +1,6 @@
-/* An integration method as one const struct: what it is called, what it promises, what it needs
- * of a system, and how it makes a step. Most methods are a table and a family's loop, so a new
- * tableau is one table entry and one row of pk/methods.h.
+/* An integration method as one const struct: its name, its traits, the facts that it needs of a
+ * system, and its functions. Most methods are a table of coefficients and the code of a family, so
+ * a new tableau is one table and one row of pk/methods.h.
  */
 #ifndef PK_METHOD_H
 #define PK_METHOD_H
@@ -11,8 +11,8 @@
 #include <pk/status.h>
 #include <pk/system.h>
 
-/* Step lengths come from pow, exp and log of the C library, whose last bits differ from one
- * processor to another. With PK_PORTABLE they are rounded to the 24 bits of a float, which do not.
+/* Step sizes come from pow, exp and log, whose last bits differ between processors. PK_PORTABLE
+ * rounds step sizes to the 24 bits of a float, which do not differ.
  */
 #ifdef PK_PORTABLE
 #define PK_SAME(x) ((pk_real)(float)(x))
@@ -22,7 +22,7 @@
 
 PK_BEGIN
 
-/* What a method promises. Symplectic is meant in (q, p) at a fixed step. */
+/* Traits of a method. Symplectic means in (q, p) at a fixed step size. */
 enum pk_trait {
     PK_SYMPLECTIC = 1u << 0,
     PK_SYMMETRIC = 1u << 1,
@@ -31,11 +31,11 @@ enum pk_trait {
     PK_DENSE = 1u << 4,     /* pk_integrator_dense() works */
     PK_JACOBIANS = 1u << 5, /* calls the system's mass and jacobian */
     PK_LINEAR = 1u << 6,    /* calls the system's mass and linear */
-    PK_NO_INPUTS = 1u << 7, /* needs d/dt of all, which inputs do not give */
-    PK_EXACT = 1u << 8,     /* a step of any length errs by rounding alone; its order is 0 */
-    PK_HOLONOMIC = 1u << 9, /* ends its steps on holonomic constraints itself, and takes no
-                                rolling; calls unconstrained and inertia, or canonical and mass */
-    PK_GROUP = 1u << 10     /* turns rotations on SO(3): unit quaternions but for rounding */
+    PK_NO_INPUTS = 1u << 7, /* needs time derivatives of all terms, which inputs do not provide */
+    PK_EXACT = 1u << 8,     /* a step of any length has rounding errors only; its order is 0 */
+    PK_HOLONOMIC = 1u << 9, /* ends its steps on holonomic constraints itself and refuses rolling;
+                               calls unconstrained and inertia, or canonical and mass */
+    PK_GROUP = 1u << 10     /* keeps rotations on SO(3): unit quaternions, to rounding */
 };
 
 struct pk_integrator;
@@ -46,34 +46,34 @@ struct pk_method {
     const char *name;
     const char *doc; /* one line and the citation */
     int order;       /* 0: variable */
-    int stages;      /* evaluations a step, last-is-first-of-next counted once; 0: variable */
-    int dense_order; /* local interpolant's order; 0: none */
-    unsigned traits; /* of enum pk_trait */
-    unsigned needs;  /* of enum pk_fact (`requires` is a keyword of C++20) */
+    int stages;      /* evaluations per step (last shared with first counts once); 0: variable */
+    int dense_order; /* order of the dense output; 0: none */
+    unsigned traits; /* bits of enum pk_trait */
+    unsigned needs;  /* bits of enum pk_fact (`requires` is a keyword of C++20) */
     const void *table;
-    const struct pk_method *formula; /* the method of a fixed step that an adaptive one varies, for
+    const struct pk_method *formula; /* the fixed-step method that an adaptive one varies, for
                                         pk/limits.h; NULL: itself */
 
-    /* Number of pk_real of work for a problem of n degrees of freedom; NULL: what splitting needs. */
+    /* Returns the number of pk_real of work for n = length of v; NULL: pk_splitting_size(). */
     size_t (*size)(const struct pk_method *method, const struct pk_problem *problem, size_t n);
     enum pk_status (*init)(struct pk_integrator *it); /* NULL: nothing */
-    /* One step into it->own->next, to it->own->next_t, not past `limit`. Must leave it->own->state
-     * alone. */
+    /* Makes one step into it->own->next, to it->own->next_t, not past `limit`. Must not change
+     * it->own->state. */
     enum pk_status (*step)(struct pk_integrator *it, pk_real limit);
-    /* Between the ends of the last step; NULL without PK_DENSE. */
+    /* Interpolates within the last step; NULL without PK_DENSE. */
     enum pk_status (*dense)(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v);
-    /* The longest step in which no crossing of an event is missed; NULL: any step it makes. */
+    /* Returns the longest step in which no event is missed; NULL: any step. */
     pk_real (*resolved)(const struct pk_integrator *it);
-    /* The matrix of its last step's equations, of `stages` times n unknowns, as pk_lu_factor()
-     * leaves it; NULL where that step had none. NULL: it has no such equations. */
+    /* Returns the LU factors (pk_lu_factor()) of the last step's equations, of `stages` times n
+     * unknowns; NULL if that step had none. NULL: the method has no such equations. */
     const pk_real *(*equations)(struct pk_integrator *it);
-    /* Only for methods of foreign libraries that allocate; else NULL. The second is pk/keep.h's of
-     * that memory, PK_REFUSED where nobody sees it. */
+    /* Only for methods of foreign libraries that allocate; else NULL. keep() saves or restores
+     * their memory (pk/keep.h) or returns PK_REFUSED if that memory is opaque. */
     void (*release)(struct pk_integrator *it);
     enum pk_status (*keep)(struct pk_integrator *it, struct pk_keep *k);
 };
 
-/* NULL where there is none. The core's methods; see pk/gsl.h for GSL's. */
+/* Return a method of the core, NULL if there is none. See pk/gsl.h for GSL's methods. */
 const struct pk_method *pk_method_find(const char *name);
 const struct pk_method *pk_method_at(size_t index);
 

@@ -1,10 +1,10 @@
-/* The registry: every method, told once. What the generator knows of methods it reads here.
+/* The registry: one row for each method. The generator reads this file, too.
  *
  *     X(A, name, order, stages, dense order, traits, table, text)
  *
- * Order 0 and stages 0: they vary; dense order 0: no interpolant. A method of a table of
- * coefficients names it, as in pk/step/tables.h: `rk4` is pk_rk4_table. A method of a family of its
- * own has its file. What a family requires of a system is PK_NEEDS_ of it.
+ * Order 0 or stages 0: variable; dense order 0: no dense output. `table` names the coefficients in
+ * pk/step/tables.h: `rk4` is pk_rk4_table; `none` if the method is code alone. PK_NEEDS_FAMILY are
+ * the facts that methods of a family require of a system.
  */
 #ifndef PK_METHODS_H
 #define PK_METHODS_H
@@ -49,7 +49,7 @@
     X(A, kahan_li8, 8, 17, 0, PK_TRAITS_SYMPLECTIC, kahan_li8,                                     \
       "seventeen Verlet steps, s17odr8a; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
 
-/* Drifts and kicks of the composition that the table is. */
+/* Compositions of such steps; the table is that of the splitting method composed. */
 #define PK_NEEDS_BORIS (PK_MASS_CONSTANT | PK_AFFINE_RATES)
 #define PK_METHODS_BORIS(X, A)                                                                     \
     X(A, boris, 2, 1, 0, PK_SYMMETRIC | PK_LINEAR, verlet,                                         \
@@ -59,7 +59,7 @@
     X(A, boris6, 6, 9, 0, PK_SYMMETRIC | PK_LINEAR, kahan_li6,                                     \
       "nine steps of boris; W. Kahan, R.-C. Li, Math. Comp. 66 (1997) 1089")
 
-/* Likewise; stages with ten inner steps. */
+/* Likewise. Stages are counted for ten inner steps. */
 #define PK_NEEDS_RESPA (PK_MASS_CONSTANT | PK_SEPARABLE | PK_FAST)
 #define PK_METHODS_RESPA(X, A)                                                                     \
     X(A, respa, 2, 12, 0, PK_TRAITS_SYMPLECTIC, verlet,                                            \
@@ -131,7 +131,7 @@
       "the exact flow of an affine system, by the exponential of its matrix, scaled and "          \
       "squared; N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179")
 
-/* On SO(3) and on constraints; the table is that of the splitting method composed. */
+/* On SO(3) and with constraints; the table is that of the splitting method composed. */
 #define PK_TRAITS_VARIATIONAL                                                                      \
     (PK_TRAITS_SYMPLECTIC | PK_IMPLICIT | PK_HOLONOMIC | PK_GROUP)
 #define PK_NEEDS_LIE_MIDPOINT 0
@@ -158,7 +158,7 @@
     X(A, rkmk8, 8, 12, 0, PK_GROUP, dop853,                                                        \
       "dop853 at a fixed step, on SO(3); H. Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115")
 
-/* All but GSL's, in the order in which they are listed. */
+/* All methods except GSL's, in the order of listings. */
 #define PK_METHODS_CORE(X, A)                                                                      \
     PK_METHODS_ERK(X, A) PK_METHODS_SPLITTING(X, A) PK_METHODS_BORIS(X, A)                         \
     PK_METHODS_RESPA(X, A) PK_METHODS_ADAPTIVE_VERLET(X, A)                                        \
@@ -166,7 +166,8 @@
     PK_METHODS_RADAU(X, A) PK_METHODS_EXPONENTIAL(X, A) PK_METHODS_LIE_MIDPOINT(X, A)              \
     PK_METHODS_RATTLE(X, A) PK_METHODS_RKMK(X, A)
 
-/* As X: A(name) of each; pk_method_NAME declared; and defined, A(table) being what its family adds. */
+/* Macros for X: A(name); declares pk_method_NAME; defines it, A(table) being its family's
+ * members. */
 #define PK_NAME_OF(A, name, ...) A(name)
 #define PK_DECLARE_METHOD(A, name, ...) extern const struct pk_method pk_method_##name;
 #define PK_DEFINE_METHOD(A, symbol, p, s, p_dense, flags, of, text)                                \
@@ -178,8 +179,8 @@
                                                  .traits = flags,                                  \
                                                  A(of)};
 
-/* Each by its name, pk_method_rk4: a program that names the one it takes links its family alone,
- * where pk_method_find() links all of them. */
+/* Declarations of all methods, such as pk_method_rk4. A program that names one method links its
+ * family alone; pk_method_find() links all of them. */
 PK_BEGIN
 PK_METHODS_CORE(PK_DECLARE_METHOD, )
 PK_END

@@ -1,11 +1,11 @@
-/* There and back: steps from t0 to t and the same steps backward. A symmetric method on any system
- * comes back to where it started but for round-off, which a chaotic motion amplifies as it does any
- * displacement: to 1 near t = ln(1/PK_EPSILON)/lambda, lambda the Lyapunov exponent. What other
- * methods miss the start by is their own error.
+/* Time reversal: steps from t0 to t and the same number backward. A symmetric method returns to the
+ * start except for round-off, which a chaotic motion amplifies as any displacement: to 1 near t =
+ * ln(1/PK_EPSILON)/lambda, lambda the Lyapunov exponent. Other methods miss the start by their own
+ * error.
  *
- * The error is the largest over coordinates and rates of |x - x0| / max |x - x0|, the most that one
- * differs from its start in all the time given. The horizon is the time at which it passes a
- * threshold: there the run has forgotten its start.
+ * The error is the largest over coordinates and rates of |x - x0| / max |x - x0|, the maximum taken
+ * over the whole given time. The horizon is the time at which the error passes a threshold: there
+ * the run has lost its start.
  */
 #ifndef PK_REVERSAL_H
 #define PK_REVERSAL_H
@@ -17,20 +17,20 @@ PK_BEGIN
 enum { PK_REVERSAL_TIMES = 24 };
 
 struct pk_reversal {
-    size_t count; /* times tried: halves of halves of the last, rising, then some in between */
+    size_t count; /* times tried: repeatedly halved times, ascending, then some in between */
     struct {
-        pk_real t, error, absolute; /* t - t0 > 0; absolute: max |x - x0|, in units of each */
+        pk_real t, error, absolute; /* t - t0 > 0; absolute: max |x - x0|, in the units of x */
     } at[PK_REVERSAL_TIMES];
     pk_real threshold;
     int passed;                     /* 0: below the threshold at all times tried */
-    pk_real horizon_lo, horizon_hi; /* last time below, first above; hi only if passed */
+    pk_real horizon_lo, horizon_hi; /* last time below, first time above; hi only if passed */
 };
 
-/* Bytes, and alignment for pk_real. */
+/* Returns the bytes of the block, aligned for pk_real. */
 size_t pk_reversal_size(const struct pk_problem *problem, const struct pk_method *method);
-/* Tries t_end/2^k, from at least one step to t_end; stops at the first time above the threshold and
- * narrows the horizon to a sixteenth of it. Of a method of a fixed step times are whole numbers of
- * steps. `it` is for the reason if it fails. Some 5 (t_end - t0) of integration in all. */
+/* Tries the times t_end/2^k, from at least one step to t_end, stops at the first one above the
+ * threshold and narrows the horizon to a sixteenth of it. With a fixed step size, times are whole
+ * numbers of steps. `it` has the reason of a failure. It integrates some 5 (t_end - t0) in all. */
 enum pk_status pk_reversal_find(struct pk_reversal *reversal, struct pk_integrator *it,
                                 const struct pk_problem *problem, const struct pk_method *method,
                                 const struct pk_options *options, pk_real t0, const pk_real *q0,

@@ -1,17 +1,17 @@
 /* Sine and cosine of one angle together, inline, in float and double: no call and no branch, so
- * that a loop over angles becomes vector code. Error at most 1.5 units in the last place of each
- * result, also next to the multiples of pi/2. In long double and __float128, and where the
- * compiler computes in excess precision, libm's.
+ * that a loop over angles becomes vector code. The error is at most 1.5 units in the last place of
+ * each result, also near multiples of pi/2. In long double and __float128, and if the compiler
+ * computes in excess precision, libm computes them.
  *
  *     |x| = k pi/2 + r,  |r| <= pi/4        k mod 4 says which of +-sin r, +-cos r is which
  *
- * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary
- * Functions" (1980): pi/2 in parts, of so few bits that k times a part is exact, subtracted one by
- * one; what the later subtractions lose is kept and added to sin r. k has 20 bits at most (10 in
- * float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
- * parts do, not four. The last one counts where |x| is next to a multiple of pi/2, which a
- * double of that range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over;
- * with -DPK_BOUNDED_ANGLES nothing does, and the results are not numbers.
+ * The reduction is that of W. J. Cody and W. Waite, "Software Manual for the Elementary Functions"
+ * (1980): pi/2 is split into parts of so few bits that k times a part is exact, subtracted one by
+ * one; the rounding of the later subtractions is kept and added to sin r. k has 20 bits at most (10
+ * in float), so a part may have 33 (14). With fma() the first part may have all 53 (24), and three
+ * parts suffice, not four. The last one matters if |x| is near a multiple of pi/2: a double of that
+ * range comes as near as 2^-60 (at 29 pi/2). Beyond PK_SINCOS_MAX libm takes over; with
+ * -DPK_BOUNDED_ANGLES the results are NaN instead.
  *
  * The polynomials are minimax in the relative error of sin r and cos r (tools/minimax.py):
  *
@@ -105,17 +105,17 @@ PK_INLINE static pk_real pk_sincos_c(pk_real z)
 #endif
 }
 
-/* For |x| <= PK_SINCOS_MAX; of anything else, something. NULL: not needed. */
+/* For |x| <= PK_SINCOS_MAX; any other x gives an arbitrary result. NULL: not needed. */
 PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosine)
 {
     const pk_real rounded = PK_SINCOS_FMA(x, PK_C(0x1.45f306dc9c883p-1), PK_SINCOS_ROUND);
-    const pk_real k = rounded - PK_SINCOS_ROUND; /* x over pi/2, to the nearest integer */
+    const pk_real k = rounded - PK_SINCOS_ROUND; /* x/(pi/2) rounded to an integer */
     pk_bits j, s_bits, c_bits, differ;
     pk_real z, s, c;
 
-    /* x - k pi/2 is r and what r lacks of it, `lost`. With fma() the cosine does without: that is
-     * 0.4 of its units. So that the sine of -0 is -0, `lost` is -0 then, and r z, by adding 0, is
-     * not. */
+    /* x - k pi/2 = r + lost, `lost` being the rounding of r. With fma() the cosine leaves it out,
+     * an error of 0.4 units. For sin(-0) = -0, `lost` must be -0 there, and r z must be +0, which
+     * adding 0 to it ensures. */
 #ifdef PK_SINCOS_HAS_FMA
     const pk_real r1 = PK_F(fma)(-k, PK_SINCOS_P1, x);
     const pk_real r = r1 - k * PK_SINCOS_P2;
@@ -137,7 +137,7 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
     c = high + (((1 - high) - half) + (z * z * pk_sincos_c(z) - r * lost));
 #endif
 
-    /* j mod 4 is k mod 4. Where it is odd, sine and cosine change places. */
+    /* j mod 4 is k mod 4. If it is odd, sine and cosine are exchanged. */
     memcpy(&j, &rounded, sizeof j);
     memcpy(&s_bits, &s, sizeof s_bits);
     memcpy(&c_bits, &c, sizeof c_bits);
@@ -150,7 +150,7 @@ PK_INLINE static void pk_sincos_bounded(pk_real x, pk_real *sine, pk_real *cosin
         memcpy(cosine, &c_bits, sizeof c_bits);
 }
 
-/* Not 0 if pk_sincos_bounded() must not be used; so for what is not a number. */
+/* Returns not 0 if pk_sincos_bounded() must not be used, for NaN too. */
 PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 {
     return (pk_bits) !(PK_F(fabs)(x) <= PK_SINCOS_MAX);
@@ -158,8 +158,8 @@ PK_INLINE static pk_bits pk_sincos_far(pk_real x)
 
 #endif
 
-/* Without a branch, unless carefully: then what is returned is not 0 where the results must not
- * be used. */
+/* Without a branch, unless `pass` is PK_CAREFULLY. Returns not 0 if the results are invalid, which
+ * a careful pass never does. */
 PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *sine,
                                         pk_real *cosine)
 {
@@ -182,7 +182,7 @@ PK_INLINE static pk_bits pk_sincos_pass(enum pk_pass pass, pk_real x, pk_real *s
     return 0;
 }
 
-/* The same of two angles. Outside of lanes they are packed into one vector: a short loop. */
+/* The same for two angles. Outside of lanes a short loop packs them into one vector. */
 PK_INLINE static pk_bits pk_sincos_pass_2(enum pk_pass pass, pk_real x, pk_real y, pk_real *sin_x,
                                           pk_real *cos_x, pk_real *sin_y, pk_real *cos_y)
 {

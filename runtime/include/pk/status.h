@@ -1,7 +1,7 @@
-/* What a call of the runtime came to. Zero is success; a positive status stopped for a reason
- * that was asked for; a negative one failed, and its state is the last valid one.
+/* Statuses of the runtime's calls. Zero is success; positive: stopped for a requested reason;
+ * negative: failed, and the state is the last valid one.
  *
- * The list is one X-macro, so a status cannot be without its name and its text.
+ * The list is one X-macro, so that every status has its name and its text.
  */
 #ifndef PK_STATUS_H
 #define PK_STATUS_H
@@ -35,7 +35,7 @@ PK_BEGIN
     X(PK_NO_IMPULSE, -19, "what the motion does where the equations jump is not determined")
 
 #define PK_STATUS_ENUM(name, value, text) name = value,
-/* Of a list X(NAME, "text") the names, as those of an enum, and the texts. */
+/* From a list X(NAME, "text"): the names, as those of an enum, and the texts. */
 #define PK_EACH_NAME(name, text) name,
 #define PK_EACH_TEXT(name, text) text,
 
@@ -44,7 +44,7 @@ enum pk_status {
         PK_STATUS_LAST = -20 /* below every status; no trailing comma, for C++98 readers */
 };
 
-/* "PK_NOT_FINITE", and "the motion is no longer finite". Never NULL. */
+/* Return "PK_NOT_FINITE", and "the motion is no longer finite". Never NULL. */
 const char *pk_status_name(enum pk_status status);
 const char *pk_status_text(enum pk_status status);
 

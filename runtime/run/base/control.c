@@ -1,4 +1,4 @@
-/* What a run asks of the machine: clocks, whether it is to stop, where its rows go. */
+/* Clocks, requests to stop a run, and the file descriptor of its rows. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "state.h"
@@ -6,9 +6,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#define SELDOM 64u  /* steps from one look at the clock to the next, where steps are short: */
-#define SHORT 1e-3  /* seconds for all of them */
-#define BETWEEN 0.1 /* seconds from one question to the next */
+#define SELDOM 64u  /* steps between two readings of the clock, while these take less than */
+#define SHORT 1e-3  /* seconds together */
+#define BETWEEN 0.1 /* seconds between two calls of `poll` */
 
 static double seconds_of(clockid_t clock)
 {
@@ -20,7 +20,7 @@ static double seconds_of(clockid_t clock)
 double run_now(void) { return seconds_of(CLOCK_MONOTONIC); }
 double run_processor(void) { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
-static volatile sig_atomic_t stops; /* all runs */
+static volatile sig_atomic_t stops; /* whether all runs of the process are to end */
 
 void pk_run_stop(int whether) { stops = whether; }
 

@@ -18,7 +18,7 @@ static void quoted(FILE *file, const char *text)
     fputc('"', file);
 }
 
-/* What stands before a value. */
+/* Writes the comma before a value, where it needs one, and its key. */
 static void begin(struct json *j, const char *key)
 {
     if (j->behind)

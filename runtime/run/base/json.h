@@ -1,5 +1,5 @@
-/* JSON, written as it is found. Commas come by themselves; a number that is not finite is null, for
- * there is no other word. Keys are NULL in arrays. Each member of the outermost object has a line.
+/* A JSON writer. It sets the commas; a number that is not finite becomes null, since JSON has no
+ * word for it. Keys are NULL in arrays. Each member of the outermost object has a line of its own.
  */
 #ifndef RUN_JSON_H
 #define RUN_JSON_H
@@ -10,7 +10,7 @@
 
 struct json {
     FILE *file;
-    int depth, behind; /* brackets that are open; whether a value stands before */
+    int depth, behind; /* open brackets; whether the next value follows another and needs a comma */
 };
 
 struct json_real {
@@ -26,10 +26,10 @@ struct json_whole {
 void json_open(struct json *j, const char *key, char bracket);
 void json_close(struct json *j, char bracket);
 void json_text(struct json *j, const char *key, const char *text); /* NULL: null */
-void json_raw(struct json *j, const char *key, const char *text);  /* what is JSON already */
+void json_raw(struct json *j, const char *key, const char *text);  /* `text` is JSON already */
 void json_real(struct json *j, const char *key, pk_real x);
 void json_whole(struct json *j, const char *key, size_t x);
-/* Several in their order: json_reals(j, {"t", t}, {"energy", energy}). */
+/* Several members in the given order: json_reals(j, {"t", t}, {"energy", energy}). */
 #define json_reals(j, ...) json_each_real(j, (const struct json_real[]){__VA_ARGS__, {NULL, 0}})
 #define json_counts(j, ...) json_each_whole(j, (const struct json_whole[]){__VA_ARGS__, {NULL, 0}})
 void json_each_real(struct json *j, const struct json_real *each);

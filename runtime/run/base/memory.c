@@ -1,5 +1,5 @@
-/* Memory of a run, given back all at once. Where there is none the run ends: control goes back to
- * memory_try(), and no other file jumps.
+/* Memory of a run, freed all at once. A failed allocation ends the run: longjmp() returns to
+ * memory_try(). Only this file jumps.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -94,7 +94,7 @@ void memory_drop(struct memory *m, void *begin)
 
 void memory_end(struct memory *m)
 {
-    if (m->text) /* given up in the middle: closed as long as what it writes to is there */
+    if (m->text) /* left open by a jump: fclose() writes to its buffer, which must still exist */
         fclose(m->text);
     m->text = NULL;
     for (struct piece *piece = m->pieces, *next; piece; piece = next) {

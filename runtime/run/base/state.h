@@ -1,4 +1,4 @@
-/* A run while it is made: what all files of runs share. Not installed. */
+/* The state of a run, shared by all files of run/. Not installed. */
 #ifndef RUN_STATE_H
 #define RUN_STATE_H
 
@@ -17,23 +17,24 @@
 
 struct pk_run;
 
-/* Memory of a run, of memory.c: zeroed, or the run ends. */
+/* Memory of a run, see memory.c. It is zeroed; without memory the run ends. */
 struct memory {
     struct piece *pieces;
-    jmp_buf none;     /* where control goes without memory: in memory_try() */
-    FILE *text;       /* being written, of run_text() */
-    size_t text_size; /* which open_memstream() sets when the text is closed */
+    jmp_buf none;     /* jump target when an allocation fails, set by memory_try() */
+    FILE *text;       /* the open text of run_text(), or NULL */
+    size_t text_size; /* its length, set by open_memstream() when the text is closed */
 };
-/* Does `work`; 0: there was no memory for it. */
+/* Calls `work`. Returns 0 if an allocation in it failed. */
 int memory_try(struct memory *m, void (*work)(void *context), void *context);
 void *memory_take(struct memory *m, size_t count, size_t size);
-void *memory_ask(struct memory *m, size_t count, size_t size); /* or NULL */
+void *memory_ask(struct memory *m, size_t count, size_t size); /* NULL without memory */
 void *memory_grow(struct memory *m, void *old, size_t count, size_t size);
-/* For `count`, with what is to come: twice the room where that is too small. */
+/* Returns `old`, grown if *room is less than `count` elements; *room is then doubled. */
 void *memory_room(struct memory *m, void *old, size_t count, size_t *room, size_t size);
 void memory_drop(struct memory *m, void *begin);
 void memory_end(struct memory *m);
-/* A line for a person; a text in memory of malloc(), one at a time, there once it is ended. */
+/* run_say() adds a line to the messages. run_text() opens a text in memory of malloc(), one at a
+ * time; *text is set by run_text_end(). */
 #if defined __GNUC__
 __attribute__((format(printf, 2, 3)))
 #endif
@@ -41,33 +42,33 @@ void run_say(struct pk_run *run, const char *format, ...);
 FILE *run_text(struct pk_run *run, char **text);
 void run_text_end(struct pk_run *run);
 
-/* By how much a relation was missed at the worst. */
+/* An expected relation a = b, a < b or a > b: how often it was checked, and its worst case. */
 struct expected {
     struct pk_run_expected of;
-    unsigned long count, missed;
-    pk_real off, value, bound, allowed, t;
-    size_t member;
-    unsigned long counted, lost; /* of the members before: count and missed */
+    unsigned long count, missed;           /* checks; failed checks */
+    pk_real off, value, bound, allowed, t; /* worst case: excess, a, b, tolerance, time */
+    size_t member;                         /* ensemble member of the worst case */
+    unsigned long counted, lost;           /* count and missed at the end of the previous member */
 };
 
-/* An output whose drift is wanted, or the energy; of an ensemble the worst member's. */
+/* An output, or the energy, whose drift is requested; in an ensemble, the worst member's drift. */
 struct drifting {
     int energy;
-    size_t output, member, members;
+    size_t output, member, members; /* `member`: the worst; `members`: number that have ended */
     struct pk_drift drift;
-    pk_real max, last; /* of all, and of the member that has ended */
+    pk_real max, last; /* largest drift of all members; of the member that ended last */
 };
 
-/* Whether a run is to stop; shared by an ensemble's members. */
+/* Requests to stop a run; shared by the members of an ensemble. */
 struct control {
     volatile sig_atomic_t stop;
-    double last, began; /* seconds of the processor */
-    int slow;           /* given up at the cap */
-    double looked;      /* at the clock, last, */
-    unsigned often;     /* and the steps from one look to the next */
+    double last, began; /* wall clock at the last `poll`; CPU time at the start; seconds */
+    int slow;           /* the run was ended at settings.cap */
+    double looked;      /* wall clock at its last reading */
+    unsigned often;     /* steps between two readings */
 };
 
-/* Of each setting what a checkpoint knows it by. */
+/* A hash of each setting: a checkpoint is only resumed by a run with the same settings. */
 enum { MARKS = 34 };
 struct mark {
     const char *name;
@@ -76,7 +77,7 @@ struct mark {
 
 /* Settings as the run uses them. */
 struct settings {
-    struct pk_run_settings asked; /* of its lists those of parts and members are there for long */
+    struct pk_run_settings asked; /* its lists of parts, members and reductions are copies */
     struct pk_run *run;
     const struct pk_system *system;
     const struct pk_part *parts;
@@ -84,45 +85,45 @@ struct settings {
     const struct pk_method *method;
     struct memory *memory;
     struct control *control;
-    pk_real until, every; /* every: < 0 until / 1000, 0 each step */
+    pk_real until, every; /* every: < 0 until / 1000, 0 a row at each step */
     struct pk_options options;
     int has_every, has_step, polls;
     size_t n;                /* degrees of freedom */
-    void *params, *families; /* what families.attach() takes */
+    void *params, *families; /* `families`: the memory for families.attach() */
     size_t families_size;
-    unsigned char *given;       /* which parameters were set */
-    pk_real *q, *v, *u;         /* the start */
-    unsigned char *start_given; /* 2 n flags */
+    unsigned char *given;       /* flag of each parameter: set by the caller */
+    pk_real *q, *v, *u;         /* initial q and v; current inputs */
+    unsigned char *start_given; /* 2 n flags: initial q, then v, set by the caller */
     struct pk_run_column *show; /* the columns of rows behind t */
     size_t n_show;
     struct expected *expected;
     struct drifting *drifting;
-    struct mark marks[MARKS]; /* of what was asked for, where there are checkpoints */
+    struct mark marks[MARKS]; /* set if there are checkpoints */
 };
 
-/* Of steps/checkpoint.c. */
+/* State of steps/checkpoint.c. */
 struct checkpoint {
-    double began, last; /* when the run did, and when one was written */
-    unsigned long looks, failures;
-    int written, resumed, refused; /* the last one is; the run goes on from one, or cannot */
+    double began, last;            /* wall clock at the start of the run, and of the last one */
+    unsigned long looks, failures; /* calls of checkpoint_look(); checkpoints not written */
+    int written, resumed, refused; /* the last one is on disk; the run resumed one, or could not */
     int left;                      /* the run has ended with one */
 };
 
-/* The motion at a time. */
+/* A time and the state at it; q is NULL where there is no state. */
 struct moment {
     pk_real t;
     const pk_real *q, *v;
 };
 
-/* The crossings of one event; the first of them by their times. */
+/* The crossings of one event or switch, with the times of the first WATCH_TIMES. */
 struct crossed {
     unsigned long count;
     pk_real *t;
-    unsigned long states; /* of steps, at which its function was looked at */
+    unsigned long states; /* ends of steps at which its function g was evaluated */
     unsigned long doubts; /* parts of steps in which crossings may be missed, */
-    pk_real doubtful_t;   /* and the first's time */
-    int leaves;           /* it has been away from zero by more than errors, */
-    pk_real parts;        /* beside the largest contribution to it so far */
+    pk_real doubtful_t;   /* and the time of the first */
+    int leaves;           /* |g| was above WATCH_NOISE times `parts` at some step */
+    pk_real parts;        /* largest |dg/dx_i| |x_i| so far */
 };
 
 struct pk_run {
@@ -132,69 +133,69 @@ struct pk_run {
     struct memory memory;
     struct control control;
     char *said;
-    char *report, *told; /* JSON; of malloc() */
-    char *csv;           /* of a member, its rows; of malloc() */
+    char *report, *told; /* JSON of pk_run_report() and pk_run_given(); of malloc() */
+    char *csv;           /* rows of an ensemble member; of malloc() */
     enum pk_run_code code;
-    int refused;           /* what prepare() made of the parameters */
-    struct pk_system bare; /* the system, of a bare run without events */
+    int refused;           /* result of prepare() for the parameters */
+    struct pk_system bare; /* copy of the system, without events in a bare run */
     struct pk_problem problem;
     struct pk_integrator it;
     struct pk_monitor monitor;
-    struct pk_apart apart;            /* of blocks integrated apart, */
-    struct pk_choice *choices;        /* by these, */
-    struct pk_monitor *part_monitors; /* each watched */
+    struct pk_apart apart;            /* blocks of coordinates integrated apart */
+    struct pk_choice *choices;        /* method and options of each block */
+    struct pk_monitor *part_monitors; /* energy of each block */
     void *block, *monitor_block;
     struct pk_events events;
-    struct crossed *crossed; /* of each event */
-    pk_real *event_values;   /* work of watch.c */
-    pk_real *expected;       /* outputs, work of expect.c */
-    size_t member;           /* of an ensemble, whose state is looked at */
-    pk_real *row, *cells;    /* q, v, observed of a row; the numbers of one */
-    FILE *out;               /* where rows go as CSV; NULL: they are kept */
-    double *kept, *kept_low; /* rows; what they lack of more digits */
+    struct crossed *crossed; /* of each event, then of each switch; NULL without any */
+    pk_real *event_values;   /* work of crossings.c */
+    pk_real *expected;       /* outputs; work of expect.c */
+    size_t member;           /* the ensemble member whose state is observed */
+    pk_real *row, *cells;    /* q, v and outputs of a row; the numbers of its columns */
+    FILE *out;               /* file of the rows as CSV; NULL: they are kept in memory */
+    double *kept, *kept_low; /* rows in memory; what a double lacks of pk_real, or NULL */
     size_t n_kept, room;
-    double *members;       /* of pk_run_members(), */
-    pk_real *reduced;      /* and what of the member at hand is known so far, */
-    unsigned long reduces; /* from so many rows */
-    int reduces_rows;      /* some of it is of these */
-    struct moment now;     /* of run_moment() */
-    size_t stops;          /* of computed inputs, that are behind */
-    pk_real count, next;   /* rows by time behind the first, and the number of the next one */
-    pk_real expecting;     /* what is expected at times within steps was looked at up to here */
-    struct pk_integrator aside; /* for states within fixed steps, made when one is asked for */
+    double *members;            /* table of pk_run_members(), or NULL */
+    pk_real *reduced;           /* reductions of the current member so far, */
+    unsigned long reduces;      /* over this number of rows */
+    int reduces_rows;           /* whether any reduction reads the rows */
+    struct moment now;          /* result of run_moment() */
+    size_t stops;               /* number of settings.stops already passed */
+    pk_real count, next;        /* rows by time after the first; number of the next one */
+    pk_real expecting;          /* expectations within fixed steps are checked up to this time */
+    struct pk_integrator aside; /* for states within fixed steps, made at the first use */
     void *aside_block;
-    pk_real last_row; /* its time */
-    int at_event;     /* the row being written is at one */
+    pk_real last_row; /* time of the last row */
+    int at_event;     /* whether the row being written is at an event */
     unsigned long rows;
-    int begun;            /* it could start */
-    int lean;             /* of a member: nobody looks at its steps, but where it begins and ends */
-    pk_real h_min, h_max; /* steps made; the least of those that their error alone bounds */
-    unsigned long look_at; /* the step at which drifts are looked at next; see look/drifts.c */
-    int looked;            /* whether they were at this one */
-    pk_real trusted;       /* until when the energy was what it is to be; see look.h */
+    int begun;             /* whether the integrator was initialised without an error */
+    int lean;              /* a member that is observed at its start and end only */
+    pk_real h_min, h_max;  /* step sizes; h_min: least of the steps bounded by their error alone */
+    unsigned long look_at; /* the step at which drifts are measured next; see look/drifts.c */
+    int looked;            /* whether they were measured at this step */
+    pk_real trusted;       /* last time at which the energy was right; see look.h */
     int distrusted;
     pk_real ends;  /* end of the motion according to dop853 */
     int beyond;    /* the steps have gone on past that end */
     int goes_on;   /* dop853 finds that the motion goes on past the failure */
-    char *besides; /* behind the reason of a failure, or NULL; of malloc() */
+    char *besides; /* text to append to the reason of a failure, or NULL; of malloc() */
     int interrupted;
-    int write_failed;
-    const struct pk_run_column *not_finite; /* the first energy or output that was not, or NULL */
-    double bad_t;                           /* and in which row, and how many rows there were */
+    int write_failed;                       /* errno of a failed write of rows, or 0 */
+    const struct pk_run_column *not_finite; /* first energy or output not finite, or NULL */
+    double bad_t;                           /* time of its row; number of such rows */
     unsigned long bad_rows;
     const struct pk_run_column
         *lost;     /* the first value lost to rounding at a singular position, or NULL */
-    double lost_t; /* as above */
+    double lost_t; /* time of its row; number of such rows */
     unsigned long lost_rows;
-    double part;               /* of an ensemble that is done */
-    double seconds, processor; /* on the wall's clock and the processor's, of the steps and rows */
-    struct diagnostics *diagnostics; /* NULL: none asked for */
+    double part;                     /* finished fraction of an ensemble */
+    double seconds, processor;       /* wall clock and CPU time of the steps and rows */
+    struct diagnostics *diagnostics; /* NULL: none requested */
     struct looking *looking;         /* of condition.c */
-    struct loop *loop;               /* of members, for their area */
+    struct loop *loop;               /* the members as a closed loop, for its area; or NULL */
     struct checkpoint checkpoint;
 };
 
-/* Numbers of a row: the member of an ensemble, t, the columns. */
+/* Returns the numbers per row: the member (of an ensemble), t, the columns. */
 static inline size_t run_width(const struct pk_run *run)
 {
     return (run->settings.asked.members ? 2u : 1u) + run->settings.n_show;
@@ -205,13 +206,13 @@ static inline int run_fixed(const struct pk_run *run)
     return !(run->settings.method->traits & PK_ADAPTIVE);
 }
 
-/* Of control.c: seconds on the wall's clock, and of this thread on the processor's. */
+/* Of control.c: seconds of the wall clock, and of this thread's CPU time. */
 double run_now(void);
 double run_processor(void);
-/* Whether it is to stop: asks `poll` now and then. */
+/* Returns whether the run is to stop; calls `poll` about ten times a second. */
 int run_stopped(struct pk_run *run, double part);
-int run_ending(void *context); /* of pk_options.stop: whether all runs are to end */
-/* Rows go to this file descriptor as CSV; 0: they cannot, which errno tells. */
+int run_ending(void *context); /* for pk_options.stop: whether all runs are to end */
+/* Sends rows to this file descriptor as CSV; returns 0, with errno set, if that fails. */
 int run_open(struct pk_run *run, int fd);
 
 #endif

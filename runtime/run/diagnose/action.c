@@ -1,5 +1,5 @@
-/* The action of a run of one degree of freedom: at the start, and at rows, each at its energy and
- * with its t held. Where L depends on time slowly that is the adiabatic invariant.
+/* The action of a run of one degree of freedom, at the start and at rows: of the orbit with the
+ * row's energy and t held constant. If L depends slowly on time, it is the adiabatic invariant.
  */
 
 #include "parts.h"
@@ -16,7 +16,7 @@ static struct pk_action action_at(struct pk_run *run, pk_real t, const pk_real *
     return found;
 }
 
-/* Rows of [t, J, T] as long as the orbit is of the kind that it began as. */
+/* Writes rows of [t, action, period] until the orbit changes its kind. */
 static void rows(struct pk_run *run, struct diagnostics *d, enum pk_orbit orbit, pk_real *u)
 {
     const size_t count = d->n_rows < ROWS ? d->n_rows : ROWS;

@@ -1,10 +1,10 @@
-/* Angular momentum of a run's particles, and whether the model conserves it: by its torque. */
+/* Angular momentum of a run's particles; the torque shows whether the model conserves it. */
 #include "bodies.h"
 
 struct turning {
-    struct pk_drift drift[2][3]; /* about the origin, about the centre of mass */
-    pk_real first[2][3], last[2][3], torque[2], arm[2];
-    int moves[3]; /* along which axes */
+    struct pk_drift drift[2][3]; /* [0] about the origin, [1] about the centre of mass */
+    pk_real first[2][3], last[2][3], torque[2], arm[2]; /* torque, and the sum it is relative to */
+    int moves[3]; /* whether a particle moves along each axis */
 };
 
 static void turn(void *context, struct bodies *b, pk_real t)
@@ -24,7 +24,7 @@ static void turn(void *context, struct bodies *b, pk_real t)
         x->moves[i % 3] |= PK_F(fabs)(b->r[i]) > 0 || PK_F(fabs)(b->v[i]) > 0;
 }
 
-/* The axis that a motion in a plane turns about; -1: it is one in space. */
+/* Returns the axis normal to a planar motion; -1: the motion is in space. */
 static int normal(const struct turning *x)
 {
     return !x->moves[2] ? 2 : !x->moves[1] ? 1 : !x->moves[0] ? 0 : -1;

@@ -4,18 +4,18 @@
 
 #include "parts.h"
 
-/* q and p of all members at the rows that they have in common, as far as each has come. */
+/* q and p of all members at their common rows, for the area that the members enclose. */
 struct loop {
-    size_t members, rows, n; /* n: coordinates; states have no momenta */
-    double *x;               /* of each row: q of all members for each coordinate, then p */
-    double *t;               /* of the start and each row */
-    size_t *came;            /* how many rows each member has */
-    pk_real *work;           /* of each member, who may run beside others: p and pdot */
-    size_t whole;            /* of these: coordinates and states */
-    const char *gone;        /* what may have become of members that have not come to the end */
+    size_t members, rows, n; /* n: coordinates; first-order variables have no momenta */
+    double *x;               /* rows by (q, p) by n by members; see area_series() */
+    double *t;               /* time of each row; row 0 is the start */
+    size_t *came;            /* number of rows of each member */
+    pk_real *work;           /* p and pdot of each member, since members run in parallel */
+    size_t whole;            /* length of p: coordinates and first-order variables */
+    const char *gone;        /* why members may have ended early, for messages */
 };
 
-/* Of one of them at one row, in member order. */
+/* Returns q_i, or p_i, of all members at one row, in member order. */
 static inline double *area_series(const struct loop *l, size_t row, size_t i, int momentum)
 {
     return l->x + ((2 * row + (size_t)momentum) * l->n + i) * l->members;

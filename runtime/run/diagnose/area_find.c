@@ -1,12 +1,12 @@
-/* The area within a loop of members in phase space, sum over coordinates of the closed integral of
- * p dq, which any flow of L preserves (Poincare). Members shear apart along the loop, which then
- * has more structure than they resolve: what the area is worth is told by the last harmonics.
+/* The area of a loop of members in phase space: the sum over coordinates of the closed integral of
+ * p dq, which any flow of L preserves (Poincare). The loop is a Fourier series over its members.
+ * Members shear apart along the loop until they no longer resolve it; the last harmonics show this.
  *
  * A series that contributes less to the sum may be resolved less well: its tail is weighted by the
- * area of an ellipse as wide as it is and as high as its conjugate, relative to the area of
+ * area of an ellipse as wide as the series and as high as its conjugate, relative to the area of
  * all. A decaying tail means that the loop is finer than the spacing of its members; then the area
- * is worth nothing. A tail that is flat, and small, is an error of each member's own, by the last
- * rounding or by steps of its own length; what it does to the area is known (`noise`).
+ * is meaningless. A flat, small tail is an independent error of each member, from round-off or from
+ * its own step sizes; its effect on the area is known (`noise`).
  * Reference: V. I. Arnold, Mathematical Methods of Classical Mechanics, 44.
  */
 #include "area.h"
@@ -16,16 +16,16 @@
 #ifdef PK_WITH_GSL
 #include <pk/gsl.h>
 
-#define RESOLVED 1e-12 /* of the tail, */
-#define NOISY 1e-6     /* and of one that is noise: a loop torn at a separatrix has more */
+#define RESOLVED 1e-12 /* largest weighted tail of a resolved loop, */
+#define NOISY 1e-6     /* and of a noisy one; a loop torn at a separatrix has more */
 
 enum quality { GOOD, NOISE, COVERED, FINER };
 
 struct finding {
     struct loop *l;
     size_t common;              /* rows that all members have */
-    double *winding;            /* of each coordinate */
-    struct pk_loop_area *parts; /* of each row and coordinate */
+    double *winding;            /* per coordinate: its increase once round the loop */
+    struct pk_loop_area *parts; /* rows by coordinates */
     int smooth, adaptive;
 };
 
@@ -79,7 +79,8 @@ static struct row row_of(const struct finding *f, size_t row)
     return found;
 }
 
-/* Whether q_i and q_i + turn are the same place: p and its rate of some members, at a rate. */
+/* Returns whether q_i and q_i + turn are the same position: p and pdot of three members, at nonzero
+ * rates, must agree. */
 static int is_turn(struct pk_run *run, size_t i, double turn)
 {
     const struct loop *l = run->loop;
@@ -88,7 +89,7 @@ static int is_turn(struct pk_run *run, size_t i, double turn)
     const char *unit = run->settings.system->coordinates ? run->settings.system->coordinates[i].unit
                                                          : NULL;
     pk_real *q = memory_take(&run->memory, 6 * n, sizeof *q), *v = q + n;
-    pk_real *p = v + n, *P = p + 2 * n; /* here and there, with their rates */
+    pk_real *p = v + n, *P = p + 2 * n; /* p and pdot at q_i; at q_i + turn */
     int same = !unit || !*unit || strcmp(unit, "1") == 0 || strcmp(unit, "rad") == 0;
     for (size_t k = 0; k < 3 && same; k++) {
         double off = 0, most = 0;
@@ -109,7 +110,7 @@ static int is_turn(struct pk_run *run, size_t i, double turn)
     return same;
 }
 
-/* By how much a coordinate of the starts is more after once round: an angle, by turns. */
+/* Returns the increase of a coordinate once round the starts: whole turns of an angle, or 0. */
 static double winding_of(struct pk_run *run, size_t i)
 {
     const size_t count = run->loop->members;
@@ -119,7 +120,7 @@ static double winding_of(struct pk_run *run, size_t i)
     return fabs(turn) > 0 && is_turn(run, i, turn) ? turn : 0;
 }
 
-/* From the last member to the first, and from the one before to the last. */
+/* Steps of a series from the last member to the first, and from the one before to the last. */
 struct ends {
     double closing, before;
 };
@@ -129,8 +130,9 @@ static struct ends ends_of(const double *x, size_t count, double winding)
     return (struct ends){x[0] + winding - x[count - 1], x[count - 1] - x[count - 2]};
 }
 
-/* Why the starts are no loop, or 0. Weights are the larger of those now and a row later, for q or p
- * may be 0 for all members at the start; a series that is 0, or round-off, is not checked. */
+/* Writes why the starts are no loop, or returns 0. Weights are the larger of those at the start and
+ * a row later, since q or p may be 0 for all members at the start. A series that is 0 or round-off
+ * is not checked. */
 static int no_loop(const struct pk_run *run, const struct finding *f, const struct ends *ends,
                    char *reason, size_t size)
 {
@@ -165,7 +167,7 @@ static int no_loop(const struct pk_run *run, const struct finding *f, const stru
     return worst > 0;
 }
 
-/* All rows that members have in common; their series are overwritten. */
+/* Computes the areas at all common rows; overwrites the series. */
 static enum pk_status transform(struct pk_run *run, struct finding *f)
 {
     const struct loop *l = f->l;
@@ -174,7 +176,7 @@ static enum pk_status transform(struct pk_run *run, struct finding *f)
             const enum pk_status status =
                 pk_gsl_loop_area(area_series(l, row, i, 0), area_series(l, row, i, 1), l->members,
                                  f->winding[i], f->parts + row * l->n + i);
-            if (status == PK_NOT_FINITE && row > 0) { /* where the mass is singular, or too large */
+            if (status == PK_NOT_FINITE && row > 0) { /* M is singular, or a number too large */
                 f->common = row;
                 return PK_DONE;
             }
@@ -198,7 +200,7 @@ static const char *words_of(const struct finding *f, enum quality quality)
     return "it is finer than its members are apart";
 }
 
-/* What has become of the members that are not at all rows; 0: all are. */
+/* Writes why some members do not have all rows; returns 0 if all members have them. */
 static int parted(const struct pk_run *run, const struct finding *f, char *text, size_t size)
 {
     const struct loop *l = f->l;
@@ -227,7 +229,7 @@ static void write_rows(struct pk_run *run, struct diagnostics *d, const struct f
     const struct loop *l = f->l;
     struct json *j = &d->json;
     struct pk_drift drift;
-    double until = -1, size = 0; /* of the first row that has one: it may start all at rest */
+    double until = -1, size = 0; /* first nonzero size; it is 0 if all members start at rest */
     char ends[400] = "", apart[400] = "";
     int resolved = 1;
     if (parted(run, f, apart, sizeof apart)) {

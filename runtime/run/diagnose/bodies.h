@@ -1,4 +1,4 @@
-/* The particles along a run, which is made again from its start, step by step. */
+/* The particles of a model along a run, which is repeated from its start, step by step. */
 #ifndef RUN_DIAGNOSE_BODIES_H
 #define RUN_DIAGNOSE_BODIES_H
 
@@ -11,23 +11,24 @@
 /* The particles at a state. */
 struct bodies {
     struct pk_run *run;
-    struct pk_system system; /* the model's, with the event `pericentre` alone, if any */
+    struct pk_system system; /* the model's, with `pericentre` as its only event, or none */
     struct pk_problem problem;
-    struct pk_integrator it; /* which follows them */
+    struct pk_integrator it; /* the integrator that repeats the run */
     size_t n;
-    pk_real *m, *r, *v, *a; /* n, and 3 n each; to be freed: m */
-    pk_real *qa, *u;        /* of the coordinates */
-    /* Called after each step; and, if there is one, where two are nearest. */
+    pk_real *m, *r, *v, *a; /* n masses; 3 n positions, velocities, accelerations; one block */
+    pk_real *qa, *u;        /* accelerations of the coordinates; inputs */
+    /* Called after each step; and, if not NULL, at each pericentre. */
     void (*see)(void *context, struct bodies *b, pk_real t);
     void (*pericentre)(void *context, struct bodies *b, pk_real t);
     void *context;
 };
 
-/* At the start. 0: there are none. */
+/* Sets the particles at the start. Returns 0 if the model has no particles. */
 int bodies_begin(struct bodies *b, struct pk_run *run);
-/* Through all steps, as far as the run came. */
+/* Repeats all steps up to the end of the run. */
 enum pk_status bodies_follow(struct bodies *b);
-/* Of the second from the first of two; of one from the origin. And r.r' of these. */
+/* Returns x of the second particle relative to the first; of a single one, relative to the origin.
+ * bodies_approach() returns r.r' of these relative vectors. */
 void bodies_relative(const struct bodies *b, const pk_real *x, pk_real *out);
 pk_real bodies_approach(const struct bodies *b);
 

@@ -32,7 +32,7 @@ static enum pk_run_code diagnose_run(struct pk_run *run, enum pk_run_code code)
         return code;
     struct diagnostics *d = diagnose_open(run);
     if (run->out)
-        fflush(run->out); /* rows are whole, whatever comes of this */
+        fflush(run->out); /* the rows are complete, even if a diagnostic ends the process */
     run->settings.options.stop = stop;
     run->settings.options.context = run;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)

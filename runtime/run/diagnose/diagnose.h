@@ -1,5 +1,5 @@
-/* Diagnostics of `pkgen run --diagnose`, made after the run, from its start, by its method:
- * functions of the table in look/look.h. */
+/* Diagnostics of `pkgen run --diagnose`, made after the run, from its start, by its method. They
+ * implement the table struct pk_run_diagnose of look/look.h. */
 #ifndef RUN_DIAGNOSE_H
 #define RUN_DIAGNOSE_H
 
@@ -8,13 +8,13 @@
 #include "../base/state.h"
 #include "../look/look.h"
 
-/* Flags, one a diagnostic. */
+/* One flag per diagnostic. */
 #define DIAGNOSE_PLACE(name, of, kernels) DIAGNOSE_PLACE_##name,
 enum {
     DIAGNOSTICS(DIAGNOSE_PLACE) DIAGNOSE_PLACES,
-    DIAGNOSE_ALL = (1u << (DIAGNOSE_PLACES + 1)) - 1, /* these, and that it is no error if one does
-                                                         not apply */
-    DIAGNOSE_AREA = 1u << (DIAGNOSE_PLACES + 1)       /* of an ensemble, which has no other */
+    DIAGNOSE_ALL = (1u << (DIAGNOSE_PLACES + 1)) - 1, /* all, and one more bit: a diagnostic that
+                                                         does not apply is no error */
+    DIAGNOSE_AREA = 1u << (DIAGNOSE_PLACES + 1)       /* the only one of an ensemble */
 };
 
 void diagnose_report(const struct pk_run *run, struct json *j);

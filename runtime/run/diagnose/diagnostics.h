@@ -1,11 +1,11 @@
-/* The diagnostics of `pkgen run --diagnose`, told once: what the command line knows it reads here.
+/* The list of diagnostics of `pkgen run --diagnose`. The command line parses this file too.
  *
  *     X(name, made of, kernels)
  *
- * One of a MOTION is made after the run by diagnose_NAME() in NAME.c, in this order;
- * OF_ROWS and REDUCED of the rows kept on the way too. REDUCED ones, asked for without others, are
- * of what a scene's reductions leave. MEMBERS of an ensemble have their own file. Kernels beside
- * those of a run: LINEAR the equations linearised, PARTICLES the particles' places, EVERY all; NONE.
+ * MOTION: made after the run by diagnose_NAME() in NAME.c, in this order. OF_ROWS and REDUCED: also
+ * reads rows kept during the run. REDUCED: requested alone, it is made of the system that a scene's
+ * reductions leave. MEMBERS: made of an ensemble. Kernels needed besides those of a run: LINEAR the
+ * linearised equations, PARTICLES positions of particles, EVERY all kernels, NONE no others.
  */
 #ifndef RUN_DIAGNOSTICS_H
 #define RUN_DIAGNOSTICS_H

@@ -1,8 +1,8 @@
-/* The vector of Laplace, Runge and Lenz along a run, and how far the pericentre turns. */
+/* The Laplace-Runge-Lenz vector along a run, and the rotation of the pericentre. */
 #include "bodies.h"
 
-static const double ROUND = 1e-8; /* an eccentricity of rounding: the orbit has no direction */
-static const double AGAIN = 1e-6; /* of r/r': the passage of the start, found a rounding later */
+static const double ROUND = 1e-8; /* eccentricity of round-off: the orbit has no direction */
+static const double AGAIN = 1e-6; /* of r/|r'|: a pericentre so soon after the last is the same */
 
 struct apsides {
     struct pk_lrl lrl;

@@ -1,8 +1,8 @@
-/* Normal modes at the equilibrium that a motion is about, and how the energy is shared among them.
+/* Normal modes at the equilibrium about which a motion oscillates, and the energy of each mode.
  *
- * That is the one in which it starts, at rest; else a minimum of the potential no higher than the
- * motion's energy, of those the nearest to which the way is nowhere higher, else the nearest; and
- * where none was found the nearest equilibrium of all, which is unstable.
+ * The equilibrium is the start, if it is one, at rest. Else it is a minimum of the potential below
+ * the motion's energy: the nearest with no higher potential on the straight line to it, else the
+ * nearest. If none is found it is the nearest of the other equilibria, which are unstable.
  */
 
 #include "parts.h"
@@ -13,16 +13,16 @@
 
 #ifdef PK_WITH_GSL
 enum { MOST = 256, ROWS = 200, MODES = 64, PLACES = 16, TRIES = 100, FEW = 8, WAY = 64 };
-static const double PART = 1e-6; /* of the way to the start */
+static const double PART = 1e-6; /* fraction of the way to the start, for differences */
 
 struct modes {
     struct pk_run *run;
     size_t n;
-    double *q, *p, *h, *M, *squares, *shapes, *E, *x, *work; /* q, p, h: of the equilibrium */
-    unsigned char *turns; /* whether q_i + 2 pi is the same place as q_i */
+    double *q, *p, *h, *M, *squares, *shapes, *E, *x, *work; /* q, h: of the equilibrium */
+    unsigned char *turns; /* whether q_i + 2 pi is the same position as q_i */
 };
 
-/* How fit an equilibrium is, the fittest first. */
+/* Ranks of equilibria, the best first. */
 enum fitness { START, IN_SIGHT, BELOW, UNSTABLE, KINKED, NO_MODES, NOTHING };
 
 static const char *unfit(const struct pk_system *system, size_t n)
@@ -43,8 +43,8 @@ static const char *unfit(const struct pk_system *system, size_t n)
     return NULL;
 }
 
-/* Whether the force at q is below `share` of what its change at q, extrapolated to the start,
- * would give; that ratio is about 1 far away, where forces decay. */
+/* Returns whether the force at q is below `share` of its change at q extrapolated linearly to the
+ * start. That ratio is about 1 far away, where forces decay. */
 static int rests(const struct modes *m, const double *q, double share)
 {
     const struct pk_problem *problem = &m->run->problem;
@@ -57,7 +57,7 @@ static int rests(const struct modes *m, const double *q, double share)
         off[i] = q[i] + PART * (m->run->settings.q[i] - q[i]);
     problem->system->canonical(problem->params, 0, off, rest, NULL, p, moved);
     for (size_t i = 0; i < n; i++) {
-        if (!isfinite(pdot[i]) || !isfinite(moved[i])) /* two bodies in one place, say */
+        if (!isfinite(pdot[i]) || !isfinite(moved[i])) /* e.g. two bodies in one position */
             return 0;
         force = fmax(force, fabs(pdot[i]));
         change = fmax(change, fabs(moved[i] - pdot[i]));
@@ -78,7 +78,7 @@ static double energy_at(const struct modes *m, const double *q, const double *v)
     return m->run->problem.system->energy(m->run->problem.params, 0, q, v, NULL);
 }
 
-/* How far it is, beside the start. */
+/* Returns the distance of q from the start, relative to the largest coordinate of the start. */
 static double away(const struct modes *m, const double *q)
 {
     const double far = distance(m, q);
@@ -88,7 +88,7 @@ static double away(const struct modes *m, const double *q)
     return size > 0 ? far / size : far > 0 ? HUGE_VAL : 0;
 }
 
-/* Whether it starts here, at rest. */
+/* Returns whether the motion starts at q, at rest. */
 static int is_start(const struct modes *m, const double *q)
 {
     for (size_t i = 0; i < m->n; i++)
@@ -97,7 +97,7 @@ static int is_start(const struct modes *m, const double *q)
     return away(m, q) <= 1e-6;
 }
 
-/* Whether the potential is nowhere above h on the straight way from the start. */
+/* Returns whether the potential is at most h on the straight line from the start to q. */
 static int in_sight(const struct modes *m, const double *q, const double *rest, double h)
 {
     const double *from = m->run->settings.q;
@@ -110,7 +110,7 @@ static int in_sight(const struct modes *m, const double *q, const double *rest, 
     return 1;
 }
 
-/* Whether the equations have a kink there, as one sees it from the start. */
+/* Returns whether the equations have a kink at q, along the line to the start. */
 static int is_kinked(const struct modes *m, const double *q)
 {
     const double *start = m->run->settings.q;
@@ -140,14 +140,15 @@ static enum fitness fitness_of(const struct modes *m, const double *q)
         return KINKED;
     if (is_start(m, q))
         return START;
-    if (!pulled) /* so far away that what falls off exponentially is 0 */
+    if (!pulled) /* so far away that exponentially decaying forces are 0 */
         return NOTHING;
     if (m->squares[0] < 0 || there > h + slack)
         return UNSTABLE;
     return in_sight(m, q, rest, h + slack) ? IN_SIGHT : BELOW;
 }
 
-/* Shifts angles by whole turns towards the start; copies q to m->q if it is fitter, or nearer. */
+/* Shifts angles by whole turns towards the start; copies q to m->q if its rank is better, or equal
+ * and q is nearer. Returns the best rank. */
 static enum fitness consider(struct modes *m, double *q, enum fitness best)
 {
     for (size_t i = 0; i < m->n; i++)
@@ -160,8 +161,8 @@ static enum fitness consider(struct modes *m, double *q, enum fitness best)
     return found;
 }
 
-/* The fittest into m->q: of q = 0, if nothing pulls there, and what is found from the start and
- * around. */
+/* Sets m->q to the best equilibrium: of q = 0, if no force acts there, and those found from the
+ * start and, for few coordinates, from other starts. Returns its rank. */
 static enum fitness choose(struct modes *m)
 {
     struct pk_run *run = m->run;
@@ -172,12 +173,12 @@ static enum fitness choose(struct modes *m)
     struct pk_equilibria found = {
         .most = PLACES, .q = q, .v = q + PLACES * m->n, .turns = m->turns};
     double *rest = memory_take(&run->memory, m->n, sizeof *rest);
-    still.cyclic = NULL; /* those that go on rest nowhere */
+    still.cyclic = NULL; /* no steady motions: cyclic coordinates must rest too */
     problem.system = &still;
     enum fitness best = NOTHING;
     const enum pk_status status =
         pk_gsl_equilibria(&problem, s->q, rest, m->n <= FEW ? TRIES : 0, &found);
-    if (rests(m, rest, 1e-12)) /* at 0 */
+    if (rests(m, rest, 1e-12)) /* at q = 0 */
         best = consider(m, rest, best);
     for (size_t k = 0; status >= 0 && k < found.count; k++)
         best = consider(m, q + k * m->n, best);
@@ -189,7 +190,7 @@ static void row(struct modes *m, struct json *j, double t, const double *q, cons
     const struct pk_problem *problem = &m->run->problem;
     const size_t n = m->n, shown = n < MODES ? n : MODES;
     double *p = m->work, *pdot = p + n, sum = 0;
-    /* M q' alone: p of rest is of a total derivative in L, or depends on rates and is refused. */
+    /* p - p(rest) = M q': p at rest comes from a total derivative in L. */
     memset(m->p, 0, n * sizeof *m->p);
     problem->system->canonical(problem->params, t, q, m->p, NULL, p, pdot);
     memcpy(m->p, p, n * sizeof *p);
@@ -260,7 +261,7 @@ void diagnose_modes(struct pk_run *run, struct diagnostics *d)
     m.squares = m.p + n;
     m.E = m.squares + n;
     m.x = m.E + n;
-    m.work = m.x + n; /* 5 n */
+    m.work = m.x + n; /* 5 n numbers */
     m.h = m.work + 5 * n;
     m.turns = memory_take(&run->memory, n, 1);
     const enum fitness best = choose(&m);

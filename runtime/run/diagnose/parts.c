@@ -1,11 +1,11 @@
-/* What diagnostics share. Each writes one member of an object in JSON as it is found:
- * {"status": ..., "reason": ...} says how it went, and numbers follow where it went well.
+/* Functions shared by the diagnostics. Each writes one member of a JSON object: it begins with
+ * {"status": ..., "reason": ...}, and its numbers follow if it succeeded.
  */
 #include "parts.h"
 
 #include "../look/look.h"
 
-/* Diagnostics that are made of rows. */
+/* Flags of the diagnostics that read rows. */
 #define FLAG_OF_MOTION(name)
 #define FLAG_OF_OF_ROWS(name) | 1u << DIAGNOSE_PLACE_##name
 #define FLAG_OF_REDUCED(name) | 1u << DIAGNOSE_PLACE_##name
@@ -19,11 +19,11 @@ static struct diagnostics *diagnostics(struct pk_run *run)
     return run->diagnostics;
 }
 
-/* Spectra are of rows, and steps, actions and modes are looked at there. */
+/* Keeps a row for the diagnostics that read rows. */
 static void keep_row(struct pk_run *run, const struct moment *at)
 {
     const size_t n = run->settings.n, width = 1 + 2 * n;
-    /* Spectra are of rows at equal times. */
+    /* Rows at events are left out: spectra need equal times. */
     if (!(run->settings.asked.diagnose & OF_ROWS) || (run->at_event && run->settings.has_every))
         return;
     struct diagnostics *d = diagnostics(run);
@@ -76,11 +76,11 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
     reason = reason ? reason : pk_status_text(status);
     json_text(&d->json, "status", pk_status_name(status));
     json_text(&d->json, "reason", reason);
-    if (status >= 0 || d->run->control.stop) /* which is told once, by diagnose_run() */
+    if (status >= 0 || d->run->control.stop) /* diagnose_run() reports the interruption once */
         return status >= 0;
     run_say(d->run, "diagnose %s: %s", d->name, reason);
     if (d->code == 0 && status == PK_REFUSED)
-        d->code = d->all ? PK_RUN_DONE : PK_RUN_USAGE; /* of all, those that apply */
+        d->code = d->all ? PK_RUN_DONE : PK_RUN_USAGE; /* `all` skips those that do not apply */
     else if (d->code == 0)
         d->code = PK_RUN_FAILED;
     return 0;
@@ -140,7 +140,7 @@ void diagnose_report(const struct pk_run *run, struct json *j)
         json_raw(j, "diagnostics", run->diagnostics->text);
 }
 
-/* The rows on the way. */
+/* Saves or restores the kept rows. */
 static void keep(struct pk_run *run, struct pk_keep *k)
 {
     struct diagnostics *d = run->diagnostics;

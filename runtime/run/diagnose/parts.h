@@ -1,4 +1,4 @@
-/* What the files of --diagnose share. */
+/* State and functions shared by the files of --diagnose. */
 #ifndef RUN_DIAGNOSE_PARTS_H
 #define RUN_DIAGNOSE_PARTS_H
 
@@ -7,27 +7,27 @@
 #include "diagnose.h"
 
 struct diagnostics {
-    pk_real *rows; /* t, q, v of each */
+    pk_real *rows; /* t, q, v of each row kept during the run */
     size_t n_rows, room;
-    char *text;       /* the object of all, */
-    struct json json; /* while it is made */
+    char *text;       /* the JSON object of all diagnostics, */
+    struct json json; /* its writer */
     struct pk_run *run;
-    const char *name; /* of the one that is made */
+    const char *name; /* of the current diagnostic */
     enum pk_run_code code;
-    int all;
-    double exponent; /* by Lyapunov, if that says chaotic or leaving */
+    int all;         /* whether `all` was requested */
+    double exponent; /* largest Lyapunov exponent, if the motion is chaotic or leaving; else 0 */
 };
 
-/* What is there, ready for members; and the object closed. */
+/* diagnose_open() opens the JSON object of all diagnostics; diagnose_close() closes it. */
 struct diagnostics *diagnose_open(struct pk_run *run);
 void diagnose_close(struct diagnostics *d);
-/* A member, made by make(): its keys, status and reason first. */
+/* Writes one member of the object by make(): status and reason come first. */
 void diagnose_one(struct diagnostics *d, const char *name,
                   void (*make)(struct pk_run *run, struct diagnostics *d));
-/* The k-th of so many kept rows, from the first to the last. */
+/* Returns the k-th of `count` kept rows that are spread evenly from the first to the last. */
 const pk_real *diagnose_row(const struct diagnostics *d, size_t k, size_t count);
-/* How it went, with the reason, NULL: that of an integrator which was to make it, or of the status.
- * 1 where its numbers are to follow, in d->json. */
+/* Writes status and reason. `reason` NULL: that of `it`, if it failed, or the text of the status.
+ * Returns 1 if the caller is to write its numbers to d->json. */
 int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reason,
                   const struct pk_integrator *it);
 #define DIAGNOSE_NEEDS_GSL(name)                                                               \
@@ -38,15 +38,15 @@ int diagnose_told(struct diagnostics *d, enum pk_status status, const char *reas
                       NULL);                                                                   \
     }
 
-/* Why (q, p) are not coordinates and their momenta, free of each other; or NULL. */
+/* Returns why (q, p) are not independent canonical coordinates, or NULL if they are. */
 const char *diagnose_not_free(const struct pk_system *system);
-/* Why there are no variational equations, or NULL. */
+/* Returns why there are no variational equations, or NULL if there are. */
 const char *diagnose_no_variation(const struct pk_run *run);
-/* Whether the equations have a kink on the straight way from one place to another, at rest: a
- * switch that is 0 or changes its side. Of kinks without switches nobody knows where they are: 1.
+/* Returns whether the equations have a kink on the straight line between two positions, at rest: a
+ * switch is 0 or changes its sign. Kinks without switches cannot be located: then 1.
  */
 int diagnose_kink(struct pk_run *run, const pk_real *from, const pk_real *to);
-/* Each writes its member. */
+/* Each diagnostic writes its member. */
 #define DIAGNOSE_DECLARE(name, of, kernels) \
     void diagnose_##name(struct pk_run *run, struct diagnostics *d);
 DIAGNOSTICS(DIAGNOSE_DECLARE)

@@ -1,8 +1,8 @@
-/* There and back: when the start is lost. */
+/* Reversal: integrates forward and back, and finds when the start is no longer regained. */
 
 #include "parts.h"
 
-static const double THRESHOLD = 1e-3; /* what has come so far from its start is lost */
+static const double THRESHOLD = 1e-3; /* distance from the start at which it is lost */
 
 void diagnose_reversal(struct pk_run *run, struct diagnostics *d)
 {

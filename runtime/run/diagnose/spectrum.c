@@ -1,4 +1,4 @@
-/* The spectrum of each coordinate and state, of the rows of a run. */
+/* The spectrum of each coordinate and first-order variable, from the rows of a run. */
 
 #include "parts.h"
 
@@ -10,7 +10,7 @@ static void spectrum_lines(struct pk_run *run, struct diagnostics *d, const stru
 {
     const size_t width = 1 + 2 * run->settings.n;
     struct json *j = &d->json;
-    double away = 0, size = 0; /* from mean + rate t; of x */
+    double away = 0, size = 0; /* largest |x - mean - rate t|; largest |x| */
     char name[128];
     for (size_t k = 0; k < count; k++) {
         const double x = d->rows[k * width + 1 + i];
@@ -37,10 +37,10 @@ static void spectrum_lines(struct pk_run *run, struct diagnostics *d, const stru
     json_close(j, '}');
 }
 
-/* Where the i-th quantity is in (q, v): the coordinates, then the states. */
+/* Returns the index in (q, v) of quantity i: coordinates first, then first-order variables. */
 static size_t column(size_t i, size_t n, size_t seen) { return i < seen ? i : n + i; }
 
-/* Rows at equal times: all but a last one that is nearer. */
+/* Uses rows at equal times: a last row after a shorter interval is dropped. */
 void diagnose_spectrum(struct pk_run *run, struct diagnostics *d)
 {
     const struct settings *set = &run->settings;

@@ -1,10 +1,10 @@
-/* How far steps are from keeping the symplectic form. */
+/* The symplecticity defect of the steps of a run. */
 #include "parts.h"
 
 enum { STATES = 16 };
 
-/* The largest defect over states spread over the rows; a step that cannot be made at one of them is
- * counted, and is a failure if none could be. */
+/* Reports the largest defect over states spread over the rows. Failed steps are counted; the
+ * diagnostic only fails if all steps fail. */
 void diagnose_symplectic(struct pk_run *run, struct diagnostics *d)
 {
     const struct settings *s = &run->settings;

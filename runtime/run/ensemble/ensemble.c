@@ -1,6 +1,6 @@
-/* An ensemble as `pkgen run --ensemble` asks for it: members by the thousand, a batch in memory
- * at a time, rows in the order of members whatever thread made them. Every member's parameters
- * are checked before the first one runs.
+/* Runs an ensemble (`pkgen run --ensemble`): one batch of members is in memory at a time, and rows
+ * come in the order of members, whichever thread made them. The parameters of every member are
+ * checked before the first one runs.
  */
 
 #include "../settings/settings.h"
@@ -12,7 +12,7 @@ static int stop(void *context)
     return pk_thread() ? run->control.stop : run_stopped(run, run->part);
 }
 
-/* A member's state at a time: its row, what is expected of it. */
+/* Passes a member's state to the observers, as a row if has_row. */
 static void show(struct pk_run *run, int has_row, const struct moment *at)
 {
     if (has_row)
@@ -20,7 +20,7 @@ static void show(struct pk_run *run, int has_row, const struct moment *at)
     observe_step(run, at);
 }
 
-/* All rows of a member, as far as it came. Drifts are those over its rows. */
+/* Writes all rows that a member reached. Its drifts are measured at its rows only. */
 static void show_all(const struct batch *b, struct pk_run *run, size_t i)
 {
     const struct pk_ensemble *e = &b->e;
@@ -43,7 +43,7 @@ static void show_all(const struct batch *b, struct pk_run *run, size_t i)
     reduce_end(run, run, run->member, e->status[i], &at);
 }
 
-/* The driver's own columns take its parameters and inputs. */
+/* Observers read parameters and inputs from the settings, so they point to the member's here. */
 static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t member)
 {
     const struct pk_ensemble *e = &b->e;
@@ -64,13 +64,13 @@ static void write_member(struct batch *b, struct pk_run *run, size_t i, size_t m
     s->u = u;
 }
 
-/* Whether fixed steps have left a member with another energy than it began with. */
+/* Returns whether fixed steps left a member with a wrong energy at its end. */
 static int is_astray(const struct batch *b, const struct pk_run *run, size_t i)
 {
     if (!run->monitor_block || !member_fixed(&run->settings) || b->e.done[i] == 0)
         return 0;
     const pk_real final = pk_drift_final(&run->monitor.energy);
-    return !(PK_F(fabs)(final) <= TRUST_WRONG); /* true of a NaN */
+    return !(PK_F(fabs)(final) <= TRUST_WRONG); /* also true if it is NaN */
 }
 
 static void write_batch(struct batch *b, struct pk_run *run, size_t first, size_t count,
@@ -86,7 +86,7 @@ static void write_batch(struct batch *b, struct pk_run *run, size_t first, size_
     }
 }
 
-/* Of members that failed in one way. */
+/* Writes the members that failed with one status. */
 static void report_failed(const struct settings *s, struct json *j, const char *key,
                           const struct failed *of)
 {
@@ -135,7 +135,7 @@ static void report(const struct pk_run *run, const struct batch *b, const struct
     json_close(j, '}');
 }
 
-/* What may have ended members before the end. */
+/* Returns why members may have ended before `until`, for messages. */
 static const char *ended(const struct settings *s, const struct tally *tally)
 {
     int stops = 0;
@@ -146,7 +146,7 @@ static const char *ended(const struct settings *s, const struct tally *tally)
                            : "an event stopped them";
 }
 
-/* What there is to say at the end, and the code. */
+/* Writes the final messages and the report. Returns the exit code. */
 static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const struct tally *tally)
 {
     enum pk_run_code code = rows_end(run, PK_RUN_DONE);
@@ -188,10 +188,10 @@ static enum pk_run_code finish(struct pk_run *run, const struct batch *b, const 
 struct ensemble {
     struct batch b;
     struct tally tally;
-    size_t first; /* of the members to come */
+    size_t first; /* the next member to run */
 };
 
-/* What is known of the members so far. */
+/* Saves or restores the results of the members so far, for a checkpoint. */
 static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
 {
     struct ensemble *of = context;
@@ -213,7 +213,7 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
     return PK_DONE;
 }
 
-/* So many members; 0: the run is to end, and goes on another time before them. */
+/* Runs `count` members; 0: the run is to end, and a resumed run makes them again. */
 static int make_batch(struct pk_run *run, struct ensemble *of, size_t count)
 {
     struct batch *b = &of->b;
@@ -230,8 +230,8 @@ static int make_batch(struct pk_run *run, struct ensemble *of, size_t count)
     return 1;
 }
 
-/* Batches of one that has checkpoints begin small, and grow as long as they are short beside what is
- * between two of these. */
+/* With checkpoints, batches begin small, and double while one takes less than a quarter of the time
+ * between two checkpoints. */
 static void make_all(struct pk_run *run, struct ensemble *of)
 {
     const struct pk_run_settings *asked = &run->settings.asked;
@@ -248,7 +248,7 @@ static void make_all(struct pk_run *run, struct ensemble *of)
     }
 }
 
-/* Rows at equal times up to the end. */
+/* Runs all members, with rows at equal intervals up to `until`. Returns the exit code. */
 static enum pk_run_code ensemble_run(struct pk_run *run)
 {
     struct ensemble of = {0};

@@ -1,13 +1,13 @@
-/* Members of an ensemble from their file into memory, and what that takes. */
+/* Members of an ensemble: their memory, and their parameters from the settings and the table. */
 #include "../settings/settings.h"
 #include "ensemble.h"
 
-/* A batch is as many members as keep their rows within this; less to test more than one. */
+/* Limit of the rows of a batch, in bytes. Tests set less, to have more than one batch. */
 #ifndef RUN_BATCH_BYTES
 #define RUN_BATCH_BYTES (1 << 26)
 #endif
 
-/* Parameters, start and inputs of member i of the batch from a row of the file. */
+/* Sets parameters, start and inputs of member i of the batch from row `member` of the table. */
 static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, struct pk_run *run)
 {
     struct settings *s = &run->settings;
@@ -19,7 +19,7 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     pk_real *u = b->u + i * system->n_inputs;
     char who[40];
     memcpy(params, s->params, system->params_size);
-    if (b->families_size) { /* families of parameters, and room to factor M */
+    if (b->families_size) { /* memory of families of parameters, and of the factors of M */
         char *const own = b->families + i * b->families_size;
         memcpy(own, s->families, b->families_size);
         system->families.attach(params, own);
@@ -33,14 +33,14 @@ static enum pk_run_code set_member(struct batch *b, size_t i, size_t member, str
     }
     settings_assign(s, params, b->own, n_own);
     const int outside = system->prepare(params);
-    if (outside && !s->asked.lenient) { /* else its integrator will not begin */
+    if (outside && !s->asked.lenient) { /* a lenient run lets this member's integrator fail */
         snprintf(who, sizeof who, "member %ld: ", member_number(s, member));
         settings_refused(run, params, outside, who);
         return PK_RUN_USAGE;
     }
     system->start(params, q, v);
     for (size_t k = 0; k < 2 * n; k++)
-        if (s->start_given[k]) /* q and v of the settings stand together */
+        if (s->start_given[k]) /* s->v follows s->q in memory */
             *(k < n ? q + k : v + (k - n)) = s->q[k];
     for (size_t k = 0; k < n_columns; k++) {
         const struct pk_run_column c = s->asked.member_columns[k];

@@ -1,6 +1,6 @@
-/* Members of an ensemble whose events are watched, or whose equations have switches: each is a run
- * of its own, with the rows and the verdicts of one, several at a time; what they wrote comes out
- * in their order.
+/* Ensembles whose events are watched, or whose equations have switches: each member is a struct
+ * pk_run with its own rows and results. Threads run several at a time, and their output is merged
+ * in the order of members.
  */
 #include "../diagnose/area.h"
 #include "../settings/settings.h"
@@ -8,22 +8,22 @@
 
 #include <pk/abreast.h>
 
-enum { PARTS = 4 }; /* of the members of a batch, for each thread */
+enum { PARTS = 4 }; /* groups of members per thread */
 
-/* Members of which so many go on at a time, their steps made in lanes; 1: one after the other. */
+/* A batch of members. Each thread advances `lanes` of them at once in SIMD lanes; 1: one by one. */
 struct work {
     const struct batch *b;
-    const struct pk_run *run; /* of all, whose settings they share */
-    size_t first, count, group, lanes, bytes;
-    struct pk_run *runs; /* of each, kept until what it found is merged */
-    char *block;         /* so many bytes for each thread's lanes */
+    const struct pk_run *run; /* the run of the whole ensemble, whose settings the members share */
+    size_t first, count, group, lanes, bytes; /* `group`: members per call of make() */
+    struct pk_run *runs;                      /* per member, kept until its results are merged */
+    char *block;                              /* `bytes` per thread, for its lanes */
 };
 
 struct member {
     const struct work *w;
     struct pk_run *run;
-    size_t i; /* in the batch */
-    int goes;
+    size_t i; /* number in the batch */
+    int goes; /* whether it has another step to make */
 };
 
 static size_t kinds(const struct settings *s)
@@ -31,7 +31,7 @@ static size_t kinds(const struct settings *s)
     return s->system->events.n + s->system->switches.n;
 }
 
-/* With a state, parameters, inputs, verdicts and memory of its own. */
+/* Gives a member's run its own start, parameters, inputs, expectations and memory. */
 static void prepare(struct pk_run *run, const struct work *w, size_t i)
 {
     const struct batch *b = w->b;
@@ -89,7 +89,7 @@ static void end(void *context)
         run_ends(m->run);
 }
 
-/* A part of its way, with memory or without. */
+/* Calls `part` for a member. Returns 0, with the status PK_NO_MEMORY, if an allocation failed. */
 static int try_to(void (*part)(void *context), struct member *m)
 {
     if (memory_try(&m->run->memory, part, m))
@@ -111,7 +111,7 @@ static void finish(struct member *m)
     run->out = NULL;
 }
 
-/* Member number i of the batch, which has begun. */
+/* Starts member i of the batch. Returns whether it has a step to make; else it is finished. */
 static int begin(struct member *m, const struct work *w, size_t i)
 {
     *m = (struct member){w, &w->runs[i], i, 0};
@@ -123,7 +123,7 @@ static int begin(struct member *m, const struct work *w, size_t i)
     return 0;
 }
 
-/* Each lane takes the next member when its own has come to an end. */
+/* Advances members in lanes; a lane whose member has ended takes the next one. */
 static void go_abreast(const struct work *w, size_t next, size_t behind)
 {
     struct member members[PK_BLOCK_MOST];
@@ -176,7 +176,7 @@ static void make(void *context, size_t number)
     }
 }
 
-/* What a member adds to what is known of all. */
+/* Adds the rows and results of member `of` to the ensemble's. */
 static void merge(struct pk_run *run, struct pk_run *of, struct tally *tally)
 {
     const size_t i = of->member, size = of->csv ? of->memory.text_size : 0;
@@ -272,7 +272,7 @@ void watched_keep(struct tally *tally, const struct settings *s, struct pk_keep 
         pk_keep(k, tally->first, all * sizeof *tally->first);
 }
 
-/* `from` events or switches on. */
+/* Writes `count` events or switches, from number `from` on. */
 static void report_kind(const struct tally *tally, const struct settings *s, struct json *j,
                         const char *key, size_t from, size_t count)
 {

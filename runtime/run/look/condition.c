@@ -1,28 +1,28 @@
-/* Condition numbers along a run (pk/condition.h); an observer. Some 64 states are looked at, and those
- * where a rate turns twice as fast as at any step before: there M is nearest to singular, and that
- * for a short time. Of many steps a part is seen: explicit ones would take some 5 % longer else.
+/* Condition numbers along a run (pk/condition.h); an observer. It computes them at some 64 states,
+ * and where a rate changes twice as fast as at any step before: there M is nearest to singular, for
+ * a short time. After 1024 steps it sees one in 8, or explicit runs would take some 5 % longer.
  */
 #include "condition.h"
 
-#define LOST PK_C(1e5) /* rounding, as accelerations magnify it, that is worth a warning */
-#define NEAR PK_C(1e3) /* condition number: below it forces cancel, as at rest, in a good matrix */
-#define FASTER 2       /* times as fast as before a rate turns where a state is looked at */
+#define LOST PK_C(1e5) /* magnification of rounding in accelerations that gives a warning */
+#define NEAR PK_C(1e3) /* condition number; below it the cause is cancelling forces, as at rest */
+#define FASTER 2       /* factor over the largest |dv/dt| so far at which a state is examined */
 enum {
-    LOOKS = 64, /* spread over the duration */
-    STEPS = 64, /* apart, at least, of systems of FEW unknowns; of more in proportion */
+    LOOKS = 64, /* states, spread over the duration */
+    STEPS = 64, /* least number of steps between two, for FEW unknowns; more in proportion */
     FEW = 16,
-    MOST_RECORDS = 256, /* of rates that turn ever faster */
-    ALL = 1024,         /* steps from which on one of PART is seen */
+    MOST_RECORDS = 256, /* states examined since a rate changes faster than before */
+    ALL = 1024,         /* steps after which one in PART is seen */
     PART = 8
 };
 
-struct looking { /* v and the block follow it */
+struct looking { /* v, turned and the block follow it in memory */
     struct pk_condition found;
     const struct pk_problem *problem;
     void *block;
     size_t n;
-    pk_real next, t, *v; /* the time of the next look; the step before */
-    pk_real *turned;     /* FASTER times the most of |dv/dt| of each rate */
+    pk_real next, t, *v; /* time of the next look; time and v of the step seen before */
+    pk_real *turned;     /* FASTER times the largest |dv/dt| of each rate */
     unsigned long seen, steps, records;
 };
 

@@ -1,10 +1,10 @@
-/* Drifts of what is constant: the energy, momenta of cyclic coordinates, the author's claims. */
+/* Drifts of constants of the motion: energy, momenta of cyclic coordinates, declared constants. */
 #include "look.h"
 
-#define LARGE PK_C(0.1) /* a drift, of its scale */
+#define LARGE PK_C(0.1) /* drift relative to its scale */
 
-/* The first steps are all looked at. Then a look costs a twentieth of the steps up to the next one: it
- * takes as long as some three evaluations of the forces. */
+/* Drifts are measured at all of the first ALL steps, then so rarely that it adds a twentieth to the
+ * time of the steps: one measurement costs about three evaluations of the forces. */
 enum { ALL = 1024, STEPS_BY_ONE = 60 };
 
 void drift_begin(struct pk_run *run, const struct pk_problem *problem)
@@ -41,13 +41,13 @@ void report_drift(struct json *j, const char *key, const char *name, const struc
 {
     pk_real exponent, spread;
     const enum pk_growth growth = pk_drift_growth(drift, &exponent, &spread);
-    /* That a drift grows no more does not make it small. */
+    /* A bounded drift may still be large. */
     const int far = growth == PK_GROWTH_BOUNDED && pk_drift_max(drift) > LARGE;
     json_open(j, key, '{');
     json_text(j, "name", name);
     json_reals(j, {"max", pk_drift_max(drift)}, {"final", pk_drift_final(drift)},
                {"slope", pk_drift_slope(drift)});
-    /* What the three are relative to: where it is round-off, so is the drift. */
+    /* `scale`: the unit of max, final and slope; if it is round-off, the drift is round-off too. */
     json_reals(j, {"scale", drift->scale}, {"first", drift->first}, {"exponent", exponent},
                {"spread", spread});
     json_text(j, "growth", far ? "off by more than a tenth" : pk_growth_text(growth));
@@ -69,7 +69,7 @@ static void report(const struct pk_run *run, struct json *j)
     json_close(j, ']');
 }
 
-/* Of members each begins anew. */
+/* The monitor of an ensemble is not saved: it begins anew for each member. */
 static void keep(struct pk_run *run, struct pk_keep *k)
 {
     if (run->monitor_block && !run->settings.asked.members)

@@ -1,5 +1,5 @@
-/* What looks at a run: rows, expectations, drifts, events, trust. Each is an observer, a row of the
- * table in steps/observe.c, and knows nothing of who calls it.
+/* Observers of a run: rows, expectations, drifts, events, trust, reductions, condition numbers. The
+ * table in steps/observe.c lists them and calls them.
  */
 #ifndef RUN_LOOK_H
 #define RUN_LOOK_H
@@ -9,42 +9,42 @@
 #include "../base/json.h"
 #include "../base/state.h"
 
-/* The functions that an observer has no use for are NULL. */
+/* An observer; unused functions are NULL. */
 struct observer {
-    void (*begin)(struct pk_run *run); /* takes memory */
-    /* At the start, and where each step ends. */
+    void (*begin)(struct pk_run *run); /* allocates memory */
+    /* Called at the start and at the end of each step. */
     void (*step)(struct pk_run *run, const struct moment *at);
-    /* Of an event, or behind these of a switch. */
+    /* Called at a crossing; numbers of switches follow those of events. */
     void (*event)(struct pk_run *run, size_t event, const struct moment *at);
     void (*row)(struct pk_run *run, const struct moment *at);
-    void (*end)(struct pk_run *run);                          /* of one trajectory */
+    void (*end)(struct pk_run *run);                          /* end of one trajectory */
     void (*report)(const struct pk_run *run, struct json *j); /* members of the report, in JSON */
-    void (*keep)(struct pk_run *run, struct pk_keep *k);      /* what it knows, for a checkpoint */
+    void (*keep)(struct pk_run *run, struct pk_keep *k);      /* its state, for a checkpoint */
 };
 
 extern const struct observer watch_observer, rows_observer, expect_observer, drift_observer,
     trust_observer, condition_observer, reduce_observer;
 
-/* run/diagnose, which a program may be linked without. */
+/* Functions of run/diagnose; a program may be linked without them. */
 struct pk_run_diagnose {
     const struct observer *observers[2];
-    /* Makes what the settings ask for and keeps it as JSON for the report; messages too. The code,
-     * `code` unless a diagnostic failed. */
+    /* Makes the requested diagnostics, their JSON for the report, and messages. Returns `code`,
+     * unless a diagnostic failed. */
     enum pk_run_code (*run)(struct pk_run *run, enum pk_run_code code);
     void (*report)(const struct pk_run *run, struct json *j); /* the member "diagnostics" */
     void (*free)(struct pk_run *run);
-    /* The largest exponent of a member that runs by itself; not a number where it fails. */
+    /* Returns the largest Lyapunov exponent of a member with a run of its own; NaN on failure. */
     pk_real (*lyapunov)(struct pk_run *of);
-    /* The area of an ensemble whose members are a closed loop of starts. Room for them at the start
-     * and `count` times; else the exit code. */
+    /* Area enclosed by an ensemble whose starts are a closed loop. Allocates room for the members
+     * at the start and at `count` times. Returns the exit code. */
     enum pk_run_code (*area_begin)(struct pk_run *run, const pk_real *t, size_t count);
-    /* A member's state, its parameters in the settings; kept where it is at the next of its rows. */
+    /* Stores a member's state if t is its next row; the settings hold its parameters. */
     void (*area_note)(struct pk_run *run, pk_real t, const pk_real *q, const pk_real *v);
-    /* Into the report; the code, `code` unless it failed. `gone`: why members may have ended. */
+    /* Computes it for the report; `gone`: why members may have ended. Returns `code` on success. */
     enum pk_run_code (*area_find)(struct pk_run *run, enum pk_run_code code, const char *gone);
 };
 
-/* run/ensemble, which a program may be linked without. */
+/* Functions of run/ensemble; a program may be linked without them. */
 struct pk_run_ensemble {
     enum pk_run_code (*run)(struct pk_run *run);
     int (*fixed)(const struct settings *s); /* whether the members take fixed steps */
@@ -52,84 +52,85 @@ struct pk_run_ensemble {
 
 /* Rows. */
 void rows_header(struct pk_run *run);
-/* The rows that a member has kept, behind those of the run. */
+/* Appends the rows that a member kept in memory to those of the run. */
 void rows_take(struct pk_run *run, const struct pk_run *from);
-/* A column's value; `out` are the outputs there, where the system has any. */
+/* Returns a column's value; `out` are the outputs at that state, if the system has any. */
 pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
                    const struct moment *at, const pk_real *out);
-/* All are written; the code with what there is to say. */
+/* Flushes the rows. Returns `code`, or PK_RUN_USAGE with a message if they could not be written. */
 enum pk_run_code rows_end(struct pk_run *run, enum pk_run_code code);
-/* Says what in them was not finite; the code with that. */
+/* Reports values that were not finite. Returns `code`, changed to a failure by them. */
 enum pk_run_code rows_told(struct pk_run *run, enum pk_run_code code);
-/* Whether all are. */
+/* Returns whether all rows were made and written. */
 int rows_whole(const struct pk_run *run);
-/* The first output of theirs, or "energy", that was not finite; NULL where all were. */
+/* Returns the name of the first output, or "energy", that was not finite; NULL if all were. */
 const char *rows_not_finite(const struct pk_run *run, char *name, size_t size);
 
-/* The cells of a row, run->cells; the column of the first that is not finite, or NULL. */
+/* Computes run->cells. Returns the first column that is not finite, or NULL. */
 const struct pk_run_column *rows_fill(struct pk_run *run, const struct moment *at);
 
-/* What is kept of members. */
-/* A member has ended here: its numbers go to those of all, and the next one begins. `of` is its own
- * run, or that of all. */
+/* Reductions of ensemble members. */
+/* Stores the numbers of a member that ended at `at`, and resets for the next one. `of` is the
+ * member's own run, or the ensemble's. */
 void reduce_end(struct pk_run *run, struct pk_run *of, size_t member, enum pk_status status,
                 const struct moment *at);
 
-/* What a scene expects of its run: columns compared at times, at events or in all rows, and drifts
- * of outputs. It is measured here; what is said of it is pkgen's. */
-/* The next time behind `from`, up to `limit`, at which something is expected. */
+/* Expectations of a scene: columns compared at times, at events or in all rows, and drifts of
+ * outputs. The runtime measures them; pkgen writes the messages. */
+/* Returns the next time after `from`, at most `limit`, at which a relation is to be checked. */
 pk_real expect_limit(const struct pk_run *run, pk_real from, pk_real limit);
-/* At such a time within a step. */
+/* Checks the relations of such a time. */
 void expect_landed(struct pk_run *run, const struct moment *at);
-/* Whether the drift of the energy is asked for. It is then watched where the equations do not show
- * it to be constant as well: a parameter that makes it so may be left to the run (--no-reduce). */
+/* Returns whether the drift of the energy is requested. It is then measured even if the equations
+ * do not show that the energy is constant: that may depend on a parameter (--no-reduce). */
 int expect_uses_h(const struct pk_run *run);
-/* Whether nothing is expected of steps: neither drifts nor anything where a step ends. */
+/* Returns whether the ends of steps need no checks: no drifts, no relations at times. */
 int expect_lean(const struct pk_run *run);
-/* What is to be known, of which nothing is yet, in memory of a member's own; and what is known of
- * one goes to that of all, in their order. */
+/* expect_own() gives a member empty results of its own; expect_merge() adds them to the ensemble's,
+ * in the order of members. */
 void expect_own(struct settings *s);
 void expect_merge(struct settings *all, const struct settings *one);
-/* The members "expects" and "expect_drifts" of the report. */
+/* Writes the members "expects" and "expect_drifts" of the report. */
 void expect_report(const struct pk_run *run, struct json *j);
 
-/* Drifts of what is constant along a run. */
-/* Memory and reference values of the drifts; those of a member of an ensemble each time anew. */
+/* Drifts of constants of the motion. */
+/* Allocates the monitor and sets its reference values; called anew for each ensemble member. */
 void drift_begin(struct pk_run *run, const struct pk_problem *problem);
-/* {"name": ..., "max": ...} of it; as a member where it has a key. */
+/* Writes {"name": ..., "max": ...} of a drift, under `key` if that is not NULL. */
 void report_drift(struct json *j, const char *key, const char *name, const struct pk_drift *drift);
 
-/* Events: their times for the report, and what is doubtful of them. */
-enum { WATCH_TIMES = 1000 };   /* of an event, in the report */
-#define WATCH_NOISE PK_C(1e-8) /* of the size of what is subtracted: no more than errors */
+/* Events: their times for the report, and warnings. */
+enum { WATCH_TIMES = 1000 };   /* most times of an event in the report */
+#define WATCH_NOISE PK_C(1e-8) /* |g| / max |dg/dx_i| |x_i| at most this: g is zero up to errors */
 
-/* Of an event, or behind these of a switch; why crossings of it may be missed. */
+/* Returns the name of event k; numbers of switches follow those of events. */
 const char *watch_name(const struct pk_system *system, size_t k);
 #define WATCH_TOO_OFTEN                                                                           \
     "its function turns too often within a step for all its crossings to be found: take shorter " \
     "steps (--step, --max-step)"
-/* Says which events are crossings of errors alone, and which may be missing. */
+/* Warns of events whose crossings may be rounding errors, and of crossings that may be missed. */
 void watch_warn(struct pk_run *run);
 
-/* How far a run that failed can be trusted. A status is about the path that the steps made, and
- * that may have left the motion long before: then it says nothing about the motion. */
-#define TRUST_WRONG PK_C(1e-2) /* of the energy's scale */
-/* The status in a report of steps that went on behind the end of the motion: known to the driver
- * alone, so it is none of the core's. */
+/* How far a run can be trusted. A status describes the computed path, which may have left the true
+ * motion long before: then the status says nothing about the motion. */
+#define TRUST_WRONG PK_C(1e-2) /* energy drift relative to the energy's scale */
+/* Status in the report for steps that went on past the end of the motion. Only this layer knows it,
+ * so it is no enum pk_status. */
 #define TRUST_BEYOND_NAME "RUN_BEYOND_END"
 #define TRUST_BEYOND_TEXT "the motion ends before these steps do"
 enum { TRUST_BEYOND_CODE = -100 };
 
-/* Sets run->besides to what there is to say behind the reason of a failure: since when the energy
- * of a conservative system is wrong, and what dop853 at 1e-9 makes of the same motion where the
- * method's own steps are no judge of it (fixed, or of a loose tolerance). Likewise asks it of fixed
- * steps that arrive, or stop at an event, with a wrong energy: run->beyond where the motion ends
- * before they do, at run->ends. */
+/* Sets run->besides to the text that follows the reason of a failure: since when the energy of a
+ * conservative system is wrong, and where dop853 at 1e-9 sees the same motion end. dop853 is used
+ * if the method has fixed steps or a loose tolerance. It also checks fixed steps that arrive, or
+ * stop at an event, with a wrong energy, and sets run->beyond if the motion ends earlier, at
+ * run->ends. */
 void trust_judge(struct pk_run *run);
-/* Of a run that was judged. The time until which it is right, as far as is known; its reason. */
+/* After trust_judge(): the last time at which the run is known to be right. */
 pk_real trust_last_valid(const struct pk_run *run);
-/* What there is to say of one that arrived with a wrong energy all the same; 0 if nothing. */
+/* Writes a warning for a run that arrived with a wrong energy; returns 0 if there is none. */
 int trust_warning(const struct pk_run *run, char *text, size_t size);
+/* Writes the reason why the run ended. */
 void trust_reason(const struct pk_run *run, char *text, size_t size);
 
 #endif

@@ -1,13 +1,13 @@
-/* What is kept of each member of an ensemble, some numbers in place of its rows or beside them; an
- * observer. Of columns it sees the cells of each row, as they are written.
+/* Reductions of each ensemble member to some numbers, in place of its rows or with them; an
+ * observer. It reads the columns from the cells of each row.
  */
 #include "look.h"
 
 #include "../settings/settings.h"
 
-enum { BEFORE = 2 }; /* cells of a row: the member, t */
+enum { BEFORE = 2 }; /* cells before the columns: the member, t */
 
-/* Whether some of it is one of these. */
+/* Returns whether any requested reduction is of one of these kinds. */
 static int has(const struct pk_run *run, const char *kinds)
 {
     const struct pk_run_settings *s = &run->settings.asked;
@@ -24,7 +24,7 @@ static void begin(struct pk_run *run)
     run->reduces_rows = has(run, "Mma");
 }
 
-/* What is not a number once stays so. */
+/* A NaN in any row makes the reduction NaN. */
 static void row(struct pk_run *run, const struct moment *at)
 {
     const struct pk_run_settings *s = &run->settings.asked;
@@ -45,7 +45,7 @@ static void row(struct pk_run *run, const struct moment *at)
     run->reduces++;
 }
 
-/* Whether the member at hand has met a relation wherever it was to hold, and it was somewhere. */
+/* Returns whether the current member met a relation at every check, with at least one check. */
 static int met(struct expected *x)
 {
     const int found = x->count > x->counted && x->missed == x->lost;
@@ -99,7 +99,7 @@ void reduce_end(struct pk_run *run, struct pk_run *of, size_t member, enum pk_st
     of->reduces = 0;
 }
 
-/* What is kept of members so far; between two of them there is nothing else. */
+/* Saves or restores the table of members; checkpoints lie between members. */
 static void keep(struct pk_run *run, struct pk_keep *k)
 {
     const struct pk_run_settings *s = &run->settings.asked;

@@ -1,5 +1,5 @@
-/* Rows: their columns computed, then written as CSV or kept. CSV quotes a name that holds a comma,
- * a quote or a blank (RFC 4180).
+/* Rows: computes their columns, then writes them as CSV or keeps them in memory. CSV quotes a name
+ * that holds a comma, a quote or a blank (RFC 4180).
  */
 #include <pk/constraint.h>
 
@@ -29,7 +29,7 @@ static void csv_name(FILE *file, const char *name)
     fputs(quoted ? "\"" : "", file);
 }
 
-/* Of an output or the energy. */
+/* Returns in `name` the name of an output or the energy. */
 static void name_of(const struct pk_run *run, const struct pk_run_column *column, char *name,
                     size_t size)
 {
@@ -100,8 +100,8 @@ pk_real rows_value(const struct pk_run *run, const struct pk_run_column *column,
     }
 }
 
-/* What rounding of the state moves by more than LOST of it, next to a position where constraints
- * depend on each other, is no number: accelerations and multipliers there. */
+/* Sets outputs to NaN that round-off of the state changes by more than LOST of their value. Near a
+ * position with dependent constraints these are accelerations and multipliers. */
 static void lose(struct pk_run *run, const struct moment *at, pk_real *out)
 {
     const struct settings *s = &run->settings;
@@ -204,7 +204,7 @@ void rows_take(struct pk_run *run, const struct pk_run *from)
     run->n_kept += from->n_kept;
 }
 
-/* The motion may be valid where what is computed from it is not: rows go on, the run says so. */
+/* An output may be not finite where the motion is valid: the rows go on, and the run reports it. */
 static void write_row(struct pk_run *run, const struct moment *at)
 {
     const int none = run->settings.asked.no_rows;
@@ -219,7 +219,7 @@ static void write_row(struct pk_run *run, const struct moment *at)
     }
 }
 
-/* A column as its number, 0 for none: those of the rows. */
+/* Saves or restores a pointer to a column of the rows as 1 + its number; 0: NULL. */
 static void keep_column(struct pk_run *run, struct pk_keep *k, const struct pk_run_column **column)
 {
     const struct settings *s = &run->settings;
@@ -229,7 +229,7 @@ static void keep_column(struct pk_run *run, struct pk_keep *k, const struct pk_r
     *column = number && !k->wrong ? &s->show[number - 1] : NULL;
 }
 
-/* Rows that are kept are in it; those of a file are where they are. */
+/* Saves or restores the rows kept in memory; rows of a file stay in the file. */
 static void keep_all(struct pk_run *run, struct pk_keep *k)
 {
     const size_t size = run_width(run) * sizeof(double), had = run->n_kept;

@@ -1,7 +1,7 @@
-/* Events of a run; an observer. */
+/* Records and reports the crossings of events and switches; an observer. */
 #include "look.h"
 
-enum { FEW = 4 }; /* states, that say nothing: a stop at the event is one of them */
+enum { FEW = 4 }; /* states too few to judge an event function; a stop at the event is one */
 
 static void note(struct pk_run *run, size_t event, const struct moment *at)
 {
@@ -17,7 +17,7 @@ const char *watch_name(const struct pk_system *system, size_t k)
                                 : system->switches.names[k - system->events.n].name;
 }
 
-/* The integrator of the run, or those of its parts; NULL behind the last. */
+/* Returns the run's integrator, or that of its block k; NULL behind the last. */
 static const struct pk_integrator *integrator(const struct pk_run *run, size_t k)
 {
     if (run->settings.n_parts)
@@ -55,7 +55,7 @@ void watch_warn(struct pk_run *run)
                     run->problem.system->events.table[k].what.name, (double)WATCH_NOISE);
 }
 
-/* `from` events or switches on, by their times. */
+/* Writes `count` events or switches, from number `from` on, with the times of their crossings. */
 static void report_kind(const struct pk_run *run, struct json *j, const char *key, size_t from,
                         size_t count)
 {

@@ -1,5 +1,5 @@
-/* Of each setting a mark, by which a checkpoint knows its own: what is asked of a run, not where it
- * goes or who watches it.
+/* Marks: a hash of each setting that determines the results of a run. A checkpoint stores them, and
+ * only a run with the same marks resumes it. Settings of output files and callbacks have none.
  */
 #include "settings.h"
 
@@ -19,7 +19,7 @@ static uint64_t text(uint64_t before, const char *of)
     return of ? mark(before, of, strlen(of) + 1) : before;
 }
 
-/* One by one: what lies between their members is nobody's. */
+/* Hashes member by member, since the padding between them is undefined. */
 static uint64_t columns(uint64_t before, const struct pk_run_column *of, size_t count)
 {
     for (size_t i = 0; i < count; i++) {

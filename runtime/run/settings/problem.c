@@ -1,4 +1,4 @@
-/* What follows from settings: the problem to be integrated, kinds of members. */
+/* Derived from the settings: the problem to integrate, computed inputs, numbers of members. */
 #include "settings.h"
 
 const struct pk_words run_options = {

@@ -1,6 +1,6 @@
-/* What was asked for, as the run uses it: sizes first, since they say how many numbers there are,
- * then parameters by default, those given, and those that follow; then the start, computed from
- * them, and what is given of it. Each step says what is wrong, or NULL.
+/* Converts the caller's settings to those that the run uses: sizes first, since they determine the
+ * number of values; then parameters (defaults, given ones, derived ones); then the start, computed
+ * from them, with its given values. Each step returns a message if something is wrong, or NULL.
  */
 #include "settings.h"
 
@@ -52,7 +52,7 @@ static const char *steps(struct settings *s)
     return NULL;
 }
 
-/* Sizes and memory that depends on them, and all defaults. */
+/* Sets the sizes, allocates the memory that depends on them, and sets all defaults. */
 static const char *sizes(struct settings *s)
 {
     const struct pk_system *system = s->system;
@@ -95,7 +95,7 @@ static int is_given(const struct pk_run_value *given, size_t n_given, size_t par
     return 0;
 }
 
-/* Sets a parameter, or what is given of a family's members. 0: there is no such member. */
+/* Sets a parameter, or the given members of a family. Returns 0 if there is no such member. */
 static int set(const struct settings *s, void *params, const struct pk_run_value *given,
                size_t n_given, size_t parameter)
 {
@@ -132,7 +132,7 @@ int settings_assign(struct settings *s, void *params, const struct pk_run_value 
                 continue;
             if (range_of(s, at).is_family != families)
                 continue;
-            /* The other members follow first, also from members of families before. */
+            /* First derive the members that are not given; they may depend on earlier families. */
             if (families)
                 system->derive(params, s->given);
             if (!set(s, params, asked, n, at) || !set(s, params, more, n_more, at))
@@ -148,7 +148,7 @@ static const char *parameters(struct settings *s)
     return settings_assign(s, s->params, NULL, 0) ? NULL : "there is no such parameter";
 }
 
-/* Values given of n numbers, which are those of the start or, without flags, inputs. */
+/* Copies given values to `to`: inputs or, with flags, the start. Returns 0 if one is invalid. */
 static int take(const struct pk_run_value *x, size_t n_x, pk_real *to, size_t n,
                 unsigned char *flags)
 {
@@ -174,7 +174,7 @@ static const char *start(struct settings *s)
                : "there is no such start or input";
 }
 
-/* How many columns there are of a kind. */
+/* Returns the number of columns of a kind. */
 static size_t count_of(const struct settings *s, char kind)
 {
     const struct pk_system *system = s->system;
@@ -190,7 +190,7 @@ static int is_column(const struct settings *s, struct pk_run_column c)
     return c.index < count_of(s, c.kind);
 }
 
-/* The columns of rows: those asked for, or all that are not hidden. */
+/* Sets the columns of rows: the requested ones, or all that are not hidden. */
 static const char *columns(struct settings *s)
 {
     static const char kinds[] = "qvoe";
@@ -286,7 +286,7 @@ static const char *prepare(struct settings *s)
     return run->refused ? "" : NULL;
 }
 
-/* A table of functions that a program needs for these settings and was linked without, or NULL. */
+/* Returns the table of functions that these settings need and the program lacks, or NULL. */
 static const char *lack(const struct pk_run_settings *x, const struct pk_run_model *model)
 {
     int diagnoses = x->diagnose != 0;

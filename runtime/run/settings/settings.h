@@ -1,45 +1,45 @@
-/* Settings as the run uses them, and what follows from them. */
+/* Settings as the run uses them, and values derived from them. */
 #ifndef RUN_SETTINGS_H
 #define RUN_SETTINGS_H
 
 #include "../base/json.h"
 #include "../base/state.h"
 
-/* What was asked for, with parameters and starts computed; a code. */
+/* Converts run->settings.asked, with parameters and start computed. Returns the exit code. */
 enum pk_run_code settings_take(struct pk_run *run);
-/* Into `params`: those that the settings give, then `more`, then defaults that follow from them.
- * `params` is a copy of the settings' own, or that. 0: there is no such parameter. */
+/* Sets in `params` the settings' parameters, then `more`, then derived defaults. `params` is
+ * settings->params or a copy of it. Returns 0 if there is no such parameter. */
 int settings_assign(struct settings *s, void *params, const struct pk_run_value *more,
                     size_t n_more);
-/* settings->marks, while its lists are there. */
+/* Sets settings->marks; reads the caller's lists, so it is called while they exist. */
 void settings_mark(struct settings *s);
-/* Parameters as they are in memory; with the start, one JSON object. */
+/* Writes the parameters as they are in memory; settings_tell() writes them with the start. */
 void json_parameters_known(struct json *j, const struct pk_system *system, const void *params);
 void settings_tell(struct pk_run *run, FILE *file);
-/* Says which parameter prepare() refused, its value and bounds; of what follows from all, their
- * values. `whose` stands before. */
+/* Adds a message why prepare() refused the parameters: one with its value and bounds, or all with
+ * their values. `whose` is the start of the message. */
 void settings_refused(struct pk_run *run, const void *params, int outside, const char *whose);
 
-/* Of the model with these parameters, its inputs constant.
+/* Returns the model with the run's parameters; inputs are settings->u or computed by the caller.
  */
 struct pk_problem run_problem(struct pk_run *run);
-/* Into settings->u the inputs that the caller computes at a state; and where he does so at each
- * evaluation. */
+/* compute_inputs() sets settings->u to the inputs that the caller computes at a state;
+ * refresh_inputs() does so only if they change at each evaluation. */
 void compute_inputs(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v,
                     int stop);
 void refresh_inputs(const struct settings *s, pk_real t, const pk_real *q, const pk_real *v);
-/* The interval of rows where none was asked for, and at most all. */
+/* Sets the default interval of rows; it is at most `until`. */
 void settle_every(struct settings *s);
-/* How the options of `pkgen run`, and of a program that it builds, call settings. */
+/* Names of settings in messages: the options of `pkgen run` and of built programs. */
 extern const struct pk_words run_options;
 
 const struct pk_method *run_method_find(const struct pk_run_model *model, const char *name);
-/* What there would be with more: behind a name that is not found. */
+/* Returns the text behind the name of a method that was not found: how to get it, or "". */
 const char *run_method_lack(const char *name);
 
-/* The number under which a member, from 0 on, is spoken of. */
+/* Returns the number of a member in rows and messages; `member` counts from 0. */
 long member_number(const struct settings *s, size_t member);
-/* Whether each runs by itself: its events are watched, or there are switches. */
+/* Returns whether each member has a run of its own: events are watched, or there are switches. */
 int member_by_one(const struct settings *s);
 
 #endif

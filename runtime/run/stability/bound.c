@@ -1,12 +1,11 @@
-/* Of rotations and constraints: a start on them; and whether steps resolve a motion whose energy
- * cannot tell. That of a body that turns freely neither comes nor goes, and methods may keep it.
- */
+/* Questions about rotations and constraints. `place` projects a start onto them; `resolved` judges
+ * steps by their state, since a free body's energy may stay constant at any step size. */
 #include <pk/constraint.h>
 
 #include "stability.h"
 
 enum { LOOKS = 16 };             /* states along the motion */
-static const double STILL = 0.1; /* of the widest of its kind: what moves less is measured by it */
+static const double STILL = 0.1; /* least unit of a variable, relative to the widest of its kind */
 
 int stability_place(struct pk_stability *s, const struct pk_stability_question *x)
 {
@@ -26,7 +25,7 @@ int stability_place(struct pk_stability *s, const struct pk_stability_question *
     return 1;
 }
 
-/* Farthest of one kind of the state, in boxes. */
+/* Returns the largest |a_i - b_i| of the variables from..to - 1, in units of their boxes. */
 static double off(const double *box, const double *a, const double *b, size_t from, size_t to)
 {
     double widest = 0, most = 0;
@@ -39,19 +38,20 @@ static double off(const double *box, const double *a, const double *b, size_t fr
     return most;
 }
 
-/* Steps of a method from where the motion is, which goes on beside them. */
+/* Makes `count` steps of a method from the motion's state; *most becomes the largest error. */
 static enum pk_status leap(struct pk_stability *s, struct pk_integrator *it,
                            struct pk_integrator *motion, size_t count, double *most)
 {
     const struct pk_system *system = s->problem.system;
     const size_t m = s->coordinates, r = system->n_rotations;
-    const size_t kinds[] = {0, m, m + 3 * r, m + 7 * r, s->n}; /* body rates, quaternions */
+    /* Rates of coordinates, body rates, quaternions, first-order variables. */
+    const size_t kinds[] = {0, m, m + 3 * r, m + 7 * r, s->n};
     enum pk_status status = pk_integrator_reset(it, motion->t, motion->q, motion->v);
     const double from = motion->t, h = it->options.h;
     for (size_t k = 1; k <= count && status >= 0; k++) {
         status = pk_integrator_step(it, from + (double)(count + 1) * h);
         if (status >= 0 && pk_integrator_to(motion, it->t) < 0)
-            return PK_DONE; /* what the motion itself does there is not the method's */
+            return PK_DONE; /* a failure of the motion itself is not the method's */
         if (status < 0)
             break;
         *most = fmax(*most, off(s->box, it->q, motion->q, 0, m));

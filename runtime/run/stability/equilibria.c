@@ -1,10 +1,10 @@
-/* Where the system can rest, and its modes there. Built with GSL alone. */
+/* The equilibria of the system and their modes. Only built with GSL. */
 #include "stability.h"
 
 #ifdef PK_WITH_GSL
 
 enum { MOST = 32 };
-static const double SAME = 1e-2; /* relative difference of lambda here and beside */
+static const double SAME = 1e-2; /* relative difference of lambda at the root and near it */
 
 /* Up to 2 n modes, as pk_gsl_modes() gives them. */
 struct modes {
@@ -13,9 +13,9 @@ struct modes {
     size_t count;
 };
 
-/* Where the linear terms vanish, what is left of them grows with the distance from the root, which
- * is about as large as Newton's last correction. A mode that is no longer there that far beside is
- * none: its lambda becomes 0. */
+/* Sets lambda of spurious modes to 0. If the linear terms vanish at the root, their numerical value
+ * is proportional to the error of the root, about Newton's last correction. A mode that changes
+ * when the root is shifted by that much is spurious. */
 static void clear_doubtful(struct pk_stability *s, const double *q, const double *v,
                            const double *doubt, struct modes *modes, struct modes *beside)
 {
@@ -114,5 +114,5 @@ int stability_equilibria(struct pk_stability *s, const struct pk_stability_quest
 }
 
 #else
-extern int stability_equilibria_need_gsl; /* a file is not to be empty */
+extern int stability_equilibria_need_gsl; /* ISO C forbids an empty file */
 #endif

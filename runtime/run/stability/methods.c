@@ -1,5 +1,5 @@
-/* The list of methods in JSON: what each is and needs, and where its steps grow on linear equations
- * (pk/limits.h). A limit that is infinite is the word, one without an answer null.
+/* The list of methods in JSON: their traits, required facts, and stability limits on linear
+ * equations (pk/limits.h). An infinite limit is the word "infinite", an unknown one null.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -30,7 +30,8 @@ static void limit(struct json *j, const char *key, pk_real x)
         json_real(j, key, x);
 }
 
-/* Both limits, and [[from, to], ...] on the imaginary axis; the last one may have no end. */
+/* Writes both limits, and the intervals of growth [[from, to], ...] on the imaginary axis; the last
+ * one may be infinite. */
 static void limits(struct json *j, const struct pk_method *method)
 {
     pk_real found[2];

@@ -1,11 +1,11 @@
-/* The motion itself, by dop853 at 1e-10: what a method's motion is compared with. It is followed
- * for as long as a point of the map is, which at long steps is beyond `until`.
+/* The reference motion, by dop853 at 1e-10, with which methods are compared. It is followed for as
+ * long as a point of the map, which at long steps goes past `until`.
  *
- * It leaves, and no method's is judged by it, where a coordinate that is not cyclic is still going
- * away at `until`, by a fifth more in each of the last two quarters, and nothing comes back: v.p,
- * twice the kinetic energy, turns no more in the last half, or, where energy is constant, its range
- * still grows by half in each of these quarters. x'' = x, a fall, a free flight do; a resonance
- * that is driven and a chain that drifts while it vibrates do not.
+ * The motion "leaves", and then judges no method, if two conditions hold. A coordinate that is not
+ * cyclic still moves away at `until`, by a fifth more in each of the last two quarters. And nothing
+ * returns: v.p, twice the kinetic energy, has no extremum in the last half; or, if energy is
+ * constant, the range of v.p grows by half in each of these quarters. x'' = x, a fall and a free
+ * flight leave; a driven resonance and a chain that drifts while it vibrates do not.
  */
 
 #include <pk/methods.h>
@@ -14,8 +14,8 @@
 #include "stability.h"
 
 enum { MOST_RECORDS = 4000000 };
-static const double LOOSER = 1e3;  /* for the horizon */
-static const double SLIGHT = 1e-3; /* of the largest v.p: a range below counts as that */
+static const double LOOSER = 1e3;  /* factor of rtol for horizon() */
+static const double SLIGHT = 1e-3; /* least range of v.p, relative to the largest |v.p| */
 
 static void keep(struct pk_stability *s, double t, const double *q, const double *v)
 {
@@ -28,7 +28,7 @@ static void keep(struct pk_stability *s, double t, const double *q, const double
     stability_keep(s, q, v);
 }
 
-/* Goes on to `until`, or to where it ends; far is the largest |q - q0| of each coordinate. */
+/* Follows the motion to `until`, or to its end; far[i] becomes the largest |q_i - q0_i|. */
 static void go_on(struct pk_stability *s, double until, double *far)
 {
     struct pk_integrator *it = s->exact;
@@ -75,7 +75,7 @@ struct reference stability_reference(struct pk_stability *s, double until)
     return summary(s, until);
 }
 
-/* v.p has no extremum in the last half that is more than round-off. */
+/* Returns whether v.p is monotonic in the last half, up to round-off. */
 static int turns_no_more(const struct pk_stability *s, double until)
 {
     double path = 0, least = HUGE_VAL, most = -HUGE_VAL, before = 0;
@@ -101,7 +101,7 @@ static int leaves(const struct pk_stability *s, double until, const double scale
                     s->far[2 * s->n + i] > 1.2 * s->far[s->n + i];
     const int faster = !s->by_norm && (system->facts & PK_CONSERVATIVE) != 0 &&
                        scales[1] > 1.5 * scales[0] && scales[2] > 1.5 * scales[1];
-    /* What is bound goes on evenly too: its coordinates are not told to be cyclic. */
+    /* With rotations or constraints, the coordinates of a steady motion are not marked cyclic. */
     const int evenly = (system->n_rotations || system->constraints.n) &&
                        (system->facts & PK_CONSERVATIVE) != 0;
     return away && (faster || (!evenly && turns_no_more(s, until)));
@@ -125,7 +125,7 @@ static void stretch(double *low, double *high, const double *x, size_t count)
     }
 }
 
-/* What of one kind does not move covers as much as the widest of it. */
+/* Gives variables that stay at 0 the box of the widest variable of their kind. */
 static void widen(double *box, size_t from, size_t to, double others)
 {
     double widest = 0;
@@ -191,7 +191,8 @@ static void begin(struct pk_stability *s)
     keep(s, 0, s->settings->q, s->settings->v);
 }
 
-/* Up to when a looser tolerance is beside it: then it is known, chaotic or not. */
+/* Returns the time until which a looser tolerance agrees: so long the motion is known; or
+ * infinity. */
 static double horizon(struct pk_stability *s)
 {
     struct watched other = {.lost = HUGE_VAL};
@@ -241,7 +242,7 @@ int stability_motion(struct pk_stability *s, const struct pk_stability_question 
     const size_t n = s->n;
     double scales[3];
     begin(s);
-    for (size_t k = 0; k < 3; k++) { /* half, three quarters, all of it */
+    for (size_t k = 0; k < 3; k++) { /* up to a half, three quarters, all of `until` */
         const double part = (double)(k + 2) / 4 * until;
         go_on(s, part, s->far + k * n);
         if (k < 2)

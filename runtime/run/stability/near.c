@@ -1,13 +1,12 @@
-/* Motions that begin close to the start, which is an equilibrium, along its modes:
+/* Motions that begin close to an equilibrium, the start, along its modes:
  *
  *     q = q* + A sum Re(u),  v = v* + A sum Re(lambda u)
  *
- * `near` tells of STEPS steps of a method from there: by how much the largest displacement of a
- * coordinate that is not cyclic has grown, and the mean angle a step by which the mode's leading
- * coordinate turns about q* in the plane (q, -v/omega). Both are measured, not taken from a map.
- * With a second mode OTHER, begun at amplitude SEED, what grows is that mode's part of the motion,
- * |u.M (q - q*)| and |u.M v|/omega together.
- * Built with GSL alone.
+ * `near` makes `count` steps of a method from there. It reports the growth of the largest
+ * displacement of a coordinate that is not cyclic, and the mean angle per step by which the mode's
+ * leading coordinate turns about q* in the plane (q, -v/omega). Both are measured along the steps.
+ * With a second mode `other` at amplitude `seed`, the growth is that of this mode's part of the
+ * motion, hypot(u.M (q - q*), u.M v/omega). Only built with GSL.
  */
 #include <pk/constraint.h>
 #include <pk/methods.h>
@@ -17,9 +16,9 @@
 #ifdef PK_WITH_GSL
 
 static const double TWO_PI = 6.283185307179586476925;
-static const double FAR = 1e3; /* growth that settles it */
+static const double FAR = 1e3; /* growth at which the steps end */
 
-/* The largest displacement from the equilibrium of what counts. */
+/* Returns the largest displacement from the equilibrium, without idle coordinates. */
 static double displacement(const struct pk_stability *s, const double *q, const double *v)
 {
     double most = 0;
@@ -31,7 +30,7 @@ static double displacement(const struct pk_stability *s, const double *q, const 
     return most;
 }
 
-/* Adds a mode at some amplitude to the start in s->work: q, then v. */
+/* Adds mode k at an amplitude to the start in s->work: q, then v. */
 static void add_mode(struct pk_stability *s, size_t k, double amplitude)
 {
     const size_t n = s->n;
@@ -45,7 +44,7 @@ static void add_mode(struct pk_stability *s, size_t k, double amplitude)
     }
 }
 
-/* The start: of several modes those that move and do not grow. */
+/* Sets the start in s->work: along one mode, or along all that move and do not grow. */
 static void start_near(struct pk_stability *s, size_t from, size_t to, double amplitude)
 {
     const size_t n = s->n;
@@ -58,7 +57,7 @@ static void start_near(struct pk_stability *s, size_t from, size_t to, double am
     }
 }
 
-/* With rotations or constraints the start is put back onto them: a mode leads along their tangents.
+/* Projects the start onto rotations and constraints, since a mode is only tangential to them.
  */
 static void settle(struct pk_stability *s)
 {
@@ -71,7 +70,7 @@ static void settle(struct pk_stability *s)
     stability_end(s, it);
 }
 
-/* Mode k's part of the motion at q, v: its amplitude times u.M u. `weights` is M u. */
+/* Returns mode k's part of the state: its amplitude times u.M u. `weights` is M u. */
 static double part_of(const struct pk_stability *s, size_t k, const double *weights,
                       const double *q, const double *v)
 {
@@ -96,7 +95,7 @@ static void weigh(const struct pk_stability *s, size_t k, double *weights, doubl
     }
 }
 
-/* Modes from..to - 1: one, or all (-1). 0: there are none. */
+/* Sets the range of modes from..to - 1: one mode, or all (mode -1). Returns 0 if there are none. */
 static int take_modes(struct pk_stability *s, long mode, size_t *from, size_t *to)
 {
     if (!s->has_modes) {
@@ -113,11 +112,11 @@ static int take_modes(struct pk_stability *s, long mode, size_t *from, size_t *t
     return *to <= s->n_modes ? 1 : stability_wrong(s, "no such mode");
 }
 
-/* How a coordinate turns about the equilibrium in the plane (q, -v/omega), from step to step. */
+/* Rotation of a coordinate about the equilibrium in the plane (q, -v/omega), step by step. */
 struct turning {
-    size_t lead, half, steps; /* the coordinate; half of the steps to come; those made */
+    size_t lead, half, steps; /* the coordinate; half of all steps; steps made */
     double omega, angle, turned;
-    double sums[2]; /* of what was turned by, over either half */
+    double sums[2]; /* sums of `turned` over the first and second half of the steps */
 };
 
 static double phase(const struct pk_stability *s, const struct turning *x,
@@ -137,8 +136,8 @@ static void turn(const struct pk_stability *s, struct turning *x, const struct p
     x->steps++;
 }
 
-/* The mean angle a step. The orbit is no circle in that plane, and the phase wobbles about what
- * grows evenly: between the means of both halves that is nearly gone. */
+/* Returns the mean angle per step. The orbit is not a circle in that plane, so the phase oscillates
+ * about a line; the difference of the means of both halves nearly cancels the oscillation. */
 static double mean_turn(const struct turning *x)
 {
     const double half = (double)x->half;
@@ -147,7 +146,7 @@ static double mean_turn(const struct turning *x)
     return x->steps ? x->turned / (double)x->steps : 0;
 }
 
-/* The coordinate that is not cyclic with the largest part in a mode. */
+/* Returns the coordinate with the largest part in a mode, without idle ones. */
 static size_t leading(const struct pk_stability *s, size_t mode)
 {
     const double *re = s->shapes + mode * 2 * s->n;
@@ -218,8 +217,8 @@ int stability_leave(struct pk_stability *s, const struct pk_stability_question *
         return stability_wrong(s, "one mode that grows, please");
     for (size_t k = 0; k < s->n_modes; k++)
         most = fmax(most, s->modes[k].growth);
-    double until = log(FAR) / most; /* no longer: a faster one grows from round-off */
-    if (mode.frequency > 0)         /* whole turns, so that phases do not count */
+    double until = log(FAR) / most; /* limited, since a faster mode grows from round-off */
+    if (mode.frequency > 0)         /* whole periods, so that the phase does not matter */
         until = ceil(until * mode.frequency / TWO_PI) * TWO_PI / mode.frequency;
     struct pk_options options = s->settings->options;
     options.h = 0;
@@ -242,5 +241,5 @@ int stability_leave(struct pk_stability *s, const struct pk_stability_question *
 }
 
 #else
-extern int stability_needs_gsl; /* a file is not to be empty */
+extern int stability_needs_gsl; /* ISO C forbids an empty file */
 #endif

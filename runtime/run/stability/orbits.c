@@ -1,4 +1,4 @@
-/* Orbits that close; all is measured in units of what the motion covers. */
+/* Closed orbits. Distances are in units of the box that the motion covers. Only built with GSL. */
 #include <pk/methods.h>
 
 #include "../settings/settings.h"
@@ -8,12 +8,12 @@
 
 enum { SAMPLES = 8192, MOST_RETURNS = 8 };
 static const double TWO_PI = 6.283185307179586476925;
-static const double FAR = 1e3;  /* growth that settles it */
-static const double NEAR = 0.1; /* of what is covered: so close it comes back */
+static const double FAR = 1e3;  /* growth at which the steps of `beside` end */
+static const double NEAR = 0.1; /* largest distance, in boxes, that counts as a return */
 
 enum { MOST = 32 };
 
-/* Farthest of the unknowns, in boxes. */
+/* Returns the largest difference of the unknowns of two states, in boxes. */
 static double apart(const struct pk_stability *s, const struct unknowns *x, const double *a,
                     const double *b)
 {
@@ -27,7 +27,7 @@ static double apart(const struct pk_stability *s, const struct unknowns *x, cons
     return most;
 }
 
-/* What turns is not measured in more than half a turn. */
+/* Finds the unknowns of closed orbits. The box of an angle is at most half a turn. */
 static const struct unknowns *unknowns(struct pk_stability *s)
 {
     struct unknowns *x = &s->unknowns;
@@ -83,7 +83,8 @@ static void take_state(const struct pk_stability *s, const struct pk_stability_q
     memcpy(y + s->n, x->state ? x->state + s->n : s->settings->v, s->n * sizeof *y);
 }
 
-/* From the start and from `amplitude` boxes beside it in each unknown: how far they part. */
+/* Steps from the start and from a state `amplitude` boxes away in each unknown, and reports the
+ * growth of their distance. */
 int stability_beside(struct pk_stability *s, const struct pk_stability_question *x)
 {
     const struct pk_method *method = stability_method(s, x->method);
@@ -185,5 +186,5 @@ int stability_orbits(struct pk_stability *s, const struct pk_stability_question 
 }
 
 #else
-extern int stability_orbits_need_gsl; /* a file is not to be empty */
+extern int stability_orbits_need_gsl; /* ISO C forbids an empty file */
 #endif

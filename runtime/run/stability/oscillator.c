@@ -1,5 +1,5 @@
-/* A method on q'' = -SIGN q - DAMPING q': the 2 by 2 map of (q, v) that one step is. It is the
- * method's own: in it are its limit of stability, its frequency, its damping.
+/* A method on q'' = -STIFFNESS q - DAMPING q': one step is a 2 by 2 map of (q, v), which gives the
+ * method's stability limit, frequency and damping.
  */
 
 #include <pk/limits.h>
@@ -7,9 +7,9 @@
 #include "stability.h"
 
 static const double TWO_PI = 6.283185307179586476925;
-static const double none = (double)NAN; /* of a step that was not made */
+static const double none = (double)NAN; /* entries of the map if the step fails */
 
-/* The angle in (0, 2 pi) by which the map turns; NAN where it grows, damps or flips. */
+/* Returns the rotation angle of the map in (0, 2 pi); NAN if it grows, damps or flips. */
 static double rotation(const double map[4])
 {
     const double half = (map[0] + map[3]) / 2, det = map[0] * map[3] - map[1] * map[2];

@@ -1,4 +1,4 @@
-/* What the answers share. */
+/* Functions that several answers use. */
 #include "stability.h"
 
 #include "../settings/settings.h"

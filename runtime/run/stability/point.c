@@ -1,32 +1,31 @@
-/* What a method makes of a motion, told from its energy. With E the method's energy, E0 the first,
- * S the range of v.p over the motion itself (twice the kinetic energy that comes and goes), [a, b]
- * the energies met in the last quarter of the run, and R the size |v.p| + |L| that round-off of the
- * energy is relative to:
+/* Classifies a method's run at one step size, mostly by its energy E. E0 is the first energy, S the
+ * range of v.p over the reference motion (twice the kinetic energy that comes and goes), [a, b] the
+ * range of E in the last quarter of the run, and R = |v.p| + |L| the size of round-off:
  *
  *     away      distance of E0 from [a, b]
  *     rise      max E - E0;   early: the same over the first eighth
- *     growing   rise > S, and it goes on (rise > 2 early), or E does not come back (away > S/2 or
- *               away > (b - a)/4), or it is beyond any beat (rise > 1e4 S)
+ *     growing   rise > S, and it continues (rise > 2 early), or E does not return (away > S/2 or
+ *               away > (b - a)/4), or rise is larger than any beat (rise > 1e4 S)
  *     drifting  not growing, away > (b - a)/4 and away > 1e-11 R
- *     exchange  not growing, and a coordinate swings TIMES as far as in the motion itself
- *     constant lost   not drifting, and another constant is away by MOVED (watch.c has both)
- *     bounded   none of these: E comes back to where it was
+ *     exchange  not growing, and a coordinate swings TIMES as far as in the reference motion
+ *     constant lost   not drifting, and another constant has moved by MOVED (both: see watch.c)
+ *     bounded   otherwise: E returns to E0
  *
- * A drift that is smaller than 2.2 times the oscillation is not seen. Near a resonance of the step
- * the energy's own oscillation may take longer than the run, or the motion be locked to it beside
- * where it began: a symplectic or symmetric method is said to drift only if after four times as
- * long it is away by a fifth more. Where energy is not constant by itself, in place of E0 stand the
- * energies of the motion: in its last quarter, and the largest. A run has LEAST_STEPS at least; the
- * motion is followed for as long. Where it leaves or ends, steps that are made are `not judged`.
- * Below a limit Verlet's energy may rise by E0/(1 - y^2/4) and come back: that is bounded. All
- * other classes are statuses of the runtime.
+ * A drift smaller than 2.2 times the oscillation is not seen. Near a resonance with the step, the
+ * energy may oscillate more slowly than the run is long, or the motion may lock to the resonance: a
+ * symplectic or symmetric method drifts only if after four times as long `away` is a fifth larger.
+ * If energy is not constant by itself, E0 is replaced by energies of the reference motion: the
+ * range in its last quarter, and the largest. A run has at least LEAST_STEPS steps; the reference
+ * motion is followed for as long. If that leaves or ends, the run is `not judged`. Below its
+ * limit, Verlet's energy may rise by E0/(1 - y^2/4) and return: that is bounded. The other classes
+ * are failures of the steps, see failure().
  */
 
 #include "stability.h"
 
 enum { LEAST_STEPS = 200, MOST_STEPS = 4000000 };
-static const double TIMES = 3;    /* as far as in the motion: energy has gone there */
-static const double MOVED = 1e-2; /* relative: a constant is lost */
+static const double TIMES = 3;    /* amplitude ratio above which energy has gone to a coordinate */
+static const double MOVED = 1e-2; /* relative change above which a constant is lost */
 
 static const char *failure(enum pk_status status)
 {
@@ -51,17 +50,17 @@ static const char *failure(enum pk_status status)
     }
 }
 
-/* Energies of a run, as they come. */
+/* Energies of a method's run so far. */
 struct energies {
-    double most, early_most; /* the largest; in the first eighth */
-    double low, high;        /* in the last quarter */
-    double rise, early;      /* of the largest above the motion's */
-    double away;             /* of the last quarter's from the motion's */
+    double most, early_most; /* largest; largest in the first eighth */
+    double low, high;        /* range in the last quarter */
+    double rise, early;      /* `most` and `early_most` above the motion's largest */
+    double away;             /* distance of [low, high] from the motion's range */
     unsigned long steps;
     struct watched watched;
 };
 
-/* Steps on until there are `steps` in all, and compares with as much of the motion. */
+/* Steps until there are `steps` in all, and compares with the motion over the same time. */
 static enum pk_status follow(struct pk_stability *s, struct pk_integrator *it, unsigned long steps,
                              struct energies *e, struct reference *motion)
 {
@@ -95,7 +94,7 @@ static enum pk_status follow(struct pk_stability *s, struct pk_integrator *it, u
 
 static int has_left(const struct energies *e) { return e->away > (e->high - e->low) / 4; }
 
-/* PK_DONE with the class, or what ended the run. */
+/* Returns PK_DONE and sets *class, or returns the status that ended the run. */
 static enum pk_status classify(struct pk_stability *s, struct pk_integrator *it,
                                unsigned long steps, struct energies *e, struct reference *motion,
                                const char **class)

@@ -1,6 +1,5 @@
-/* What turns, grows or decays fastest along the motion: eigenvalues of the equations linearised at
- * its states, at MOST of the steps that dop853 makes of it, which are short where rates are large.
- * Built with GSL alone.
+/* Fastest frequencies and growth rates along the motion: eigenvalues of the equations linearised at
+ * up to MOST steps of dop853, whose steps are short where rates are large. Only built with GSL.
  */
 #include "../settings/settings.h"
 #include "stability.h"
@@ -22,7 +21,7 @@ static void print(struct pk_stability *s, const double *states, size_t count, do
         json_open(j, NULL, '{');
         json_real(j, "t", at[2 * n]);
         json_text(j, "status", pk_status_name(status));
-        double turns = 0; /* of bodies; their quaternions, which are linearised, by half */
+        double turns = 0; /* largest |body rate|; the eigenvalues of a quaternion are half of it */
         for (size_t r = 0; r < s->problem.system->n_rotations; r++) {
             const double *w = at + n + s->coordinates + 3 * r;
             turns = fmax(turns, hypot(hypot(w[0], w[1]), w[2]));
@@ -35,7 +34,7 @@ static void print(struct pk_stability *s, const double *states, size_t count, do
     json_close(j, ']');
 }
 
-/* Every stride-th state: where there is no more room, half of them go. */
+/* Keeps every stride-th state; when the memory is full, drops every second one. */
 int stability_fastest(struct pk_stability *s, const struct pk_stability_question *x)
 {
     const size_t n = s->n, wide = 2 * n + 1;
@@ -70,5 +69,5 @@ int stability_fastest(struct pk_stability *s, const struct pk_stability_question
 }
 
 #else
-extern int stability_rates_need_gsl; /* a file is not to be empty */
+extern int stability_rates_need_gsl; /* ISO C forbids an empty file */
 #endif

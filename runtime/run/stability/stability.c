@@ -3,7 +3,7 @@
 
 #include "../settings/settings.h"
 
-/* What does not count, and whether first-order variables do that are no part of an attitude. */
+/* Sets s->idle, and by_norm if a first-order variable matters that is not part of a rotation. */
 static void find_idle(struct pk_stability *s)
 {
     const struct pk_system *system = s->problem.system;
@@ -19,14 +19,14 @@ static void find_idle(struct pk_stability *s)
     }
 }
 
-/* Of pk_options.stop. */
+/* pk_options.stop of all integrations. */
 static int ending(void *context)
 {
     const struct pk_stability *s = context;
     return run_ending(NULL) || run_processor() > s->until;
 }
 
-/* Memory for all questions. */
+/* Allocates the memory for all questions. */
 static void prepare(void *context)
 {
     struct pk_stability *s = context;

@@ -1,4 +1,4 @@
-/* What the files of pk/stability.h share. */
+/* State and functions shared by the files that answer the questions of pk/stability.h. */
 #ifndef RUN_STABILITY_H
 #define RUN_STABILITY_H
 
@@ -15,128 +15,129 @@
 
 struct pk_mode;
 
-/* What is kept of a state of the motion. */
+/* Numbers kept of each state of the motion; see stability_energies(). */
 struct record {
     double t, energy, vp, size;
 };
 
-/* Numbers of those of q and v that a closed orbit is sought in; an angle goes the shorter way. */
+/* Unknowns of closed orbits: indices in (q, v); `turns`: it is an angle, compared modulo 2 pi. */
 struct unknowns {
     size_t count, *of;
     unsigned char *turns;
 };
 
-/* What is watched of a motion besides its energy. */
+/* Measurements along a motion besides its energy. */
 struct watched {
-    double *share;             /* n: of each coordinate the largest |v_i p_i|, its part of v.p */
-    double most;               /* the largest of these */
-    double *swift;             /* n: the largest |v_i| */
-    struct pk_monitor monitor; /* of its constants; in block */
+    double *share;             /* n: largest |v_i p_i| of each coordinate, its part of v.p */
+    double most;               /* the largest share */
+    double *swift;             /* n: largest |v_i| */
+    struct pk_monitor monitor; /* of constants of the motion; its memory is `block` */
     void *block;
-    size_t at;   /* record of the motion before it */
-    double lost; /* when it was first apart from the motion; infinite: never */
-    /* Of a method's, once judged (watch.c). */
+    size_t at;   /* last record of the reference motion before the current time */
+    double lost; /* when it was first apart from the reference motion; infinite: never */
+    /* Results of stability_judge() for a method's motion (watch.c). */
     double exchange, moved, follows;
-    const char *constant; /* which moved; or NULL */
+    const char *constant; /* name of the constant that moved most, or NULL */
 };
 
 struct pk_stability {
-    struct pk_run *run; /* not integrated: its settings, problem, memory and messages */
+    struct pk_run *run; /* holds settings, problem, memory and messages; it is not integrated */
     const struct settings *settings;
     struct pk_problem problem;
-    size_t n, coordinates; /* of the n, before the integrals of first-order variables */
-    struct json out;       /* of the answer, which is in */
+    size_t n, coordinates; /* unknowns; the first `coordinates` are q, the others first-order */
+    struct json out;       /* writer of `answer` */
     char *answer;          /* of malloc() */
-    const char *what;      /* is asked */
+    const char *what;      /* the current question */
     const struct pk_stability_question *question;
-    double until; /* seconds of the processor's at which integrations end */
+    double until; /* CPU time at which integrations end, seconds */
     int good;     /* whether there is an answer */
-    double *work; /* 4 n + 1: a start, p, pdot */
-    /* Of the start as an equilibrium, once they are asked for. */
+    double *work; /* 4 n + 1: q, v, p, pdot */
+    /* Modes of the start as an equilibrium, computed at the first use. */
     int has_modes;
     size_t n_modes;
     struct pk_mode *modes; /* 2 n */
-    double *shapes;        /* 2 n 2 n: real parts, imaginary parts */
-    /* Of the motion, once it is known. */
+    double *shapes;        /* 2 n by 2 n: n real parts, n imaginary parts of each mode */
+    /* The reference motion, from dop853. */
     int known, leaves;
-    struct pk_integrator *exact; /* follows it */
-    enum pk_status motion;       /* of that */
-    struct looking *looking;     /* at how singular its equations are */
-    struct record *records;      /* of its steps */
+    struct pk_integrator *exact; /* its integrator */
+    enum pk_status motion;       /* status of `exact` */
+    struct looking *looking;     /* condition numbers along it */
+    struct record *records;      /* one per step */
     size_t n_records, room;
     unsigned char *idle; /* n: cyclic, or a first-order variable that no rate depends on */
-    int by_norm;         /* there are first-order variables that count: the energy does not tell */
-    /* What the motion covers, of q and v; NULL: not known yet (stability_cover()). */
-    double *middle, *box; /* 2 n each; the box of what does not move is as far as that is from 0 */
-    double *reach;        /* n: how far each of stability_apart() goes */
-    struct unknowns unknowns; /* of closed orbits, once they are asked for */
-    /* The states at the first records, n_states of q, v; how far a looser tolerance agrees. */
+    int by_norm;         /* first-order variables matter: judged by distance, not by energy */
+    /* Region of the motion in q and v; NULL until stability_cover(). */
+    double *middle, *box; /* 2 n each: centre, width; the width of a constant is its magnitude */
+    double *reach;        /* n: largest stability_apart() of each unknown */
+    struct unknowns unknowns; /* of closed orbits, set at the first use */
+    /* n_states states (q, v) at the first records; time up to which a looser tolerance agrees. */
     double *states, horizon;
     size_t n_states, states_room;
-    struct watched watched; /* of the motion itself */
+    struct watched watched; /* measurements of the reference motion */
     double *far; /* 3 n: largest |q - q0| up to a half, three quarters and the end of `until` */
 };
 
-/* The motion over as long as a point's. */
+/* The reference motion over the duration of a point, which is a method's run at one step size. */
 struct reference {
     double scale;     /* range of v.p: twice the kinetic energy that comes and goes */
     double size;      /* largest |v.p| + |L|: what round-off of the energy is relative to */
-    double low, high; /* energies in its last quarter; the first one where energy is constant */
-    double top;       /* largest energy; the same */
-    int judges;       /* it lasts, and does not leave */
+    double low, high; /* energies in the last quarter; the first one where energy is constant */
+    double top;       /* largest energy; the first one where energy is constant */
+    int judges;       /* it lasts to the end and does not leave, so methods are judged by it */
 };
 
-/* Nothing depends on it. */
+/* Returns whether no equation depends on q_i or the first-order variable i. */
 static inline int stability_idle(const struct pk_stability *s, size_t i) { return s->idle[i]; }
 
-/* How far q_i, or the first-order variable i, is from the start. */
+/* Returns the distance of q_i, or of the first-order variable i, from the start. */
 static inline double stability_apart(const struct pk_stability *s, const double *q, const double *v,
                                      size_t i)
 {
     return i < s->coordinates ? q[i] - s->settings->q[i] : v[i] - s->settings->v[i];
 }
 
-/* What a motion is judged by, its range and the size that round-off of it is relative to: energy,
- * v.p and |v.p| + |L|; by_norm the half square of the distance from the start, in reaches (before
- * stability_cover() 0). */
+/* Computes the quantities by which a motion is judged: energy, v.p (its range is the scale), and
+ * |v.p| + |L| (the size of round-off). With by_norm, all three are half the squared distance from
+ * the start in units of reach; 0 before stability_cover(). */
 void stability_energies(struct pk_stability *s, double t, const double *q, const double *v,
                         double *energy, double *vp, double *size);
-/* An integrator with memory of its own, or NULL with the status of what refused. */
+/* Returns an integrator with memory of its own, or NULL with the status of its failure. */
 struct pk_integrator *stability_begin(struct pk_stability *s, const struct pk_method *method,
                                       const struct pk_options *options, const double *q,
                                       const double *v, enum pk_status *status);
 void stability_end(struct pk_stability *s, struct pk_integrator *it);
-/* That of the motion itself; by a tolerance that is so many times looser. */
+/* Returns an integrator of the reference motion: dop853 at rtol `looser` times 1e-10. */
 struct pk_integrator *stability_motion_begun(struct pk_stability *s, double looser,
                                              enum pk_status *status);
 
-/* Follows the motion to `until`, the first time it is called: middle, box, reach. */
+/* Sets middle, box, reach; the first call follows the motion to `until`. */
 void stability_cover(struct pk_stability *s);
 
-/* Of a method's motion, or of the motion itself. A state's energies are asked for before. */
+/* Measures a method's motion, or the reference motion. For each state stability_energies() comes
+ * first, since it leaves p in s->work. */
 void stability_watch_begin(struct pk_stability *s, struct watched *w);
 void stability_watch_end(struct pk_stability *s, struct watched *w);
 void stability_watch(struct pk_stability *s, struct watched *w, double t, const double *q,
                      const double *v);
-/* Beside the motion, which is known. */
+/* Compares a state with the reference motion, and sets w->lost when they are first apart. */
 void stability_compare(const struct pk_stability *s, struct watched *w, double t, const double *q,
                        const double *v);
-/* The state of the last record. */
+/* Stores the state of the last record, while there is room. */
 void stability_keep(struct pk_stability *s, const double *q, const double *v);
-/* What a method's came to, beside the motion over as long. */
+/* Computes exchange, moved and follows of a method's motion. */
 void stability_judge(struct pk_stability *s, struct watched *w);
 
-/* After the motion is known: follows it to `until`, if it has not been yet. */
+/* Follows the reference motion to `until` if it has not come so far, and returns its summary. */
 struct reference stability_reference(struct pk_stability *s, double until);
 
-/* 1, or 0 with a message. */
+/* Writes the answer to a question. Returns 1, or 0 with a message. */
 typedef int stability_answer(struct pk_stability *s, const struct pk_stability_question *q);
 stability_answer stability_ready, stability_motion, stability_point, stability_oscillator,
     stability_equilibria, stability_near, stability_leave, stability_fastest, stability_orbits,
     stability_returns, stability_beside, stability_place, stability_resolved;
-/* A message; 0. */
+/* Adds a message; returns 0. */
 int stability_wrong(struct pk_stability *s, const char *message);
-/* Of that name, and of a fixed step; NULL with a message. */
+/* Returns the method of that name if it has a fixed step; else NULL, with a message. */
 const struct pk_method *stability_method(struct pk_stability *s, const char *name);
 
 #endif

@@ -1,24 +1,23 @@
-/* What is watched of a motion besides its energy, of the motion itself and of what methods make of
- * it:
+/* Measurements besides energy, of the reference motion and of a method's motion:
  *
- *     exchange  how many times as far a coordinate swings by the method as in the motion itself:
- *               the root of the quotient of the largest |v_i p_i|, its share of v.p
- *     moved     how far a constant that is proved has come from its first value, relative to its
- *               scale (pk/diagnostics.h)
- *     follows   the part of the time, up to the horizon, over which no coordinate is APART from the
- *               motion by half of how far that goes, nor its rate by the largest there: a third of
- *               pi in phase. Of first-order variables it is not judged
+ *     exchange  amplitude of a coordinate by the method, relative to the reference motion: the
+ *               square root of the ratio of their largest |v_i p_i| (the coordinate's share of v.p)
+ *     moved     largest secular change of a proved constant, relative to its scale
+ *               (pk/diagnostics.h)
+ *     follows   fraction of the time up to the horizon until a coordinate first differs from the
+ *               motion by more than APART of its reach, or its rate by more than the largest rate:
+ *               pi/3 in phase. First-order variables are not compared
  *
- * A coordinate counts whose share is a ten-thousandth of the largest.
+ * Only coordinates with a share above 1e-4 of the largest share count.
  */
 #include "../settings/settings.h"
 #include "stability.h"
 
-enum { MOST_REALS = 4000000 };     /* kept of states of the motion: 32 MB */
-static const double APART = 0.5;   /* of how far the motion goes: another is elsewhere there */
-static const double PART = 1e-4;   /* of the largest share */
-static const double STEADY = 1e-6; /* a constant that moves less by the motion itself is one */
-static const double SECULAR = 0.5; /* of how far it moved is a slope, not an oscillation */
+enum { MOST_REALS = 4000000 };     /* numbers kept of states of the motion: 32 MB */
+static const double APART = 0.5;   /* tolerated distance, relative to the motion's reach */
+static const double PART = 1e-4;   /* least share, relative to the largest */
+static const double STEADY = 1e-6; /* largest relative change of a constant in the exact motion */
+static const double SECULAR = 0.5; /* part of the change that is a slope, not an oscillation */
 
 void stability_watch_begin(struct pk_stability *s, struct watched *w)
 {
@@ -59,7 +58,7 @@ void stability_keep(struct pk_stability *s, const double *q, const double *v)
 {
     const size_t n = s->n;
     if (s->n_states + 1 != s->n_records || s->n_records * 2 * n > MOST_REALS)
-        return; /* what is known of the motion ends before */
+        return; /* no room: the stored motion ends here */
     s->states = memory_room(&s->run->memory, s->states, s->n_records, &s->states_room,
                             2 * n * sizeof *s->states);
     memcpy(s->states + s->n_states * 2 * n, q, s->coordinates * sizeof *q);
@@ -67,7 +66,8 @@ void stability_keep(struct pk_stability *s, const double *q, const double *v)
     s->n_states++;
 }
 
-/* From the motion at time t between records k and k + 1, of which it is a cubic. */
+/* Returns whether q, v are apart from the motion at t: positions are a cubic Hermite interpolant
+ * between records k and k + 1, rates a linear one. */
 static int is_apart(const struct pk_stability *s, size_t k, double t, const double *q,
                     const double *v)
 {
@@ -117,8 +117,8 @@ static double exchange(const struct pk_stability *s, const struct watched *w)
     return several > 1 ? most : 0;
 }
 
-/* How far it moved, secularly, in the scale that the motion itself gives it; 0 of what has none, or
- * is no constant of the motion. */
+/* Returns the largest change of a constant, relative to its scale in the reference motion, if it is
+ * mostly a slope; 0 if it oscillates, has no scale, or is not constant in that motion. */
 static double secular(const struct pk_drift *mine, const struct pk_drift *its)
 {
     const double far = mine->max / its->scale;

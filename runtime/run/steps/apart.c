@@ -1,11 +1,11 @@
-/* Blocks of coordinates integrated apart. Adaptive parts land on rows; fixed-step parts reach rows by a second integrator.
- * run->it makes no steps: it has time, state and summed counts.
+/* Blocks of coordinates integrated apart. Adaptive parts land on rows; fixed-step parts reach rows
+ * by a second integrator. run->it makes no steps: it holds the time, the state and summed counts.
  */
 #include "checkpoint.h"
 
 #include "../settings/settings.h"
 
-/* What was given of part k, and the rest as for the whole. */
+/* Returns the method and options of part k; those not given are the run's. */
 static struct pk_choice choice_of(const struct settings *s, size_t k)
 {
     const struct pk_run_part none = {0}, *given = s->asked.parts ? &s->asked.parts[k] : &none;
@@ -56,7 +56,7 @@ enum pk_run_code apart_choose(struct pk_run *run)
     return PK_RUN_DONE;
 }
 
-/* What rows, drifts and the report look at. */
+/* Copies time, state, status and counts to run->it, for rows, drifts and the report. */
 static void look(struct pk_run *run)
 {
     const struct pk_apart *a = &run->apart;
@@ -97,8 +97,8 @@ enum pk_run_code apart_begin(struct pk_run *run)
     return status < 0 ? PK_RUN_FAILED : PK_RUN_DONE;
 }
 
-/* Rows may be so far apart that a motion looks at rest in each, as one recorded at its turning
- * points does. So what an energy is measured by is seen at each step of each part. */
+/* Updates the energy scale of part k at each of its steps. Rows alone may miss it: a motion that is
+ * recorded only at its turning points looks at rest. */
 static void stepped(void *context, size_t k)
 {
     struct pk_run *run = context;

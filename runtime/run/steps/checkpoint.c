@@ -1,5 +1,5 @@
-/* Checkpoints: when, and what they hold beside a run's own state: the model, the settings, and where
- * the rows stand.
+/* Checkpoints: when they are written, and their contents: the model's hash, the marks of the
+ * settings, the end of the rows, and the run's state.
  */
 #include <pk/keep.h>
 
@@ -16,7 +16,7 @@ static enum pk_status everything(struct pk_run *run, checkpoint_keep *keep, void
     return status < 0 ? status : k->wrong ? PK_BLOCK_TOO_SMALL : PK_DONE;
 }
 
-/* What a checkpoint is of: 64 characters of the model's hash, the marks of all settings. */
+/* Identity of a run: 64 characters of the model's hash, the marks of all settings; its rows. */
 struct of {
     char model[64];
     uint64_t marks[MARKS];
@@ -90,7 +90,7 @@ void checkpoint_write(struct pk_run *run, checkpoint_keep *keep, void *context)
     of.rows = checkpoint_place(run->out);
     everything(run, keep, context, &k);
     k.size = k.used + sizeof of;
-    k.to = memory_ask(&run->memory, k.size, 1); /* without it the run goes on */
+    k.to = memory_ask(&run->memory, k.size, 1); /* without memory the run goes on */
     k.used = 0;
     pk_keep(&k, &of, sizeof of);
     if (k.to)

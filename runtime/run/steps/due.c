@@ -1,15 +1,15 @@
-/* What is due at times: rows and what is expected, where steps end or within them.
+/* Rows and expectations that are due at given times, where steps end or within them.
  *
- * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. Fixed steps are not disturbed by them: the
- * last before `until` or at a switch alone is shorter, and a row within a step is at the end of a
- * shorter one from where it began. An adaptive method lands on rows, or answers by its dense output
- * where that is as accurate as its steps: that of gauss is; dopri5's and dop853's lose digits at
- * tight tolerances (measured in tests/runtime), so they land.
+ * Rows are at 0, DT, 2 DT, ..., and exactly at `until`. They do not disturb fixed steps: only the
+ * last one before `until` or a switch is shorter, and a row within a step comes from an extra,
+ * shorter step from the same start. An adaptive method lands on rows, or uses its dense output if
+ * that is as accurate as its steps: gauss does; dopri5's and dop853's lose digits at tight
+ * tolerances (measured in tests/runtime), so they land.
  */
 #include "steps.h"
 
-/* How many intervals of `every` cover `until`; a quotient that is whole up to round-off counts
- * as whole. Up to 1e-12 of it, yet never up to a whole interval of many. */
+/* The slack is 1e-12 of the quotient; with 1e9 or more intervals only round-off, since 1e-12 of
+ * very many could be a whole interval. */
 pk_real run_intervals(pk_real whole, pk_real part)
 {
     const pk_real ratio = whole / part, round = 4 * PK_EPSILON;
@@ -35,14 +35,14 @@ enum pk_status run_aside(struct pk_run *run)
     const struct pk_integrator *it = &run->it;
     const size_t size = pk_integrator_size(&it->problem, it->method);
     struct pk_problem problem = run->problem;
-    if (run->events.params) /* with the sides of switches */
+    if (run->events.params) /* these hold the current sides of the switches */
         problem.params = run->events.params;
     run->aside_block = memory_take(&run->memory, size, 1);
     return pk_integrator_init(&run->aside, &problem, it->method, &it->options, it->t, it->q, it->v,
                               run->aside_block, size);
 }
 
-/* The motion at t within the last step; q is NULL where that fails. */
+/* Returns the state at t within the last step; q is NULL on failure. */
 static struct moment at(struct pk_run *run, pk_real t)
 {
     struct pk_integrator *it = &run->it;
@@ -72,7 +72,6 @@ pk_real run_row_time(const struct pk_run *run, pk_real k, pk_real count)
     return k < count ? (pk_real)(double)(k * run->settings.every) : run->settings.until;
 }
 
-/* The next time up to `limit` for which a row or what is expected asks. */
 pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit)
 {
     const int rows = run->next <= run->count && run->settings.every > 0;
@@ -80,7 +79,7 @@ pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit)
     return expect_limit(run, from, row < limit ? row : limit);
 }
 
-/* The next of the times where steps end for the inputs, at most `limit`. */
+/* Returns the next time at which a step ends for the computed inputs, at most `limit`. */
 static pk_real stop(const struct pk_run *run, pk_real limit)
 {
     const struct pk_run_settings *x = &run->settings.asked;
@@ -88,8 +87,7 @@ static pk_real stop(const struct pk_run *run, pk_real limit)
     return k < x->n_stops && (pk_real)x->stops[k] < limit ? (pk_real)x->stops[k] : limit;
 }
 
-/* Where a step is to end at the latest. Adaptive ones land on rows, or not, and on what is
- * expected. */
+/* Adaptive steps land on the times of expectations, and on rows if asked.land is set. */
 pk_real run_limit(const struct pk_run *run)
 {
     const struct settings *s = &run->settings;

@@ -4,27 +4,27 @@
 #include "../settings/settings.h"
 #include "checkpoint.h"
 
-enum { CLOSE = 8 }; /* steps between two looks at drifts where steps may be too long for a pole */
+enum { CLOSE = 8 }; /* steps per call for systems with poles, which long steps may jump over */
 
 static int singular(const struct pk_run *run)
 {
     return run->problem.system->singularities.values != NULL;
 }
 
-/* Many steps of a large system at once: some 0.1 s of them. Drifts are measured at rows. */
+/* Makes many steps of a large system in one call, some 0.1 s. Drifts are measured at rows. */
 static enum pk_status many(struct pk_run *run, pk_real end)
 {
     struct pk_integrator *it = &run->it;
     const unsigned long most = singular(run) ? CLOSE : (unsigned long)(50000000 / it->n) + 2;
     const pk_real next = run_wanted(run, it->t, run->settings.until);
     const pk_real whole = PK_F(floor)((next - it->t) / it->options.h);
-    if (end > next && !(whole >= 2)) /* the row is within this one */
+    if (end > next && !(whole >= 2)) /* the row is within the next two steps */
         return pk_integrator_step(it, end);
     return pk_integrator_steps(it, end,
                                end > next && whole < (pk_real)most ? (unsigned long)whole : most);
 }
 
-/* At a stop of the inputs, where forces may jump. */
+/* At one of settings.stops, recomputes the inputs and restarts the method: forces may jump. */
 static void stop(struct pk_run *run)
 {
     const struct pk_run_settings *x = &run->settings.asked;
@@ -54,8 +54,8 @@ static int by_time(const struct pk_run *run)
     return s->has_every || (!s->asked.bare && !s->asked.at);
 }
 
-/* Fixed steps between two looks: 1, or up to the next multiple of LOOK where nothing is asked of each
- * and no row is due. */
+/* Returns how many fixed steps to make before the observers see one: 1, or up to the next multiple
+ * of LOOK if no step of its own is requested and no row is due. */
 static unsigned long unseen(const struct pk_run *run)
 {
     enum { ALL = 1024, LOOK = 16 };
@@ -86,8 +86,8 @@ static int step(struct pk_run *run)
         return 0;
     if (pk_waits(it))
         return 1;
-    const pk_real h = it->t - it->last_t; /* 0 at an event that stopped */
-    /* A step that the next one doubles was short by a start, an event or a row, not by its error. */
+    const pk_real h = it->t - it->last_t; /* 0 at an event that stopped the run */
+    /* A step at most half the next one was short due to a start, event or row, not to its error. */
     if (before > 0 && h < 2 * before && (!(run->h_min > 0) || before < run->h_min))
         run->h_min = before;
     if (h > run->h_max)
@@ -97,7 +97,7 @@ static int step(struct pk_run *run)
     return status == PK_DONE && !run->write_failed;
 }
 
-/* All that a step leaves to the next one. */
+/* Saves or restores all state that the next step needs. */
 static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
 {
     int aside = run->aside_block != NULL;
@@ -117,7 +117,7 @@ static enum pk_status keep(struct pk_run *run, void *context, struct pk_keep *k)
     return status >= 0 && aside ? pk_integrator_keep(&run->aside, k) : status;
 }
 
-/* Between steps, a step of a large system is many: whether it goes on. */
+/* Called between steps: polls and writes checkpoints. Returns whether the run goes on. */
 static int goes_on(struct pk_run *run)
 {
     const struct pk_integrator *it = &run->it;
@@ -136,7 +136,7 @@ int run_starts(struct pk_run *run)
         return 0;
     if (!run->checkpoint.resumed) {
         stop(run);
-        if (by_time(run) && (s->has_every || !s->asked.members)) /* of a member the final state */
+        if (by_time(run) && (s->has_every || !s->asked.members)) /* else only a final row */
             observe_row(run, run_moment(run));
         observe_step(run, run_moment(run));
     }
@@ -154,7 +154,7 @@ int run_goes(struct pk_run *run)
         return 0;
     if (by_time(run) && !(s->every > 0))
         observe_row(run, run_moment(run));
-    return run->it.t < s->until && goes_on(run); /* one that has arrived is not stopped */
+    return run->it.t < s->until && goes_on(run); /* a run that has arrived is not interrupted */
 }
 
 void run_ends(struct pk_run *run)

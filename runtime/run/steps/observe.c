@@ -1,5 +1,5 @@
-/* The observers of a run. Events come first, whose times stand above all rows of the report; drifts come
- * before trust, which judges by them; what is reduced is the cells of rows; diagnostics close the report.
+/* The observers of a run, in the order of the report: events first, diagnostics last. Drifts come
+ * before trust, which reads them; rows come before reductions, which read their cells.
  */
 #include "steps.h"
 

@@ -6,7 +6,7 @@ enum { MOST_LISTED = 10000 };
 static void report_motion(struct json *j, const struct pk_run *run)
 {
     const struct pk_integrator *it = &run->it;
-    /* Of a large system the last row has them. */
+    /* The state of a large system is omitted; the last row has it. */
     const int listed = it->n <= MOST_LISTED;
     json_reals(j, {"t", it->t}, {"last_valid", trust_last_valid(run)});
     json_numbers(j, "q", it->q,
@@ -24,7 +24,8 @@ static void report_work(struct json *j, const struct pk_run *run)
     json_real(j, "step_min", run->h_min > 0 ? run->h_min : run->h_max);
     json_real(j, "step_max", run->h_max);
     json_real(j, "rtol", s->options.rtol);
-    json_real(j, "atol", s->options.atol < 0 ? PK_INFINITY : s->options.atol); /* of the motion */
+    /* atol < 0, derived from the motion, is written as null. */
+    json_real(j, "atol", s->options.atol < 0 ? PK_INFINITY : s->options.atol);
     json_counts(j, {"rows", run->rows}, {"steps", c->steps}, {"rejections", c->rejections},
                 {"evaluations", c->evaluations}, {"jacobians", c->jacobians},
                 {"factorisations", c->factorisations}, {"iterations", c->iterations},
@@ -48,7 +49,7 @@ void report_run(struct pk_run *run, FILE *file)
     trust_reason(run, text, sizeof text);
     json_text(j, "reason", text);
     json_text(j, "besides",
-              run->besides && *run->besides ? run->besides + 2 : ""); /* "; the ..." */
+              run->besides && *run->besides ? run->besides + 2 : ""); /* without the leading "; " */
     trust_warning(run, text, sizeof text);
     json_text(j, "warning", text);
     json_flag(j, "interrupted", run->interrupted);

@@ -1,47 +1,47 @@
-/* One trajectory: settled, begun, made step by step. */
+/* One trajectory: its settings, start, steps and end. */
 #ifndef RUN_STEPS_H
 #define RUN_STEPS_H
 
 #include "../look/look.h"
 
-/* Settings that depend on one another; memory, integrators and events; all rows; and all is given
- * back but the settings. */
+/* run_settle() completes settings that depend on each other; run_begin() allocates memory, starts
+ * integrators and events; run_steps() makes all rows; run_end() frees all but the settings. */
 enum pk_run_code run_settle(struct pk_run *run);
 enum pk_run_code run_begin(struct pk_run *run);
 void run_steps(struct pk_run *run);
 void run_end(struct pk_run *run);
 
-/* Of integrate.c: rows from the start to the end, which may be at an event. The same a step at a
- * time: whether there is one to be made; that step, and whether there is a next one; the end. */
+/* Of integrate.c. run_integrate() makes the whole trajectory. Or step by step: run_starts() returns
+ * whether there is a step to make; run_goes() makes one and returns whether another follows. */
 void run_integrate(struct pk_run *run);
 int run_starts(struct pk_run *run);
 int run_goes(struct pk_run *run);
 void run_ends(struct pk_run *run);
 
-/* Of crossings.c, behind pk_integrator_init(); and one step, with all that is crossed in it. */
+/* Of crossings.c: begins after pk_integrator_init(); makes one step and handles its crossings. */
 enum pk_run_code crossings_begin(struct pk_run *run);
 enum pk_status crossings_step(struct pk_run *run, pk_real limit);
 
-/* Of due.c. Rows by time, and what is expected at times, up to t in the last step: 0 where the
- * motion there cannot be had. */
+/* Of due.c. Writes rows by time, and checks expectations at times, up to t in the last step.
+ * Returns 0 if the state at such a time cannot be computed. */
 int run_due(struct pk_run *run, pk_real t);
-/* The integrator for states within fixed steps, begun where the run is. */
+/* Starts the integrator for states within fixed steps, at the run's current state. */
 enum pk_status run_aside(struct pk_run *run);
-/* The next time up to `limit` for which a row or what is expected asks. */
+/* Returns the next time of a row or an expectation, at most `limit`. */
 pk_real run_wanted(const struct pk_run *run, pk_real from, pk_real limit);
-/* Where a step is to end at the latest. */
+/* Returns the latest time at which the next step is to end. */
 pk_real run_limit(const struct pk_run *run);
-/* Where it has come to. */
+/* Returns the current time and state. */
 const struct moment *run_moment(struct pk_run *run);
-/* How many intervals of `part` cover the whole; a quotient that is whole up to round-off counts as
- * whole. Up to 1e-12 of it, yet never up to a whole interval of many. */
+/* Returns how many intervals of length `part` cover `whole`, at least 1. A quotient that is an
+ * integer up to round-off counts as that integer. */
 pk_real run_intervals(pk_real whole, pk_real part);
-/* A step that was asked for, made a whole part of the interval where it is one but for rounding. */
+/* Returns h, changed to an exact fraction 1/k of the interval if it is one up to rounding. */
 pk_real run_step(pk_real interval, pk_real h);
-/* Of row k of `count`: a double in every precision, as it is written. */
+/* Returns the time of row k of `count`: a double in every precision, since it is written as one. */
 pk_real run_row_time(const struct pk_run *run, pk_real k, pk_real count);
 
-/* Of observe.c: each observer is told, in the order of the table there. */
+/* Of observe.c: calls each observer, in the order of the table there. */
 void observe_begin(struct pk_run *run);
 void observe_step(struct pk_run *run, const struct moment *at);
 void observe_crossing(struct pk_run *run, size_t event, const struct moment *at);
@@ -51,11 +51,11 @@ void observe_keep(struct pk_run *run, struct pk_keep *k);
 void observe_report(const struct pk_run *run, struct json *j);
 
 /* Of apart.c: blocks of coordinates integrated apart; see pk/apart.h. */
-/* What no parts can do, and the choices that they are integrated by. */
+/* Refuses settings that need the whole system, and chooses the methods and options of the parts. */
 enum pk_run_code apart_choose(struct pk_run *run);
 enum pk_run_code apart_begin(struct pk_run *run);
 void apart_integrate(struct pk_run *run);
-/* A member of the report. */
+/* Writes the member "parts" of the report. */
 void apart_report(const struct pk_run *run, struct json *j);
 
 /* The report of one trajectory, in JSON. */

@@ -1,4 +1,4 @@
-/* Residuals of constraints, the check of a start by them, and both in words; see pk/constraint.h.
+/* Residuals of constraints, the check of a start, and reasons of failures; see pk/constraint.h.
  */
 #include <stdio.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 #include "../core/project.h"
 
 enum { SHOWN = 8 };
-#define SHARE PK_C(1e-6) /* of a row in one that depends on it */
+#define SHARE PK_C(1e-6) /* least coefficient by which a row counts in one that depends on it */
 
 size_t pk_constraint_size(const struct pk_problem *problem)
 {
@@ -18,7 +18,7 @@ size_t pk_constraint_size(const struct pk_problem *problem)
     return (pk_project_size(problem, n) + problem->system->n_inputs + 1) * sizeof(pk_real);
 }
 
-/* In block: the projection's room, and inputs behind it. */
+/* The block has the memory of the projection, then inputs. */
 static enum pk_status begin(struct pk_projection *w, const struct pk_problem *problem, pk_real t,
                             const pk_real *q, const pk_real *v, void *block, size_t size)
 {
@@ -89,7 +89,7 @@ enum pk_status pk_constraint_project(struct pk_integrator *it, pk_real t, pk_rea
     return it->own->project ? pk_project(it, t, q, v, NULL, NULL, &moved) : PK_DONE;
 }
 
-/* 1 + a row that is what rounding of q leaves of 0, or 0. */
+/* Returns 1 + a row that is zero up to rounding of q, or 0. */
 static size_t nothing(struct pk_projection *w, const pk_real *q, const pk_real *v, pk_real *near)
 {
     for (size_t k = 0; k < w->rotation; k++)
@@ -130,7 +130,7 @@ enum pk_status pk_project_start(struct pk_integrator *it)
     pk_project_rows(&w, q, v);
     pk_project_terms(&w, q, v);
     pk_project_slopes(&w, q, v, w.J, w.c, w.mu);
-    if (!pk_all_finite(w.mu, w.c)) /* nor is J */
+    if (!pk_all_finite(w.mu, w.c)) /* J is not finite */
         return pk_because(it, PK_OFF_CONSTRAINTS, 0, (pk_real)NAN);
     size_t row = pk_project_broken(&w, w.phi, w.phi_size, w.mu, w.h, q, 0);
     const size_t off = pk_project_broken(&w, w.rate, w.rate_size, w.mu, w.c, v, 1);
@@ -183,7 +183,7 @@ int pk_constraint_name(const struct pk_system *system, const void *params, size_
                            : (int)length;
 }
 
-/* What the row that depends on others does so on: "a, b". */
+/* Writes the rows that the dependent row depends on: "a, b". */
 static void of_others(const struct pk_integrator *it, char *text, size_t size)
 {
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
@@ -205,7 +205,7 @@ static void of_others(const struct pk_integrator *it, char *text, size_t size)
         }
 }
 
-/* Whether a row is independent of the others by itself, and J M^-1 J^T has no pivot all the same. */
+/* Whether a row is independent of the others although J M^-1 J^T has no pivot for it. */
 static int inertia_hides(const struct pk_integrator *it, size_t row)
 {
     struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);

@@ -1,6 +1,6 @@
-/* How near a motion is to a position where rows of constraints depend on each other; see passage.c.
- * sigma is read off the factor of J M^-1 J^T that a step has anyway; only where it is small is its
- * slope looked at.
+/* How near a motion is to a position where constraint rows depend on each other; see passage.c.
+ * sigma comes from the factor of J M^-1 J^T that a step needs anyway; its slope is computed only
+ * where it is small.
  */
 #include <string.h>
 
@@ -9,13 +9,13 @@
 #include "../core/tableau.h"
 #include "passage.h"
 
-#define AHEAD PK_C(2.0)   /* steps: what is so near is passed, */
-#define EARLY PK_C(0.1)   /* or by this sigma of an adaptive method, whose steps may be short */
-#define LESS PK_C(0.6)    /* sigma has to fall to this share before another step over it is tried */
-#define LONG PK_C(1.25)   /* fixed steps: what is nearer than that is within the next, */
-#define MIDDLE PK_C(0.75) /* and what is farther than that wants two */
+#define AHEAD PK_C(2.0)   /* steps: a root as near as that is stepped over, */
+#define EARLY PK_C(0.1)   /* or, by an adaptive method, whose steps may be short, at this sigma */
+#define LESS PK_C(0.6)    /* sigma must fall to this share before the next try of a passage */
+#define LONG PK_C(1.25)   /* fixed steps: a root nearer than that is within the next step, */
+#define MIDDLE PK_C(0.75) /* and farther than that, the passage takes two steps */
 #define LITTLE PK_C(1e-4) /* of the time left, for the slope of sigma */
-#define TURN PK_C(0.3)    /* of its way: more between its ends than rates tell is no motion */
+#define TURN PK_C(0.3)    /* of its way: a larger deviation from its rates means another branch */
 
 static size_t lay_out(struct pk_passage_parts *x, size_t n_q, size_t n, pk_real *base)
 {
@@ -95,7 +95,7 @@ int pk_constraint_singular(struct pk_integrator *it, pk_real t, const pk_real *q
     return sigma < PK_SINGULAR;
 }
 
-/* When sigma vanishes, by its slope along the motion. Roughly in `left`. */
+/* Predicts the root of sigma by its slope along the motion; `left`: a rough time until then. */
 static enum pk_status aim(struct pk_integrator *it, const struct pk_passage_parts *x, pk_real left)
 {
     struct pk_passage *is = x->is;

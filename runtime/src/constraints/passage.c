@@ -1,16 +1,17 @@
-/* The passage of a motion through a position where rows of constraints depend on each other for an
- * instant: a parallelogram that lies flat. Branches of the motion meet there; which one is followed
- * is told by continuity, for the equations are singular there, and next to it the errors of a
- * step's stages, which are off the constraints, are magnified: steps may turn into another branch.
+/* The passage of a motion through a position where constraint rows depend on each other for an
+ * instant, such as a flat parallelogram. Branches of the motion meet there. Only continuity
+ * determines the branch, since the equations are singular there; near it the errors of a step's
+ * stages, which are off the constraints, are magnified, and steps may turn into another branch.
  *
- * sigma, the least part of a row that is not of those before it, in the metric of M and beside the
- * largest that the row had, falls to 0 in proportion to time. Before it does a step of Gauss's is
- * made over the place, whose stages are apart from it, and each put onto the constraints, from where
- * the smooth motion leads, before its acceleration is taken. Its end, and the stages, must be next
- * to the constraints before they are put there, within SURE of the way: branches that cross are
- * farther apart. A step of this kind needs no method's history, so that it serves all.
+ * sigma is the least part of a row that is independent of previous rows, in the metric of M and
+ * relative to the largest such part of that row. It falls to 0 linearly in time. Before it does, a
+ * Gauss step is made over the position. Its stages keep away from it. Each is projected onto the
+ * constraints, from where the smooth motion leads, before its acceleration is computed. Before
+ * projection its end and stages must be within SURE of the way to the constraints: crossing
+ * branches are farther apart. It needs no history, so it serves all methods.
  *
- * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1.2 (collocation).
+ * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, II.1.2
+ * (collocation).
  */
 #include <string.h>
 
@@ -20,14 +21,14 @@
 #include "passage.h"
 
 enum { FEWEST = 6, ROUNDS = 60 };
-#define SURE PK_C(1e-3)    /* of the way: how far the constraints may be from where it leads */
-#define SETTLED PK_C(1e-9) /* what no longer shrinks below this is rounding */
+#define SURE PK_C(1e-3)    /* of the way: largest distance from the constraints before projection */
+#define SETTLED PK_C(1e-9) /* below this a change that no longer shrinks is rounding */
 #define ROUND (64 * PK_EPS)
-#define LAST PK_C(0.01) /* sigma, below which rounding forbids to come nearer */
+#define LAST PK_C(0.01) /* sigma below which rounding forbids to go nearer */
 #define SHORTER PK_C(0.8)
-#define ACCEPT PK_C(10.0) /* tolerances; as of the adaptive Gauss method */
+#define ACCEPT PK_C(10.0) /* tolerances, as for the adaptive Gauss method */
 
-/* The weights of the stages for the integral up to x of the step. */
+/* Computes the weights of the stages for the integral up to x of the step. */
 static void weights(const struct pk_passage_parts *x, pk_real to, pk_real *w)
 {
     const int s = (int)pk_index(x->is->stages, PK_PASSAGE_STAGES + 1);
@@ -42,7 +43,7 @@ static void weights(const struct pk_passage_parts *x, pk_real to, pk_real *w)
     }
 }
 
-/* Where the stages lead. */
+/* Computes the state that the stages lead to. */
 static void along(const struct pk_integrator *it, const struct pk_passage_parts *x, pk_real to,
                   pk_real *q, pk_real *v)
 {
@@ -59,7 +60,7 @@ static void along(const struct pk_integrator *it, const struct pk_passage_parts 
     }
 }
 
-/* The largest of |a - b| beside that of |c - d|, in the metric of M's diagonal. */
+/* Returns the largest |a - b| relative to the largest |c - d|, in the metric of M's diagonal. */
 static pk_real beside(const struct pk_projection *w, const pk_real *a, const pk_real *b,
                       const pk_real *c, const pk_real *d, size_t count)
 {
@@ -72,7 +73,7 @@ static pk_real beside(const struct pk_projection *w, const pk_real *a, const pk_
     return off / way;
 }
 
-/* q and v onto the constraints; *off: how far that is. */
+/* Projects q and v onto the constraints; *off: updated by the relative distance. */
 static enum pk_status put(struct pk_integrator *it, const struct pk_passage_parts *x, pk_real t,
                           pk_real *q, pk_real *v, pk_real *off)
 {
@@ -99,7 +100,7 @@ void pk_passage_at(struct pk_integrator *it, pk_real t, pk_real *q, pk_real *v)
     it->own->next_t = next_t;
 }
 
-/* As many stages as keep farthest from the place. */
+/* Chooses the number of stages that keeps farthest from the position. */
 static void choose(struct pk_passage_parts *x)
 {
     const pk_real place = (x->is->at - x->is->t) / x->is->h;
@@ -110,14 +111,14 @@ static void choose(struct pk_passage_parts *x)
         pk_gauss_nodes(s, x->c, x->b);
         for (int j = 0; j < s; j++)
             next = pk_min(next, pk_abs(x->c[j] - place));
-        if (next * (pk_real)s > best) /* more are nearer anyway, and of higher order */
+        if (next * (pk_real)s > best) /* more stages are nearer anyway, and of higher order */
             best = next * (pk_real)s, stages = s;
     }
     x->is->stages = (pk_real)stages;
     pk_gauss_nodes(stages, x->c, x->b);
 }
 
-/* The stages, by fixed-point iteration from a constant acceleration. */
+/* Computes the stages, by fixed-point iteration from a constant acceleration. */
 static enum pk_status solve(struct pk_integrator *it, struct pk_passage_parts *x, pk_real *off)
 {
     const struct pk_projection w = pk_project_parts(&it->problem, it->n, it->own->project);
@@ -150,7 +151,7 @@ static enum pk_status solve(struct pk_integrator *it, struct pk_passage_parts *x
     return PK_NO_CONVERGENCE;
 }
 
-/* The error of the rates that the stages lead to, in tolerances: by the last Legendre coefficient
+/* Returns the error of the final rates relative to the tolerance, by the last Legendre coefficient
  * of the accelerations. */
 static pk_real error_of(const struct pk_integrator *it, const struct pk_passage_parts *x)
 {
@@ -169,8 +170,8 @@ static pk_real error_of(const struct pk_integrator *it, const struct pk_passage_
     return most;
 }
 
-/* Whether an adaptive method had better come nearer, where its step over the place is shorter. An
- * error that does not fall with the length is rounding, which grows on the way. */
+/* Whether an adaptive method should go nearer first, where its step over the position is shorter.
+ * An error that does not fall with the length is rounding, which grows on the way. */
 static int too_long(const struct pk_integrator *it, const struct pk_passage_parts *x, int sure)
 {
     const int shorter = pk_abs(x->is->h) < SHORTER * pk_abs(x->is->length);
@@ -191,7 +192,7 @@ enum pk_status pk_passage_step(struct pk_integrator *it)
     pk_real *q = pk_next(it, PK_Q), *v = pk_next(it, PK_V), off = 0;
     memset(it->own->next, 0, pk_before(it->n_q, n, PK_PARTS) * sizeof *q);
     if (!(x.is->passing > 0)) {
-        it->own->next_t = it->t; /* no step's end: its error is not judged as one */
+        it->own->next_t = it->t; /* not the end of a step: its projection is not judged as such */
         choose(&x);
         const enum pk_status status = solve(it, &x, &off);
         const int sure = status >= 0 && off < SURE;

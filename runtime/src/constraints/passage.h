@@ -1,4 +1,4 @@
-/* What the watch for singular positions (near.c) and the step over one (passage.c) share. */
+/* Shared by the monitoring of singular positions (near.c) and the step over one (passage.c). */
 #ifndef PK_PASSAGE_H
 #define PK_PASSAGE_H
 
@@ -7,21 +7,21 @@
 enum { PK_PASSAGE_STAGES = 8 };
 
 struct pk_passage {
-    pk_real sigma; /* the last one */
-    pk_real at;    /* when it vanishes, while it falls */
-    pk_real falls; /* whether it does */
-    pk_real t, h;  /* of the step over it */
+    pk_real sigma; /* sigma at the last look */
+    pk_real at;    /* predicted time of its root, if it falls */
+    pk_real falls; /* whether it falls */
+    pk_real t, h;  /* start and size of the step over the root */
     pk_real stages;
-    pk_real error;         /* in tolerances, of a step over it that was too long; */
-    pk_real tried, length; /* the sigma where it began, and its h */
-    pk_real passing;       /* it is made, and its end is still to come */
-    pk_real row;           /* which of them has the last sigma */
-    pk_real unseen;        /* whether the last step left it unknown */
+    pk_real error;         /* of a step over it that was too long, relative to the tolerance; */
+    pk_real tried, length; /* sigma at its start, and its size */
+    pk_real passing;       /* the step is made, and its end not yet reached */
+    pk_real row;           /* the row with the last sigma */
+    pk_real unseen;        /* whether the last step did not compute sigma */
 };
 
 struct pk_passage_parts {
     struct pk_passage *is;
-    pk_real *q, *v;     /* where the step begins */
+    pk_real *q, *v;     /* at the start of the step */
     pk_real *Q, *V, *A; /* at its stages */
     pk_real *q_here, *v_here, *a_here;
     pk_real c[PK_PASSAGE_STAGES], b[PK_PASSAGE_STAGES];
@@ -31,12 +31,12 @@ struct pk_passage_parts pk_passage_parts(const struct pk_integrator *it);
 
 static inline struct pk_passage *pk_passage_of(const struct pk_integrator *it)
 {
-    return (struct pk_passage *)(void *)it->own->passage; /* it is laid out first */
+    return (struct pk_passage *)(void *)it->own->passage; /* first in its memory */
 }
 
-/* sigma at (t, q, v); 1 where M is singular. */
+/* Returns sigma at (t, q, v); 1 if M is singular. */
 pk_real pk_passage_sigma(struct pk_integrator *it, pk_real t, const pk_real *q, const pk_real *v);
-/* it->where, of a branch that cannot be told: behind all else, and which row. */
+/* Returns it->where for an undetermined branch: after all other indices, plus the row. */
 size_t pk_passage_told(const struct pk_integrator *it);
 
 #endif

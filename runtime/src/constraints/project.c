@@ -1,16 +1,16 @@
-/* The return of a step to what its equations keep: unit quaternions, and constraints phi(t, q) = 0
- * and J v + j0 = 0. The equations of motion keep them (their index was reduced by differentiation),
- * a step of order p leaves them by O(h^(p+1)), and the way back is that short:
+/* The projection of a step onto unit quaternions and the constraints phi(t, q) = 0 and J v + j0 =
+ * 0. The equations of motion conserve these (their index was reduced by differentiation); a step of
+ * order p violates them by O(h^(p+1)), so the correction is as short:
  *
  *     q -= M^-1 J^T mu  until  phi = 0         v -= M^-1 J^T nu  with  J v + j0 = 0
  *
  * by Newton's method, in the metric of M: to first order no other state on the constraints is
- * nearer, and the order of the method stays. A quaternion is turned by the rotation vector that its
- * three entries of M^-1 J^T mu are. Rolling has rows of rates alone. Derivatives that a method
- * keeps from its last step are left: they err by as much as the step did, and count h times that.
+ * nearer, and the method keeps its order. A quaternion is rotated by the vector of its three
+ * entries of M^-1 J^T mu. Rolling has rows of rates alone. Derivatives that a method keeps from its
+ * last step stay: their error is like that of the step, and counts h times as much.
  *
- * A long first correction means that the step missed something, a steep ramp of phi(t) say. It is
- * refused above MOST_OFF tolerances if the step can be retried, else above the length of h v.
+ * A long first correction means that the step missed something, such as a steep ramp of phi(t). It
+ * is refused above MOST_OFF tolerances if the step can be retried, else above the length of h v.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, IV.4 (projection),
  * VII.1.3; E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, VII.2.
@@ -20,11 +20,11 @@
 #include "../core/attitude.h"
 #include "../core/project.h"
 
-#define ROUND (PK_EPS / 2) /* of its terms: as good as zero. More, left each step, drifts */
-#define STALLED (PK_C(1024.0) * PK_EPS) /* and what no longer shrinks below this is rounding */
-#define NOTICED (PK_C(1e5) * PK_EPS)    /* of its terms: a residual that is no rounding */
-#define MOST_OFF PK_C(10.0)             /* as many as a step of Gauss's may err */
-enum { MOST = 20 };                     /* corrections */
+#define ROUND (PK_EPS / 2) /* of its terms: counts as zero; a larger rest would drift */
+#define STALLED (PK_C(1024.0) * PK_EPS) /* of its terms: if it no longer shrinks, it is rounding */
+#define NOTICED (PK_C(1e5) * PK_EPS)    /* of its terms: more is not rounding */
+#define MOST_OFF PK_C(10.0)             /* tolerances, as for the error of a Gauss step */
+enum { MOST = 20 };                     /* most corrections */
 
 int pk_project_dependent(struct pk_integrator *it)
 {
@@ -37,7 +37,7 @@ int pk_project_dependent(struct pk_integrator *it)
         return 0;
     pk_project_rows(&w, it->q, it->v);
     if (pk_project_factor(&w, w.c, it->q, it->v))
-        return 0; /* steps say so themselves */
+        return 0; /* steps report that themselves */
     pk_project_rank(&w);
     for (size_t row = 0; row < w.c; row++)
         if (w.sines[row] < PK_DEPENDENT) {
@@ -60,13 +60,13 @@ pk_real pk_project_worst(const pk_real *residual, const pk_real *terms, size_t r
         if (!(x > 0) && pk_finite(x))
             continue;
         const pk_real ratio = x / (terms[i] + PK_EPS * largest + PK_TINY);
-        if (!(ratio <= most)) /* what is no number too */
+        if (!(ratio <= most)) /* also a NaN */
             most = ratio, *which = i;
     }
     return most;
 }
 
-/* Whether an iteration is done: 1, or has failed: -1. */
+/* Returns whether an iteration is done: 1, has failed: -1, or neither: 0. */
 static int judged(pk_real ratio, pk_real before, int count)
 {
     if (ratio <= ROUND || (count && ratio >= before / 2 && ratio <= STALLED))
@@ -100,7 +100,7 @@ static void turn_back(const struct pk_projection *w, pk_real *v, pk_real *low)
     }
 }
 
-/* d / y's tolerances, over MOST_OFF. */
+/* Returns the largest |d_k| in tolerances of y, divided by MOST_OFF. */
 static pk_real beside_tolerances(const struct pk_integrator *it, const pk_real *d, const pk_real *y,
                                  size_t first, size_t count)
 {
@@ -110,7 +110,7 @@ static pk_real beside_tolerances(const struct pk_integrator *it, const pk_real *
     return most / MOST_OFF;
 }
 
-/* Whether |d| > |h v|, of v at the step's two ends the larger, both in the metric of M = L D L^T. */
+/* Whether |d| > |h v|, the larger v of the step's two ends, in the metric of M = L D L^T. */
 static int beyond_way(const struct pk_integrator *it, const struct pk_projection *w)
 {
     const pk_real h = it->own->next_t - it->t;
@@ -135,12 +135,12 @@ static int beyond_way(const struct pk_integrator *it, const struct pk_projection
     return pk_abs(back) > longest;
 }
 
-/* Of a first correction: whether it is too long for the error of a step. */
+/* Whether a first correction is too long for the error of a step. */
 static int off(const struct pk_integrator *it, const struct pk_projection *w, pk_real ratio,
                const pk_real *q, const pk_real *y, int of_rates)
 {
     const size_t count = of_rates ? w->m : w->rotation;
-    const int repeats = it->own->atol && pk_repeats(it); /* of those that advance() tries again */
+    const int repeats = it->own->atol && pk_repeats(it); /* whether advance() can retry the step */
     pk_real most = 0;
     if (!(ratio > NOTICED) || !(it->own->next_t > it->t || it->own->next_t < it->t))
         return 0;
@@ -152,8 +152,8 @@ static int off(const struct pk_integrator *it, const struct pk_projection *w, pk
            beside_tolerances(it, w->d, y, of_rates ? it->n_q : 0, count) > 1;
 }
 
-/* Positions, or then rates, whose J is there; it depends on no rates, so that one correction of these
- * would do but for rounding. */
+/* Corrects positions, or then rates with the current J. J does not depend on rates, so one
+ * correction of these would suffice without rounding. */
 static enum pk_status correct(struct pk_integrator *it, struct pk_projection *w, pk_real *q,
                               pk_real *v, pk_real *low_q, pk_real *low_v, int of_rates, int *moved)
 {
@@ -226,7 +226,7 @@ enum pk_status pk_project_step(struct pk_integrator *it)
     int moved = 0;
     if (!it->own->project)
         return PK_DONE;
-    if (!(it->method->traits & PK_HOLONOMIC)) /* which sees to it itself */
+    if (!(it->method->traits & PK_HOLONOMIC)) /* such a method projects by itself */
         PK_TRY(pk_project(it, it->own->next_t, q, v, low_q, it->p ? NULL : low_v, &moved));
     PK_TRY(pk_project_redundant(it, it->own->next_t, q, v, PK_NO_PROJECTION));
     if (!moved || !it->p)

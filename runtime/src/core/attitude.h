@@ -1,12 +1,12 @@
-/* Unit quaternions Q = (w, x, y, z), body to space: products, turns of vectors, and how a step
- * turns an attitude. Outputs may alias inputs. For half a step, x = h omega/2, the Cayley
- * quaternion is
+/* Unit quaternions Q = (w, x, y, z), body to space: products, rotations of vectors, and the
+ * rotation of an attitude in a step. Outputs may alias inputs. For half a step, x = h omega/2, the
+ * Cayley quaternion is
  *
  *     c = (1, y)/sqrt(1 + |y|^2),  y = x/2;    twice:  c^2 = ((1 - |y|^2), 2 y)/(1 + |y|^2),
  *
- * which is rational. What a step adds is made apart from what it adds to, so that sums may be
- * compensated. References: A. Iserles, H. Munthe-Kaas, S. P. Norsett, A. Zanna, Acta Numerica 9
- * (2000) 215, 8.3; N. Bou-Rabee, J. E. Marsden, Found. Comput. Math. 9 (2009) 197.
+ * which is rational. Increments are computed separately, so that sums may be compensated.
+ * References: A. Iserles, H. Munthe-Kaas, S. P. Norsett, A. Zanna, Acta Numerica 9 (2000) 215, 8.3;
+ * N. Bou-Rabee, J. E. Marsden, Found. Comput. Math. 9 (2009) 197.
  */
 #ifndef PK_ATTITUDE_H
 #define PK_ATTITUDE_H
@@ -38,7 +38,7 @@ static inline void pk_quaternion_times(const pk_real *Q, pk_real s, const pk_rea
     out[2] = y;
 }
 
-/* d = R p - p, by the quaternion (s, u) of R. */
+/* d = R p - p, for the rotation R of the quaternion (s, u). */
 static inline void pk_turn_added(pk_real s, const pk_real *u, const pk_real *p, pk_real *d)
 {
     pk_real one[3], two[3];
@@ -48,7 +48,7 @@ static inline void pk_turn_added(pk_real s, const pk_real *u, const pk_real *p, 
         d[i] = 2 * (s * one[i] + two[i]);
 }
 
-/* C p by C = cay(2 y), y half of x above; sign -1: by its transpose. */
+/* out = C p, C = cay(2 y), y half of x above; sign -1: its transpose. */
 static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, pk_real *out)
 {
     const pk_real weight = 2 / (1 + pk_dot3(y, y));
@@ -59,8 +59,8 @@ static inline void pk_cayley_turn(const pk_real *y, int sign, const pk_real *p, 
         out[i] = p[i] + weight * ((sign > 0 ? one[i] : -one[i]) + two[i]);
 }
 
-/* The four numbers that exp(theta), a rotation vector, adds to Q: sin(a)/a and cos(a) - 1 at half
- * the angle, the second by sin(a/2), where nothing cancels. */
+/* Computes the increment of Q by exp(theta), theta a rotation vector: sin(a)/a and cos(a) - 1 at
+ * half the angle, the second by sin(a/2), without cancellation. */
 static inline void pk_exponential_added(const pk_real *Q, const pk_real *theta, pk_real *d)
 {
     const pk_real angle = PK_F(sqrt)(pk_dot3(theta, theta)) / 2;
@@ -70,12 +70,12 @@ static inline void pk_exponential_added(const pk_real *Q, const pk_real *theta, 
     pk_quaternion_times(Q, -2 * quarter * quarter, u, d);
 }
 
-/* theta' of R0 exp(theta) where the body rates are omega: the inverse of d(exp),
+/* Computes theta' for R0 exp(theta) and body rates omega: the inverse of d(exp),
  *
  *     omega + theta x omega/2 + (1 - x cot x)/(4 x^2) theta x (theta x omega),  x = |theta|/2.
  *
- * The weight is 1/12 + s/720 + s^2/30240 + s^3/1209600 + ..., s = |theta|^2; it is taken from there
- * where the first term left out, s^4/1209600 beside omega, is less than rounding. */
+ * The weight is 1/12 + s/720 + s^2/30240 + s^3/1209600 + ..., s = |theta|^2; the series is used
+ * where its first omitted term, s^4/1209600 relative to omega, is below round-off. */
 static inline void pk_dexp_inverse(const pk_real *theta, const pk_real *omega, pk_real *out)
 {
     const pk_real s = pk_dot3(theta, theta), x = PK_F(sqrt)(s) / 2;
@@ -89,17 +89,17 @@ static inline void pk_dexp_inverse(const pk_real *theta, const pk_real *omega, p
         out[i] = omega[i] + one[i] / 2 + weight * two[i];
 }
 
-/* The numbers of a vector or a quaternion that are `step` apart. */
+/* Copies `count` numbers of a vector or a quaternion at distance `step`. */
 static inline void pk_gather(pk_real *to, const pk_real *from, size_t count, size_t step)
 {
     for (size_t k = 0; k < count; k++)
         to[k] = from[k * step];
 }
 
-/* Scales Q to length 1 where its norm is off by more than a few roundings, and clears its
- * compensations `low` (NULL: there are none), which belong to what Q was. Entries are `stride`
- * apart. 1 where Q was scaled, 0 where it was well; -1, and Q is left as it is, where no direction
- * is left: the square of its norm is lost or is no number. */
+/* Normalises Q if its norm is off by more than a few roundings, and clears its compensations `low`
+ * (NULL: none), which belong to the old Q. Entries are at distance `stride`. Returns 1 if Q was
+ * scaled, 0 if not needed; -1, with Q unchanged, if the square of its norm underflows or is not
+ * finite. */
 static inline int pk_normalise(pk_real *Q, pk_real *low, size_t stride)
 {
     pk_real norm2 = 0;

@@ -1,11 +1,11 @@
 /* LU of a band with a border; see band.h.
  *
- * The border's rows and columns are carried along as the band is eliminated; what is left is a dense
- * system of them. Rows are exchanged within the band alone, so that a pivot may be small though the
- * matrix is regular: the last one of a ring's band, or of a saddle point. Such a pivot d becomes
- * d + s, s as large as its column, which subtracts s x_k from the equations; z = s x_k is then one
- * more unknown, with a column -e_k and a row s e_k: a spare part of the border. That is exact, and
- * no pivot is much smaller than its column.
+ * Elimination of the band updates the border's rows and columns; a dense system of them remains.
+ * Rows are exchanged within the band alone, so a pivot may be small although the matrix is regular:
+ * the last one of a ring's band, or of a saddle point. Such a pivot d becomes d + s, s as large as
+ * its column, which subtracts s x_k from the equations; z = s x_k is then another unknown, with a
+ * column -e_k and a row s e_k, in a spare part of the border. This is exact, and no pivot is much
+ * smaller than its column.
  *
  * References: G. H. Golub, C. F. Van Loan, Matrix Computations, 4th ed., 4.3.3 (band elimination
  * with pivoting); W. Govaerts, J. D. Pryce, IMA J. Numer. Anal. 13 (1993) 161, for bordered systems
@@ -25,7 +25,7 @@ static size_t stride(const struct pk_band *b)
     return b->border + (b->pivoting && b->rows ? PK_BAND_SPARE : 0);
 }
 
-/* Row i, so that its column j is row(b, i)[j]. */
+/* Returns row i; [j] is its column j. */
 static pk_real *row(const struct pk_band *b, size_t i)
 {
     const size_t width = b->below + 1 + b->above + (b->pivoting ? b->below : 0);
@@ -87,7 +87,7 @@ pk_real *pk_band_entry(const struct pk_band *b, size_t i, size_t j)
 ADD_PRODUCT(pk_band_add_product, )
 ADD_PRODUCT(pk_band_add_sizes, pk_abs)
 
-/* The largest entry of each column of the band, the border's rows among them. */
+/* Computes the largest entry of each column of the band, including the border's rows. */
 static void measure_columns(const struct pk_band *b)
 {
     const size_t n = b->rows, k = stride(b);
@@ -112,7 +112,7 @@ static void exchange(pk_real *x, pk_real *y, size_t count)
     }
 }
 
-/* Gives column k a pivot that is as large as the column was. */
+/* Gives column k a pivot as large as the column was. */
 static void mend(const struct pk_band *b, size_t k)
 {
     const size_t width = stride(b), z = pk_index(*b->used, width);
@@ -128,7 +128,7 @@ static void mend(const struct pk_band *b, size_t k)
 int pk_band_factor(const struct pk_band *b)
 {
     const size_t n = b->rows, width = stride(b);
-    size_t filled = 0, used = b->border; /* no row so far reaches column `filled` */
+    size_t filled = 0, used = b->border; /* rows so far end before column `filled` */
     *b->used = (pk_real)used;
     measure_columns(b);
     for (size_t k = 0; k < n; k++) {
@@ -137,7 +137,7 @@ int pk_band_factor(const struct pk_band *b)
         for (size_t i = k + 1; i < end; i++)
             if (pk_abs(row(b, i)[k]) > pk_abs(row(b, best)[k]))
                 best = i;
-        b->pivot[k] = (pk_real)best; /* kept as a number, so that the work is one array */
+        b->pivot[k] = (pk_real)best; /* stored as pk_real, so that the work is one array */
         const size_t reach = last(b, best);
         filled = reach > filled ? reach : filled;
         if (best != k) {
@@ -170,7 +170,7 @@ int pk_band_factor(const struct pk_band *b)
                 b->corner[c * width + e] -= l * right[e];
         }
     }
-    for (size_t c = 0; c < used && width > used; c++) /* shorter rows */
+    for (size_t c = 0; c < used && width > used; c++) /* packs rows of length `used` */
         memmove(b->corner + c * used, b->corner + c * width, used * sizeof *b->corner);
     return pk_lu_factor(b->corner, b->pivot + n, used);
 }

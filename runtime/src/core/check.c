@@ -1,6 +1,6 @@
-/* What is refused before the first step, so that no number comes of it: options out of range,
- * and parameters that are out of bounds or that prepare() has not seen. The last is found by
- * preparing a copy: it must come out as what it was made from, to the bit.
+/* Checks before the first step, so that no result comes from bad arguments: options out of range,
+ * parameters out of bounds or changed without prepare(). The last is detected by preparing a copy,
+ * which must equal the original bit by bit.
  */
 #include <limits.h>
 #include <string.h>
@@ -36,7 +36,7 @@ enum pk_status pk_check_params(struct pk_integrator *it, pk_real *scratch)
 unsigned pk_missing_facts(const struct pk_system *system, const struct pk_method *method)
 {
     unsigned facts = system->facts;
-    facts |= facts & PK_SEPARABLE ? PK_LINEAR_DRAG : 0; /* each is a case of the next */
+    facts |= facts & PK_SEPARABLE ? PK_LINEAR_DRAG : 0; /* each fact implies the next */
     facts |= facts & PK_LINEAR_DRAG ? PK_AFFINE_RATES : 0;
     const unsigned missing = method->needs & ~facts;
     return system->facts & PK_SWITCHED ? missing & ~(unsigned)PK_SMOOTH : missing;
@@ -60,7 +60,7 @@ const char *pk_missing_kernel(const struct pk_system *system, const struct pk_me
 {
     const int turns = system->n_rotations > 0, c = system->constraints.n > 0;
     const int loops = system->constraints.factor != NULL;
-    /* Momenta are those of `unconstrained` where there are rotations or constraints. */
+    /* Rotations and constraints have their momenta in `unconstrained`. */
     const unsigned own = turns || c ? PK_HOLONOMIC : 0, plain = turns || c ? 0 : PK_HOLONOMIC;
     const struct {
         const char *name;

@@ -1,11 +1,11 @@
-/* J, and J M^-1 J^T factored: what constraints do to accelerations, corrections and impulses. Where
- * a row depends on those before it, by how much of each.
+/* J, and J M^-1 J^T factored, for accelerations, corrections and impulses under constraints. For a
+ * row that depends on previous ones: its coefficients.
  */
 #include <string.h>
 
 #include "project.h"
 
-enum { SWEEPS = 3 };      /* of rows and columns */
+enum { SWEEPS = 3 };      /* of row and column scaling */
 #define COUNTS PK_C(1e-3) /* smaller shares of a row's largest entry may be errors of the state */
 
 static inline pk_real *take(pk_real *base, size_t *used, size_t count)
@@ -15,7 +15,7 @@ static inline pk_real *take(pk_real *base, size_t *used, size_t count)
     return part;
 }
 
-/* Each step asks for it, so that it is written out. */
+/* Written out for speed, since each step calls it. */
 static inline size_t lay_out(struct pk_projection *w, const struct pk_problem *problem, size_t n,
                              pk_real *base)
 {
@@ -73,7 +73,7 @@ size_t pk_project_size(const struct pk_problem *problem, size_t n)
     const struct pk_system *system = problem->system;
     if (system->constraints.n)
         return pk_project_room(problem, n);
-    return system->n_rotations || system->families.rotations ? 2 * n : 0; /* of quaternions alone */
+    return system->n_rotations || system->families.rotations ? 2 * n : 0; /* for quaternions */
 }
 
 int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real *v)
@@ -81,13 +81,13 @@ int pk_project_inertia(struct pk_projection *w, const pk_real *q, const pk_real 
     const struct pk_system *system = w->system; /* without either, `mass` is the inertia */
     if (!w->whole) {
         system->families.diagonal(w->params, w->t, q, v, w->u, w->M);
-        for (size_t k = 0; k < w->m; k++) /* factored with the rows, but they are weighed by it */
+        for (size_t k = 0; k < w->m; k++) /* its diagonal weighs rows; factored with them */
             if (!(w->M[k] > 0))
                 return PK_FAILED(PK_FAILURE_MASS, k);
         return 0;
     }
     (system->inertia ? system->inertia : system->mass)(w->params, w->t, q, v, w->u, w->M);
-    for (size_t i = 1; i < w->m; i++) /* without the columns of quaternions and states */
+    for (size_t i = 1; i < w->m; i++) /* drops the columns of quaternions and states */
         memmove(w->M + i * w->m, w->M + i * w->n, w->m * sizeof *w->M);
     const size_t pivot = pk_ldl_factor(w->M, w->m);
     return pivot ? PK_FAILED(PK_FAILURE_MASS, pivot - 1) : 0;
@@ -139,7 +139,7 @@ void pk_project_slopes(struct pk_projection *w, const pk_real *q, const pk_real 
     pk_project_spread(w, q, v, J, rows, w->d, out);
 }
 
-/* The square of a row's length, in the metric of M. */
+/* Returns the squared length of a row, in the metric of M. */
 static pk_real length2(const struct pk_projection *w, size_t row)
 {
     pk_real sum = 0;
@@ -168,7 +168,7 @@ void pk_project_explain(struct pk_projection *w, size_t c, size_t row)
         x[i] *= PK_F(sqrt)(length2(w, i) / (length2(w, row) + PK_TINY));
 }
 
-/* 1 + the row without a pivot, and what it is of the others. */
+/* Records the row without a pivot, and its coefficients by the others. Returns 1 + the row. */
 static size_t lost(struct pk_projection *w, size_t row)
 {
     w->system->constraints.shares(w->params, row, w->depends + 1);
@@ -206,8 +206,8 @@ size_t pk_project_factor(struct pk_projection *w, size_t rows, const pk_real *q,
     return failed;
 }
 
-/* Scales of columns that equilibrate the largest |J_ik| of the motion. Entries of today alone would
- * hide a row that loses what sets it apart. Reference: D. Ruiz, RAL-TR-2001-034. */
+/* Computes column scales that equilibrate the largest |J_ik| so far. Current entries alone would
+ * hide a row that loses its independent part. Reference: D. Ruiz, RAL-TR-2001-034. */
 static void scale_columns(struct pk_projection *w)
 {
     int grown = 0;
@@ -234,8 +234,8 @@ static void scale_columns(struct pk_projection *w)
     }
 }
 
-/* The square of how far a row has shrunk: of its length or of any entry that ever counted, whichever
- * did least. The one is no matter of which way the row points, the other none of units. */
+/* Returns the squared ratio by which a row has shrunk: in length, which depends on no direction, or
+ * in any entry that ever mattered, which depends on no units, whichever shrank least. */
 static pk_real shrunk(struct pk_projection *w, size_t i)
 {
     const pk_real *sizes = w->sizes + i * w->n;
@@ -310,7 +310,7 @@ enum pk_status pk_project_singular(struct pk_integrator *it, const pk_real *q, c
         pk_project_rows(&w, q, v);
         const size_t row = pk_project_factor(&w, w.c, q, v);
         it->where = row ? row - 1 : it->where;
-        if (!row && w.whole) /* found by the acceleration alone */
+        if (!row && w.whole) /* only the acceleration found it */
             pk_project_explain(&w, w.c, it->where);
     }
     return PK_NO_PROJECTION;

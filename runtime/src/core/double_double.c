@@ -1,11 +1,11 @@
-/* Matrices in twice the precision, and the exponential of one by scaling and squaring:
+/* Matrices in twice the precision, and the matrix exponential by scaling and squaring:
  *
  *     exp(X) = exp(X / 2^s)^(2^s),   exp of the small one by its Taylor series
  *
- * On exp - 1, so that what is small beside 1 keeps its digits: D becomes 2 D + D^2. Where the small
- * one's norm is 1/2, few terms make the series as good as the pairs are, and Paterson's and
- * Stockmeyer's scheme sums it in few products: the diagonal Pade approximants that are usual need a
- * solve, whose pairs would be another piece of code.
+ * It works on exp - 1, so that entries small relative to 1 keep their digits: D becomes 2 D + D^2.
+ * If the small matrix has norm 1/2, few terms make the series as accurate as the pairs, and the
+ * scheme of Paterson and Stockmeyer sums it in few products. The usual diagonal Pade approximants
+ * need a solve, which would need more code for pairs.
  *
  * References: N. J. Higham, SIAM J. Matrix Anal. Appl. 26 (2005) 1179; A. H. Al-Mohy, N. J. Higham,
  * SIAM J. Matrix Anal. Appl. 31 (2009) 970; M. S. Paterson, L. J. Stockmeyer, SIAM J. Comput. 2
@@ -15,7 +15,7 @@
 
 #include "double_double.h"
 
-enum { POWERS = 4 }; /* of the small matrix, kept */
+enum { POWERS = 4 }; /* of the small matrix, stored */
 
 void pk_pairs_settle(struct pk_pairs x, size_t count)
 {
@@ -43,7 +43,7 @@ void pk_pairs_multiply(struct pk_pairs Y, struct pk_pairs X, struct pk_pairs M, 
             const pk_real a = X.hi[i * m + k], a_lo = X.lo[i * m + k];
             const pk_real *restrict b = M.hi + k * m, *restrict b_lo = M.lo + k * m;
             if (!(a > 0) && !(a < 0) && pk_finite(a))
-                continue; /* many are zero: neighbours alone are coupled in chains */
+                continue; /* many entries are zero: chains couple neighbours only */
             PK_LANE_LOOP
             for (size_t j = 0; j < m; j++)
                 pk_pair_add(&hi[j], &lo[j], a, a_lo, b[j], b_lo[j]);
@@ -79,8 +79,8 @@ static void divide(pk_real *c, pk_real *c_lo, int k)
     *c = pk_pair_sum(hi, (left + *c_lo) / d, c_lo);
 }
 
-/* How many halvings bring |h| norm to 1/2; terms of the series at a norm down to the pairs' round-off,
- * beside the first. */
+/* Return the number of halvings that bring |h| norm to 1/2; the number of terms of the series at a
+ * norm, down to the round-off of pairs relative to the first. */
 static int halvings(pk_real size)
 {
     int s = 0;
@@ -111,7 +111,7 @@ enum pk_status pk_expm(struct pk_pairs D, struct pk_pairs L, pk_real norm, pk_re
 {
     const size_t mm = m * m;
     struct pk_pairs X[POWERS], T;
-    pk_real c[64], c_lo[64]; /* 1/k!: of __float128's pairs some 50 */
+    pk_real c[64], c_lo[64]; /* 1/k!: about 50 for pairs of __float128 */
     if (!pk_finite(pk_abs(h) * norm))
         return PK_NOT_FINITE;
     const int s = halvings(pk_abs(h) * norm), last = (terms(PK_C(0.5)) + POWERS) / POWERS * POWERS;

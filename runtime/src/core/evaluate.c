@@ -1,11 +1,11 @@
-/* Kernels through an integrator: inputs filled, calls counted, failures named with their cause. */
+/* Kernels with inputs filled, calls counted, and failures reported with their cause. */
 #include "generic.h"
 #include "project.h"
 
 int pk_all_finite(const pk_real *x, size_t count)
 {
     size_t i = 0;
-    for (int bad = 0; i + 8 <= count; i += 8) { /* without a branch: vectorised */
+    for (int bad = 0; i + 8 <= count; i += 8) { /* no branch inside: vectorised */
         for (size_t k = 0; k < 8; k++)
             bad |= !pk_finite(x[i + k]);
         if (bad)
@@ -55,9 +55,9 @@ enum pk_status pk_eval_acceleration(struct pk_integrator *it, pk_real t, const p
     return generic_acceleration(it, t, q, v, a);
 }
 
-/* The pivot of coordinate `last` of M = L D L^T beside its diagonal entry, the others eliminated
- * first: 1 where they do not share its inertia, 0 where M is singular along it. Or that of an
- * earlier one which is no more than rounding. NaN where M is unknown or too large for the stack. */
+/* Returns the pivot of coordinate `last` of M = L D L^T relative to its diagonal entry, with the
+ * other coordinates eliminated first: 1 if they do not share its inertia, 0 if M is singular along
+ * it. Or the ratio of an earlier pivot that is rounding. NaN: M is unknown or too large. */
 static pk_real condition(const struct pk_integrator *it, pk_real t, const pk_real *q,
                          const pk_real *v, size_t last)
 {
@@ -94,7 +94,7 @@ static pk_real condition(const struct pk_integrator *it, pk_real t, const pk_rea
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, int failed)
 {
-    /* A state that has run away makes M no number: that is the cause to name. */
+    /* A diverged state makes M NaN: then that is the cause to report. */
     if (!pk_all_finite(q, it->n_q) || !pk_all_finite(v, it->n))
         return PK_NOT_FINITE;
     it->where = (size_t)PK_FAILURE_AT(failed);
@@ -156,8 +156,8 @@ pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real 
     return pk_min(it->options.h > 0 ? it->options.h : h, span);
 }
 
-/* The cause is what a trial step met just ahead, or else what a straight line from here meets
- * there: steps may shrink before a singular M without ever reaching it. */
+/* The cause is the failure of a trial step just ahead, or else a singular M on the straight line
+ * from here: step sizes may shrink before a singular M without ever reaching it. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h)
 {
     const pk_real near = PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t);

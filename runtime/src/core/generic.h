@@ -1,10 +1,10 @@
-/* The texts of pk/step/ for any system: through the function pointers of struct pk_system, n known
- * at run time. For one system, with its kernels inlined: pk/inlined.h.
+/* The code of pk/step/ for any system: by the function pointers of struct pk_system, with n known
+ * at run time. pk/inlined.h compiles it for one system with its kernels inlined.
  */
 #ifndef PK_GENERIC_H
 #define PK_GENERIC_H
 
-#define PK_ANY_TABLE /* known at run time; see pk/step/tableau.h */
+#define PK_ANY_TABLE /* tables are known at run time only; see pk/step/tableau.h */
 
 #include "internal.h"
 

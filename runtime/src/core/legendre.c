@@ -1,12 +1,12 @@
-/* Legendre's polynomials on [0, 1], and the nodes and weights of Gauss's quadrature there, which are
+/* Legendre polynomials on [0, 1], and the nodes and weights of Gauss quadrature there, which is
  * exact up to degree 2 s - 1. Reference: M. Abramowitz, I. A. Stegun, Handbook of Mathematical
  * Functions, 22.7.10, 22.8.5 and 25.4.29.
  */
 #include "tableau.h"
 
-enum { MOST = 8 }; /* corrections of a node; some 5 do in __float128 */
+enum { MOST = 8 }; /* corrections of a node; about 5 suffice in __float128 */
 
-/* By steps from P_k to P_k+1, at the nearer end, where these are small. */
+/* Adds up the differences P_k+1 - P_k, from the nearer end, where they are small. */
 void pk_legendre(pk_real x, pk_real rest, int count, pk_real *P, pk_real *integral)
 {
     const int mirrored = x < rest; /* P_k(1 - x) = (-1)^k P_k(x) */

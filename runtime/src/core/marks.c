@@ -1,24 +1,23 @@
-/* Forces shorter than a step. Marks are arguments u of exp(u), tanh(u) and so on that change only
- * where u is within +-ALIVE. Perhaps no stage of a step lies there, but u is smooth along the
- * step, a polynomial often, and is followed down to where it gets there. A step in which u, cut off
- * at
- * +-ALIVE, varies by more than MOST passes over what its stages may not see: it is made again up to
- * where it does not, and the next ones are kept that short until their errors keep them so. What
- * is fixed is not made shorter, but counted. Within the step the motion is taken as a cubic; where
- * that is off, the shorter step shows it.
+/* Forces shorter than a step. Marks are arguments u of exp(u), tanh(u) and similar calls, which
+ * change only for |u| < ALIVE. No stage of a step may lie there, but u is smooth along the step,
+ * often a polynomial, and is refined down to where it gets there. If u, clipped to +-ALIVE, varies
+ * by more than MOST in a step, the stages may miss the change: the step is repeated up to a time
+ * where u varies less, and the next steps are kept as short until their errors keep them so. Fixed
+ * steps are not shortened, but counted. Within the step the motion is taken as a cubic; if that is
+ * inaccurate, the shorter step shows it.
  */
 #include <string.h>
 
 #include "internal.h"
 
 #define ALIVE PK_C(36.0) /* exp(-36) = 2e-16 */
-#define MOST PK_C(12.0)  /* a Gaussian's exponent rises by that in its width, far out */
-#define WARP PK_C(0.11)  /* a period of u that divides the step is not to look constant */
+#define MOST PK_C(12.0)  /* a Gaussian's exponent changes by that over its width, far out */
+#define WARP PK_C(0.11)  /* warps samples, so that a period of u that divides the step shows */
 #define GROW PK_C(4.0)
-#define SLOW (MOST / 128) /* by that in a fixed step: the next few are not looked at */
+#define SLOW (MOST / 128) /* variation in a fixed step; below it the next SKIPPED go unexamined */
 enum { FEW = 4, MOST_WINDOWS = 4096, SKIPPED = 7 };
 
-/* Behind four values of each mark. */
+/* Work, after four values of each mark. */
 struct between {
     pk_real *q, *v, *u, *a0, *a1; /* a0, a1: at the ends of the step */
 };
@@ -45,7 +44,7 @@ static struct between between(const struct pk_integrator *it)
     return b;
 }
 
-/* The rates of states at the ends, or where there are none those of a straight line. */
+/* Computes the rates of states at the ends; those of a straight line if an acceleration fails. */
 static void look_at_ends(struct pk_integrator *it)
 {
     const struct between b = between(it);
@@ -78,7 +77,7 @@ void pk_hermite(const struct pk_integrator *it, pk_real h, struct pk_knot from, 
         v[i] = v0[i] + h01 * (v1[i] - v0[i]) + h10 * from.a[i] + h11 * to.a[i];
 }
 
-/* All u at x of the trial step, 0 .. 1. */
+/* Evaluates all u at x of the trial step, x in 0 .. 1. */
 static void values(const struct pk_integrator *it, pk_real x, pk_real *u)
 {
     const struct pk_system *system = it->problem.system;
@@ -108,8 +107,8 @@ static pk_real at(const struct pk_integrator *it, size_t k, pk_real x)
 
 static pk_real alive(pk_real u) { return pk_max(-ALIVE, pk_min(u, ALIVE)); }
 
-/* u at the ends and in the middle of a window: by how much it varies and the parabola bends;
- * whether it stays beyond +-ALIVE, with a margin. */
+/* A window of a mark u, from its values at both ends and in the middle: its variation, clipped; its
+ * range; the second difference; whether it stays beyond +-ALIVE, with a margin. */
 struct window {
     pk_real varies, range, bend;
     int dead;
@@ -127,7 +126,8 @@ static struct window window(pk_real a, pk_real m, pk_real b)
 
 static pk_real warped(pk_real x) { return x + WARP * x * (1 - x); }
 
-/* How much of the trial step may be made for mark k, 1: all; of that, how much where it varies. */
+/* Returns the part of the trial step that mark k allows, 1: all; *rise: of that, where it
+ * varies. */
 static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
 {
     const pk_real h = pk_abs(it->own->next_t - it->t),
@@ -153,7 +153,7 @@ static pk_real follow(struct pk_integrator *it, size_t k, pk_real *rise)
         it->own->varied = pk_max(it->own->varied, total);
         u = end;
         from = to;
-        /* Windows are those of halvings, so that twice as long a one may follow an even one. */
+        /* Windows come from halving, so a window of twice the width may follow an even one. */
         if (width < PK_C(1.0) / FEW && !(PK_F(fmod)(from, 2 * width) > 0))
             width *= 2;
     }
@@ -185,7 +185,7 @@ int pk_marks_reject(struct pk_integrator *it)
     for (size_t k = 0; k < m; k++)
         it->own->range = pk_max(it->own->range, pk_abs(end[k] - begin[k]));
     if (it->own->range <= MOST / 4 &&
-        h <= 3 * it->own->calm) /* nearly always, but for short forces */
+        h <= 3 * it->own->calm) /* nearly always, without short forces */
         return 0;
     look_at_ends(it);
     values(it, warped(PK_C(0.5)), middle);
@@ -230,12 +230,12 @@ void pk_marks_accept(struct pk_integrator *it)
     }
     it->own->unlooked = it->own->range < SLOW && !(it->method->traits & PK_ADAPTIVE) ? SKIPPED : 0;
     it->own->calm = it->own->range <= MOST / 4 ? h
-                                               : 0; /* a step that long had nothing short in it */
+                                               : 0; /* so long a step had no short forces in it */
     memcpy(it->own->marks, it->own->marks + m, m * sizeof *it->own->marks);
     if (!(it->own->reach > 0))
         return;
     if (h < it->own->reach * (1 - PK_C(1e-6)) || it->own->varied < MOST / 8)
-        it->own->reach = 0; /* by its error, or there is nothing more */
+        it->own->reach = 0; /* limited by its error, or nothing varies any more */
     else
         it->own->reach = it->own->rise > 0 ? it->own->rise
                                            : h * pk_min(GROW, PK_C(0.9) * MOST / it->own->varied);

@@ -1,13 +1,13 @@
-/* Names in families kept as loops: of coordinates the declared name with its index, of
- * singularities the expression with the indices of its members. */
+/* Names with families kept as loops: coordinates have the declared name with their index,
+ * singularities and switches the expression with the indices of their members. */
 #include <stdio.h>
 #include <string.h>
 
 #include <pk/system.h>
 
-const char PK_SCALAR[] = "pk_real"; /* its name is what counts */
+const char PK_SCALAR[] = "pk_real"; /* only the name of the symbol matters, when linking */
 
-/* Number i of what is declared under `count` names; 0: each is one. */
+/* Writes name number i of the members of `count` declared names; count 0: one name for each. */
 static int name_of(const struct pk_system *system, const void *params, enum pk_range_of of,
                    size_t count, const struct pk_quantity *table, size_t i, char *text, size_t size)
 {
@@ -45,7 +45,7 @@ int pk_system_output_name(const struct pk_system *system, const void *params, si
                    text, size);
 }
 
-/* "[i+1]" and "[j-2]" as numbers; where it ends, or NULL if it is none of these. */
+/* Reads "[i+1]" or "[j-2]" as a number. Returns its end, or NULL if it is neither. */
 static const char *index_of(const char *text, const struct pk_place *place, ptrdiff_t *index)
 {
     ptrdiff_t number = 0;
@@ -60,7 +60,7 @@ static const char *index_of(const char *text, const struct pk_place *place, ptrd
     return *text == ']' ? text + 1 : NULL;
 }
 
-/* A name with the indices of a place in it, if that has any. */
+/* Writes a name, replacing indices by those of `place` unless that is NULL. */
 static int placed(const char *from, const struct pk_place *place, char *text, size_t size)
 {
     size_t at = 0;

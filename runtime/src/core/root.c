@@ -1,6 +1,6 @@
-/* The root of a function that changes its sign, by the method ITP: interpolate (regula falsi),
- * truncate (towards the middle, so that both ends close in), project (so that no more steps are
- * taken than bisection would, plus one). Superlinear for smooth functions.
+/* The root of a function with a sign change, by the ITP method: interpolate (regula falsi),
+ * truncate (towards the middle, so that both ends approach), project (so that it takes at most one
+ * step more than bisection). Superlinear for smooth functions.
  *
  * Reference: I. F. D. Oliveira, R. H. C. Takahashi, An enhancement of the bisection method average
  * performance preserving minmax optimality, ACM Trans. Math. Softw. 47 (2020) 5, algorithm 1;
@@ -23,7 +23,7 @@ enum pk_status pk_root(pk_function f, void *context, pk_real *a, pk_real fa, pk_
         const pk_real towards = middle < chord ? PK_C(-1.0) : PK_C(1.0);
         const pk_real cut = kappa * (*b - *a) * (*b - *a), most = reach - half;
         pk_real x = cut <= pk_abs(middle - chord) ? chord + towards * cut : middle;
-        if (!(pk_abs(x - middle) <= most)) /* or the chord is no number: both ends are tiny */
+        if (!(pk_abs(x - middle) <= most)) /* or the chord is NaN: f is tiny at both ends */
             x = middle - towards * most;
         if (!(x > *a && x < *b))
             x = middle;

@@ -5,7 +5,7 @@
 #include <pk/real.h>
 #include <pk/status.h>
 
-/* f(context, x, &y): a negative status ends the search. */
+/* Computes y = f(x); a negative status ends the search. */
 typedef enum pk_status (*pk_function)(void *context, pk_real x, pk_real *y);
 
 /* Shrinks [*a, *b], at whose ends f has values fa and fb of opposite signs (fb may be 0), until

@@ -1,6 +1,6 @@
-/* What rounding of the state does to accelerations, and so to a step: each number of a state is
- * changed by some units in its last place, several times, since of many coordinates one alone would
- * find some that it hardly moves; and terms that cancel are rounded by their size.
+/* The effect of rounding of the state on accelerations, and so on a step: each number of a state is
+ * changed by some units in its last place, several times, since a single sample may leave some of
+ * many accelerations nearly unchanged; terms that cancel are rounded relative to their size.
  */
 #include <string.h>
 
@@ -20,15 +20,16 @@ int pk_scale_acceleration(struct pk_integrator *it, pk_real t, const pk_real *q,
            pk_all_finite(a, it->n);
 }
 
-/* A sign for each number, by a linear congruential generator. */
+/* Returns a pseudo-random sign, by a linear congruential generator. */
 static int is_up(unsigned long *random)
 {
     *random = (*random * 1103515245ul + 12345ul) & 0x7ffffffful;
     return (*random & 0x40000000ul) != 0;
 }
 
-/* The rounding of v where M v = p has that of sum_j |M_ij v_j|: at least this over M_ii, and more
- * where M is ill-conditioned, by solutions for some signs of it. M comes in a band. */
+/* Computes the rounding error of v in M v = p, where p has the rounding of sum_j |M_ij v_j|: at
+ * least this over M_ii, and more if M is ill-conditioned, by solutions for random signs. M is
+ * banded. */
 static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_real *M,
                             pk_real *by_p)
 {
@@ -60,8 +61,8 @@ static void momenta_of_band(struct pk_integrator *it, struct pk_pattern p, pk_re
     }
 }
 
-/* Methods in p solve M v = p, so v has the rounding of this. What constraints hold does not move by
- * itself; its error there is rtol of the terms. */
+/* Methods in p solve M v = p, so v has the rounding of p. Under constraints, rounding moves
+ * nothing; there the error of v is rtol of the terms. */
 static void look_at_momenta(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
@@ -96,7 +97,7 @@ static void look_at_momenta(struct pk_integrator *it)
     }
 }
 
-/* Each number of a state by its `share` up or down. */
+/* Changes each number of a state by `share`, up or down. */
 static void shake(const struct pk_integrator *it, pk_real share, unsigned long random,
                   pk_real *state)
 {
@@ -104,8 +105,8 @@ static void shake(const struct pk_integrator *it, pk_real share, unsigned long r
         state[i] *= 1 + (is_up(&random) ? share : -share);
 }
 
-/* The acceleration at a state `aside` of this one, and the most that rounding makes of it; 0 where
- * there is none. */
+/* Computes the acceleration at a state `aside` from this one, relatively, and the largest change of
+ * it by rounding. Returns 0 if there is no acceleration. */
 static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real *noise)
 {
     const size_t n = it->n;
@@ -124,8 +125,8 @@ static int noise_at(struct pk_integrator *it, pk_real aside, pk_real *a, pk_real
     return 1;
 }
 
-/* What constraints hold in place has forces that cancel, and may be exactly where shaking moves
- * nothing: a is no better than the terms (M^-1 J^T)_ki lambda_i. */
+/* Forces on a body held by constraints cancel, perhaps exactly, so that shaking changes nothing:
+ * the error of a is at least the rounding of the terms (M^-1 J^T)_ki lambda_i. */
 static void look_at_rows(struct pk_integrator *it)
 {
     const struct pk_system *system = it->problem.system;
@@ -141,7 +142,7 @@ static void look_at_rows(struct pk_integrator *it)
     if (pk_project_factor(&w, w.c, it->q, it->v))
         return;
     pk_project_rank(&w);
-    for (size_t i = 0; i < w.c; i++) /* next to a singular position shaking tells more */
+    for (size_t i = 0; i < w.c; i++) /* near a singular position shaking is more accurate */
         if (w.sines[i] < PK_NEAR * PK_NEAR)
             return;
     system->constraints.multipliers(w.params, w.t, it->q, it->v, w.u, lambda);
@@ -153,8 +154,8 @@ static void look_at_rows(struct pk_integrator *it)
     }
 }
 
-/* Takes the smaller noise of two nearby states: where a force sets in like sqrt(x), rounding is
- * amplified, but only for much less than a step. */
+/* Takes the smaller noise of two nearby states: where a force starts like sqrt(x), rounding is
+ * amplified, but only over much less than a step. */
 void pk_scale_look(struct pk_integrator *it)
 {
     const size_t n = it->n;

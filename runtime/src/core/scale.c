@@ -1,13 +1,13 @@
-/* The absolute tolerance of each coordinate and rate. Given, it is one for all. Else it is rtol
- * times the scale that the motion has shown: the largest value so far, since a motion of picometres
- * is as much of one as that of metres. Of those of one unit none counts as smaller than a millionth
- * of the largest, so that what has hardly begun to move, as the far end of a chain, does not hold
- * up the rest.
+/* The absolute tolerance of each coordinate and rate. If given, it is one for all. Otherwise it is
+ * rtol times the scale of the motion, the largest value so far, since a motion of picometres is
+ * resolved as well as one of metres. Among numbers of one unit, no scale is smaller than a
+ * millionth of the largest, so that numbers that have hardly begun to move, such as the far end of
+ * a chain, do not shorten the steps.
  *
- * What is nothing but rounding has no scale: its digits are noise, and steps that followed them
- * would shrink for nothing. What rounding of the state does to the accelerations is measured, by a
- * change of each number by some units in its last place; errors as large as that over the step that
- * is tried are none.
+ * A number that is only rounding has no scale: its digits are noise, and steps that followed it
+ * would shrink for nothing. The effect of rounding of the state on accelerations is measured by
+ * changing each number by some units in its last place; errors of that size over the trial step are
+ * tolerated.
  */
 #include <string.h>
 
@@ -15,12 +15,12 @@
 #include "scale.h"
 
 #define SHARE PK_C(1e-6)
-#define LEAST (PK_C(1e4) * PK_EPS) /* of t: a first step */
+#define LEAST (PK_C(1e4) * PK_EPS) /* of t: distance of a first step */
 #define LONGER PK_C(4.0)
-#define LEAST_SCALE PK_F(sqrt)(PK_TINY) /* of what has shown none */
+#define LEAST_SCALE PK_F(sqrt)(PK_TINY) /* for a number without a scale */
 enum {
     OFTEN = 64
-}; /* steps between two looks at rounding, or fewer once they are so much longer */
+}; /* steps between two measurements of rounding; fewer if steps are LONGER times as long */
 
 size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *method, size_t n_q,
                      size_t n)
@@ -31,14 +31,15 @@ size_t pk_scale_size(const struct pk_problem *problem, const struct pk_method *m
     return method->traits & PK_ADAPTIVE ? parts_before(n_q, n, PARTS) + matrix : 0;
 }
 
-/* Where number i of copy c is, of `one` in each of them: of all those that move come first. */
+/* Returns the index of number i of copy c, of length `one`; moving ones of all copies come
+ * first. */
 static size_t place(size_t i, size_t c, size_t moving, size_t one, size_t copies)
 {
     return i < moving ? c * moving + i : copies * moving + c * (one - moving) + i - moving;
 }
 
-/* The first of the same unit of `count`, of a table with an entry a declared name; variational
- * equations have several copies of what is named, each for itself (pk_variation_place()). */
+/* Writes for each of `count` numbers the first of the same unit; `table` has one entry per declared
+ * name. Variational equations have several copies, grouped separately (pk_variation_place()). */
 static void group(const struct pk_integrator *it, const struct pk_quantity *table, size_t count,
                   size_t base, pk_real *to)
 {
@@ -97,7 +98,7 @@ void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
             it->own->atol[i] = own[i] + h * of_v;
         it->own->atol[n_q + i] = own[n_q + i] + of_v;
     }
-    /* As rates move coordinates, body rates turn quaternions. */
+    /* Body rates move quaternions as rates move coordinates. */
     const struct pk_system *system = it->problem.system;
     for (size_t r = 0; r < pk_system_rotations(system, it->problem.params); r++) {
         const struct pk_turning at = pk_system_turning(system, it->problem.params, r);
@@ -108,7 +109,7 @@ void pk_scale_attempt(const struct pk_integrator *it, pk_real h)
             it->own->atol[i] += h * of_rate / 2;
     }
 }
-/* The shortest time in which a coordinate moves by its own scale; 0: unknown. */
+/* Returns the shortest time in which a coordinate moves by its own scale; 0: unknown. */
 static pk_real while_it_falls(const struct pk_integrator *it)
 {
     const pk_real *most = part(it, MOST), *noise = part(it, NOISE), *a = part(it, A);
@@ -122,8 +123,8 @@ static pk_real while_it_falls(const struct pk_integrator *it)
     return h;
 }
 
-/* A coordinate at zero gets as its scale the way it goes in the least first step. A rate at rest
- * gets the speed of a fall through the coordinate's scale, and a state as if it had one. */
+/* A coordinate at zero gets as scale its way in the shortest first step. A rate at rest gets the
+ * speed of a fall through the coordinate's scale; a state is treated as if it had a coordinate. */
 void pk_scale_start(struct pk_integrator *it)
 {
     const size_t n_q = it->n_q, n = it->n;
@@ -160,14 +161,14 @@ void pk_scale_start(struct pk_integrator *it)
     pk_scale_attempt(it, first);
 }
 
-/* Largest values of a step that is taken back are none. */
+/* After a step is undone, its largest values are dropped. */
 void pk_scale_forget(struct pk_integrator *it)
 {
     if (it->own->atol)
         memset(part(it, MOST), 0, (it->n_q + it->n) * sizeof(pk_real));
 }
 
-/* A time from rest in which accelerations change by at most the largest: part of an oscillation. */
+/* Returns a time from rest in which accelerations change by at most the largest one. */
 static pk_real push(struct pk_integrator *it, pk_real t, pk_real d)
 {
     const size_t n = it->n;
@@ -211,8 +212,8 @@ int pk_scale_raise(struct pk_integrator *it, pk_real h)
     return raised;
 }
 
-/* What a place that is nearly singular made of rounding counts by the length of steps: where these
- * grow again it would be held for an error of many digits. */
+/* Whether rounding measured near a singular position, which counts by the step size, is too large
+ * for the present step size: there it would hide an error of many digits. */
 static int outdated(const struct pk_integrator *it)
 {
     const pk_real h = pk_abs(it->own->h), *own = part(it, OWN), *noise = part(it, NOISE);

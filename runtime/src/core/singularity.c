@@ -1,28 +1,28 @@
-/* Singularities: where the equations end, watched from step to step; see struct pk_singularity.
+/* Singularities: positions where the equations end, monitored from step to step; see struct
+ * pk_singularity.
  *
- * A singularity that changes its sign in a step has vanished in it. One that never does, such as
- * the distance in a collision, or that changes it twice has the same sign at both ends of the step:
- * the step may pass over it unnoticed. So where the tangent at
- * either end says that a singularity may vanish within the step, or cannot account for its change,
- * the step is gone through again by short ones (singularity_search.c). Adaptive steps are no
- * exception: at a tight tolerance they shrink before a singularity until they underflow, and then
- * the same search tells its cause; at a loose one they step over it as fixed ones do.
+ * A singularity with a sign change in a step has vanished in it. One without, such as the distance
+ * in a collision, or with two sign changes, has the same sign at both ends of the step, and the
+ * step may pass over it. So if the tangent at either end predicts a root within the step, or cannot
+ * explain the change, the step is repeated by short ones (singularity_search.c). Adaptive steps are
+ * no exception: at a tight tolerance their sizes shrink before a singularity until they underflow,
+ * and the same search finds the cause; at a loose one they step over it like fixed steps.
  *
- * Where a singularity changes its sign and short steps say that the motion does not reach its zero,
- * it is the step that is wrong and no singularity: PK_STEP_TOO_LONG.
+ * If there is a sign change, but the motion by short steps does not reach the root, the step is
+ * inaccurate: PK_STEP_TOO_LONG.
  */
 #include <string.h>
 
 #include "singularity.h"
 
-#define CALM PK_C(0.0625) /* a change in two steps running that is no cause for any doubt */
-#define FAR PK_C(1.5)     /* tangents are trusted to tell of a zero up to so many steps away */
+#define CALM PK_C(0.0625) /* relative change in two successive steps that raises no doubt */
+#define FAR PK_C(1.5)     /* tangents predict roots up to that many steps away */
 #define ROUNDING (64 * PK_EPS)
 
 enum {
     KNOWN = 1,
     QUIET = 2
-}; /* it->own->slopes: those at the state; the last step changed little */
+}; /* it->own->slopes: slopes at the state are known; the last step changed little */
 
 size_t pk_singularity_size(size_t n_singularities, size_t n_q, size_t n)
 {
@@ -40,7 +40,7 @@ static void slopes(struct pk_integrator *it, pk_real t, const pk_real *q, const 
         slope[k] = (slope[k] - value[k]) / d;
 }
 
-/* A value is 0 where rounding of the start changes it as much: cos(pi/2), the lock of an attitude. */
+/* Sets values to 0 that rounding of the start changes by as much: cos(pi/2), gimbal lock. */
 static void clear_rounding(struct pk_integrator *it)
 {
     const size_t count = it->n_q + it->n;
@@ -67,7 +67,7 @@ void pk_singularity_start(struct pk_integrator *it)
            it->own->n_singularities * sizeof(pk_real));
 }
 
-/* The end of the trial step becomes the state. */
+/* Accepts the trial step: its end becomes the state. */
 static enum pk_status go_on(struct pk_integrator *it, int known)
 {
     const size_t m = it->own->n_singularities;
@@ -92,8 +92,8 @@ static enum pk_status ended(struct pk_integrator *it, size_t which, pk_real when
                : PK_SINGULAR_TIME;
 }
 
-/* A singularity changed its sign: searches the motion itself from the start of the step over
- * two steps, since an inaccurate step may meet the singularity too early. */
+/* Handles a sign change: searches the motion itself over two steps from the start of the step,
+ * since an inaccurate step may meet the singularity too early. */
 static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
 {
     const pk_real h = it->own->next_t - it->t;
@@ -101,7 +101,7 @@ static enum pk_status crossed(struct pk_integrator *it, size_t k, pk_real when)
         pk_singularity_search(it, it->t + 2 * h, PK_SINGULARITY_DEEP);
     if (s.found == PK_SINGULARITY_VANISHES)
         return ended(it, s.which, s.when, s.bounded);
-    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* no step is too long that short */
+    const int least = pk_abs(h) <= 64 * PK_EPS * pk_abs(it->t); /* it cannot be too long */
     if (s.found == PK_SINGULARITY_UNDECIDED || least)
         return ended(it, k, when, s.bounded);
     it->where = k;
@@ -120,10 +120,10 @@ enum pk_status pk_singularity_here(struct pk_integrator *it)
     return PK_DONE;
 }
 
-/* +1, -1, or 0 for zero and what is no number; products of two singularities may underflow. */
+/* Returns the sign, 0 for zero and NaN; products of two singularities may underflow. */
 static int sign(pk_real x) { return (x > 0) - (x < 0); }
 
-/* Whether the tangents say that singularity k may vanish in the step just tried, or say too little.
+/* Whether the tangents predict a root of singularity k in the trial step, or explain too little.
  */
 static int doubtful(const struct pk_integrator *it, size_t k)
 {
@@ -176,7 +176,7 @@ enum pk_status pk_singularity_step(struct pk_integrator *it)
             pk_singularity_search(it, it->own->next_t, PK_SINGULARITY_DEEP);
         if (s.found == PK_SINGULARITY_VANISHES)
             return ended(it, s.which, s.when, s.bounded);
-        pk_singularity_evaluate(it, it->own->next_t, q, v, g1); /* the search has used its place */
+        pk_singularity_evaluate(it, it->own->next_t, q, v, g1); /* the search overwrote these */
         slopes(it, it->own->next_t, q, v, g1, pk_singularity_part(it, PK_SINGULARITY_NEXT_SLOPE));
     }
     return go_on(it, KNOWN | quiet);
@@ -189,7 +189,7 @@ enum pk_status pk_singularity_cause(struct pk_integrator *it, enum pk_status sta
         (status != PK_SINGULAR_MASS && status != PK_NOT_FINITE && status != PK_STEP_UNDERFLOW &&
          status != PK_NO_CONVERGENCE && status != PK_AMBIGUOUS_STEP))
         return status;
-    if (!fixed) { /* that close ahead steps underflow: pk_underflow() */
+    if (!fixed) { /* pk_underflow() looks as far ahead */
         depth = PK_SINGULARITY_SHALLOW;
         ahead = (pk_real)it->own->direction *
                 (PK_C(64.0) * PK_F(sqrt)(PK_EPS) * pk_abs(it->t) + PK_C(10.0) * pk_abs(it->own->h));

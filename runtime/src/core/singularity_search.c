@@ -1,6 +1,6 @@
-/* The search for where a singularity vanishes, by short steps of the classical Runge-Kutta method,
- * none of which lets a singularity fall below .7 of its value: towards a zero they shrink
- * geometrically, past it they get on. See singularity.c for when it is asked.
+/* Searches where a singularity vanishes, by short steps of the classical Runge-Kutta method in
+ * which no singularity falls below 0.7 of its value: towards a root step sizes shrink
+ * geometrically, past it they recover. See singularity.c for its use.
  *
  * Reference for the geometric approach to a singular time: E. Hairer, S. P. Norsett, G. Wanner,
  * Solving Ordinary Differential Equations I, II.4 and I.6.
@@ -9,10 +9,10 @@
 
 #include "singularity.h"
 
-#define FALL PK_C(0.7)    /* of a singularity in one short step, at most */
-#define SEARCH_STEPS 2000 /* then it is undecided, and nothing is claimed */
+#define FALL PK_C(0.7)    /* least ratio of a singularity in one short step */
+#define SEARCH_STEPS 2000 /* after these it is undecided */
 
-enum { Y, TRIAL, SUM, STAGE, K }; /* each q and v, or their slopes */
+enum { Y, TRIAL, SUM, STAGE, K }; /* q and v, or their slopes */
 
 static pk_real *search_part(const struct pk_integrator *it, int which)
 {
@@ -40,14 +40,14 @@ pk_real pk_singularity_within(pk_real t, pk_real first, pk_real last)
     return t >= pk_min(first, last) && t <= pk_max(first, last) ? t : first;
 }
 
-/* y + d k: q, v and their slopes are m numbers in a row each. */
+/* y + d k, where y is q and v, k their slopes, m numbers. */
 static void shift(size_t m, const pk_real *y, pk_real d, const pk_real *k, pk_real *out)
 {
     for (size_t i = 0; i < m; i++)
         out[i] = y[i] + d * k[i];
 }
 
-/* One step of the classical Runge-Kutta method from y into the trial state. */
+/* Makes one step of the classical Runge-Kutta method from y to the trial state. */
 static int short_step(struct pk_integrator *it, pk_real t, pk_real s)
 {
     static const int weight[4] = {1, 2, 2, 1};
@@ -69,7 +69,7 @@ static int short_step(struct pk_integrator *it, pk_real t, pk_real s)
     return pk_all_finite(trial, m);
 }
 
-/* Whether no singularity has changed by much; how much the one has that changed most. */
+/* Whether no singularity has changed much; updates the least and largest ratio. */
 static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, pk_real *most)
 {
     for (size_t k = 0; k < m; k++) {
@@ -82,8 +82,8 @@ static int near(size_t m, const pk_real *g, const pk_real *g1, pk_real *least, p
     return 1;
 }
 
-/* The first singularity that fell to `depth` of its value at the state or, if steps have stalled
- * (`halted`), to the round-off of its largest value so far; else the number of them. */
+/* Returns the first singularity that fell to `depth` of its value at the state or, if steps have
+ * stalled (`halted`), to the round-off of its largest value so far; else the number of them. */
 static size_t fallen(const struct pk_integrator *it, const pk_real *g, pk_real depth, int halted)
 {
     const pk_real *first = pk_singularity_part(it, PK_SINGULARITY_NOW);
@@ -137,7 +137,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         pk_real least = PK_C(1.0), most = PK_C(1.0);
         if (last)
             s = whole - at;
-        int good = 1; /* half-way too, for a step through a centre may end as far behind it */
+        int good = 1; /* also half-way: a step through a centre may end as far behind it */
         for (int half = 1; good && half <= 2; half++) {
             pk_singularity_along(it, it->t + at, y, y + n_q, s * (pk_real)half / 2, g1);
             good = near(m, g, g1, &least, &most);
@@ -169,7 +169,7 @@ static struct pk_singularity_search search(struct pk_integrator *it, pk_real t_e
         found.when = it->t + at + made / 16 * g[found.which] / (g[found.which] - g1[found.which]);
         found.when = pk_singularity_within(found.when, it->t + at, t_end);
         found.found = PK_SINGULARITY_VANISHES;
-    } else if (arrived && growth.levels < 2) { /* else round-off close to it may have turned it */
+    } else if (arrived && growth.levels < 2) { /* else round-off near it may have reflected it */
         found.found = PK_SINGULARITY_STAYS;
     }
     found.bounded = growth.levels == 2 && growth.a[1] <= 4 * growth.a[0];

@@ -1,4 +1,4 @@
-/* Names and texts of the statuses, out of their one list in pk/status.h. */
+/* Names and texts of the statuses, from the list in pk/status.h. */
 #include <stdarg.h>
 #include <stdio.h>
 

@@ -11,7 +11,7 @@ size_t pk_system_linear_size(const struct pk_problem *problem)
     return n * n + n + problem->system->n_inputs;
 }
 
-/* The columns of an n by n matrix of right-hand sides, in place. */
+/* Solves for the columns of an n by n matrix of right-hand sides, in place. */
 static void solve_columns(const pk_real *L, size_t n, pk_real *matrix, pk_real *column)
 {
     for (size_t j = 0; j < n; j++) {
@@ -23,7 +23,7 @@ static void solve_columns(const pk_real *L, size_t n, pk_real *matrix, pk_real *
     }
 }
 
-/* *failed: as the acceleration has it, of PK_SINGULAR_MASS. */
+/* *failed: the failure of PK_SINGULAR_MASS, in the form that acceleration() returns. */
 static enum pk_status linear(const struct pk_problem *problem, pk_real t, const pk_real *q,
                              const pk_real *v, pk_real *a, pk_real *a_q, pk_real *a_v, pk_real *a_t,
                              pk_real *work, int *failed)

@@ -1,18 +1,18 @@
-/* Position Verlet at a variable step that keeps time's symmetry: the step follows a density rho of
- * steps that is carried along, not an estimate of the error.
+/* Position Verlet at a variable, time-symmetric step size: the step size follows a density rho of
+ * steps that is part of the state, not an estimate of the error.
  *
  *     q_1/2 = q + eps/(2 rho) v                    rho' = 2 w(q_1/2) - rho
  *     v'    = v + eps/2 (1/rho + 1/rho') a(q_1/2)  q'   = q_1/2 + eps/(2 rho') v'
  *
- * w is a local frequency, w^4 = ||da/dq||_F^2 + w_0^4, of the kernel `linear`: for Kepler's problem
- * 6^(1/4) r^(-3/2). So a step is about eps/w. eps is h ||da/dq||^(1/2) of the start where a first
- * step h is given, else sqrt(24 rtol), at which the local frequency is right to rtol; w_0 is
- * eps/h_max, or 0. The same formulas from (q', v', rho') by -eps lead back, so energy errors do not
- * drift. Where rho would change to a quarter or to four times itself, or below 0, as where da/dq
- * passes zero without an h_max, the scheme fails, and says so.
+ * w is a local frequency, w^4 = ||da/dq||_F^2 + w_0^4, by the kernel `linear`: for Kepler's problem
+ * 6^(1/4) r^(-3/2). So a step has about the size eps/w. eps is h ||da/dq||^(1/2) at the start if a
+ * first step size h is given, else sqrt(24 rtol), with which the local frequency is accurate to
+ * rtol; w_0 is eps/h_max, or 0. The same formulas from (q', v', rho') with -eps lead back, so
+ * energy errors do not drift. If rho would change by a factor of 4 or more, or become negative, as
+ * where da/dq passes zero without an h_max, the scheme fails with a status.
  *
- * A limit, or dense output, must not disturb the sequence: there a step of what is left is made
- * from the last point of the sequence, and the next step begins at that point again.
+ * A limit, or dense output, must not disturb the sequence of steps: a shorter step is made from the
+ * last point of the sequence, and the next step begins at that point again.
  *
  * Reference: W. Huang, B. Leimkuhler, SIAM J. Sci. Comput. 18 (1997) 239; Hairer, Lubich, Wanner,
  * Geometric Numerical Integration, VIII.3.
@@ -24,18 +24,18 @@
 #include "../core/generic.h"
 #include "../core/tableau.h"
 
-/* What a step leaves to the next. */
+/* Kept from one step to the next. */
 struct kept {
     pk_real eps, floor, given, direction;
-    pk_real rho, t, t_low; /* of the base: its density and time */
-    int planned, whole;    /* the step from there is planned; and was made */
+    pk_real rho, t, t_low; /* density and time at the base */
+    int planned, whole;    /* the step from the base is planned; and was made */
     pk_real length, rho_next, end, end_low;
 };
 
 struct work {
     struct kept *kept;
-    pk_real *base; /* the point of the sequence that steps begin at: q, v and their low parts */
-    pk_real *a, *a_q, *a_v, *a_t, *linear; /* a is the acceleration of the step that is planned */
+    pk_real *base; /* the point of the sequence where steps begin: q, v and their low parts */
+    pk_real *a, *a_q, *a_v, *a_t, *linear; /* a is the acceleration of the planned step */
 };
 
 static size_t lay_out(struct work *w, size_t n_q, size_t n, pk_real *base)
@@ -65,7 +65,7 @@ static size_t size(const struct pk_method *method, const struct pk_problem *prob
     return lay_out(&w, pk_coordinates_of(problem), n, NULL);
 }
 
-/* The square root of ||da/dq||; the acceleration is left in w->a. */
+/* Computes the square root of ||da/dq||; leaves the acceleration in w->a. */
 static enum pk_status frequency(struct pk_integrator *it, const struct work *w, const pk_real *q,
                                 const pk_real *v, pk_real *omega)
 {
@@ -87,7 +87,7 @@ static pk_real raised(const struct work *w, pk_real omega)
     return PK_F(sqrt)(PK_F(sqrt)(a * a + b * b));
 }
 
-/* The base is where the integrator is now. */
+/* Makes the current state the base. */
 static void take_base(struct pk_integrator *it, const struct work *w)
 {
     const size_t m = it->n_q + it->n;
@@ -96,7 +96,7 @@ static void take_base(struct pk_integrator *it, const struct work *w)
     w->kept->planned = w->kept->whole = 0;
 }
 
-/* A sequence that begins where the integrator is now. */
+/* Starts a new sequence at the current state. */
 static enum pk_status begin(struct pk_integrator *it, const struct work *w)
 {
     const struct pk_options *o = &it->options;
@@ -124,7 +124,7 @@ static enum pk_status init(struct pk_integrator *it)
     return begin(it, &w);
 }
 
-/* A step from the base: a drift to the middle, a kick of both halves, a drift. */
+/* A step from the base: drift() to the middle, then a kick of both halves and a drift. */
 static void drift(const struct pk_integrator *it, const struct work *w, pk_real first, pk_real *to)
 {
     const size_t n_q = it->n_q;
@@ -151,7 +151,7 @@ static void kick_drift(const struct pk_integrator *it, const struct work *w, pk_
         to[i] = pk_sum(to[i], second * v[i], &low_q[i]);
 }
 
-/* The sequence's next density and the length of its next step. */
+/* Computes the next density of the sequence and the length of its next step. */
 static enum pk_status plan(struct pk_integrator *it, const struct work *w)
 {
     struct kept *kept = w->kept;
@@ -170,7 +170,7 @@ static enum pk_status plan(struct pk_integrator *it, const struct work *w)
     return PK_DONE;
 }
 
-/* A step of any length from the base: of the whole one's length it is that one. */
+/* Makes a step of any length from the base; with kept->length it is the step of the sequence. */
 static enum pk_status aside(struct pk_integrator *it, const struct work *w, pk_real length,
                             pk_real *to)
 {
@@ -187,9 +187,9 @@ static enum pk_status step(struct pk_integrator *it, pk_real limit)
     const struct work w = parts(it);
     struct kept *kept = w.kept;
     const pk_real sign = (pk_real)it->own->direction;
-    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) { /* it was made, and refused */
+    if (kept->whole && !(it->own->flags & PK_HAVE_STEP)) { /* it was made and refused */
         kept->whole = kept->planned = 0;
-    } else if (kept->whole) { /* it was accepted: the sequence goes on from its end */
+    } else if (kept->whole) { /* it was accepted: the sequence continues from its end */
         take_base(it, &w);
         kept->rho = kept->rho_next;
         kept->t = kept->end;

@@ -1,12 +1,12 @@
-/* Boris's splitting, for forces affine in the rates, M a = g(q, t) + C(q, t) v, such as a magnetic
- * field's: half a drift, a kick by the implicit midpoint rule in v alone, half a drift,
+/* Boris's splitting, for forces affine in the rates, M a = g(q, t) + C(q, t) v, such as magnetic
+ * ones: half a drift, a kick by the implicit midpoint rule in v alone, half a drift. The kick
  *
  *     (M - h/2 C) (v' - v) = h M a(q, t, v),
  *
- * linear in v'. Where C is antisymmetric the kick turns v (Cayley's transform of h M^-1 C), keeps T
- * where g is 0, and the step keeps the volume; it is not symplectic unless C is constant, and then
- * only after a change of v. A drag of any strength decays. The table's drifts are the fractions of
- * the step that such steps are.
+ * is linear in v'. If C is antisymmetric, the kick rotates v (Cayley transform of h M^-1 C) and
+ * conserves T if g is 0, and the step conserves volume. It is symplectic only if C is constant, and
+ * then only after a change of v. A drag of any strength decays. The drifts of the table are the
+ * fractions of the step that these steps take.
  *
  * References: J. P. Boris, Proc. 4th Conf. Num. Sim. Plasmas (1970) 3; H. Qin et al., Phys. Plasmas
  * 20 (2013) 084503; E. Hairer, C. Lubich, BIT 58 (2018) 969.

@@ -1,12 +1,12 @@
-/* What adaptive explicit Runge-Kutta methods do rarely: the first step, by a guess of y'', and
+/* Rare parts of adaptive explicit Runge-Kutta methods: the first step size, by a guess of y'', and
  * dense output, by the nested interpolant
  *
  *     y(s) = r0 + s (r1 + (1-s) (r2 + s (r3 + (1-s) (r4 + ...)))),
  *
- * made only when asked for. The step itself is in pk/step/embedded.h.
+ * computed only on request. pk/step/embedded.h has the step itself.
  *
- * Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I,
- * II.4 and II.6.
+ * Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, II.4
+ * and II.6.
  */
 #include "../core/generic.h"
 #include "../core/tableau.h"

@@ -1,15 +1,15 @@
-/* Splitting methods of systems that are separable but for drag and gyroscopic forces C v with a
- * constant C, M a = g(q, t) + C v: the drift is the exact flow of what is left without g,
+/* Splitting methods for systems that are separable except for drag and gyroscopic forces C v with a
+ * constant C, M a = g(q, t) + C v. The drift is the exact flow without g,
  *
  *     q += Phi v,   v += D v,       D = exp(delta h B) - 1,  B D^-1 Phi = 1,  B = M^-1 C,
  *
- * so a kick is still one of a(q, t) alone. Without g a step of any length is exact. Where C is
- * antisymmetric (a uniform magnetic field, a turning frame) the drift is the flow of T, which is
+ * so a kick still depends on a(q, t) alone. Without g a step of any length is exact. If C is
+ * antisymmetric (a uniform magnetic field, a rotating frame) the drift is the flow of T, which is
  * quadratic in p, so steps are symplectic, and methods for such T (Blanes and Moan's) keep their
- * order; where C is a drag that is a multiple of M the form shrinks as the true one does.
+ * order. If C is a drag that is a multiple of M, the symplectic form shrinks at the true rate.
  *
- * D and Phi are made once for a length of step, in twice the precision, since what they err by is
- * the same in each step. References: GNI II.5; R. I. McLachlan, G. R. W. Quispel, Acta Numerica 11
+ * D and Phi are computed once for each step size, in twice the precision, since their error is the
+ * same in each step. References: GNI II.5; R. I. McLachlan, G. R. W. Quispel, Acta Numerica 11
  * (2002) 341, 3.
  */
 #include <string.h>
@@ -17,12 +17,12 @@
 #include "../core/double_double.h"
 #include "../core/tableau.h"
 
-enum { KEPT = 2 }; /* lengths: of the step, and of the last, shorter one of an interval */
+enum { KEPT = 2 }; /* step sizes: of all steps, and of the last, shorter one of an interval */
 
 struct work {
     size_t n;
-    pk_real *h, *last, *zero, *B, *norm; /* `last`: which of KEPT was used; zero: rates of n */
-    pk_real *drifts[KEPT];               /* of each stage Phi and D, and their low parts */
+    pk_real *h, *last, *zero, *B, *norm; /* `last`: index of the one used last; zero: n rates */
+    pk_real *drifts[KEPT];               /* for each stage Phi and D, and their low parts */
     struct pk_pairs L, E;
     pk_real *room;
 };
@@ -51,7 +51,7 @@ static struct work work_of(const struct pk_integrator *it, const struct pk_split
     return w;
 }
 
-/* B from accelerations at rates so long that g is rounded away beside what they make. */
+/* Computes B from accelerations at rates so large that g is rounded away. */
 enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_splitting *table)
 {
     if (it->n > PK_EXPONENTIAL_MOST)
@@ -82,8 +82,8 @@ enum pk_status pk_linear_drag_init(struct pk_integrator *it, const struct pk_spl
     return pk_all_finite(w.B, n * n) ? PK_DONE : PK_NOT_FINITE;
 }
 
-/* Those of a drift of length h, from exp(h L) - 1 = (0 s Phi; 0 D) of L = (0 s; 0 B), s a power of
- * two like the norm of B, so that it makes no squaring more. */
+/* Computes Phi and D of a drift of length h, from exp(h L) - 1 = (0 s Phi; 0 D) for L = (0 s; 0 B),
+ * s a power of two similar to the norm of B, so that it needs no further squaring. */
 static enum pk_status drift(const struct work *w, pk_real h, pk_real *to)
 {
     const size_t n = w->n, m = 2 * n, nn = n * n;
@@ -111,7 +111,7 @@ static enum pk_status drift(const struct work *w, pk_real h, pk_real *to)
     return PK_DONE;
 }
 
-/* Those of all stages of a step of h; made where they are not kept. */
+/* Returns Phi and D of all stages of a step of size h, computed if they are not stored. */
 static enum pk_status drifts(struct pk_integrator *it, const struct work *w,
                              const struct pk_splitting *table, pk_real h, const pk_real **found)
 {
@@ -124,7 +124,7 @@ static enum pk_status drifts(struct pk_integrator *it, const struct work *w,
         w->h[k] = 0;
         it->count.factorisations++;
         for (int i = 0; i < table->stages; i++) {
-            int same = 0; /* an earlier stage of this length */
+            int same = 0; /* the first stage of this length */
             while (table->drift[same] < table->drift[i] || table->drift[same] > table->drift[i])
                 same++;
             pk_real *to = w->drifts[k] + (size_t)i * one;

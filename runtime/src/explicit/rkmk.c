@@ -1,8 +1,8 @@
-/* Explicit Runge-Kutta methods on R^n x SO(3)^b (Munthe-Kaas): a rotation is R0 exp(theta), and
- * it is theta, a vector, that the tableau integrates, theta' = d(exp)^-1 omega (pk_dexp_inverse());
- * so quaternions are of unit length at every stage. All else is as in pk/step/erk.h, and without
- * rotations all is. Reference: H. Munthe-Kaas, Appl. Numer. Math. 29 (1999) 115; E. Hairer,
- * C. Lubich, G. Wanner, Geometric Numerical Integration, IV.8.2.
+/* Explicit Runge-Kutta methods on R^n x SO(3)^b (Munthe-Kaas): a rotation is R0 exp(theta), and the
+ * tableau integrates the vector theta, theta' = d(exp)^-1 omega (pk_dexp_inverse()), so quaternions
+ * have unit length at every stage. All else is as in pk/step/erk.h. Reference: H. Munthe-Kaas,
+ * Appl. Numer. Math. 29 (1999) 115; E. Hairer, C. Lubich, G. Wanner, Geometric Numerical
+ * Integration, IV.8.2.
  */
 #include <string.h>
 
@@ -17,7 +17,7 @@ static size_t rotations(const struct pk_integrator *it)
     return pk_system_rotations(it->problem.system, it->problem.params);
 }
 
-/* Where rotation r is among q and v in a row. */
+/* Returns the indices of rotation r in (q, v). */
 static struct pk_turning turning(const struct pk_integrator *it, size_t r)
 {
     struct pk_turning at = pk_system_turning(it->problem.system, it->problem.params, r);
@@ -26,7 +26,7 @@ static struct pk_turning turning(const struct pk_integrator *it, size_t r)
     return at;
 }
 
-/* Slopes k hold theta' in place of Q'. theta of h sum a_j k_j. */
+/* Computes theta = h sum a_j k_j. Slopes k hold theta' in place of Q'. */
 static void rotation_vector(const struct pk_integrator *it, const pk_real *a, int count,
                             struct pk_turning at, pk_real *theta)
 {
@@ -35,7 +35,7 @@ static void rotation_vector(const struct pk_integrator *it, const pk_real *a, in
                    pk_row_sum(a, count, it->own->work, it->n_q + it->n, at.number + i * at.step);
 }
 
-/* The four numbers that it adds to Q. */
+/* Computes the increment of Q by that theta. */
 static void added_by(const struct pk_integrator *it, const pk_real *a, int count,
                      struct pk_turning at, pk_real *added)
 {
@@ -45,7 +45,7 @@ static void added_by(const struct pk_integrator *it, const pk_real *a, int count
     pk_exponential_added(Q, theta, added);
 }
 
-/* The argument of stage i. */
+/* Returns the argument of stage i. */
 static const pk_real *argument(const struct pk_integrator *it, const struct pk_tableau *table,
                                int i, pk_real *y)
 {

@@ -1,34 +1,34 @@
-/* A step that was made ahead, in a lane beside those of other integrators: pk/abreast.h. The
- * integrator, which then comes to that step, takes it in place of making it, and all that it does
- * around a step it does as ever.
+/* A step made ahead in a SIMD lane together with those of other integrators: pk/abreast.h. An
+ * integrator that reaches this step takes its result instead of making it, and does the rest of its
+ * work around the step as usual.
  */
 #ifndef PK_STEP_AHEAD_H
 #define PK_STEP_AHEAD_H
 
 #include <pk/step/numbers.h>
 
-/* The step that an adaptive method tries, from `planned` on. `left`: to the limit; below `least` no
- * step moves t, and what is left that is no longer is one step. */
+/* A trial step of an adaptive method. `planned`: wanted step size; `left`: distance to the limit;
+ * `least`: shortest step that moves t. If `left` is no longer, it is one step. */
 struct pk_trial {
-    pk_real sign, left, least, planned, h; /* h: of the one tried, signed */
+    pk_real sign, left, least, planned, h; /* h: signed size of the current trial */
     int rejected, lands;
 };
 
 struct pk_ahead {
-    const pk_real *next, *slopes; /* number i of the new state, of the stages: [i * lanes] */
+    const pk_real *next, *slopes; /* number i of the new state, of the stages, is at [i * lanes] */
     size_t lanes;
     pk_real from, end, h;
-    int ready;          /* it is a step of the state that the integrator has */
-    int clear;          /* no event and no switch is met in it */
-    unsigned long many; /* so many steps lead there, in which nothing is to be looked at */
-    unsigned long cost; /* accelerations of a step */
-    int taken;          /* and is now the state */
-    int waits;          /* it was rejected, and the next trial is to be this one */
-    int again;          /* whether the step can wait for it: nothing else is under way */
+    int ready;          /* a step from the integrator's state is there */
+    int clear;          /* no event and no switch is crossed in it */
+    unsigned long many; /* number of steps to `next` if none of them needs to be examined; or 0 */
+    unsigned long cost; /* accelerations per step */
+    int taken;          /* it was taken, and `next` is the integrator's state */
+    int waits;          /* a trial was rejected, and `trial` is to be made ahead */
+    int again;          /* whether the step may wait for it: nothing else is in progress */
     struct pk_trial trial;
 };
 
-/* Whether the step at hand is there. Where it is not, what the lane has is the state no more. */
+/* Whether the current step was made ahead. If not, the lane no longer has the current state. */
 static inline int pk_ahead_serves(struct pk_ahead *a, pk_real t, pk_real h, pk_real end)
 {
     if (!a)

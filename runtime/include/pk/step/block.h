@@ -1,5 +1,5 @@
-/* States side by side, W of them, as a structure of arrays, and the sums of their steps; the steps
- * themselves: pk/step/ensemble.h.
+/* A block: W states in SIMD lanes, as a structure of arrays, and the sums of their steps;
+ * pk/step/ensemble.h has the steps themselves.
  */
 #ifndef PK_STEP_BLOCK_H
 #define PK_STEP_BLOCK_H
@@ -9,7 +9,7 @@
 
 #define PK_BLOCK_MOST 64
 
-/* Parts in the order of an integrator's state, W numbers in place of one. */
+/* Arrays have the parts of an integrator's state, each number W times. */
 struct pk_block {
     const struct pk_system *system;
     size_t n_q, n, lanes;
@@ -17,20 +17,20 @@ struct pk_block {
     pk_real *P, *u;                    /* number k of the params of lane l: P[k * W + l] */
     pk_real *t;                        /* W times */
     pk_real *state, *next, *spare, *work;
-    pk_real *lane; /* one state, of a system without lane kernels */
-    pk_real now;   /* block.c: where all are */
-    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* of each step */
-    int have_a; /* splitting: the state's acceleration; Runge-Kutta: the first stage is made */
-    unsigned long long failed, not_finite; /* lanes, since the step began */
+    pk_real *lane; /* one state, for a system without lane kernels */
+    pk_real now;   /* block.c: the common time of all lanes */
+    pk_real from[PK_BLOCK_MOST], end[PK_BLOCK_MOST], h[PK_BLOCK_MOST]; /* step of each lane */
+    int have_a; /* splitting: the acceleration is known; Runge-Kutta: the first stage is */
+    unsigned long long failed, not_finite; /* bits of lanes, since the start of the step */
 };
 
 PK_BEGIN
-/* Notes lanes whose acceleration failed, and whether it was for want of a finite state. */
+/* Records lanes whose acceleration failed, and whether their state was not finite. */
 void pk_block_failed(struct pk_block *b, unsigned long long failed, const pk_real *q,
                      const pk_real *v);
 PK_END
 
-/* The bits of lanes where any of `rows` rows is not finite. */
+/* Returns the bits of lanes in which any of `rows` rows is not finite. */
 static PK_INLINE unsigned long long pk_block_not_finite(const pk_real *x, size_t rows, size_t W)
 {
     pk_real sum[PK_BLOCK_MOST];
@@ -80,7 +80,7 @@ static PK_INLINE void pk_block_sum(size_t rows, size_t W, pk_real *PK_RESTRICT y
     }
 }
 
-/* As pk_kick_drift(), of fractions of each lane's step. */
+/* Like pk_kick_drift(), with fractions of each lane's step. */
 static PK_INLINE void pk_block_kick_drift(size_t n_q, size_t n, size_t W,
                                           const pk_real *PK_RESTRICT h, pk_real kick,
                                           const pk_real *a, pk_real drift, const pk_real *from,
@@ -121,9 +121,9 @@ static PK_INLINE void pk_block_kick(size_t n_q, size_t n, size_t W, const pk_rea
     }
 }
 
-/* Numbers of work for a table of s stages and one more, which is the end: of each n W rates and
- * states, of which the first n_q W are slopes of coordinates, and n W accelerations; and behind them
- * the coordinates of a stage. */
+/* Returns the pk_real of work for s stages and the derivative at the end. Each has n W rates and
+ * states, of which the first n_q W are slopes of coordinates, and n W accelerations. Coordinates of
+ * a stage follow. */
 static inline size_t pk_block_reals(int stages, size_t n_q, size_t n, size_t W)
 {
     return (((size_t)stages + 1) * 2 * n + n_q) * W;

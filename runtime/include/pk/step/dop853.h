@@ -8,7 +8,7 @@
 
 #include <pk/step/tableau.h>
 
-/* Twelve stages, then the three of the dense output. */
+/* Twelve stages, then the three stages for dense output. */
 /* clang-format off */
 static const pk_real pk_dop853_c[] = {
     PK_C(0.0), PK_C(0.526001519587677318785587544488e-01),

@@ -1,17 +1,17 @@
-/* A step of many states at once, each with a time and a length of its own: the explicit
- * Runge-Kutta and splitting steps of pk/step/erk.h, pk/step/embedded.h and pk/step/splitting.h on a
- * structure of arrays, W states side by side. Every sum is made in the order of the scalar step, so
- * with -ffp-contract=off a state comes out as it does alone. Written over
+/* A step of W states in SIMD lanes, each with its own time and step size: the explicit Runge-Kutta
+ * and splitting steps of pk/step/erk.h, pk/step/embedded.h and pk/step/splitting.h on a structure
+ * of arrays. Sums have the order of the scalar step, so with -ffp-contract=off results have the
+ * same bits. Uses the macros
  *
- *     PK_STEPPER(x)                   x with a name of its own in this file
- *     PK_BLOCK_N(b), PK_BLOCK_LANES(b)    rates and states, W
- *     PK_BLOCK_COORDINATES(b)         coordinates, whose rates are the first of these
+ *     PK_STEPPER(x)                   x with a name that is unique in this file
+ *     PK_BLOCK_N(b), PK_BLOCK_LANES(b)    length of v, W
+ *     PK_BLOCK_COORDINATES(b)         number of coordinates
  *     PK_BLOCK_MEMBERS(b, q, v, a)    accelerations at b->t; the bits of lanes that failed
  */
 #include <pk/step/block.h>
 #include <pk/step/tables.h>
 
-/* At that fraction of each lane's step. */
+/* Computes accelerations at the fraction `at` of each lane's step. */
 static PK_INLINE void PK_STEPPER(block_slope)(struct pk_block *b, pk_real at, const pk_real *q,
                                               const pk_real *v, pk_real *a)
 {
@@ -22,7 +22,7 @@ static PK_INLINE void PK_STEPPER(block_slope)(struct pk_block *b, pk_real at, co
         pk_block_failed(b, failed, q, v);
 }
 
-/* At its end, which is not rounded so. */
+/* The same at the end of the step, whose time is exact. */
 static PK_INLINE void PK_STEPPER(block_slope_end)(struct pk_block *b, const pk_real *q,
                                                   const pk_real *v, pk_real *a)
 {
@@ -44,7 +44,7 @@ static PK_INLINE void PK_STEPPER(block_stages)(struct pk_block *b, const struct 
             k[i] = v0[i];
         PK_STEPPER(block_slope)(b, 0, q0, v0, k + m);
     }
-/* The argument's rates are the slope of its coordinates: they are made where that is kept. */
+/* The rates of a stage are the slopes of its coordinates, so they are computed in place. */
 #define PK_BLOCK_STAGE(i)                                          \
     if ((i) < table->stages) {                                     \
         const pk_real *ai = table->a + (i) * ((i) - 1) / 2;        \
@@ -70,7 +70,7 @@ static PK_INLINE unsigned long long PK_STEPPER(block_erk)(struct pk_block *b,
     return b->failed | pk_block_not_finite(b->next, n_q + n, W);
 }
 
-/* A trial of an adaptive method, and the slope at its end. */
+/* Makes a trial step of an adaptive method, and the slope at its end. */
 static PK_INLINE unsigned long long PK_STEPPER(block_attempt)(struct pk_block *b,
                                                               const struct pk_tableau *table)
 {

@@ -1,5 +1,5 @@
-/* The acceleration within a step: inputs filled, the call counted, a failure named. Over the
- * macros of pk/inlined.h; to be included once, ahead of every text that evaluates.
+/* The acceleration within a step: fills inputs, counts the call, reports a failure. Uses the macros
+ * of pk/inlined.h; include it once, before every header that evaluates.
  */
 static inline enum pk_status PK_STEPPER(acceleration)(struct pk_integrator *it, pk_real t,
                                                       const pk_real *q, const pk_real *v,
@@ -11,7 +11,7 @@ static inline enum pk_status PK_STEPPER(acceleration)(struct pk_integrator *it, 
     return failed ? pk_eval_failed(it, t, q, v, failed) : PK_DONE;
 }
 
-/* k = (v, a) at y, v the rates of coordinates. */
+/* Writes k = (v, a) at y; only the rates of coordinates in v. */
 static PK_INLINE enum pk_status PK_STEPPER(slope)(struct pk_integrator *it, pk_real t,
                                                   const pk_real *y, pk_real *k)
 {

@@ -1,5 +1,5 @@
-/* One trial step of the adaptive Gauss method: its equations, see pk/step/gauss.h, evaluated in
- * the lanes of one kernel. Written over the macros of pk/inlined.h.
+/* One trial step of the adaptive Gauss method: its equations, see pk/step/gauss.h, evaluated in the
+ * lanes of one kernel. Uses the macros of pk/inlined.h.
  */
 #ifndef PK_STEP_GAUSS_STAGES_H
 #define PK_STEP_GAUSS_STAGES_H
@@ -17,8 +17,8 @@
 #define PK_GAUSS_LOOP
 #endif
 
-/* a b + c, rounded once where the processor does that: half the instructions of matrix times
- * vector. Written out, since compilers may not contract by themselves; see build.py. */
+/* a b + c, with one rounding where fma() is fast: half the instructions of a matrix-vector product.
+ * Written out, since compilers may not contract on their own; see build.py. */
 #ifdef PK_HAVE_FMA
 #define PK_GAUSS_FMA(a, b, c) PK_F(fma)(a, b, c)
 #else
@@ -26,27 +26,27 @@
 #endif
 
 #define PK_GAUSS_RATE_LEAST PK_C(0.1)
-/* A step so much longer than the last one is not predicted from it: the polynomial says nothing
- * there, and its round-off grows like the 7th power. */
+/* A step longer than the last one by this factor is not predicted from it: the polynomial is
+ * invalid there, and its round-off grows like the 7th power. */
 #define PK_GAUSS_LEAP PK_C(8.0)
-/* Of the tolerance, so that a final error is no larger than dop853's at the same tolerance:
- * measured over models and starts from 1e-4 to 1e-15, it is half of dop853's on the worst model
- * and a tenth on most. */
+/* Share of the tolerance for which the final error is at most dop853's at the same tolerance.
+ * Measured over models and starts from 1e-4 to 1e-15, it is half of dop853's on the worst model and
+ * a tenth on most. */
 #define PK_GAUSS_SHARE (PK_C(1.0) / PK_C(3.0))
 
 enum { PK_GAUSS_S = PK_LANES, PK_GAUSS_NODES = 2 * PK_LANES };
 
-/* The work. Arrays of n by 8 but for those said otherwise. */
+/* The work: arrays of n by 8, unless another shape is given. */
 struct pk_gauss_lanes {
-    pk_real *a, *next_a, *q, *v;  /* the iterate, the next one, the stages; q of n_q by 8 */
+    pk_real *a, *next_a, *q, *v;  /* iterate, next iterate, states of stages; q: n_q by 8 */
     pk_real *u;                   /* inputs at the stages */
     pk_real *poly;                /* Taylor coefficients of the last step's a at its end, in h */
-    pk_real *weight;              /* n: of errors in a */
-    pk_real *start, *last_weight; /* n_q + n: q and v where the last step began; n: its weights */
-    pk_real *h, *rate, *decay;    /* of the last step: its size, the contraction of its iteration,
-                                    and the theta^2 up to which a next one is accepted */
+    pk_real *weight;              /* n: weights of errors in a */
+    pk_real *start, *last_weight; /* n_q + n: start of the last step; n: its weights */
+    pk_real *h, *rate, *decay;    /* of the last step: size, convergence rate, and the largest
+                                     theta^2 accepted of a next one */
     struct pk_gauss_matrices *M;
-    pk_real *dense; /* of gauss_dense.c */
+    pk_real *dense; /* for gauss_dense.c */
 };
 
 static inline size_t pk_gauss_lanes_size(size_t n_q, size_t n)
@@ -60,7 +60,7 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
 {
     struct pk_gauss_lanes w;
     const size_t m = n * PK_GAUSS_S;
-    x += PK_GAUSS_S - (size_t)x / sizeof *x % PK_GAUSS_S; /* vectors within a line of the cache */
+    x += PK_GAUSS_S - (size_t)x / sizeof *x % PK_GAUSS_S; /* aligns vectors to cache lines */
     w.M = (struct pk_gauss_matrices *)(void *)x, x += sizeof *w.M / sizeof *x;
     w.a = x, x += m;
     w.next_a = x, x += m;
@@ -76,7 +76,7 @@ static inline struct pk_gauss_lanes pk_gauss_lanes(struct pk_integrator *it, siz
     return w;
 }
 
-/* y = M x: one sum for each lane, of two halves so that their latencies overlap. */
+/* y = M x: one sum for each lane, in two halves so that their latencies overlap. */
 static inline void pk_gauss_rows(const pk_real *PK_RESTRICT M, const pk_real *PK_RESTRICT x,
                                  pk_real *PK_RESTRICT y)
 {
@@ -93,7 +93,7 @@ static inline void pk_gauss_rows(const pk_real *PK_RESTRICT M, const pk_real *PK
     }
 }
 
-/* Of halves first, which are vectors. */
+/* Sums halves first, as vectors. */
 static inline pk_real pk_gauss_dot(const pk_real *PK_RESTRICT b, const pk_real *PK_RESTRICT x)
 {
     pk_real sum[PK_GAUSS_S / 2];
@@ -112,17 +112,17 @@ static inline pk_real pk_gauss_sum(const pk_real *PK_RESTRICT x)
     return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
-/* What one trial step has come to. Norms are in units of the tolerance, root mean square. */
+/* Results of a trial step. Norms are relative to the tolerance, root mean square. */
 struct pk_gauss_trial {
     pk_real h, hc[PK_GAUSS_S], t[PK_GAUSS_S];
-    pk_real size2, change2;       /* of a; of its last correction; squared */
-    pk_real rate;                 /* by which corrections shrink */
-    pk_real theta_log, error_log; /* logarithms of theta and of the error */
-    pk_real growth;               /* by which the step may grow */
+    pk_real size2, change2;       /* squared norms of a; of its last correction */
+    pk_real rate;                 /* convergence rate: factor by which corrections shrink */
+    pk_real theta_log, error_log; /* log of theta and of the error */
+    pk_real growth;               /* factor by which the step size may grow */
     int count;
 };
 
-/* The error from the last two Legendre coefficients: |a_k| = |a| theta^k, error |a| theta^16. */
+/* Estimates the error by the last two Legendre coefficients: |a_k| = |a| theta^k, |a| theta^16. */
 static inline void pk_gauss_judge(struct pk_gauss_trial *y, pk_real six2, pk_real seven2)
 {
     const pk_real six = six2 / (y->size2 + PK_TINY) + PK_TINY;
@@ -138,7 +138,7 @@ static inline void pk_gauss_judge(struct pk_gauss_trial *y, pk_real six2, pk_rea
 
 #endif
 
-/* The first iterate: the last polynomial at 1 + r c_l, or the acceleration at the start. */
+/* Sets the first iterate: the last polynomial at 1 + r c_l, or the acceleration at the start. */
 static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
                                                        const struct pk_gauss_lanes *w,
                                                        struct pk_gauss_trial *y)
@@ -161,12 +161,12 @@ static inline enum pk_status PK_STEPPER(gauss_predict)(struct pk_integrator *it,
             x[k] = w->poly[i * PK_GAUSS_S + (size_t)k] * power[k];
         pk_gauss_rows(w->M->powers, x, w->a + i * PK_GAUSS_S);
     }
-    /* Till it is measured: never so small that a first iterate passes unseen for the last. */
+    /* Until it is measured; large enough that a first iterate never passes for converged. */
     y->rate = pk_max(pk_min(*w->rate * r * r, PK_C(0.5)), PK_GAUSS_RATE_LEAST);
     return PK_DONE;
 }
 
-/* Coordinates and rates at the stages, from their accelerations. */
+/* Computes coordinates and rates at the stages from the accelerations. */
 static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
                                             const struct pk_gauss_lanes *w,
                                             const struct pk_gauss_trial *y, int with_v)
@@ -193,7 +193,8 @@ static inline void PK_STEPPER(gauss_stages)(struct pk_integrator *it,
     }
 }
 
-/* Errors of a count as what they do to v or q in a step, whichever is worse. */
+/* Computes weights of errors in a: their effect on v or q in the step, the larger one in
+ * tolerances. */
 static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
                                              const struct pk_gauss_lanes *w,
                                              const struct pk_gauss_trial *y)
@@ -203,11 +204,11 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     const pk_real rtol = PK_GAUSS_SHARE * pk_max(it->options.rtol, 2 * PK_EPS);
     for (size_t i = 0; i < n; i++) {
         const size_t last = i * PK_GAUSS_S + PK_GAUSS_S - 1;
-        /* As the step ends: from rest the iteration has not moved q yet. */
+        /* At the end of the step: from rest the iteration has not moved q yet. */
         const pk_real moved = y->h * w->next_a[last], v0 = it->v[i];
         const pk_real v = pk_max(pk_abs(v0), pk_abs(moved));
         w->weight[i] = h / (PK_GAUSS_SHARE * it->own->atol[n_q + i] + rtol * v + PK_TINY);
-        if (i >= n_q) /* a state, whose rate moves nothing else */
+        if (i >= n_q) /* a state, whose rate moves no coordinate */
             continue;
         const pk_real q = pk_max(pk_abs(it->q[i]), pk_abs(it->q[i] + y->h * (v0 + moved / 2)));
         const pk_real of_q = h * h / (PK_GAUSS_SHARE * it->own->atol[i] + rtol * q + PK_TINY);
@@ -215,7 +216,7 @@ static inline void PK_STEPPER(gauss_weights)(struct pk_integrator *it,
     }
 }
 
-/* a in all lanes. One that failed is asked again alone, for the reason. */
+/* Computes a in all lanes. A lane that failed is evaluated alone, for the cause. */
 static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it, const pk_real *t,
                                                         const pk_real *q, const pk_real *v,
                                                         pk_real *u, pk_real *a)
@@ -245,7 +246,7 @@ static inline enum pk_status PK_STEPPER(gauss_evaluate)(struct pk_integrator *it
     return PK_DONE;
 }
 
-/* Takes next_a over into a; their difference and size. 0 where one is not finite. */
+/* Copies next_a to a; computes their difference and size. Returns 0 if one is not finite. */
 static inline int PK_STEPPER(gauss_compare)(struct pk_integrator *it,
                                             const struct pk_gauss_lanes *w,
                                             struct pk_gauss_trial *y)
@@ -273,7 +274,7 @@ static inline int PK_STEPPER(gauss_compare)(struct pk_integrator *it,
     return pk_finite(y->change2) && pk_finite(y->size2);
 }
 
-/* The mean squares of the last two Legendre coefficients of a. */
+/* Computes the mean squares of the last two Legendre coefficients of a. */
 static inline void PK_STEPPER(gauss_coefficients)(struct pk_integrator *it,
                                                   const struct pk_gauss_lanes *w, pk_real *six2,
                                                   pk_real *seven2)

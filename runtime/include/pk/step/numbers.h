@@ -1,5 +1,5 @@
-/* The arithmetic of steps: round-off, compensated sums, what a state is made of. Of no more than
- * pk/real.h, for what is exported without the runtime has this text too.
+/* The arithmetic of steps: round-off, compensated sums, the layout of a state. Needs pk/real.h
+ * only, since exports without the runtime contain this text too.
  */
 #ifndef PK_STEP_NUMBERS_H
 #define PK_STEP_NUMBERS_H
@@ -20,12 +20,12 @@
 #define PK_TINY DBL_MIN
 #endif
 
-/* Parts of it->own->state and of it->own->next: q, v, p, the compensations (low parts) of q and of v
- * or p, and an acceleration that belongs to this state and may be reused. q and its low part are n_q
- * numbers, coordinates; all others n, of which the last n - n_q of v are states. */
+/* Parts of it->own->state and it->own->next: q, v, p, the compensations (low parts) of q and of v
+ * or p, and an acceleration of this state that may be reused. q and its low part have n_q numbers,
+ * the others n; the last n - n_q of v are first-order variables. */
 enum { PK_Q, PK_V, PK_P, PK_LOW_Q, PK_LOW_X, PK_A, PK_PARTS };
 
-/* How many numbers stand before it. */
+/* Returns the offset of a part. */
 static inline size_t pk_before(size_t n_q, size_t n, int part)
 {
     const size_t of_q = (size_t)(part > PK_Q) + (size_t)(part > PK_LOW_Q);
@@ -52,14 +52,14 @@ static inline pk_real pk_pair_sum(pk_real a, pk_real b, pk_real *rest)
     return sum;
 }
 
-/* x + low + d, rounded once, and its new low part, exact also where |d| > |x|.
+/* Returns x + low + d, rounded once, and sets the new low part, exact also for |d| > |x|.
  * Compensated summation after Kahan (1965), Babuska, Neumaier (1974). */
 static inline pk_real pk_sum(pk_real x, pk_real d, pk_real *low)
 {
     return pk_pair_sum(x, d + *low, low);
 }
 
-/* What fails ends the function, with its status. */
+/* Returns from the function if the call fails, with its status. */
 #define PK_TRY(call)                           \
     do {                                       \
         const enum pk_status of_call = (call); \

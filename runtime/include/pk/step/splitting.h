@@ -1,11 +1,11 @@
-/* Splitting methods for separable systems, M constant and a = a(q, t), or nearly so
+/* Splitting methods for separable systems, M constant and a = a(q, t), or nearly separable ones
  * (src/explicit/linear_drag.c): compositions of
  *
  *     kick   v += kappa h a(q, t)          drift   q += delta h v,  t += delta h
  *
- * Time moves with the drift, as a coordinate of its own would, so a kick sees the time that
- * belongs to its q and the order holds for driven systems too. The last acceleration of a step
- * is the first of the next. Sums are compensated. Written over the macros of pk/inlined.h.
+ * Time moves with the drift, like another coordinate, so a kick sees the time that belongs to its q
+ * and the order holds for driven systems too. The last acceleration of a step is the first of the
+ * next. Sums are compensated. Uses the macros of pk/inlined.h.
  *
  * References: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. ("GNI"),
  * I.1, II.4; L. Verlet, Phys. Rev. 159 (1967) 98; H. Yoshida, Phys. Lett. A 150 (1990) 262.
@@ -32,7 +32,7 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
     const int s = table->stages, ends = table->kick[s] > 0 || table->kick[s] < 0;
 
 #ifndef PK_WITHOUT_RUNTIME
-    if (pk_is_ahead(it, h)) { /* of a state with its acceleration, where steps end with one */
+    if (pk_is_ahead(it, h)) { /* a state, and its acceleration if steps end with one */
         pk_ahead_take(it, PK_Q, 2);
         pk_ahead_take(it, PK_LOW_Q, ends ? 3 : 2);
         it->count.evaluations += (unsigned long)s;
@@ -53,7 +53,7 @@ static PK_INLINE enum pk_status PK_STEPPER(splitting)(struct pk_integrator *it,
         PK_TRY(PK_STEPPER(acceleration)(it, it->own->next_t, to, to + n_q, a1));
         pk_kick(n_q, n, table->kick[s] * h, a1, to);
     }
-    /* The last acceleration travels with the state, so a failure here cannot spoil it. */
+    /* The last acceleration is part of the new state, so a failure does not spoil the old one. */
     if (pk_all_finite(to, n_q + n))
         it->own->flags = ends ? it->own->flags | PK_HAVE_A : it->own->flags & ~PK_HAVE_A;
     return PK_DONE;

@@ -1,6 +1,6 @@
-/* What every step is made of, in the core and where pkgen compiles a step together with a model's
- * kernels: round-off, the layout of a state, the compensated sum, failures by their names.
- * Not for programs that only integrate.
+/* Shared by all steps, in the core and where pkgen compiles a step together with a model's kernels:
+ * the private part of an integrator, tolerances, trial steps, inputs, failures. Not for programs
+ * that only integrate.
  */
 #ifndef PK_STEP_STATE_H
 #define PK_STEP_STATE_H
@@ -8,60 +8,60 @@
 #include <pk/integrator.h>
 #include <pk/step/ahead.h>
 
-/* Whether fma() is an instruction, and as good everywhere. */
+/* Whether fma() is an instruction, with the same results on all processors. */
 #if (defined __FP_FAST_FMA || defined __FMA__ || defined __ARM_FEATURE_FMA) && \
     !defined PK_LONG_DOUBLE && !defined PK_FLOAT128 && !defined PK_PORTABLE
 #define PK_HAVE_FMA
 #endif
 
-/* What is behind it->own, for methods and the runtime alone. */
+/* The private part of an integrator, it->own, for methods and the runtime alone. */
 struct pk_integrator_private {
-    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* method's or system's */
-    pk_real *state, *next; /* each the parts of pk/step/numbers.h */
-    pk_real *u, *work;     /* u: inputs at one time, and behind them those of each lane */
+    enum pk_status (*step)(struct pk_integrator *it, pk_real limit); /* of method or system */
+    pk_real *state, *next; /* each with the parts of pk/step/numbers.h */
+    pk_real *u, *work;     /* u: inputs at one time, then those of each lane */
     pk_real *atol; /* absolute tolerances of q, then v; NULL: fixed steps; src/core/scale.c */
-    unsigned long rounded;  /* rejections when rounding was last looked at */
-    pk_real looked;         /* the length of the steps then */
+    unsigned long rounded;  /* count.rejections when rounding was last measured */
+    pk_real looked;         /* step size at that time */
     pk_real *singularities; /* NULL: the system has none; see src/core/singularity.c */
-    size_t n_singularities; /* their values: of families one a member */
-    int slopes;             /* of the singularities: what is known of them at this state */
-    pk_real *lane;          /* one state and its acceleration, of a system without lane kernels */
-    pk_real passed;         /* the lengths of all steps since init; when steps were last judged */
-    pk_real judged_passed;  /* by their progress: that, their number with those rejected, and t */
+    size_t n_singularities; /* number of their values; for a family one for each member */
+    int slopes;             /* flags of singularity.c: which slopes are known here */
+    pk_real *lane;          /* one state and its acceleration, for a system without lane kernels */
+    pk_real passed;         /* sum of the lengths of all steps since init */
+    pk_real judged_passed;  /* at the last check of progress: passed, t, trials, rejections */
     pk_real judged_t;
     unsigned long judged, judged_rejections;
-    pk_real longest;         /* of the steps that were rejected */
-    pk_real next_t;          /* end of the step being made */
-    pk_real h;               /* signed step, made or to be made */
+    pk_real longest;         /* longest rejected step */
+    pk_real next_t;          /* end of the current step */
+    pk_real h;               /* signed step size, of the last step or the next */
     pk_real anchor, grid;    /* fixed steps: t = anchor + grid * h, never a running sum */
-    pk_real error;           /* adaptive: of the last accepted step, in units of the tolerance */
-    int off_grid;            /* fixed steps: the one being made is shorter, and ends the grid */
-    int ready;               /* a start was accepted; without it nothing steps */
-    int made;                /* what the method makes once, whatever the start */
+    pk_real error;           /* adaptive: of the last accepted step, relative to the tolerance */
+    int off_grid;            /* fixed steps: the current one is shorter and ends the grid */
+    int ready;               /* a start was accepted; otherwise no step is made */
+    int made;                /* tables that a method makes once, for any start, are made */
     int direction;           /* +1, -1, 0 before the first step */
-    int flags;               /* the method's own */
-    pk_real condition;       /* of a singular M: the least pivot beside its diagonal entry */
+    int flags;               /* PK_HAVE_A and so on */
+    pk_real condition;       /* for a singular M: the least pivot relative to its diagonal entry */
     pk_real *project;        /* rotations and constraints: src/constraints/project.c; NULL: none */
     pk_real *passage;        /* src/constraints/passage.c; NULL: there are no constraints */
-    int crossed, near, seen; /* the last step was made by it; where the step is near one */
-    pk_real *params;         /* room for a copy of them */
-    pk_real *marks;          /* values at the begin, ...: src/core/marks.c; NULL: there are none */
-    int marked, unlooked;    /* whether those at the begin are known; steps not looked at */
-    pk_real reach, rise;     /* how long the next step may be for them, 0: any; the one behind */
-    pk_real calm;            /* so long a step was made in which they hardly vary */
-    pk_real range, varied;   /* by how much they vary in the trial step, and where they matter */
-    enum pk_status trouble;  /* what the last trial step that broke down met, when, and its */
-    pk_real trouble_t;       /* where and condition: the cause to name if steps then shrink to */
-    size_t trouble_where;    /* nothing just before it */
+    int crossed, near, seen; /* flags of constraints/passage.c: last step was a passage; near one */
+    pk_real *params;         /* memory for a copy of the params */
+    pk_real *marks;          /* their values at the start, ...: src/core/marks.c; NULL: none */
+    int marked, unlooked;    /* values at the start are known; fixed steps that stay unexamined */
+    pk_real reach, rise;     /* limit of the next step for marks, 0: none; of the one after it */
+    pk_real calm;            /* length of the last step in which marks hardly varied */
+    pk_real range, varied;   /* variation of marks in the trial step; the part of it that matters */
+    enum pk_status trouble;  /* status, time, where and condition of the last trial step that */
+    pk_real trouble_t;       /* broke down: the cause to report if step sizes then underflow */
+    size_t trouble_where;    /* just before it */
     pk_real trouble_condition;
-    struct pk_ahead *ahead; /* NULL: nobody makes steps ahead */
-    void *extra;            /* of a foreign library */
+    struct pk_ahead *ahead; /* NULL: no steps are made ahead */
+    void *extra;            /* memory of a foreign library */
 };
 
 /* it->own->flags */
 enum { PK_HAVE_A = 1, PK_HAVE_LU = 2, PK_HAVE_STEP = 4, PK_HAVE_DENSE = 8, PK_REFRESH = 16 };
 
-/* A part of the state, and of what the step at hand makes of it. */
+/* Return a part of the state, and of the new state that the current step makes. */
 static inline pk_real *pk_state(const struct pk_integrator *it, int part)
 {
     return pk_part(it->own->state, it->n_q, it->n, part);
@@ -71,36 +71,36 @@ static inline pk_real *pk_next(const struct pk_integrator *it, int part)
     return pk_part(it->own->next, it->n_q, it->n, part);
 }
 
-/* What number i of q and v in a row, which goes from a to b, may err by. */
+/* Returns the tolerance of number i of (q, v), which changes from a to b in the step. */
 static inline pk_real pk_tolerance(const struct pk_integrator *it, size_t i, pk_real a, pk_real b)
 {
     return it->own->atol[i] + it->options.rtol * pk_max(pk_abs(a), pk_abs(b)) + PK_TINY;
 }
 
-/* For a guess of the first step, which is no longer for it: what is zero and has shown no scale. */
+/* For the guess of a first step: infinity for the tolerance of a number that is zero so far. */
 static inline pk_real pk_scale_shown(pk_real tolerance)
 {
     return tolerance > PK_C(1e6) * PK_F(sqrt)(PK_TINY) ? tolerance : PK_INFINITY;
 }
 
 PK_BEGIN
-/* it->own->atol for a step of length h: rounding of forces counts over the step that is tried. */
+/* Updates it->own->atol for a step of length h: rounding of forces adds up over the trial step. */
 void pk_scale_attempt(const struct pk_integrator *it, pk_real h);
 PK_END
 
-/* Whether the step at hand, of the length h, was made ahead; then it is to be taken. */
+/* Whether the current step, of length h, was made ahead; if so it must be taken. */
 static inline int pk_is_ahead(const struct pk_integrator *it, pk_real h)
 {
     return pk_ahead_serves(it->own->ahead, it->t, h, it->own->next_t);
 }
 
-/* Whether a trial was rejected and the next one is to be made ahead: it goes on with that. */
+/* Whether a trial was rejected and the next one will be made ahead; it then continues there. */
 static inline int pk_waits(const struct pk_integrator *it)
 {
     return it->own->ahead && it->own->ahead->waits;
 }
 
-/* The first, or the next one of those that wait. */
+/* Returns the first trial, or the waiting one. */
 static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real limit)
 {
     if (pk_waits(it))
@@ -114,8 +114,8 @@ static inline struct pk_trial pk_trial(const struct pk_integrator *it, pk_real l
     return x;
 }
 
-/* The next one, to it->own->next_t; 0: it would be too short, also where a step shrank while it was
- * accepted. */
+/* Prepares the next trial step, to it->own->next_t. Returns 0 if it would be too short, also if the
+ * step size shrank although steps were accepted. */
 static inline int pk_trial_next(struct pk_integrator *it, pk_real limit, struct pk_trial *x)
 {
     if (it->options.h_max > 0)
@@ -124,12 +124,12 @@ static inline int pk_trial_next(struct pk_integrator *it, pk_real limit, struct 
         return 0;
     x->lands = x->planned * PK_C(1.01) >= x->left || !(x->left > x->least);
     it->own->next_t = x->lands ? limit : it->t + x->sign * x->planned;
-    x->h = it->own->next_t - it->t; /* what rounded times are apart: no drift between q and t */
+    x->h = it->own->next_t - it->t; /* of rounded times: q and t do not drift apart */
     pk_scale_attempt(it, x->h);
     return 1;
 }
 
-/* A shorter one is to follow. */
+/* Rejects a trial step; a shorter one follows. */
 static inline void pk_trial_reject(struct pk_integrator *it, struct pk_trial *x, pk_real planned)
 {
     x->planned = planned;
@@ -139,7 +139,7 @@ static inline void pk_trial_reject(struct pk_integrator *it, struct pk_trial *x,
     it->own->h = x->sign * planned;
 }
 
-/* Whether the next one is to be made ahead as this was; then nothing was done so far. */
+/* Whether the next trial will be made ahead like this one; the step then ends without a result. */
 static inline int pk_waits_for(struct pk_integrator *it, const struct pk_trial *x)
 {
     struct pk_ahead *a = it->own->ahead;
@@ -149,8 +149,9 @@ static inline int pk_waits_for(struct pk_integrator *it, const struct pk_trial *
     return a->waits;
 }
 
-/* It is accepted, and the next one is to be so long; `cut`: but for what was left, longer. After a
- * step below round-off the next is guessed like a first one. */
+/* Accepts a trial step, `next` being the next step size; `cut`: if the limit shortened this step,
+ * the next one has its planned size or more. After a step below round-off a first one is
+ * guessed. */
 static inline void pk_trial_accept(struct pk_integrator *it, const struct pk_trial *x, pk_real next,
                                    int cut)
 {
@@ -158,7 +159,7 @@ static inline void pk_trial_accept(struct pk_integrator *it, const struct pk_tri
     it->own->h = x->planned > x->least || x->left > x->least ? x->sign * h : 0;
 }
 
-/* A trial step up to t broke down. */
+/* Records that a trial step up to t broke down. */
 static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, pk_real t)
 {
     it->own->trouble = status;
@@ -169,29 +170,29 @@ static inline void pk_trouble(struct pk_integrator *it, enum pk_status status, p
 
 PK_BEGIN
 
-/* So many parts of the new state from a lane, and the slopes of so many stages. */
+/* Copy `parts` parts of the new state, and the slopes of `stages` stages, from a lane. */
 void pk_ahead_take(struct pk_integrator *it, int part, int parts);
 void pk_ahead_slopes(struct pk_integrator *it, pk_real *to, int stages);
 int pk_all_finite(const pk_real *x, size_t count);
-/* The inputs at t, into u, which is 0 where nobody fills it; and into it->own->u. */
+/* Write the inputs at t to u (0 without an input function), and to it->own->u. */
 void pk_input(const struct pk_problem *problem, pk_real t, pk_real *u);
 const pk_real *pk_eval_input(struct pk_integrator *it, pk_real t);
-/* The same at a state. */
+/* The same with feedback, at a state. */
 void pk_feedback(const struct pk_problem *problem, pk_real t, const pk_real *q, const pk_real *v,
                  pk_real *u);
 const pk_real *pk_eval_feedback(struct pk_integrator *it, pk_real t, const pk_real *q,
                                 const pk_real *v);
-/* The status of an acceleration that returned `failed`, with the coordinate and the time. */
+/* Returns the status of an acceleration that returned `failed`; sets it->where and it->detail. */
 enum pk_status pk_eval_failed(struct pk_integrator *it, pk_real t, const pk_real *q,
                               const pk_real *v, int failed);
-/* system->lanes(), or lane by lane where the system has none. */
+/* Calls system->lanes(), or acceleration() for each lane if the system has none. */
 unsigned long long pk_eval_lanes(struct pk_integrator *it, const pk_real *t, const pk_real *q,
                                  const pk_real *v, const pk_real *u, pk_real *a);
-/* A first step, `share` of |y|/|y'| with y' = (v, a), HNW II.4 (4.14), or the one asked for; no longer
- * than to the limit. */
+/* Returns the first step size: options.h, or `share` of |y|/|y'| with y' = (v, a), HNW II.4 (4.14);
+ * at most the distance to the limit. */
 pk_real pk_first_step(const struct pk_integrator *it, const pk_real *a, pk_real share,
                       pk_real limit);
-/* The status of an adaptive method whose step h became too small, with its cause if known. */
+/* Returns the status for a step size h that became too small, with its cause if known. */
 enum pk_status pk_underflow(struct pk_integrator *it, pk_real h);
 
 PK_END

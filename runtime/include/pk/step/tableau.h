@@ -1,24 +1,23 @@
-/* Coefficients as data, and the sums of stages over them. Reference for all names: E. Hairer,
- * S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., II.1 and II.4-6
- * ("HNW").
+/* Tables of coefficients, and sums of stages with them. Reference for all names: E. Hairer, S. P.
+ * Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., II.1 and II.4-6 ("HNW").
  */
 #ifndef PK_STEP_TABLEAU_H
 #define PK_STEP_TABLEAU_H
 
 #include <pk/step/numbers.h>
 
-/* An explicit Runge-Kutta method of s stages; the derivative at the new point counts as number s
- * where `e` or `d` uses it. Of a step: y1 = y0 + h sum b_i k_i. */
+/* An explicit Runge-Kutta method of s stages, y1 = y0 + h sum b_i k_i. The derivative at the new
+ * point is stage number s (counted from 0) if `e` or `d` uses it. */
 struct pk_tableau {
     int stages;
-    const pk_real *c; /* s, and then those of the extra stages after the derivative at y1 */
+    const pk_real *c; /* s, then those of the extra stages after the derivative at y1 */
     const pk_real *a; /* strictly lower triangle row by row, without the empty first row */
     const pk_real *b;
 
-    /* Adaptive: the error is h sum e_i k_i (s + 1 of them); with e3, a second estimate of lower
-     * order is blended in, HNW II.10 (10.17). Control as in HNW II.4 and IV.2. */
+    /* Adaptive: the error is h sum e_i k_i (s + 1 terms); with e3, a second estimate of lower order
+     * is included, HNW II.10 (10.17). Step size control as in HNW II.4 and IV.2. */
     const pk_real *e, *e3;
-    int error_order; /* the error is O(h^error_order); 1/exponent of control */
+    int error_order; /* error = O(h^error_order); 1/exponent of the control */
     pk_real beta, shrink, grow;
 
     /* Dense output: extra stages, and rows of d over all stages; HNW II.6 (6.12)-(6.14). */
@@ -28,19 +27,19 @@ struct pk_tableau {
     const pk_real *d; /* rows of s + 1 + extra numbers */
 };
 
-/* A splitting method: kick[0], drift[0], kick[1], ..., kick[s] of the step each. */
+/* A splitting method: kick[0], drift[0], kick[1], ..., kick[s], as fractions of the step. */
 struct pk_splitting {
     int stages;
     const pk_real *kick;  /* s + 1 */
     const pk_real *drift; /* s */
 };
 
-/* Stages of the largest tableau of an explicit method. */
+/* Most stages of an explicit method. */
 #define PK_MOST_STAGES 16
-/* PK_EACH_STAGE(X): X(i) for every stage that a table may have but the first. A text that is
- * compiled for one table is to be unrolled whole, so that rows become straight-line code and
- * zeros vanish; compilers do that of themselves only where little is in the loop. PK_UNROLL_FEW:
- * four turns at a time, where each has an acceleration in it and most methods have many. */
+/* PK_EACH_STAGE(X): X(i) for every stage that a table may have except the first. Code compiled for
+ * one table is unrolled completely, so that rows become straight-line code and zeros vanish;
+ * compilers do that on their own only for small loops. PK_UNROLL_FEW: four iterations at a time,
+ * for loops with an acceleration in each iteration. */
 #if defined PK_ANY_TABLE
 #define PK_EACH_STAGE(X)                     \
     for (int i = 1; i < PK_MOST_STAGES; i++) \
@@ -62,7 +61,7 @@ struct pk_splitting {
 #endif
 #endif
 
-/* sum a_j k_j over rows of m numbers, without the zeros of a sparse table. */
+/* Returns sum a_j k_j over rows of m numbers, skipping the zeros of a sparse table. */
 static PK_INLINE pk_real pk_row_sum(const pk_real *a, int count, const pk_real *k, size_t m,
                                     size_t i)
 {
@@ -84,7 +83,7 @@ static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h, c
 {
     const size_t whole = m - m % 4;
     size_t i = 0;
-    for (; i < whole; i += 4) { /* four sums at once hide their latency */
+    for (; i < whole; i += 4) { /* four sums at a time hide their latency */
         pk_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
         int any = 0;
         PK_UNROLL
@@ -107,8 +106,8 @@ static PK_INLINE void pk_erk_combine(pk_real *y, const pk_real *y0, pk_real h, c
         y[i] = y0[i] + h * pk_row_sum(a, count, k, m, i);
 }
 
-/* v += kappa a and then q += delta v, from one place to another, each number once: sums wait for
- * one another less than passes would. */
+/* v += kappa a, then q += delta v, in one pass from one state to another: fewer sums wait for one
+ * another than in two passes. */
 static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const pk_real *a,
                                     pk_real delta, const pk_real *from, pk_real *to)
 {
@@ -131,7 +130,7 @@ static PK_INLINE void pk_kick_drift(size_t n_q, size_t n, pk_real kappa, const p
     }
 }
 
-/* v += kappa a alone: the end of a step. */
+/* v += kappa a alone, at the end of a step. */
 static PK_INLINE void pk_kick(size_t n_q, size_t n, pk_real kappa, const pk_real *a, pk_real *to)
 {
     pk_real *v = pk_part(to, n_q, n, PK_V), *low = pk_part(to, n_q, n, PK_LOW_X);

@@ -10,7 +10,7 @@
 #include <pk/step/dop853.h>
 #include <pk/step/dopri5.h>
 #include <pk/step/tables_splitting.h>
-#ifdef PK_OWN_TABLES /* those of the methods that a model brings */
+#ifdef PK_OWN_TABLES /* tables of a model's own methods */
 #include PK_OWN_TABLES
 #endif
 
@@ -33,7 +33,7 @@ static const pk_real pk_rk2_b[] = {PK_C(0.0), PK_C(1.0)};
 static const struct pk_tableau pk_rk2_table = {
     .stages = 2, .c = pk_rk2_c, .a = pk_rk2_a, .b = pk_rk2_b};
 
-/* Kutta's, of Simpson's weights. */
+/* Kutta's method of order 3, with Simpson's weights. */
 static const pk_real pk_rk3_c[] = {PK_C(0.0), PK_C(0.5), PK_C(1.0)};
 static const pk_real pk_rk3_a[] = {PK_C(0.5), PK_C(-1.0), PK_C(2.0)};
 static const pk_real pk_rk3_b[] = {PK_C(1.0) / PK_C(6.0), PK_C(2.0) / PK_C(3.0),
@@ -41,7 +41,7 @@ static const pk_real pk_rk3_b[] = {PK_C(1.0) / PK_C(6.0), PK_C(2.0) / PK_C(3.0),
 static const struct pk_tableau pk_rk3_table = {
     .stages = 3, .c = pk_rk3_c, .a = pk_rk3_a, .b = pk_rk3_b};
 
-/* Kutta's classical one. */
+/* Kutta's classical method. */
 static const pk_real pk_rk4_c[] = {PK_C(0.0), PK_C(0.5), PK_C(0.5), PK_C(1.0)};
 static const pk_real pk_rk4_a[] = {PK_C(0.5), PK_C(0.0), PK_C(0.5),
                                    PK_C(0.0), PK_C(0.0), PK_C(1.0)};

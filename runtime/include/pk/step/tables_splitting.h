@@ -1,10 +1,10 @@
-/* The tables of splitting methods, each the fractions of a step that kicks and drifts are. Those of
- * order 6 and 8, and of Blanes and Moan, are the published ones put back on their order conditions
- * by Newton's method (tools/compositions.py), since they are printed with 15 to 26 digits.
+/* The tables of splitting methods: kicks and drifts as fractions of a step. The tables of order 6
+ * and 8, and of Blanes and Moan, are published with 15 to 26 digits; Newton's method makes them
+ * satisfy their order conditions exactly (tools/compositions.py).
  *
- * All but Blanes and Moan's hold for any splitting in two; theirs are Runge-Kutta-Nystrom methods,
- * for a kinetic energy of second degree in p alone: what separable means here grants it, and time
- * that moves with the drift leaves it so.
+ * All methods except Blanes and Moan's hold for any splitting in two. Theirs are
+ * Runge-Kutta-Nystrom methods, for a kinetic energy of second degree in p alone: separable systems
+ * have that, also with time that moves with the drift.
  *
  * Reference: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. ("GNI"),
  * I.1, II.4, V.3.
@@ -20,7 +20,7 @@
 #endif
 
 /* clang-format off */
-/* Symmetric lists, told by their first half: with a number in the middle, or without. */
+/* Symmetric lists, given by their first half: with a number in the middle, or without. */
 #define PK_MIRROR_1(a) a
 #define PK_MIRROR_2(a, ...) a, PK_MIRROR_1(__VA_ARGS__), a
 #define PK_MIRROR_3(a, ...) a, PK_MIRROR_2(__VA_ARGS__), a
@@ -36,7 +36,7 @@
 #define PK_TWICE_4(a, ...) a, PK_TWICE_3(__VA_ARGS__), a
 #define PK_TWICE_5(a, ...) a, PK_TWICE_4(__VA_ARGS__), a
 #define PK_TWICE_6(a, ...) a, PK_TWICE_5(__VA_ARGS__), a
-/* Steps of Verlet of such lengths: between two of them the kicks are half of both. */
+/* Kicks of Verlet steps of these lengths: between two steps, half of each. */
 #define PK_HALF(a, ...) (a) / 2
 #define PK_KICKS_2(a, b) (a + b) / 2, (a + b) / 2
 #define PK_KICKS_3(a, b, ...) (a + b) / 2, PK_KICKS_2(b, __VA_ARGS__), (a + b) / 2
@@ -60,7 +60,7 @@ static const pk_real pk_verlet_drift[] = {PK_C(1.0)};
 /* Triple jump: w1 = 1/(2 - 2^(1/3)), w0 = 1 - 2 w1. H. Yoshida, Phys. Lett. A 150 (1990) 262. */
 PK_VERLETS(yoshida4, 2, PK_C(1.35120719195965763404768780897146083),
     PK_C(-1.70241438391931526809537561794292165))
-/* Five steps, 1/(4 - 4^(1/3)) of h each but the middle one. M. Suzuki, Phys. Lett. A 146
+/* Five steps, of 1/(4 - 4^(1/3)) of h each except the middle one. M. Suzuki, Phys. Lett. A 146
  * (1990) 319. */
 PK_VERLETS(suzuki4, 3, PK_C(0.414490771794375737142354062860761496),
     PK_C(0.414490771794375737142354062860761496), PK_C(-0.657963087177502948569416251443045983))
