@@ -1,4 +1,4 @@
-"""What an editor knows of the language: its words, how a text is laid out, what a name means."""
+"""Editor support for the language: its words, the layout of a text, the meaning of a name."""
 
 COMMANDS = """
 Write models

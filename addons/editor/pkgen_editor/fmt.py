@@ -1,4 +1,4 @@
-"""`pkgen fmt`: the text of models in its layout."""
+"""`pkgen fmt`: formats the text of models."""
 
 from __future__ import annotations
 

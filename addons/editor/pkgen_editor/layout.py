@@ -1,8 +1,9 @@
-"""The text of a model, laid out: the same tokens and comments, in spaces of one kind.
+"""Formats the text of a model: the same tokens and comments, with normalised spaces.
 
-Lines stay lines. Products are tight, sums and relations spaced; what goes on in a bracket begins
-behind it; the clauses of a scene are indented. In a block of lines what stands behind the words of
-a scene, and comments, stand below each other; other columns stay where the author made some.
+Lines are kept. Products have no spaces, sums and relations have; lines within a bracket are
+indented to its content; the clauses of a scene are indented. In a block of lines, the texts after
+the words of a scene are aligned, and so are comments; other columns stay where the author aligned
+them.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ CLOSERS = frozenset(("RPAREN", "RBRACKET", "REND"))
 SIGNS = frozenset(("PLUS", "MINUS"))
 TIGHT = frozenset(("TIMES", "OVER", "POWER", "DOTS"))
 VALUE_ENDS = frozenset(("NAME", "NUMBER", "PRIME", "COMPONENT", "MEMBER", "UNIT")) | CLOSERS
-# What nothing stands before, or behind.
+# Tokens without a space before them, and without one after them.
 NONE_BEFORE = CLOSERS | TIGHT | {"_COMMA", "PRIME", "COMPONENT", "MEMBER", "POINT", "LINDEX"}
 NONE_BEHIND = OPENERS | TIGHT | {"FUNCTION", "SUM", "POINT"}
-INDENT = 2  # of what is in a scene
-HANGING = 4  # behind a bracket that ends its line
+INDENT = 2  # indentation in a scene
+HANGING = 4  # indentation after a bracket that ends its line
 NEAR = 4
 NEAR_COMMENT = 8
 BEFORE_COMMENT = 2
@@ -35,17 +36,17 @@ BEFORE_COMMENT = 2
 
 @dataclass
 class Line:
-    """A line of the text: the pieces of one statement, and a comment."""
+    """A line of the text: the tokens of one statement, and a comment."""
 
     number: int
     tokens: list[Token] = field(default_factory=list)
     comment: str = ""
-    column: int = 0  # of the comment, as it was
-    first: bool = False  # of its statement
+    column: int = 0  # original column of the comment
+    first: bool = False  # first line of its statement
     last: bool = False
-    inside: bool = False  # a scene
+    inside: bool = False  # in a scene
     indent: int = 0
-    pieces: list[str] = field(default_factory=list)  # a space wanted before it, or not, is in it
+    pieces: list[str] = field(default_factory=list)  # texts of tokens with the spaces before them
 
     @property
     def code(self) -> str:
@@ -53,7 +54,7 @@ class Line:
 
 
 def laid_out(source: Source) -> str:
-    """The text of a model in its layout. Raises ModelError where it does not lex."""
+    """Returns the formatted text of a model. Raises ModelError for lexical errors."""
     lexed = statements(source)
     errors = [error for statement in lexed for error in statement.errors]
     if errors:
@@ -79,7 +80,7 @@ def laid_out(source: Source) -> str:
 
 
 def signs(source: Source) -> list[list[tuple[str, str]]]:
-    """What a text says, whatever its spaces: each statement's tokens, and its last comment."""
+    """Returns the content of a text without its spaces: tokens and comment of each statement."""
     return [
         [*((t.type, _text(source, t)) for t in statement.tokens), ("#", statement.comment)]
         for statement in statements(source)
@@ -93,7 +94,7 @@ def _text(source: Source, token: Token) -> str:
 def _lines(source: Source, lexed: Iterable) -> list[Line]:
     texts = source.text.split("\n")
     lines = [Line(i + 1) for i in range(len(texts))]
-    ends = [0] * len(texts)  # behind the last token of a line, in it
+    ends = [0] * len(texts)  # column after the last token of each line
     for statement in lexed:
         for token in statement.tokens:
             number, column = source.position(token.start_pos)
@@ -118,9 +119,9 @@ def _scenes(lines: list[Line]) -> None:
 
 
 def _tight_signs(tokens: list[Token]) -> set[int]:
-    """Where the + and - of a statement stand that are in an index or in a range: i+1..N."""
+    """Returns the positions of + and - that are in an index or in a range: i+1..N."""
     found: set[int] = set()
-    waiting: list[list] = [["", False, []]]  # opener, whether there are dots, signs of a part
+    waiting: list[list] = [["", False, []]]  # opener, whether it has dots, positions of its signs
     for token in tokens:
         if token.type in OPENERS:
             waiting.append([token.type, False, []])
@@ -144,10 +145,10 @@ def _of_part(part: list) -> set[int]:
 
 
 def _spaced(source: Source, line: Line, before: Token | None, tight: set[int]) -> list[str]:
-    """The tokens of a line, each with the space that belongs before it; `before` is the last of the
-    statement in the lines above."""
+    """Returns the tokens of a line with the spaces before them; `before` is the statement's last
+    token in the lines above."""
     pieces: list[str] = []
-    signed = False  # the token before is a sign of what follows, or stands in an index
+    signed = False  # the previous token is a unary sign, or is in an index
     for token in line.tokens:
         text = _text(source, token)
         binary = before is not None and before.type in VALUE_ENDS
@@ -164,13 +165,13 @@ def _spaced(source: Source, line: Line, before: Token | None, tight: set[int]) -
 
 
 def _joins(left: str, right: str) -> bool:
-    """Whether two tokens would be another one together."""
+    """Whether two tokens without a space would lex as another one."""
     words = re.match(r"\w|\.\w", right) and re.search(r"\w$", left)
     return left + right == "**" or bool(words and (right[0] != "." or left[0].isdigit()))
 
 
 def _blocks(lines: list[Line]) -> Iterator[list[Line]]:
-    """Lines of statements beside each other: no line between them is empty, or a comment alone."""
+    """Yields consecutive first lines of statements, without empty or comment lines between."""
     block: list[Line] = []
     for line in lines:
         heads = line.first and line.tokens[0].type in ("SCENE", "END")
@@ -185,12 +186,12 @@ def _blocks(lines: list[Line]) -> Iterator[list[Line]]:
 
 
 def _align_words(block: list[Line]) -> None:
-    """What stands behind the words of a scene, and of what takes an expression alone, stands below
-    each other where these words are near in length."""
+    """Aligns the texts after words of a scene, and after words that take one expression, for
+    consecutive words of similar length."""
     run: list[Line] = []
     for line in block:
         widths = [len(one.pieces[0]) for one in (*run, line)]
-        row = STATEMENTS.get(line.tokens[0].type.lower())  # None: it begins with no word
+        row = STATEMENTS.get(line.tokens[0].type.lower())  # None: no keyword at the start
         alone = row is not None and (line.inside or row.syntax == "single")
         behind = len(line.pieces) > 1 and alone
         if not behind or max(widths) - min(widths) > NEAR:
@@ -208,11 +209,11 @@ def _pad(run: list[Line]) -> None:
 
 @dataclass
 class _Place:
-    """What stands in a column of the author's: a piece, and the one that spaces go before."""
+    """A token in a column that the author aligned: its index, and that of the piece to pad."""
 
     line: Line
     index: int
-    before: int  # its sign, or it
+    before: int  # index of its sign, or its own
 
     @property
     def column(self) -> int:
@@ -221,8 +222,8 @@ class _Place:
 
 
 def _keep_columns(source: Source, block: list[Line]) -> None:
-    """What stands in one column in lines beside each other, with more than a space before it in one
-    of them, does so still, whatever else is moved: as far left as that goes."""
+    """Keeps the author's columns: tokens aligned in consecutive lines, with more than one space
+    before one of them, stay aligned, as far left as possible."""
     for places in _columns(source, block):
         most = max(place.column for place in places)
         for place in places:
@@ -231,9 +232,9 @@ def _keep_columns(source: Source, block: list[Line]) -> None:
 
 
 def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
-    """The author's, by the text as it was, from the left: of statements of one word, and of all
-    behind their words. Other lines may stand between."""
-    found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}  # whether a gap is wide
+    """Yields the columns of the original text from the left: first tokens of one kind of statement,
+    and later tokens of any. Other lines may come between."""
+    found: dict[tuple[int, str], tuple[bool, list[_Place]]] = {}  # whether a gap is wide; tokens
     for line in block:
         for index, before, gap in _gaps(line):
             kind = line.tokens[0].type if index > 1 else ""
@@ -244,8 +245,8 @@ def _columns(source: Source, block: list[Line]) -> Iterator[list[_Place]]:
 
 
 def _gaps(line: Line) -> Iterator[tuple[int, int, int]]:
-    """Tokens that may stand in a column, what spaces would go before, and how many there were: of a
-    number with a sign the number stands there, and the spaces go before its sign."""
+    """Yields tokens that may be in a column: index, index of the piece to pad, original gap. A
+    signed number is aligned by its digits and padded before its sign."""
     for index in range(1, len(line.tokens)):
         gap = line.tokens[index].start_pos - line.tokens[index - 1].end_pos
         if gap and line.pieces[index].startswith(" "):
@@ -255,7 +256,7 @@ def _gaps(line: Line) -> Iterator[tuple[int, int, int]]:
 
 
 def _indented(lines: list[Line]) -> None:
-    """Every line begins where it should; what goes on in a bracket begins behind that."""
+    """Sets the indentation of every line; lines within a bracket start at its content."""
     opened: list[int] = []
     for line in lines:
         base = INDENT * line.inside
@@ -277,7 +278,7 @@ def _indented(lines: list[Line]) -> None:
 
 
 def _commented(lines: list[Line]) -> Iterator[list[Line]]:
-    """Lines of code with comments, none of another kind between them."""
+    """Yields consecutive lines of code with comments."""
     block: list[Line] = []
     for line in lines:
         if line.tokens and line.comment:
@@ -289,10 +290,10 @@ def _commented(lines: list[Line]) -> Iterator[list[Line]]:
 
 
 def _align_comments(block: list[Line]) -> None:
-    """In the column where most stand, else that of the first; where no other stands there yet,
-    further right where code that is not much longer ends."""
+    """Aligns comments in their most common column, else in that of the first; where code is too
+    long for it, further right."""
     before: list[int] = []
-    while before != (before := [line.column for line in block]):  # what was moved may be most
+    while before != (before := [line.column for line in block]):  # the commonest may change
         waiting = block
         while waiting:
             column = _column(waiting)
@@ -302,7 +303,7 @@ def _align_comments(block: list[Line]) -> None:
 
 
 def _column(block: list[Line]) -> int:
-    """Where comments of lines beside each other are to stand."""
+    """Returns the column of the comments of consecutive lines."""
     columns = [line.column for line in block]
     column, count = Counter(columns).most_common(1)[0]
     column = column if 2 * count > len(block) else columns[0]
@@ -320,7 +321,7 @@ def _column(block: list[Line]) -> int:
 
 
 def _fits(line: Line, column: int) -> bool:
-    """Whether a comment may stand there: a space is enough where the column is given."""
+    """Whether a comment fits in a column: one space before it suffices."""
     return len(line.code) < column
 
 

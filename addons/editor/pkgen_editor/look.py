@@ -1,7 +1,7 @@
-"""A text while it is written: what is wrong in it, and what stands at a place.
+"""Analyses a text while it is edited: its errors, and the meaning of a position.
 
-A place is a token of the lexer; a name means what the checker knows of it, though there be errors
-elsewhere.
+A position is resolved to a token of the lexer; a name has its meaning from the checker, even if
+there are errors elsewhere.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ NAMES = ("NAME", "FUNCTION")
 
 
 class Text:
-    """The text of a file, and all that is known of it."""
+    """The text of a file, and its analysis, computed on demand."""
 
     def __init__(self, path: str, text: str) -> None:
         self.wrong: tuple[Diagnostic, ...] = ()
         try:
             self.source = from_text(path, text)
-        except ModelError as error:  # a NUL
+        except ModelError as error:  # the text has a NUL
             self.source, self.wrong = Source(path, ""), tuple(error.diagnostics)
 
     @cached_property
@@ -57,11 +57,12 @@ class Text:
         return self.seen.names.table
 
     def findings(self) -> list[Diagnostic]:
-        """What is seen at once."""
+        """Returns the errors and warnings that need no equations."""
         return list(self.wrong or (*self.seen.errors, *self.seen.warnings))
 
     def all_findings(self) -> list[Diagnostic]:
-        """With what the equations show: claims, energies, scenes; as `pkgen check` has them."""
+        """Returns all findings, with those from the equations: claims, energies, scenes; like
+        `pkgen check`."""
         if self.wrong or self.seen.errors:
             return self.findings()
         try:
@@ -74,7 +75,7 @@ class Text:
     # ---- places
 
     def statement_at(self, offset: int) -> Lexed | None:
-        """The last that begins before it."""
+        """Returns the last statement that begins at or before an offset."""
         before = (s for s in self.lexed if s.tokens and s.tokens[0].start_pos <= offset)
         return max(before, key=lambda s: s.tokens[0].start_pos, default=None)
 
@@ -91,18 +92,18 @@ class Text:
         return ((statement, token) for statement in self.lexed for token in statement.tokens)
 
     def before(self, token: Token) -> Token | None:
-        """What stands before it in its statement."""
+        """Returns the previous token in its statement."""
         statement = self.statement_at(token.start_pos)
         tokens = statement.tokens if statement else []
         return next((a for a, b in pairwise(tokens) if b is token), None)
 
     def is_axis(self, token: Token) -> bool:
-        """A name in a drawing that is none of the model: z of `draw ground z = 0`, a plane."""
+        """Whether it is an axis in a drawing, not a name: z of `draw ground z = 0`, of a plane."""
         before = self.before(token)
         return before is not None and before.type == "SHAPE" and str(before) in ("ground", "plane")
 
     def _headed(self, token: Token) -> str:
-        """What the word before a name says that it is, of names that are in no table."""
+        """Describes a name by the word before it, for names that are in no table."""
         before = self.before(token)
         word = before.type if before is not None else ""
         method = known(self.seen.parts["methods"]).get(str(token))
@@ -115,7 +116,7 @@ class Text:
 
     @cached_property
     def made(self) -> dict[str, tuple[str, str]]:
-        """Names that come with a declared one: of which, and what they are."""
+        """Returns derived names: the declared name each comes from, and its description."""
         found: dict[str, tuple[str, str]] = {}
         for name, entry in self.names.items():
             if entry.kind in ("coordinate", "rotation"):
@@ -132,7 +133,7 @@ class Text:
         return found
 
     def _is_written(self, name: str) -> bool:
-        """Whether a joint's clause `coord` gives a coordinate this name."""
+        """Whether a clause `coord` of a joint gives a coordinate this name."""
         joints = (s.tokens for s in self.lexed if s.keyword == "joint")
         return any(str(t) == name and t.type == "NAME" for tokens in joints for t in tokens)
 
@@ -142,11 +143,11 @@ class Text:
         return [s for s in known if isinstance(s, Joint) and s.kind[0] in KINDS]
 
     def base(self, name: str) -> str:
-        """The declared name that a name is made of, or the name itself."""
+        """Returns the declared name that a name is derived from, or the name itself."""
         return self.made.get(name, (name, ""))[0]
 
     def declared_at(self, name: str, statement: Lexed | None) -> Span | None:
-        """Where a name is declared; a loop variable in its own statement."""
+        """Returns where a name is declared; for a loop variable, in its own statement."""
         entry = self.names.get(self.base(name))
         if entry is not None and entry.span.end:
             return Span(entry.span.start, entry.span.start + self._length(entry.span.start))
@@ -157,7 +158,7 @@ class Text:
         return None
 
     def scope(self, name: str, statement: Lexed | None) -> list[Lexed]:
-        """Where a loop variable means the same: its statement, or the scene of its swarm."""
+        """Returns the scope of a loop variable: its statement, or the scene of its swarm."""
         if statement is None:
             return []
         scene: list[Lexed] = []
@@ -175,7 +176,7 @@ class Text:
 
     @cached_property
     def parts(self) -> dict[str, object]:
-        """What the checker made of a declaration, by its name."""
+        """Returns the checker's objects of declarations, by name."""
         found = {}
         for items in self.seen.parts.values():
             for item in items:
@@ -186,7 +187,7 @@ class Text:
         return found
 
     def unit(self, name: str) -> str | None:
-        """In SI, as it is shown; None where it is not known."""
+        """Returns the unit in SI as text; None if it is unknown."""
         item = self.parts.get(name) or self.parts.get(f"{name}.x")
         if isinstance(getattr(item, "unit", None), str):
             return item.unit
@@ -196,7 +197,7 @@ class Text:
 
     @cached_property
     def values(self) -> dict[str, float]:
-        """Of sizes, constants and parameters by default, as far as they are numbers."""
+        """Returns the numeric values of sizes, constants and default parameters."""
         found: dict[str, object] = dict(self.seen.sizes)
         sizes = {n: v for n, v in self.seen.sizes.items() if isinstance(v, int)}
         items = [*self.seen.parts.get("definitions", ()), *self.seen.parts.get("parameters", ())]
@@ -207,13 +208,13 @@ class Text:
             try:
                 found[item.name] = evaluate(value, found, sizes)
             except (NoValue, LookupError, TypeError, ArithmeticError):
-                continue  # it moves, or has no number
+                continue  # it varies, or has no value
         return {n: float(v) for n, v in found.items() if isinstance(v, int) or _is_number(v)}
 
     # ---- what is said of a place
 
     def hover(self, offset: int) -> tuple[Span, str] | None:
-        """The token there, and what it is, as Markdown."""
+        """Returns the span of the token at an offset, and its description in Markdown; or None."""
         token = self.token_at(offset)
         if token is None:
             return None
@@ -268,7 +269,7 @@ class Text:
         return "\n\n".join(lines)
 
     def inlays(self) -> Iterator[tuple[int, str]]:
-        """Units of definitions whose author wrote none, behind them."""
+        """Yields the units of definitions written without one, and where to show them."""
         for statement in self.lexed:
             if statement.keyword not in ("let", "const", "observe", "conserve", "param"):
                 continue
@@ -283,7 +284,7 @@ class Text:
 
 
 def _runs(statement: Lexed, name: str) -> bool:
-    """Whether a swarm runs over this variable."""
+    """Whether it is a swarm over this variable."""
     return statement.keyword == "swarm" and str(statement.tokens[1]) == name
 
 

@@ -1,4 +1,4 @@
-"""What an editor proposes: words that may stand at a place, repairs, another name."""
+"""Proposals of an editor: completions, repairs, renaming."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from pkgen.source import Diagnostic, Source, Span
 from .look import NAMES, Text
 from .words import built_in, calls
 
-_SOME_NAME = "pk_q"  # stands where the word is that is being written
-_WORD = re.compile(r"[^\W\d]\w*\Z")  # not before a last newline
+_SOME_NAME = "pk_q"  # stands for the word that is being written
+_WORD = re.compile(r"[^\W\d]\w*\Z")  # \Z: not before a last newline
 _IN_UNIT = re.compile(r"[\w'\)\]][ \t]+\[[^\[\]\n#]*$|[\)'\d]\[[^\[\]\n#]*$")
 _NUMBERED = re.compile(r"[^\W\d]\w*\[[^\[\]\n#]*$")
 
@@ -33,14 +33,14 @@ class Proposal:
 
 
 class Refused(Exception):
-    """It cannot be given that name; the text says why."""
+    """The new name is impossible; the message says why."""
 
 
 # ---- words
 
 
 def proposals(text: Text, offset: int) -> list[Proposal]:
-    """What may be written there, in place of the word that ends there."""
+    """Returns completions for the word that ends at an offset."""
     written = text.source.text[:offset]
     written = written[
         : len(written) - len(word.group()) if (word := _WORD.search(written)) else None
@@ -80,7 +80,7 @@ def _statements(text: Text, offset: int) -> Iterator[Proposal]:
 
 
 def _parts(before: list) -> list[str]:
-    """Words of a drawing, a body or a joint that are not written yet."""
+    """Returns the words of a drawing, a body or a joint that are not written yet."""
     written = {str(token) for token in before if token.type == "WORD"}
     if before[0].type in ("BODY", "JOINT"):
         words = list(CLAUSES[before[0].type.lower()])
@@ -92,7 +92,7 @@ def _parts(before: list) -> list[str]:
 
 
 def _clauses(word: str) -> list[str]:
-    """Those that a statement of that word may have, by its syntax."""
+    """Returns the clauses of a kind of statement, by its syntax."""
     if word not in STATEMENTS:
         return []
     syntax = SYNTAX[STATEMENTS[word].syntax].lower()
@@ -137,8 +137,8 @@ _PROSE = re.compile(r"[a-z]{2,} [a-z]{2,}|[a-z]{2,} \[[a-z], ")
 
 
 def repairs(text: Text, finding: Diagnostic) -> Iterator[tuple[Span, str]]:
-    """What a hint says to write, and the place that it replaces: only what takes the finding away,
-    and makes no error in another line."""
+    """Yields replacements from a hint, each with the span it replaces: only if the finding
+    vanishes, without new errors in other lines."""
     whole, tried = text.source.text, set()
     for hint in _HINTS:
         found = hint.search(finding.help)
@@ -171,7 +171,8 @@ def _named(finding: Diagnostic) -> tuple[str, int]:
 
 
 def _placed(text: str, span: Span, instead: str) -> tuple[Span, str]:
-    """Without what stands there already before the place: `q[1..3]` for the `[3]` of `q[3]`."""
+    """Removes a prefix that the text already has before the span: `q[1..3]` for the `[3]` of
+    `q[3]`."""
     for k in range(len(instead), 0, -1):
         if text.endswith(instead[:k], 0, span.start) and not text[span.start :].startswith(instead):
             rest = instead[k:].lstrip() if text[span.start - 1] == " " else instead[k:]
@@ -183,13 +184,13 @@ def _placed(text: str, span: Span, instead: str) -> tuple[Span, str]:
 
 
 def uses(text: Text, offset: int) -> list[tuple[Span, str]]:
-    """Each place of the name that stands there, and what is written in it: the name, or one that is
-    made of it."""
+    """Returns each use of the name at an offset: span and text, which is the name or a derived one.
+    """
     token = text.token_at(offset)
     if token is None or token.type not in NAMES or text.is_axis(token):
         return []
     name = text.base(str(token))
-    if name not in text.names:  # a loop variable is one in its own statement alone
+    if name not in text.names:  # a loop variable is local to its statement
         statement = text.statement_at(offset)
         if text.declared_at(name, statement) is None:
             return []
@@ -204,7 +205,7 @@ def uses(text: Text, offset: int) -> list[tuple[Span, str]]:
 
 
 def renamed(text: Text, offset: int, new: str) -> list[tuple[Span, str]]:
-    """The changes that give it another name. Raises Refused."""
+    """Returns the changes of a renaming. Raises Refused."""
     places = uses(text, offset)
     token = text.token_at(offset)
     if not places:
@@ -236,7 +237,8 @@ def _messages(text: Text) -> set[str]:
 
 
 def _other(name: str, old: str, new: str) -> str:
-    """`p_old` becomes `p_new`, and what a joint makes likewise."""
+    """Returns a derived name after renaming: `p_old` becomes `p_new`, and so for a joint's names.
+    """
     head, _, tail = (
         name.rpartition(old) if not name.startswith(old) else ("", old, name[len(old) :])
     )

@@ -1,8 +1,8 @@
-"""The language server: what is known of a text, in the words of the Language Server Protocol.
+"""The language server: the analysis of a text by the Language Server Protocol.
 
-Whatever pygls does for all servers, it does here; each request looks at the text anew, which takes
-some milliseconds. Texts whose equations are quickly derived are looked at as `pkgen check` does
-after each change, others when they are opened and saved.
+pygls implements the generic parts; each request analyses the text again, within milliseconds. If
+the equations are derived quickly, all findings of `pkgen check` are computed after each change;
+else when a text is opened or saved.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from . import propose
 from .layout import laid_out
 from .look import Text
 
-QUICK = 0.2  # s: equations that are derived in less are so after each change
-MOST_BYTES = 1 << 26  # of a message
-LONGEST = 10.0  # s of the processor for one text
+QUICK = 0.2  # seconds: faster equations are derived after each change
+MOST_BYTES = 1 << 26  # bytes of the longest message
+LONGEST = 10.0  # CPU seconds for one text
 KINDS = {
     "statement": lsp.CompletionItemKind.Keyword,
     "clause": lsp.CompletionItemKind.Keyword,
@@ -49,7 +49,7 @@ SEVERITIES = {
 }
 
 server = LanguageServer("pkgen", __version__)
-_seconds: dict[str, float] = {}  # how long the equations of a text took
+_seconds: dict[str, float] = {}  # CPU seconds of the equations of a text
 
 
 @lru_cache(maxsize=32)
@@ -270,7 +270,7 @@ _DECLARE += ("rotation", "constraint", "rolling")
 
 
 class _Line(logging.Formatter):
-    """Of what a client did wrong one line, and no traceback."""
+    """Formats a client's error in one line, without a traceback."""
 
     def format(self, record: logging.LogRecord) -> str:
         error = record.exc_info[1] if record.exc_info else ""
@@ -279,7 +279,7 @@ class _Line(logging.Formatter):
 
 
 class _Input:
-    """Standard input. A message that claims to be longer than any is not waited for."""
+    """Standard input. It does not wait for a message that claims to be longer than MOST_BYTES."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self.stream = stream
@@ -296,8 +296,9 @@ class _Input:
 
 
 def serve() -> None:
-    """Answer until the editor ends it. What anything prints must not get between the messages. The
-    thread that waits for the next one would keep the process that a signal is to end."""
+    """Answers until the editor ends it. Standard output is redirected, so that no print gets
+    between the messages. A signal exits at once, since the thread that reads would keep the process
+    alive."""
     for number in ENDS:
         signal.signal(number, lambda *_: os._exit(INTERRUPTED))
     output = os.fdopen(os.dup(1), "wb")

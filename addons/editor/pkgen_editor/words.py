@@ -1,6 +1,6 @@
-"""The words of the language by class, as an editor colours and completes them.
+"""The words of the language by class, for colours and completion in an editor.
 
-All come from the tables that the lexer and the checker read. What a function is stands here.
+All come from the tables of the lexer and the checker; only descriptions of functions are here.
 """
 
 from __future__ import annotations
@@ -52,21 +52,21 @@ _BUILT_IN = {"T": "the kinetic energy", "V": "the potential energy", "L": "the L
 
 
 def calls() -> dict[str, tuple[str, str]]:
-    """Of each function how it is called, and what it is."""
+    """Returns the call and the description of each function."""
     rows = (line.partition(")") for line in _CALLS.strip().split("\n"))
     return {form.partition("(")[0]: (f"{form})", what.strip()) for form, _, what in rows}
 
 
 def built_in() -> dict[str, str]:
-    """Names that every model has, and what they are."""
+    """Returns the names that every model has, and their descriptions."""
     origin = {ORIGIN: "the origin, unless the model has an O of its own", GROUND: "what stands"}
     return CONSTANTS | _BUILT_IN | origin
 
 
 @cache
 def words() -> dict[str, tuple[str, ...]]:
-    """Words by class. `statement` are words anywhere, `opening` at the start of a statement alone,
-    `part` in some statements, `clause` anywhere, `function` before a bracket."""
+    """Returns words by class. `statement` are words anywhere, `opening` only at the start of a
+    statement, `part` in some statements, `clause` anywhere, `function` before a bracket."""
     parts = {part for shape in SHAPES.values() for part in shape.parts}
     bodies = {word for words in CLAUSES.values() for word in words} | KINDS.keys()
     found = {

@@ -1,10 +1,10 @@
-"""A neighbourhood that no motion leaves in a step: Picard and Lindelof in complex time.
+"""Finds a neighbourhood that no motion leaves in a step: Picard and Lindelof in complex time.
 
-If |F| <= M over the polydisk of radii r around the start and R M <= r, then each motion is
-holomorphic in the disk |t| < R and keeps within R M of its start there. By Cauchy its Taylor
-coefficients are at most R M/R^k; those of its derivative by the start at most
-(exp(R L) - 1)/R^k, where L bounds the Jacobian (Gronwall), entry by entry.
-Reference: W. Walter, Ordinary Differential Equations, Springer 1998, sections 6, 8 and 9.
+If |F| <= M over the polydisk of radii r around the start and R M <= r, each motion is holomorphic
+in the disk |t| < R and stays within R M of its start there. By Cauchy its Taylor coefficients are
+at most R M/R^k; those of its derivative with respect to the start are at most (exp(R L) - 1)/R^k,
+where L bounds the Jacobian (Gronwall), entry by entry. Reference: W. Walter, Ordinary Differential
+Equations, Springer 1998, sections 6, 8 and 9.
 """
 
 from __future__ import annotations
@@ -24,13 +24,14 @@ TRIES = 300
 
 @record
 class Neighbourhood:
-    radius: Any  # R, of the disk of times
+    radius: Any  # R, radius of the time disk
     moved: list[Any]  # R M of each variable
     turned: Any  # exp(R L) - 1
 
 
 def neighbourhood(flow: Flow, t: Any, y: list[Any], tried: Any) -> Neighbourhood | None:
-    """The largest of some radii of time, near the one tried; None where there is none."""
+    """Returns the neighbourhood of the largest successful time radius, at most `tried`; None if
+    none is."""
     library = flint()
     for _ in range(TRIES):
         moved = _moved(flow, t, y, tried)
@@ -46,7 +47,8 @@ def neighbourhood(flow: Flow, t: Any, y: list[Any], tried: Any) -> Neighbourhood
 
 
 def _moved(flow: Flow, t: Any, y: list[Any], radius: Any) -> list[Any] | None:
-    """R M of radii r that contain it, found by inflation."""
+    """Returns R M contained in the radii r, which are found by inflation; None if there are none.
+    """
     library = flint()
     now = _around(t, radius)
     tried = [library.arb(0) for _ in y]
@@ -63,7 +65,7 @@ def _moved(flow: Flow, t: Any, y: list[Any], radius: Any) -> list[Any] | None:
 
 
 def _around(x: Any, radius: Any) -> Any:
-    """The complex square around a real ball."""
+    """Returns the complex square around a real ball."""
     library = flint()
     both = library.arb(0, radius)
     return library.acb(x + both, both)

@@ -1,4 +1,4 @@
-"""What the options of a run ask of bounds: exact numbers, columns, and what is refused."""
+"""Reads the options of a run with bounds: exact numbers and columns; refuses unsupported models."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .flow import Ends, Given
 
 DIGITS = 15
 MOST_DIGITS = 500
-# Options of a run that mean nothing here, by their names in argparse.
+# Options of a run that are refused here, by their names in argparse.
 FOREIGN = (
     *("method", "step", "max_step", "rtol", "atol", "at", "ensemble", "threads", "diagnose"),
     *("plot", "report", "columns", "phase", "path", "spectrum"),
@@ -31,14 +31,14 @@ FOREIGN = (
 
 
 class Exact(Values):
-    """Values of options as the decimals that are written."""
+    """Values of options, exactly as the written decimals."""
 
     def kept(self, found: Fraction | float) -> Fraction:  # type: ignore[override]
         return decimal(found)
 
 
 def decimal(value: Fraction | float) -> Fraction:
-    """A double by the shortest decimal that is read as it."""
+    """Returns a double as its shortest decimal representation, exactly."""
     return value if isinstance(value, Fraction) else Fraction(repr(float(value)))
 
 
@@ -63,7 +63,7 @@ def refuse_options(options: argparse.Namespace) -> None:
 
 
 def ends(options: argparse.Namespace) -> tuple[argparse.Namespace, argparse.Namespace]:
-    """The options with the lower and with the upper ends of what is given as NAME=LO..HI."""
+    """Returns the options with the lower and with the upper ends of values NAME=LO..HI."""
     both = argparse.Namespace(**vars(options)), argparse.Namespace(**vars(options))
     for side, each in enumerate(both):
         for option in ("set", "start"):
@@ -83,7 +83,8 @@ def _end(option: str, text: str, side: int) -> str:
 
 
 def given(both: tuple[argparse.Namespace, argparse.Namespace], compilation: Compilation) -> Given:
-    """Of the `ends` of the options. Raises UsageError where the model has no bounds here."""
+    """Returns exact data from the `ends` of the options. Raises UsageError for unsupported models.
+    """
     options, e = both[0], compilation.equations
     chosen = scenes.chosen(compilation.declared, options.scene) if options.scene else None
     settings = parsing.settings(options, compilation, None, chosen)
@@ -112,7 +113,7 @@ def given(both: tuple[argparse.Namespace, argparse.Namespace], compilation: Comp
 
 
 def _values(exact: Exact, options: argparse.Namespace, settings) -> tuple[dict, dict, dict]:
-    """Parameters, coordinates and rates by index, as the decimals that are written."""
+    """Returns parameters, coordinates and rates by index, as the decimals that are written."""
     parameters = {k: decimal(x) for k, x in settings.parameters}
     known, inputs = named.parameters(exact.compilation), named.inputs(exact.compilation)
     sets, _ = exact.read([assignment("--set", text) for text in options.set if _number(text)])
@@ -173,7 +174,7 @@ def _columns(compilation: Compilation, settings) -> list[tuple[str, Node]]:
 
 
 def refuse(compilation: Compilation, columns: list[Node]) -> None:
-    """Say where the model has what no power series goes through, and what to do."""
+    """Raises UsageError, with position and advice, for features of a model without power series."""
     e, model = compilation.equations, compilation.model
 
     def wrong(span: Span, why: str, advice: str) -> NoReturn:
@@ -202,16 +203,16 @@ def refuse(compilation: Compilation, columns: list[Node]) -> None:
 
 
 def _without_series(g: Graph, nodes: list[Node]) -> str:
-    """A function below the nodes that has no power series, "" of none."""
+    """Returns a function in the nodes that has no power series, or ""."""
     varying = (n for n in reachable(g, nodes) if not g.is_constant(n))
     calls = [g.data[n] for n in varying if g.op[n] is Op.CALL]
     found = [x for x in calls if not FUNCTIONS[x].smooth or FUNCTIONS[x].enclosed is None]
-    # abs differentiates to sign, min and max to step: the author wrote the former.
+    # The derivative of abs has sign, those of min and max have step: prefers the function written.
     return min(found, key=lambda name: name in ("sign", "step")) if found else ""
 
 
 def _place_of(compilation: Compilation, name: str) -> Span:
-    """Where the author wrote it, or the model's own statement."""
+    """Returns the position of a function in the text, or of the model statement."""
     import re
 
     model = compilation.model

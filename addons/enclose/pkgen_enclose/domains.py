@@ -1,8 +1,8 @@
-"""Nodes of the graph on balls: on real ones, on power series of real ones, on complex ones.
+"""Evaluates nodes of the graph in balls: real ones, power series of real ones, complex ones.
 
-A result without a value is not finite; whoever asks looks for that. Complex values are of
-holomorphic functions alone: a ball that touches a cut has none. The arithmetic is Arb's.
-Reference: F. Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
+An undefined result is not finite, which callers check. Complex functions are holomorphic where they
+are finite: on a ball that touches a branch cut they are not. The arithmetic is Arb's. Reference: F.
+Johansson, Arb, IEEE Trans. Comput. 66 (2017) 1281-1292.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ MISSING = (
 
 
 def flint() -> Any:
-    """The library. Raises UsageError where it is missing."""
+    """Returns the library. Raises UsageError if it is not installed."""
     try:
         import flint as library
     except ImportError:
@@ -32,7 +32,7 @@ def flint() -> Any:
 
 
 def ball(value: Fraction | int, upper: Fraction | None = None) -> Any:
-    """A number, or all of them between two."""
+    """Returns a ball around a number, or around all numbers between two."""
     if upper is not None and upper != value:
         return ball(value).union(ball(upper))
     value = Fraction(value)
@@ -41,7 +41,7 @@ def ball(value: Fraction | int, upper: Fraction | None = None) -> Any:
 
 
 class Reals:
-    """Of arb: what the functions of a row call (functions/row.py, `enclosed`)."""
+    """Functions on arb, as called by functions/row.py (`enclosed`)."""
 
     number = staticmethod(ball)
 
@@ -61,7 +61,7 @@ class Reals:
     def max(self, x: Any, y: Any) -> Any:
         return x.max(y)
 
-    # Of constants alone:
+    # For constants only:
 
     def step(self, x: Any) -> Any:
         return ball(int(x >= 0)) if x >= 0 or x < 0 else x.nan()
@@ -71,10 +71,10 @@ class Reals:
 
 
 class Series(Reals):
-    """Of arb_series; what does not vary is an arb."""
+    """Functions on arb_series; a constant is an arb."""
 
     def atan2(self, y: Any, x: Any) -> Any:
-        """By its derivative (x y' - y x')/(x^2 + y^2)."""
+        """Returns atan2 by the integral of its derivative (x y' - y x')/(x^2 + y^2)."""
         library = flint()
         y, x = (a if isinstance(a, library.arb_series) else a + _constant(y, x) for a in (y, x))
         first = super().atan2(y[0], x[0])
@@ -89,7 +89,7 @@ def _constant(y: Any, x: Any) -> Any:
 
 
 class Complexes(Reals):
-    """Of acb; `analytic` is not finite where a ball touches the cut."""
+    """Functions on acb; `analytic` results are not finite if a ball touches the branch cut."""
 
     def log(self, x: Any) -> Any:
         return _complex(x).log(analytic=True)
@@ -98,7 +98,8 @@ class Complexes(Reals):
         return _complex(x).sqrt(analytic=True)
 
     def _inside(self, value: Any, what: Any) -> Any:
-        """The value, if `what` is off the negative axis, else none."""
+        """Returns the value if `what` is off the negative axis; else a result that is not finite.
+        """
         off = _complex(what).log(analytic=True)
         return value if off.is_finite() else off
 
@@ -112,13 +113,13 @@ class Complexes(Reals):
         return self._inside(_complex(x).atan(), 1 + x * x)
 
     def atan2(self, y: Any, x: Any) -> Any:
-        """Turned so that the middle is at the angle 0: c + atan(w/u)."""
+        """Returns c + atan(w/u), rotated by c so that the midpoint has angle 0."""
         y, x = _complex(y), _complex(x)
         if on_cut(y.real, x.real):
             return x * flint().arb.nan()
         c = flint().arb.atan2(y.real.mid(), x.real.mid()).mid()
         u, w = x * c.cos() + y * c.sin(), y * c.cos() - x * c.sin()
-        # Re u > 0 keeps u off 0, and so one branch on all of the ball.
+        # With Re u > 0, u is not 0 and the whole ball is on one branch.
         return c + self.atan(w / u) if u.real > 0 else x * flint().arb.nan()
 
 
@@ -128,10 +129,10 @@ def _complex(x: Any) -> Any:
 
 
 def on_cut(y: Any, x: Any) -> bool:
-    """Whether a real pair of these may be on the cut of atan2, its end 0 included."""
+    """Whether a pair of these real balls may be on the cut of atan2, including its end 0."""
     return bool(y.contains(0)) and not x > 0
 
 
 def written(g: Graph, nodes: Iterable[Node], constants: Mapping[Symbol, Any]) -> Written:
-    """Nodes as a function over a domain, the parameters as balls."""
+    """Returns the nodes as a function over a domain, with parameters as balls."""
     return Written(g, nodes, constants, Reals())

@@ -1,8 +1,8 @@
-"""A motion within rigorous bounds, row by row; once more with more digits where they were lost.
+"""Computes a motion within rigorous bounds, row by row; repeats it if too many digits are lost.
 
-Every step leaves out 10^-D of how far its motion may go, D the digits wanted and some spare ones.
-How many of these the motion itself loses is known when it is over: then it is run again with as
-many more.
+The truncation error of a step is 10^-D of the range of motion in it; D is the number of digits
+wanted plus spare ones. The number of digits that the motion itself loses is known only after a run;
+then it is repeated with as many more.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from .domains import ball, flint
 from .flow import REAL, Flow, Given
 from .step import Step, begun, step
 
-SPARE = 9  # digits, beyond those wanted
+SPARE = 9  # digits beyond those wanted
 ATTEMPTS = 5
 BITS_A_DIGIT = log(10) / log(2)
-GUARD = 40  # bits
-SHORTEST = 1e-9  # a step, of the duration
-GROWTH = 1.2  # of the radius that is tried, from step to step
+GUARD = 40  # additional bits
+SHORTEST = 1e-9  # shortest step, relative to the duration
+GROWTH = 1.2  # factor on the radius tried, from step to step
 
 
 @record
@@ -39,19 +39,19 @@ class Row:
 class Enclosure:
     names: tuple[str, ...]
     rows: list[Row]
-    until: Fraction  # asked for
-    reached: Fraction  # of which the last row is not beyond
+    until: Fraction  # requested end
+    reached: Fraction  # time of the last row
     wanted: int  # digits
-    digits: int  # that the worst number of all has, of the largest of its column
-    worst: str  # its column
-    width: float  # from bound to bound, the largest of all
+    digits: int  # certified digits of the worst number, relative to its column's largest
+    worst: str  # column of the worst number
+    width: float  # largest width, from bound to bound
     widest: str
     steps: int
     order: int
     bits: int
-    seconds: float  # of the processor, all attempts
+    seconds: float  # CPU seconds of all attempts
     attempts: int
-    several: bool  # bounds are of all motions between ends that were given
+    several: bool  # bounds hold for all motions between given ends
     interrupted: bool = False
 
     @property
@@ -65,8 +65,8 @@ def enclose(
     told: Callable[[float], None] = lambda _: None,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Enclosure:
-    """Rows from 0 to the end, or to where bounds end, or to where it is stopped. Raises UsageError
-    where the start is off the constraints."""
+    """Returns rows from 0 to the end, or to where bounds fail or it is stopped. Raises UsageError
+    if the start is off the constraints."""
     begin = time.process_time()
     spare, best = SPARE, None
     attempt = 0
@@ -77,7 +77,7 @@ def enclose(
             best = found
         if (found.whole and found.digits >= digits) or given.several or stopped():
             break
-        if best is not found:  # more digits do not help
+        if best is not found:  # more digits did not help
             break
         spare += max(digits - found.digits, 0) + SPARE if found.whole else 2 * digits
     seconds = time.process_time() - begin
@@ -92,7 +92,7 @@ def _attempt(
     stopped: Callable[[], bool],
 ) -> Enclosure:
     sought = digits + spare
-    # K^2/10^(-D/K), the work of a unit of time, is least there.
+    # This order K minimises the work per unit of time, K^2/10^(-D/K).
     order = max(ceil(sought * log(10) / 2), 8)
     bits = ceil(sought * BITS_A_DIGIT) + GUARD
     with flint().ctx.workprec(bits):
@@ -136,7 +136,8 @@ def _rows(
 
 
 def _refuse_off(given: Given, flow: Flow) -> None:
-    """A motion whose start meets the constraints meets them for ever, by the equations alone."""
+    """Raises UsageError if the start is off the constraints; the equations keep a start that is on
+    them."""
     residuals = flow.residuals(REAL, flow.values(ball(0), flow.start))
     for k, x in enumerate(residuals):
         if x.contains(0):
@@ -153,14 +154,14 @@ def _refuse_off(given: Given, flow: Flow) -> None:
 
 
 def _narrow(made: Step) -> bool:
-    """Whether bounds are still bounds: narrower than what a step may move."""
+    """Whether bounds are finite and some are narrower than the motion of a step."""
     hull = made.first.hull()
     pairs = zip(hull, made.around.moved, strict=True)
     return all(x.is_finite() for x in hull) and any(x.rad() < m or x.rad() == 0 for x, m in pairs)
 
 
 def _between(given: Given, flow: Flow, made: Step, last: Fraction) -> list[Row] | None:
-    """The rows within a step; None where one has no bounds."""
+    """Returns the rows within a step; None if one has no bounds."""
     found = []
     while last < given.until:
         t = min((last // given.every + 1) * given.every, given.until)
@@ -176,7 +177,7 @@ def _between(given: Given, flow: Flow, made: Step, last: Fraction) -> list[Row] 
 
 
 def _size(column: tuple[Any, ...]) -> float:
-    """The largest of a column; 1, so that digits are those behind the point, where all may be 0."""
+    """Returns the largest magnitude of a column; 1 if all may be 0, so that digits are absolute."""
     if all(x.contains(0) for x in column):
         return 1.0
     return max(float(x.abs_upper()) for x in column)

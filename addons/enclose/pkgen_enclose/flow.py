@@ -18,13 +18,13 @@ from .domains import Complexes, Reals, Series, ball, flint, written
 TIME = Symbol(Kind.TIME)
 
 
-Ends = tuple[Fraction, Fraction]  # all numbers between them, or the one that both are
+Ends = tuple[Fraction, Fraction]  # an interval, or one number if both are equal
 
 
 @record
 class Given:
-    """What is asked for, as exact numbers in SI: parameters, coordinates and rates by index (behind
-    the rates the states), and the nodes of the columns."""
+    """The request, as exact numbers in SI: parameters, coordinates and rates by index (states
+    follow the rates), and the nodes of the columns."""
 
     equations: Equations
     parameters: Mapping[int, Ends]
@@ -37,19 +37,19 @@ class Given:
 
     @property
     def wide(self) -> list[int]:
-        """Parameters that are any number between two."""
+        """Returns the parameters that are intervals."""
         return [k for k, (low, high) in self.parameters.items() if low != high]
 
     @property
     def several(self) -> bool:
-        """Whether it is of more than one motion."""
+        """Whether it has more than one motion."""
         ends = (*self.coordinates.values(), *self.rates.values())
         return bool(self.wide) or any(low != high for low, high in ends)
 
 
 class Flow:
-    """F, its Jacobian and the columns; made anew for another precision. A wide parameter is a
-    variable that rests, so that what depends on it keeps together."""
+    """F, its Jacobian and the columns, in one precision. An interval parameter is a variable with
+    rate 0, which preserves its correlations."""
 
     def __init__(self, given: Given):
         e = given.equations
@@ -79,7 +79,7 @@ class Flow:
         return {TIME: t, **dict(zip(self.variables, y, strict=True))}
 
     def series(self, t: Any, y: list[Any], order: int) -> list[Any]:
-        """The solution from y as power series in time, its coefficients up to that order."""
+        """Returns the solution from y as power series in time, up to an order."""
         library = flint()
         found = [[x] for x in y]
         for k in range(order):
@@ -90,7 +90,8 @@ class Flow:
         return [library.arb_series(c, order + 1) for c in found]
 
     def variations(self, t: Any, y: list[Any], order: int) -> list[Any]:
-        """The Taylor coefficients of the derivative of the flow by its start: matrices."""
+        """Returns the Taylor coefficients of the derivative of the flow with respect to its start:
+        matrices."""
         library = flint()
         terms = self.series(t, y, order)
         now = library.arb_series([t, 1], order + 1)
@@ -106,7 +107,7 @@ class Flow:
         return found
 
     def jacobian_bound(self, t: Any, y: list[Any]) -> Any:
-        """Bounds of the magnitudes of the entries over complex balls."""
+        """Returns bounds of the magnitudes of the Jacobian's entries over complex balls."""
         found = self.jacobian(COMPLEX, self.values(t, y))
         return self._matrix([flint().acb(x).abs_upper() for x in found])
 
@@ -125,7 +126,7 @@ REAL, SERIES, COMPLEX = Reals(), Series(), Complexes()
 
 
 def _coefficient(value: Any, k: int) -> Any:
-    """Of a series, or of a ball that does not vary."""
+    """Returns coefficient k of a series, or of a constant ball."""
     library = flint()
     if isinstance(value, library.arb_series):
         return value[k]
@@ -139,7 +140,7 @@ def _partial(g: Graph, node: Node, symbol: Symbol) -> Node:
 def _swapped(
     g: Graph, e: Equations, resting: Mapping[int, Symbol], given: Given
 ) -> dict[Node, Node]:
-    """What stands in the place of wide parameters, and of those whose values follow from them."""
+    """Returns the replacements of interval parameters, and of defaults that depend on them."""
     swap: dict[Node, Node] = {}
     for k, slot in enumerate(e.parameters if resting else ()):
         symbol = g.symbol(Symbol(Kind.PARAMETER, k))
@@ -151,7 +152,7 @@ def _swapped(
 
 
 def _parameters(e: Equations, given: Given) -> dict[Symbol, Any]:
-    """Each from earlier ones, unless it is set."""
+    """Returns all parameters as balls; a default is evaluated from earlier ones."""
     found: dict[Symbol, Any] = {}
     for k, slot in enumerate(e.parameters):
         if k in given.parameters:

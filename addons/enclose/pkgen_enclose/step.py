@@ -1,12 +1,12 @@
-"""One step: the Taylor polynomial of the middle, its remainder, and Lohner's set around it.
+"""Makes one step: the Taylor polynomial of the midpoint, its remainder, and Lohner's set around it.
 
-Motions are in u + A r, u a point, A a matrix near an orthogonal one, r a box around 0. A step takes
-u along its own Taylor series and the rest by the derivative of the flow over the whole set (mean
-value); the next A is the Q of J A, its columns by length, so that a box is not wrapped anew at each
-step.
-References: R. Lohner, Enclosing the solutions of ordinary initial and boundary value problems, in
-Computerarithmetic, Teubner 1987; N. Nedialkov, K. Jackson, G. Corliss, Validated solutions of
-initial value problems for ordinary differential equations, Appl. Math. Comput. 105 (1999) 21-68.
+The set is u + A r: u a point, A a nearly orthogonal matrix, r a box around 0. A step moves u along
+its own Taylor series, and the rest by the derivative of the flow over the whole set (mean value
+theorem). The next A is the Q factor of J A, with columns ordered by length, which reduces the
+wrapping effect. References: R. Lohner, Enclosing the solutions of ordinary initial and boundary
+value problems, in Computerarithmetic, Teubner 1987; N. Nedialkov, K. Jackson, G. Corliss, Validated
+solutions of initial value problems for ordinary differential equations, Appl. Math. Comput. 105
+(1999) 21-68.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .flow import Flow
 
 @record
 class Set:
-    """u + A r at time t."""
+    """The set u + A r at time t."""
 
     t: Any
     middle: list[Any]
@@ -35,16 +35,16 @@ class Set:
 
 @record
 class Step:
-    """What is known of all times from `first.t` to `length` later."""
+    """The enclosure of all times from `first.t` to `length` later."""
 
     first: Set
     length: Any
-    series: list[Any]  # of the middle
+    series: list[Any]  # power series of the midpoint
     matrices: list[Any]  # Taylor coefficients of the derivative of the flow
     around: Neighbourhood
 
     def parts(self, after: Any) -> tuple[list[Any], Any]:
-        """The middle and the derivative of the flow a while after the start."""
+        """Returns the midpoint and the derivative of the flow at time `after` from the start."""
         part = after / self.around.radius
         rest = _tail(part, self.series[0].prec)
         middle = [
@@ -63,7 +63,7 @@ class Step:
         return _plus(middle, _times(flow * self.first.frame, self.first.box))
 
     def last(self) -> Set:
-        """The set at its end. Raises ZeroDivisionError where its frame has no inverse."""
+        """Returns the set at its end. Raises ZeroDivisionError if its frame has no inverse."""
         library = flint()
         middle, flow = self.parts(self.length)
         points = [x.mid() for x in middle]
@@ -85,7 +85,7 @@ def begun(t: Any, y: list[Any]) -> Set:
 
 
 def step(flow: Flow, now: Set, order: int, ratio: Any, tried: Any) -> Step | None:
-    """One of `ratio` times the radius of the disk of times; None without a disk."""
+    """Returns a step of `ratio` times the radius of the time disk; None if there is none."""
     hull = now.hull()
     around = neighbourhood(flow, now.t, hull, tried)
     if around is None:
@@ -100,7 +100,7 @@ def step(flow: Flow, now: Set, order: int, ratio: Any, tried: Any) -> Step | Non
 
 
 def _tail(part: Any, first: int) -> Any:
-    """The sum of part^k from k = first on."""
+    """Returns the sum of part^k over k >= first."""
     return part**first / (1 - part)
 
 
@@ -124,8 +124,8 @@ def _times(matrix: Any, vector: list[Any]) -> list[Any]:
 
 
 def _orthogonal(matrix: Any, box: list[Any]) -> Any:
-    """The Q of its middle by Gram and Schmidt, columns by length; exact numbers, and where a column
-    is lost in the others or in rounding a unit vector for it."""
+    """Returns the Q factor of the midpoint by Gram-Schmidt, columns by length, as exact numbers. A
+    unit vector replaces a column that is linearly dependent up to rounding."""
     library = flint()
     m = len(box)
     columns = [[matrix[i, j].mid() for i in range(m)] for j in range(m)]

@@ -1,4 +1,4 @@
-"""Bounds as text: rows of a middle and a radius a column, and what is said of them."""
+"""Writes bounds as text: rows with a midpoint and a radius per column, and a report."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import Any
 
 from .enclose import Enclosure
 
-SPARE = 10  # digits of a middle beyond those wanted, at most
+SPARE = 10  # most digits of a midpoint beyond those wanted
 
 
 def of_time(value: Fraction) -> str:
-    """As the double that is nearest."""
+    """Returns the text of the nearest double."""
     return repr(float(value)).removesuffix(".0")
 
 
 def ball(value: Any, digits: int) -> tuple[str, str]:
-    """A middle and a radius as decimals; what is inside the ball is within them. The middle has a
-    digit beyond the radius, but no more than SPARE beyond those wanted."""
+    """Returns midpoint and radius as decimals that contain the ball. The midpoint has one digit
+    more than the radius, but at most SPARE more than those wanted."""
     middle, radius = exact(value.mid()), exact(value.rad())
     place = (_exponent(middle) if middle else 0) - digits - SPARE
     place = max(place, _exponent(radius) - 2) if radius else place
@@ -36,18 +36,18 @@ def ball(value: Any, digits: int) -> tuple[str, str]:
 
 
 def exact(value: Any) -> Fraction:
-    """Of a ball without a radius."""
+    """Returns the exact value of a ball without a radius."""
     man, exponent = value.man_exp()
     return int(man) * Fraction(2) ** int(exponent)
 
 
 def _exponent(value: Fraction) -> int:
-    """Of the first digit, or of one before it."""
+    """Returns the exponent of the first digit, or one less."""
     return len(str(value.numerator)) - len(str(value.denominator)) - 1
 
 
 def _decimal(value: Fraction, place: int) -> str:
-    """A multiple of 10^place."""
+    """Returns the decimal text of a multiple of 10^place."""
     whole = int(value * Fraction(10) ** -place)
     found = Decimal((int(whole < 0), tuple(map(int, str(abs(whole)))), place))
     with localcontext() as context:
@@ -97,7 +97,7 @@ def _nth(count: int) -> str:
 
 
 def record(found: Enclosure) -> dict[str, object]:
-    """As JSON; numbers are text, since no double holds them."""
+    """Returns the result for JSON; numbers are text, since doubles cannot hold them."""
     status = "done" if found.whole else "bounds-lost"
     status = "interrupted" if found.interrupted else status
     return {

@@ -1,5 +1,5 @@
-"""Films of a motion from what the model says is drawn: the numbers of its drawing at each frame,
-seen by a camera, drawn by a rasteriser, and written as MP4, WebM, GIF or animated SVG."""
+"""Films of a motion, by the drawing of its model: values of the drawing at each frame, projected by
+a camera, drawn by a rasteriser, and written as MP4, WebM, GIF or animated SVG."""
 
 COMMANDS = """
 Make something of it

@@ -1,5 +1,5 @@
-"""From space to the picture: parallel rays along one direction, as in drawings of mechanisms. A
-plane view looks along its third axis; space is seen from the side and a little from above."""
+"""Projects space to the picture, by parallel rays as in drawings of mechanisms. A plane view looks
+along its third axis; a view of space looks from the side, slightly from above."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy
 from pkgen.record import record
 
 AZIMUTH, ELEVATION = numpy.radians(-62.0), numpy.radians(20.0)
-ROOM = 0.88  # of the picture that is used
+ROOM = 0.88  # part of the picture that is used
 
 
 @record(eq=False)
 class Camera:
-    """Rows of `turn`: to the right, upwards, towards the eye. `centre` is in these, `scale` in
-    pixels; `size` is width and height."""
+    """A camera. Rows of `turn` are the axes to the right, upwards and towards the eye. `centre` is
+    in these axes, `scale` in pixels per unit; `size` is (width, height)."""
 
     turn: numpy.ndarray
     size: tuple[int, int]
@@ -22,8 +22,8 @@ class Camera:
     scale: float
 
     def seen(self, points: numpy.ndarray) -> numpy.ndarray:
-        """Pixels from the lower left corner, of points of shape (..., 3), with their depth: the
-        larger, the nearer."""
+        """Returns pixels from the lower left corner and depths, larger if nearer, of points (...,
+        3)."""
         found = points @ self.turn.T - self.centre
         found = found * self.scale
         found[..., 0] += self.size[0] / 2
@@ -44,7 +44,7 @@ def turn_of(view: dict) -> numpy.ndarray:
 def fitted(
     turn: numpy.ndarray, points: numpy.ndarray, size: tuple[int, int], width: float | None
 ) -> Camera:
-    """All of `points`, of shape (n, 3), in the picture; the author's width if there is one."""
+    """Returns a camera that shows all `points` (n, 3), and at least `width`, if given."""
     seen = points[numpy.isfinite(points).all(axis=1)] @ turn.T
     if not len(seen):
         seen = numpy.zeros((1, 3))

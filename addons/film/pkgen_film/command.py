@@ -1,4 +1,4 @@
-"""`pkgen film`: a motion as a film, from what the model says is drawn."""
+"""`pkgen film`: a film of a motion, by the drawing of its model."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from pkgen.system.exits import UsageError
 from pkgen.system.files import place, replace, scratch
 from pkgen.system.progress import progress, unseen
 
-# As film.KINDS; what draws is imported where something is drawn.
+# Like film.KINDS, without the import of the modules that draw.
 KINDS = (".mp4", ".webm", ".gif", ".svg")
 SIZES = {".gif": (480, 270), ".svg": (960, 540)}
 FPS = {".gif": 20.0, ".svg": 20.0}
-SHORTEST, LONGEST = 2.0, 20.0  # seconds of a film that goes as fast as the motion
+SHORTEST, LONGEST = 2.0, 20.0  # range of durations in seconds for a film in real time; else USUAL
 USUAL = 10.0
-MOST = 100_000  # frames
+MOST = 100_000  # most frames
 
 EXAMPLES = """
 pkgen film models/heavy_top.lag -o heavy_top.svg --seconds 2
@@ -89,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _processor() -> float:
-    """Seconds of it, those of ffmpeg too."""
+    """Returns CPU seconds, including those of ffmpeg."""
     return sum(os.times()[:4])
 
 

@@ -1,4 +1,4 @@
-"""From a described model to the file of its film."""
+"""Makes the file of a film from a described model."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ if TYPE_CHECKING:
     from .raster import Label
 
 KINDS = (".mp4", ".webm", ".gif", ".svg")
-TICKS = 50  # of the clock of an SVG
-SAMPLES = 6  # frames of which the colours of a GIF are found
-INTEGRATED = 0.3  # of the work, as progress has it
-HELD = 0.5  # seconds that the last frame of a motion that ended early stays
+TICKS = 50  # approximate number of times that the clock of an SVG shows
+SAMPLES = 6  # frames that determine the colours of a GIF
+INTEGRATED = 0.3  # part of the progress bar for the integration
+HELD = 0.5  # seconds of the last frame of a motion that ended early
 
 
 @record
 class Asked:
-    """Of a film: frames a second, pixels, how long it takes."""
+    """Options of a film: frames per second, (width, height) in pixels, duration in seconds."""
 
     fps: float
     size: tuple[int, int]
     seconds: float
     labels: bool = True  # title, time, and names of bobs
-    beside: str = ""  # a column whose graph grows beside the motion
+    beside: str = ""  # a column drawn as a growing graph next to the motion
 
     @property
     def frames(self) -> int:
@@ -52,14 +52,14 @@ class Asked:
 
 @record(eq=False)
 class Film:
-    """`frames` that it has, of a motion that may have ended before."""
+    """The number of frames of a film, and the outcome of its motion, which may have ended early."""
 
     frames: int
     outcome: Outcome
 
 
 def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
-    """Made at `path`, a file of a scratch folder. A motion without rows makes none."""
+    """Makes a film at `path`, in a scratch folder; none for a motion without rows."""
     compilation, settings = described.compilation, described.settings
     found = described.description
     shown = Values(compilation).shown(asked.beside, "--beside") if asked.beside else None
@@ -89,7 +89,7 @@ def film(described: Described, asked: Asked, path: Path, show: Show) -> Film:
 
 
 def of_swarm(prepared: Prepared, asked: Asked, path: Path, show: Show) -> Film:
-    """All members as a cloud."""
+    """Makes a film of a swarm, with its members as a cloud."""
     from . import swarm
 
     assert prepared.ensemble is not None and prepared.library is not None
@@ -117,7 +117,7 @@ def _title(model: str, scene: str) -> str:
 
 
 def _clock(times: numpy.ndarray, of: str) -> list[tuple[str, float]]:
-    """Round times, some TICKS of them, and at which part of the film each is."""
+    """Returns about TICKS round times as text, each with its position in the film from 0 to 1."""
     span = float(times[-1] - times[0])
     if not span > 0:
         return []
@@ -138,7 +138,7 @@ def _written(
     path: Path,
     show: Show,
 ) -> None:
-    """The file of what is drawn at each time."""
+    """Writes the file of the film."""
     unit = min(asked.size) / 720
     texts = [(title, 20 * unit, asked.size[1] - 36 * unit)] if asked.labels else []
     texts += labels

@@ -1,4 +1,4 @@
-"""A graph that grows beside the motion: a column over the time of the film."""
+"""A graph that grows next to the motion: a column over the time of the film."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from pkgen.plot.style import BLUE
 from .motion import Motion
 from .tracks import Track
 
-SCENE = 0.6  # the part of the width that the motion has
+SCENE = 0.6  # part of the width for the motion
 PALE = "#CCCCCC"
 
 
 def graph(
     motion: Motion, quantity: Quantity, size: tuple[int, int]
 ) -> tuple[list[Track], list[tuple[str, float, float]]]:
-    """Its frame, a line at 0 where it has one, the curve, and texts: the name, both ends."""
+    """Returns tracks: its frame, a line at 0 if in range, the curve; and texts: its name, both
+    ends."""
     width, height = size
     unit = min(size) / 720
     left, right = (SCENE + 0.08) * width, width - 24 * unit
@@ -26,7 +27,7 @@ def graph(
     least, most = float(values.min()), float(values.max())
     middle, span = (least + most) / 2, (most - least) or 1.0
     frames = len(motion.t[:: motion.fine])
-    depth = numpy.full(frames, numpy.inf)  # above the motion
+    depth = numpy.full(frames, numpy.inf)  # drawn above the motion
 
     def at(value: numpy.ndarray | float) -> numpy.ndarray:
         return (low + high) / 2 + (numpy.asarray(value) - middle) / span * (high - low)

@@ -1,4 +1,4 @@
-"""Contours of an output over two coordinates, all else as it starts."""
+"""Contours of an output over two coordinates, with everything else at its start."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LINES = 14
 
 
 def levels(shape: dict, motion: Motion, camera: Camera) -> Iterator[numpy.ndarray]:
-    """Lines in space, of shape (n, 3); denser where the value is lower: wells are looked into."""
+    """Yields lines in space, of shape (n, 3), denser at low values to resolve wells."""
     from contourpy import contour_generator
 
     i, j = shape["x"], shape["y"]

@@ -1,5 +1,4 @@
-"""The motion of a described model, and the numbers of its drawing at times that are equally far
-apart."""
+"""The motion of a described model, and the values of its drawing at equally spaced times."""
 
 from __future__ import annotations
 
@@ -19,31 +18,31 @@ from pkgen.run.settings import NOTHING, Settings, Shown
 from pkgen.run.simulate import Outcome, outcome
 from pkgen.system import children
 
-FINE = 120.0  # samples a second of the film, at least, of which trails are made
+FINE = 120.0  # least samples per second of the film, for trails
 
 
 @record(eq=False)
 class Motion:
-    """`q`, `v` have a row a sample, `outputs` too: what the drawing reads. Each `fine`-th is a
-    frame."""
+    """A motion. `q`, `v` and `outputs`, which the drawing reads, have a row per sample. Each
+    `fine`-th sample is a frame."""
 
     t: numpy.ndarray
     q: numpy.ndarray
     v: numpy.ndarray
     outputs: numpy.ndarray
     fine: int
-    idle: Run  # whose kernels are called for what does not move: levels
+    idle: Run  # a run to call kernels for static shapes: levels
     outcome: Outcome
-    beside: numpy.ndarray | None = None  # of shape (samples,): of a graph
+    beside: numpy.ndarray | None = None  # shape (samples,): the column of a graph
 
     def number(self, entry: float | dict[str, int]) -> numpy.ndarray:
-        """A number of the drawing, of shape (samples,)."""
+        """Returns a number of the drawing, of shape (samples,)."""
         if isinstance(entry, dict):
             return self.outputs[:, entry["output"]]
         return numpy.full(len(self.t), float(entry))
 
     def point(self, entries: list) -> numpy.ndarray:
-        """Of shape (samples, 3)."""
+        """Returns a point of the drawing, of shape (samples, 3)."""
         return numpy.stack([self.number(entry) for entry in entries], axis=1)
 
 
@@ -56,8 +55,8 @@ def moved(
     on_progress: Callable[[float], None] | None = None,
     beside: Shown | None = None,
 ) -> Motion:
-    """Integrated to the end, or as far as it came: `outcome` says which. The first of the frames
-    is the start, the last the end."""
+    """Integrates to the end, or as far as possible: see `outcome`. The first frame is the start,
+    the last one the end."""
     fine = max(1, math.ceil(FINE / fps))
     places = named.coordinates(compilation).columns(10**9)
     rates = named.coordinates(compilation, rates=True).columns(10**9)

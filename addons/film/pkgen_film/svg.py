@@ -1,4 +1,4 @@
-"""Films of vectors: SMIL moves the points, so that a film is sharp at any size without a script.
+"""Writes films as animated SVG: SMIL moves the points, so it is sharp at any size without a script.
 https://www.w3.org/TR/smil-animation/"""
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pkgen.plot.style import FONTS, GREY, INK
 from .tracks import BESIDE, Track
 
 _DISCRETE = ' calcMode="discrete"'
-STILL = 0.05  # pixels
+STILL = 0.05  # motion in pixels below which an element is static
 
 
 def film(
@@ -23,11 +23,12 @@ def film(
     texts: list[tuple[str, float, float]],
     times: list[tuple[str, float]] = (),
 ) -> str:
-    """`seconds` it takes, over and over; `times` are texts, and from which part of it on."""
+    """Returns the SVG, which repeats every `seconds`. `times` are texts of the clock and their
+    starts, relative to the duration."""
     width, height = size
     body = []
     depth = [float(track.depth.mean()) for track in tracks]
-    # A face that turns away is gone from one frame to the next: nothing is to be drawn between.
+    # A face that turns away vanishes between two frames, so positions are not interpolated.
     solid = any(track.closed and track.fill and _moves(track.points) for track in tracks)
     beat = f'dur="{seconds:.6g}s" repeatCount="indefinite"{_DISCRETE if solid else ""}'
     for index in sorted(range(len(tracks)), key=lambda k: depth[k]):
@@ -53,7 +54,7 @@ def _text(text: str, x: float, y: float, unit: float) -> str:
 
 
 def _names(tracks: list[Track], height: int, beat: str, unit: float) -> str:
-    """Of discs, beside them, which they follow."""
+    """Returns the names of discs, which follow the discs."""
     found = []
     for track in tracks:
         if track.label:
@@ -68,7 +69,7 @@ def _names(tracks: list[Track], height: int, beat: str, unit: float) -> str:
 
 
 def _clock(times: list[tuple[str, float]], seconds: float, height: int, unit: float) -> str:
-    """A text for each time, of which one is seen: SMIL cannot change what a text says."""
+    """Returns a text for each time, one of which is visible: SMIL cannot change texts."""
     if not times:
         return ""
     found = []
@@ -77,7 +78,7 @@ def _clock(times: list[tuple[str, float]], seconds: float, height: int, unit: fl
         cuts = [(0.0, "hidden"), (begin, "visible"), (end, "hidden")]
         cuts = [c for k, c in enumerate(cuts) if c[0] < 1 and not (k == 0 and begin == 0)]
         keys, values = ";".join(f"{c[0]:.5g}" for c in cuts), ";".join(c[1] for c in cuts)
-        first = "visible" if begin == 0 else "hidden"  # of a reader without SMIL
+        first = "visible" if begin == 0 else "hidden"  # for viewers without SMIL
         moves = (
             f'<animate attributeName="visibility" dur="{seconds:.6g}s" repeatCount="indefinite"'
             f'{_DISCRETE} keyTimes="{keys}" values="{values}"/>'
@@ -113,7 +114,7 @@ def _element(track: Track, height: int, beat: str) -> str:
 
 
 def _trail(track: Track, height: int, beat: str, look: str) -> str:
-    """One path that stays, of which a dash moves."""
+    """Returns a trail as a static path with one moving dash."""
     points = _flipped(track.points, height)[0]
     points = points[numpy.isfinite(points).all(axis=1)]
     along = numpy.concatenate([[0], numpy.linalg.norm(numpy.diff(points, axis=0), axis=1).cumsum()])

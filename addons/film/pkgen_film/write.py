@@ -1,4 +1,4 @@
-"""Frames to files: MP4 and WebM by ffmpeg, where it is; GIF by Pillow."""
+"""Writes frames to files: MP4 and WebM by ffmpeg, if installed; GIF by Pillow."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ CODECS = {
         *("-row-mt", "1", "-pix_fmt", "yuv420p"),
     ),
 }
-COLOURS = 128  # of a GIF
-INK = 225  # the brightest
-SAID = 3  # lines of ffmpeg's that are passed on
+COLOURS = 128  # colours of a GIF
+INK = 225  # greatest brightness of ink
+SAID = 3  # lines of ffmpeg's messages that are reported
 
 
 def refuse(kind: str) -> None:
-    """Raises UsageError where a film of this kind cannot be made here."""
+    """Raises UsageError if a film of this kind cannot be made here."""
     if kind in CODECS and shutil.which("ffmpeg") is None:
         raise UsageError(
             f"a {kind} is made by ffmpeg, which is not here (apt-get install ffmpeg); "
@@ -37,7 +37,7 @@ def refuse(kind: str) -> None:
 
 
 def video(frames: Iterable[numpy.ndarray], size: tuple[int, int], fps: float, path: Path) -> None:
-    """By ffmpeg, which reads raw frames. Raises BuildError with what it said."""
+    """Writes a video by ffmpeg, which reads raw frames. Raises BuildError with its messages."""
     width, height = size
     command = ["ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-y"]
     command += ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}"]
@@ -53,7 +53,7 @@ def video(frames: Iterable[numpy.ndarray], size: tuple[int, int], fps: float, pa
                 child.stdin.write(frame.tobytes())
             child.stdin.close()
         except BrokenPipeError:
-            pass  # it says why
+            pass  # ffmpeg reports why
         except BaseException:
             child.kill()
             raise
@@ -65,12 +65,13 @@ def video(frames: Iterable[numpy.ndarray], size: tuple[int, int], fps: float, pa
 
 
 def gif(frames: Iterable[numpy.ndarray], some: list[numpy.ndarray], fps: float, path: Path) -> None:
-    """All frames by one palette, that of `some`, so that what is still costs nothing."""
+    """Writes a GIF with one palette, determined by `some` frames, so that static parts compress
+    well."""
     from PIL import Image
 
     pictures = (Image.fromarray(frame[..., :3]) for frame in frames)
-    # Ink alone: paper, which is most of a picture, is one colour, and none is near it, since Pillow
-    # takes what is near for the same.
+    # Ink only: the paper is one colour, and no other one may be near it, since Pillow merges near
+    # colours.
     ink = numpy.concatenate([frame[frame[..., :3].min(axis=2) < INK] for frame in some])[:, :3]
     sample = Image.fromarray(numpy.ascontiguousarray(ink.reshape(-1, 1, 3)))
     found = sample.quantize(COLOURS - 1, method=Image.Quantize.MEDIANCUT).getpalette() or []
@@ -83,7 +84,7 @@ def gif(frames: Iterable[numpy.ndarray], some: list[numpy.ndarray], fps: float, 
 
     made = quantized()
     first = next(made)
-    # In hundredths of a second, as GIFs have it.
+    # GIFs count in hundredths of a second.
     duration = 10 * max(2, round(100 / fps))
     first.save(
         path, save_all=True, append_images=made, duration=duration, loop=0, optimize=False,

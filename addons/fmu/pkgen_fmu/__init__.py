@@ -1,1 +1,1 @@
-"""A model as a functional mock-up unit, of FMI 2 or FMI 3: `c/` is the wrapper that both have."""
+"""A model as a functional mock-up unit of FMI 2 or FMI 3: `c/` is the wrapper for both."""

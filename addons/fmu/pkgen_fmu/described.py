@@ -1,4 +1,4 @@
-"""modelDescription.xml of FMI 2 and 3, and buildDescription.xml."""
+"""Writes modelDescription.xml of FMI 2 and 3, and buildDescription.xml."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LOG = {
     "logStatusDiscard": "where the motion or its equations end",
     "logEvents": "events of the model, with their times",
 }
-METHODS = "Method"  # the type of integrator.method
+METHODS = "Method"  # name of the type of integrator.method
 
 
 def _text(root: xml.Element) -> str:
@@ -25,7 +25,7 @@ def _text(root: xml.Element) -> str:
 
 
 def _add(parent: xml.Element, tag: str, **attributes: object) -> xml.Element:
-    """Attributes that are None or "" are left out."""
+    """Adds an element, without attributes that are None or ""."""
     said = {k: _said(v) for k, v in attributes.items() if v not in (None, "")}
     return xml.SubElement(parent, tag, said)
 
@@ -132,7 +132,7 @@ def fmi3(exported: Exported, variables: Sequence[Variable], token: str) -> str:
 
 
 def _structure(variables: Sequence[Variable]) -> dict[str, list[tuple[int, Variable]]]:
-    """Unknowns, with their places in the list, by what FMI 3 calls them."""
+    """Returns the unknowns of each kind of FMI 3, each with its position in the list, from 1."""
     each = list(enumerate(variables, 1))
     return {
         "Output": [(k, v) for k, v in each if v.causality == "output"],
@@ -165,7 +165,7 @@ def fmi2(
         files = _add(_add(root, tag, **both), "SourceFiles")
         for path in sources:
             _add(files, "File", name=path)
-    # FMI 2 has calls for slopes and indicators, and time is no variable.
+    # FMI 2 has calls for slopes and indicators, and its time is no variable.
     variables = [v for v in variables if v.reference and v.kind not in ("slope", "indicator")]
     _units(root, variables, {})
     simple = _add(_add(root, "TypeDefinitions"), "SimpleType", name=METHODS)
@@ -202,7 +202,7 @@ def fmi2(
 
 
 def build(name: str, sources: Iterable[str]) -> str:
-    """Which files are compiled, and with what they are linked."""
+    """Returns buildDescription.xml: the files to compile, and the library to link."""
     root = xml.Element("fmiBuildDescription", {"fmiVersion": "3.0"})
     configuration = _add(root, "BuildConfiguration", modelIdentifier=name)
     files = _add(configuration, "SourceFileSet", language="C11")

@@ -1,5 +1,5 @@
-"""A unit: its description, its binaries, its sources, in one archive that is the same to the byte
-each time."""
+"""Makes a unit: its description, its binaries, its sources, in one archive that is reproducible to
+the byte."""
 
 from __future__ import annotations
 
@@ -46,13 +46,14 @@ def make(model: Exported) -> dict[str, bytes]:
 
 
 def _token(model: Exported, version: str) -> str:
-    """Of the model's text, its values and its C: a unit does not load another's description."""
+    """Returns a hash of the model's text, its values and its C, so that a binary rejects another
+    unit's description."""
     digest = hashlib.sha256(repr((model.json(), version, sorted(model.files.items()))).encode())
     return f"{{{uuid.UUID(bytes=digest.digest()[:16], version=5)}}}"
 
 
 def _sources(model: Exported, version: str, token: str) -> dict[str, str]:
-    """C that compiles alone: the model, the wrapper, what both need of the runtime."""
+    """Returns self-contained C: the model, the wrapper, their part of the runtime."""
     wrapper = {
         path.name: path.read_text(encoding="utf-8")
         for path in sorted(HERE.iterdir())

@@ -1,4 +1,4 @@
-"""What the wrapper knows of its model, as C: `struct unit_model` of c/unit.h."""
+"""Writes the wrapper's data of its model as C: `struct unit_model` of c/unit.h."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def model_c(model: Exported, token: str) -> str:
 
 
 def _row(items: Iterable[str]) -> str:
-    """C has no empty arrays."""
+    """Returns the items of a C initialiser; "0" if there are none, since C has no empty arrays."""
     return ", ".join(items) or "0"
 
 

@@ -1,4 +1,4 @@
-"""The variables of a unit, in their order, from the description of a model."""
+"""Makes the variables of a unit, in their order, from the description of a model."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pkgen.back.exported import Exported
 from pkgen.record import record
 from pkgen.system.exits import UsageError
 
-SHIFT = 20  # as in c/unit.h
+SHIFT = 20  # must equal UNIT_SHIFT of c/unit.h
 _KINDS = "time parameter input slope state rate output energy claim indicator setting"
 KINDS = {kind: k for k, kind in enumerate(re.split(" ", _KINDS))}
 METHOD, STEP, RTOL = range(3)
@@ -18,7 +18,8 @@ METHOD, STEP, RTOL = range(3)
 
 @record
 class Variable:
-    """`start` None: it is computed. `derivative` is the reference of what it is the rate of."""
+    """A variable. `start` is None if it is computed; `derivative` is the reference of the variable
+    whose rate it is."""
 
     name: str
     reference: int
@@ -39,7 +40,7 @@ def reference(kind: str, index: int) -> int:
 
 @record
 class State:
-    """`x` of a unit: a coordinate, a rate or a first-order variable."""
+    """A state of a unit: a coordinate, a rate or a first-order variable."""
 
     name: str
     unit: str
@@ -52,7 +53,7 @@ Described = Mapping[str, Any]
 
 
 def states(model: Described) -> list[State]:
-    """Coordinates, then all of v in order."""
+    """Returns the states: coordinates, then v in order. Raises UsageError."""
     found: dict[int, State] = {}
     coordinates = model["coordinates"]
     n_q = len(coordinates)
@@ -137,11 +138,11 @@ def _variables(exported: Exported) -> Iterator[Variable]:
 
 
 def indicators(model: Described) -> list[str]:
-    """What a unit watches for changes of sign: events, then switches."""
+    """Returns the event indicators, checked for changes of sign: events, then switches."""
     events = [f"event({e['name']})" for e in model["events"]]
     return events + [f"switch({k + 1})" for k in range(model["switches"])]
 
 
 def over(unit: str, time: str) -> str:
-    """The unit of its derivative by time."""
+    """Returns the unit of a time derivative."""
     return f"{unit or '1'}/{time}" if time else unit

@@ -1,1 +1,2 @@
-"""A model for others: a wheel, a crate, an ES module, Julia, MATLAB, one C file, firmware."""
+"""Exports a model as a wheel, a crate, an ES module, for Julia, MATLAB, as one C file, as firmware.
+"""

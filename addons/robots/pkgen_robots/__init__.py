@@ -1,4 +1,4 @@
-"""Robots as others write them, URDF and MJCF, as text of the language."""
+"""Converts robots in URDF and MJCF to models in .lag."""
 
 COMMANDS = """
 Write models

@@ -45,7 +45,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _checked(name: str, text: str) -> list[str]:
-    """Whether `pkgen check` takes the model, before it is written. Raises ModelError."""
+    """Checks the model like `pkgen check`, before it is written; returns notes. Raises ModelError.
+    """
     try:
         with bounded(limits.CPU_SECONDS, limits.MEMORY_BYTES):
             check_model(from_text(name, text))

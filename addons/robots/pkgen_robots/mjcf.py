@@ -1,6 +1,6 @@
-"""A subset of MJCF: bodies with <inertial>, their joints, positions and turns. What would change
-the motion and is not read is refused; sensors, actuators, geoms are left out, and said to be.
-Reference: mujoco.readthedocs.io, XML reference."""
+"""Reads a subset of MJCF: bodies with <inertial>, their joints, positions and rotations. Unread
+elements that would change the motion are refused; sensors, actuators and geoms are left out with a
+note. Reference: mujoco.readthedocs.io, XML reference."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from .xml import ANGLE, Element
 KINDS = {"hinge": "revolute", "slide": "prismatic", "ball": "spherical", "free": "free"}
 ZERO = (0.0, 0.0, 0.0)
 SEEN = ("worldbody", "compiler", "option", "default", "asset", "visual", "size", "statistic")
-# In <worldbody> and in a body: what is read, and what has no part in a motion without contacts.
+# Read elements in <worldbody> and bodies, and those that have no effect without contacts.
 IN_BODIES = ("body", "joint", "freejoint", "inertial", "geom", "site", "camera", "light")
-NOT_READ = {  # attributes that would change the motion
+NOT_READ = {  # unread attributes that would change the motion
     "compiler": ("settotalmass", "boundmass", "boundinertia", "inertiafromgeom"),
     "option": ("density", "viscosity", "wind"),
     "flag": ("gravity", "passive"),
     "body": ("gravcomp", "mocap"),
 }
 REFUSED = ("equality", "tendon", "include", "extension", "deformable")
-# Of a joint: what changes its motion and is not read, but for what is said to be left out.
+# Attributes of a joint that change its motion and are not read: an error if they are not 0.
 SPRINGS = ("stiffness", "armature", "frictionloss", "springdamper", "springref", "ref")
 
 
@@ -65,7 +65,7 @@ class _Reader:
         return at, turn
 
     def name(self, element: Element | None, kind: str, other: str) -> str:
-        """Of a body or a joint, `other` where it has none; each once of its kind."""
+        """Returns the unique name of a body or a joint; `other` if it has none."""
         name = given = element.attributes.get("name", "") if element is not None else ""
         name = name or other
         while not given and (kind, name) in self.names:
@@ -76,8 +76,8 @@ class _Reader:
         return name
 
     def body(self, element: Element, parent: str, before: Vector) -> tuple[str, Vector]:
-        """`before` is where the parent's frame of the language is in that of MJCF, likewise what
-        is returned: the frame of a body is at its last joint."""
+        """Adds a body; returns its name and the position of its frame in MJCF's frame. The frame of
+        a body is at its last joint; `before` is the same position of the parent."""
         if "childclass" in element.attributes:
             raise element.wrong("classes of defaults are not read", "write the values out")
         name = self.name(element, "body", f"body{len(self.robot.links) + 1}")
@@ -103,7 +103,7 @@ class _Reader:
         return name, anchor
 
     def joint(self, element: Element, other: str):
-        """Its kind, name, axis, what is said of it, damping, limits."""
+        """Returns its kind, name, axis, comment, damping and limits."""
         given = "free" if element.tag == "freejoint" else element.attributes.get("type", "hinge")
         if given not in KINDS:
             raise element.wrong(f"there is no joint type '{given}'", f"types: {', '.join(KINDS)}")
@@ -126,7 +126,8 @@ class _Reader:
         return KINDS[given], name, axis, "", damping, self.limits(element, given, name)
 
     def limits(self, element: Element, given: str, name: str) -> tuple[float, float] | None:
-        """By `limited`, which is by default whether there is a range (`autolimits`)."""
+        """Returns the limits by `limited`; its default, "auto", is whether there is a range
+        (`autolimits`)."""
         low, high = element.numbers("range", 2, (0.0, 0.0))
         limited = element.attributes.get("limited", "auto")
         if limited not in ("auto", "true", "false"):
@@ -191,7 +192,7 @@ def _refuse_unread(root: Element) -> None:
 
 
 def robot(root: Element, base: str) -> Robot:
-    """What hangs on the world by nothing is fixed to it there, or by `base` where that is free."""
+    """Reads a robot. A body without joints is fixed to the world, or free if `base` is "free"."""
     for element in root.children:
         if element.tag in REFUSED:
             raise element.wrong(f"<{element.tag}> is not read, and would change the motion")

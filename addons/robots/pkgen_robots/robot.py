@@ -1,4 +1,4 @@
-"""A robot of links and joints, whatever it was written in, as text of the language."""
+"""A robot of links and joints, from any format, and its text as a .lag file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .turns import Matrix, Turns, Vector, inner, right_angles, seen_from
 from .xml import Element
 
 TAKEN = ("g", "ground", "O", "energy", "T", "V", "L")
-# Names that a joint's coordinates take besides its own, by its kind.
+# Suffixes of the additional names of a joint's coordinates, by its kind.
 SUFFIXES = {"free": ("_x", "_y", "_z"), "planar": ("_1", "_2")}
 
 
@@ -29,7 +29,7 @@ class Link:
 
 @dataclass
 class Mimic:
-    """A coordinate that is a multiple of another joint's, and an offset."""
+    """A coordinate that equals `factor` times another joint's, plus `offset`."""
 
     element: Element
     of: str
@@ -41,7 +41,7 @@ class Mimic:
 class Joint:
     name: str
     kind: str  # a key of front/joints.py KINDS
-    parent: str  # "": the ground
+    parent: str  # name of the parent link; "": the ground
     child: str
     at: Vector
     turn: Turns
@@ -53,7 +53,7 @@ class Joint:
 
     @property
     def start(self) -> float:
-        """0, or between its limits."""
+        """Returns the start: 0, or the middle of its limits if they exclude 0."""
         low, high = self.limits or (0.0, 0.0)
         return (low + high) / 2 if low > 0 or high < 0 else 0.0
 
@@ -62,13 +62,14 @@ class Joint:
 class Robot:
     name: str
     links: list[Link]
-    joints: list[Joint]  # a parent's before its children's
+    joints: list[Joint]  # parents come before children
     gravity: Vector = (0.0, 0.0, -9.81)
     left_out: dict[str, int] = field(default_factory=dict)
     doubts: list[str] = field(default_factory=list)
 
     def inertia(self, link: Link, own: Matrix, turn: Turns, at: Element) -> None:
-        """The tensor of a link, in axes of its own. One that no rigid body has is kept and said."""
+        """Sets the tensor of a link, given in its own axes. An unphysical tensor is kept with a
+        note."""
         if any(own[k][k] < 0 for k in range(3)):
             raise at.wrong(f"the inertia of '{link.name}' has a negative moment")
         if not _is_inertia(own):
@@ -76,7 +77,7 @@ class Robot:
         link.inertia = seen_from(turn, own)
 
     def notes(self) -> list[str]:
-        """For people: what was not taken along, and what is doubtful."""
+        """Returns notes for the user: omitted and doubtful features."""
         left = [f"{what} ({count})" for what, count in self.left_out.items()]
         return (["left out: " + ", ".join(left)] if left else []) + self.doubts
 
@@ -85,11 +86,11 @@ class Robot:
 
 
 class Names:
-    """Names of the language for those of a robot, each once."""
+    """Makes unique valid names from those of a robot."""
 
     def __init__(self) -> None:
         self.taken = set(TAKEN)
-        self.numbers: dict[str, count[int]] = {}  # the next one behind a name that is taken
+        self.numbers: dict[str, count[int]] = {}  # next suffix of each base name
 
     def new(self, name: str, suffixes: Iterable[str] = (), other: str = "") -> str:
         base = re.sub(r"\W", "_", name, flags=re.ASCII)[: limits.NAME_LENGTH - 12] or "link"
@@ -105,7 +106,7 @@ class Names:
 
 
 def text(robot: Robot, file: str) -> str:
-    """A .lag file that compiles."""
+    """Returns the text of a .lag file that compiles."""
     _hold_massless(robot)
     names, model = Names(), re.sub(r"\W", "_", robot.name, flags=re.ASCII) or "robot"
     if not model[0].isalpha() or reserved(model) or symbols_of(model) or model in C_HEADERS:
@@ -141,7 +142,7 @@ Called = dict[str, tuple[str, Joint]]
 
 
 def _mimicked(joint: Joint, called: Called) -> float:
-    """Where it starts, by the joints that it mimics. Raises ModelError."""
+    """Returns the start of a mimicking joint, by the joints that it mimics. Raises ModelError."""
     factor, offset, seen = 1.0, 0.0, {joint.name}
     while joint.mimic and joint.kind != "fixed":
         mimic = joint.mimic
@@ -159,7 +160,7 @@ def _mimicked(joint: Joint, called: Called) -> float:
 
 
 def _row(name: str, joint: Joint, called: Called, names: Names) -> str:
-    """The constraint of a mimic; a joint that is fixed stays at 0."""
+    """Returns the constraint of a mimic; a fixed joint has coordinate 0."""
     other, leader = called[joint.mimic.of]
     slides = joint.kind == "prismatic"
     unit = {(True, "revolute"): " [m]", (False, "prismatic"): " [1/m]"}.get((slides, leader.kind))
@@ -170,12 +171,12 @@ def _row(name: str, joint: Joint, called: Called, names: Names) -> str:
 
 
 def _suffixes(joint: Joint) -> tuple[str, ...]:
-    """Of the names that the joint makes."""
+    """Returns the suffixes of a joint's additional names."""
     return SUFFIXES.get(joint.kind, ()) + ("_lower", "_upper") * bool(joint.limits)
 
 
 def _hold_massless(robot: Robot) -> None:
-    """Joints beyond which there is no mass have no equation of motion: fixed, and said to be."""
+    """Fixes joints that carry no mass, which have no equation of motion, with a note."""
     links = {link.name: link for link in robot.links}
     heavy = {name for name, link in links.items() if link.mass or any(map(any, link.inertia or ()))}
     for joint in reversed(robot.joints):
@@ -229,7 +230,7 @@ def _vector(v: Sequence[float]) -> str:
 
 
 def _is_inertia(i: Matrix) -> bool:
-    """Whether a rigid body may have it, but for rounding: no principal moment is negative."""
+    """Whether it is physical up to rounding: no principal moment is negative."""
     tiny = 1e-9 * max(i[k][k] for k in range(3))
     minors = (i[a][a] * i[b][b] - i[a][b] ** 2 for a, b in ((0, 1), (0, 2), (1, 2)))
     determinant = inner(i[0], _crossed(i[1], i[2]))

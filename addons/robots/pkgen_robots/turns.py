@@ -1,4 +1,4 @@
-"""Turns as products of rot(AXIS, ANGLE), the leftmost done last, and matrices of numbers."""
+"""Rotations as products of rot(AXIS, ANGLE), the rightmost applied first, and numeric matrices."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ Matrix = tuple[Vector, Vector, Vector]
 Turns = tuple[tuple[Vector, float], ...]  # axes of any length, angles
 
 UNIT: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-# An angle so near a multiple of a right angle is one: no double is nearer to it.
+# An angle this near a multiple of a right angle is that multiple: no double is nearer to it.
 NEAR = 1e-15
 
 
 def right_angles(angle: float) -> int | None:
-    """How many right angles it is, None if none."""
+    """Returns the multiple of a right angle; None if the angle is none."""
     count = round(angle / (math.pi / 2))
     return count if abs(angle - count * math.pi / 2) < NEAR else None
 
@@ -38,7 +38,7 @@ def product(a: Matrix, b: Matrix) -> Matrix:
 
 
 def seen_from(turns: Turns, tensor: Matrix) -> Matrix:
-    """R tensor R^T, made symmetric to the last bit."""
+    """Returns R tensor R^T, made exactly symmetric."""
     if not turns:
         return tensor
     turn = matrix(turns)
@@ -47,7 +47,7 @@ def seen_from(turns: Turns, tensor: Matrix) -> Matrix:
 
 
 def matrix(turns: Turns) -> Matrix:
-    """Rodrigues' formula, of each."""
+    """Returns the product of the rotation matrices, each by Rodrigues' formula."""
     whole = UNIT
     for axis, angle in turns:
         size = math.hypot(*axis)
@@ -65,20 +65,20 @@ def matrix(turns: Turns) -> Matrix:
 
 
 def of_roll_pitch_yaw(angles: Sequence[float]) -> Turns:
-    """About the fixed x, then y, then z, as URDF has it."""
+    """Returns the rotation about the fixed x, then y, then z axis, like URDF."""
     axes = (UNIT[0], UNIT[1], UNIT[2])
     return of_angles(axes[::-1], angles[::-1])
 
 
 def of_angles(axes: Sequence[Vector], angles: Sequence[float]) -> Turns:
-    """Those that turn at all."""
+    """Returns the rotations with nonzero angles."""
     return tuple(
         (n, angle) for n, angle in zip(axes, angles, strict=True) if right_angles(angle) != 0
     )
 
 
 def of_quaternion(q: Sequence[float]) -> Turns | None:
-    """w, x, y, z of any length; None of zero."""
+    """Returns the rotation of a quaternion (w, x, y, z) of any length; None if it is 0."""
     if not any(q):
         return None
     w, *v = (-x for x in q) if q[0] < 0 else q

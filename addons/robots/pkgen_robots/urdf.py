@@ -1,5 +1,5 @@
-"""URDF: links, joints, inertias, origins, limits, mimics. Meshes are named; transmissions, sensors
-and whatever else there is are left out, and said to be. Reference: wiki.ros.org/urdf/XML."""
+"""Reads URDF: links, joints, inertias, origins, limits, mimics. Meshes are named; transmissions,
+sensors and all other elements are left out with a note. Reference: wiki.ros.org/urdf/XML."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ KINDS = {
     "floating": "free",
     "planar": "planar",
 }
-# Attributes and children that are read, or that say how a link looks; * of which there are many.
+# Attributes and children that are read, or that only affect the appearance; * marks repeatable
+# ones.
 READ = {
     "robot": ("name version", "link* joint* material*"),
     "link": ("name", "inertial visual* collision*"),
@@ -43,7 +44,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 def robot(root: Element, base: str) -> Robot:
-    """`base` is the kind of the joint that the root link hangs on the ground by."""
+    """Reads a robot. `base` is the kind of the joint between the ground and the root link."""
     links = {}
     found = Robot(root.attributes.get("name", ""), [], [])
     _leave_out_unread(root, found)
@@ -88,7 +89,7 @@ def robot(root: Element, base: str) -> Robot:
 
 
 def _leave_out_unread(root: Element, robot: Robot) -> None:
-    """Names every child and attribute that nothing reads; of a child left out, not its own."""
+    """Notes every unread child and attribute; the content of an unread child is skipped."""
     waiting = [root]
     while waiting:
         element = waiting.pop()
@@ -111,7 +112,7 @@ def _leave_out_unread(root: Element, robot: Robot) -> None:
 
 
 def _mimic(element: Element, joint: Joint, robot: Robot) -> Mimic | None:
-    """q = multiplier q of another joint + offset."""
+    """Returns the mimic: q = multiplier * (q of another joint) + offset."""
     factor, offset = element.number("multiplier", 1.0), element.number("offset", 0.0)
     if joint.kind not in ("revolute", "prismatic"):
         robot.leave_out(f"<mimic> of a {joint.kind} joint")

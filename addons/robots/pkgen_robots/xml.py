@@ -1,5 +1,5 @@
-"""XML as a tree of elements, each with its place. There is no document type, so no entity can be
-declared, grow or reach outside; depth and count are limited, and nothing recurses."""
+"""Reads XML as a tree of elements with positions. A document type is refused, so there are no
+entities; depth and count are limited, and nothing recurses."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from xml.parsers import expat
 from pkgen import limits
 from pkgen.source import Diagnostic, ModelError, Source, Span
 
-LARGEST, SMALLEST = 1e100, 1e-100  # squares of these are doubles still
-ANGLE = 1e6  # radians or degrees: of more the digits say nothing
+LARGEST, SMALLEST = 1e100, 1e-100  # their squares are finite, normal doubles
+ANGLE = 1e6  # largest angle, in radians or degrees: larger ones have too few digits
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
@@ -34,7 +34,7 @@ class Element:
         return ModelError(self.source, [Diagnostic(message, self.span, help)])
 
     def text(self, name: str) -> str:
-        """An attribute that must be there."""
+        """Returns a required attribute. Raises ModelError."""
         if not self.attributes.get(name, "").strip():
             raise self.wrong(f"<{self.tag}> has no '{name}'")
         return self.attributes[name].strip()
@@ -42,7 +42,8 @@ class Element:
     def numbers(
         self, name: str, count: int, default: tuple[float, ...] = (), largest: float = LARGEST
     ) -> tuple[float, ...]:
-        """Finite ones, `count` of them; without a default the attribute must be there."""
+        """Returns `count` finite numbers; without a default, the attribute is required. Raises
+        ModelError."""
         if default and name not in self.attributes:
             return default
         words = self.text(name).split()
@@ -66,12 +67,12 @@ class Element:
 
 
 def _spelt(word: str) -> bool:
-    """Whether a number is another than 0, as it is written."""
+    """Whether a number is not 0 as written, though it may underflow."""
     return any(digit in "123456789" for digit in word.lower().partition("e")[0])
 
 
 def tree(source: Source) -> Element:
-    """The root. Raises ModelError with the place of what is wrong."""
+    """Returns the root. Raises ModelError with the position of an error."""
     lines = [0]
     lines += [k + 1 for k, c in enumerate(source.text) if c == "\n"]
     parser = expat.ParserCreate("utf-8")

@@ -1,4 +1,4 @@
-"""What a plan draws, known to the model: names, ranges and values with their units, in SI."""
+"""Resolves the axes of a plan in the model: names, ranges and values with their units, in SI."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _UNIT = re.compile(r"\[[^\[\]]*\]\s*$")
 
 
 def starts(plan: Plan, compilation: Compilation) -> Starts:
-    """Raises UsageError with the place of what is wrong."""
+    """Returns the starts of all members. Raises UsageError with the position of an error."""
     reader = _Reader(plan, compilation)
     names: dict[Column, str] = {}
     axes = []
@@ -40,7 +40,7 @@ def starts(plan: Plan, compilation: Compilation) -> Starts:
 
 
 def _members(plan: Plan, axes: list[Axis]) -> int:
-    """Those of the plan, or of its grid or lists."""
+    """Returns the number of members: that of the plan, or of its grid or lists."""
     counted = None
     if plan.kind == "list":
         lengths = {len(axis.values) for axis in axes}
@@ -63,7 +63,8 @@ def _members(plan: Plan, axes: list[Axis]) -> int:
 
 
 def _even(plan: Plan, axes: list[Axis], members: int) -> list[Axis]:
-    """A grid of so many members, with as many points along each axis that says nothing."""
+    """Returns the axes of a grid of `members` points, with equal counts along axes that give none.
+    """
     free = [x for x in axes if not (x.values or x.points)]
     known = on_grid(tuple(x for x in axes if x not in free))
     points = round((members / known) ** (1 / len(free)))
@@ -77,7 +78,7 @@ def _even(plan: Plan, axes: list[Axis], members: int) -> list[Axis]:
             'or say how many: x = ["0 .. 1", 50]',
         )
     return [
-        Axis(x.column, x.lo, x.hi, points) if x in free else x  # with ends that are points
+        Axis(x.column, x.lo, x.hi, points) if x in free else x  # both ends of the range are points
         for x in axes
     ]
 
@@ -106,7 +107,7 @@ class _Reader:
         return Axis(column, *self.range(key, value, column))
 
     def of_grid(self, key: str, value: list, column: Column) -> Axis:
-        """Values, or a range and how many points it has."""
+        """Returns the axis of a list of values, or of a range and its number of points."""
         if len(value) == 2 and isinstance(value[0], str) and ".." in value[0]:
             lo, hi = self.range(key, value[0], column)
             points = value[1]
@@ -136,7 +137,7 @@ class _Reader:
         ends = text.split("..")
         if len(ends) != 2 or not all(end.strip() for end in ends):
             raise self.wrong(key, f'{key} is a range: "LOW .. HIGH", with its unit behind it')
-        unit = _UNIT.search(ends[1])  # which is of all before it
+        unit = _UNIT.search(ends[1])  # unit of both ends
         more = f" {unit[0]}" if unit and not _UNIT.search(ends[0]) else ""
         lo = self.value(key, ends[0].strip(), column, more)
         hi = self.value(key, ends[1].strip(), column)

@@ -1,6 +1,7 @@
-"""What engines share that hand tasks to a cluster: Dask, Ray. Its workers see what the sweep is in.
+"""Common code of the engines that give tasks to a cluster: Dask, Ray. Workers see the sweep's
+folder.
 
-A worker that dies takes its tasks with it; they are given again.
+The tasks of a worker that dies are given again.
 """
 
 from __future__ import annotations
@@ -20,18 +21,19 @@ from .remaining import Left, Task
 from .shards import Folder
 
 LOOK = 0.1  # seconds between looks at tasks
-PATIENCE = 60.0  # seconds without any worker
-AHEAD = 3  # tasks of a worker that the cluster knows at a time
+PATIENCE = 60.0  # seconds without any worker before the sweep fails
+AHEAD = 3  # tasks submitted per worker at a time
 
 
 @lru_cache(1)
 def _taken(job: bytes) -> Job:
-    """Once in a worker: its library is loaded once."""
+    """Unpickles the job once per worker, so that its library is loaded once."""
     return pickle.loads(job)
 
 
 def task(packed: bytes, folder: Folder, kind: str, k: int) -> dict:
-    """On a worker. What cannot be done is told, not raised: its text is for a person."""
+    """Runs a task on a worker. Returns failures as text for the user, and raises nothing for them.
+    """
     job = _taken(packed)
     try:
         done = work.shard(job, folder, k) if kind == "shard" else work.part(job, folder, k)
@@ -52,15 +54,15 @@ class Cluster(ABC):
 
     @abstractmethod
     def submit(self, one: Task) -> Any:
-        """What the cluster calls it."""
+        """Submits a task; returns the cluster's handle of it."""
 
     @abstractmethod
     def ended(self, flying: list) -> list:
-        """Those that are done, or lost."""
+        """Returns the handles of tasks that are done or lost."""
 
     @abstractmethod
     def said(self, one: Any) -> dict:
-        """What came of it; a worker may have died with it, or with its result."""
+        """Returns the result of a task, or {"wrong": why} if its worker died."""
 
     @abstractmethod
     def workers(self) -> int: ...
@@ -69,7 +71,7 @@ class Cluster(ABC):
     def close(self) -> None: ...
 
     def _refuse_none(self) -> None:
-        """Raises NumericsFailed where nobody is left: tasks would wait for ever."""
+        """Raises NumericsFailed if no worker is left for PATIENCE: tasks would wait forever."""
         now = time.monotonic()
         if now - self.asked < PATIENCE / 10:
             return

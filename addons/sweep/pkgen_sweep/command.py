@@ -18,7 +18,7 @@ pkgen sweep models/double_pendulum.lag --plan models/flips.toml -o flips
 pkgen sweep --resume flips
 pkgen sweep --status flips
 """
-ENGINES = ("local", "dask", "ray", "slurm")  # modules beside this one
+ENGINES = ("local", "dask", "ray", "slurm")  # modules of this package
 CLUSTERS = ("dask", "ray")
 
 
@@ -84,7 +84,7 @@ def _go(begun, options: argparse.Namespace, on_progress) -> None:
             made = module.engine(level.job, level.folder, options)
             made.run(left.Left(*of, on_progress))
     except sweep.Unfinished:
-        pass  # which is told with the rest
+        pass  # the status reports it
     except KeyboardInterrupt:
         print(
             f"pkgen: what is done stays: pkgen sweep --resume {begun.folder.path}", file=sys.stderr

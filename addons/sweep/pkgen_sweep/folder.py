@@ -1,4 +1,4 @@
-"""A sweep's folder in place of a model: the options of its plan, its map, its members."""
+"""Accepts a sweep's folder as a model: the options of its plan, its map, its members."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ def is_one(name: str) -> bool:
 
 
 def picture(name: str, axes: list[str], column: str) -> Picture:
-    """Its map, as `pkgen plot` draws it. Raises UsageError."""
+    """Returns its map for `pkgen plot`. Raises UsageError."""
     return map.read(place(name), axes, column).picture()
 
 
 def taken(options: argparse.Namespace) -> Map:
-    """Its map. The model is that of the folder, and what the plan sets comes before what options
-    say. Raises UsageError."""
+    """Returns its map, and sets `options` to the folder's model and to the plan's options; given
+    options take precedence. Raises UsageError."""
     path = place(options.model)
     if not is_folder(path):
         raise UsageError(f"{path}: a live page is of a folder: copy it here first")
@@ -52,7 +52,7 @@ def taken(options: argparse.Namespace) -> Map:
 
 
 def described(found: Map, compilation: Compilation) -> dict[str, object]:
-    """For the page, whose address says starts and parameters by kind."""
+    """Returns the map for the page, whose address names starts and parameters by kind."""
     settable = Settable(compilation)
     keys = {}
     for name in found.drawn:

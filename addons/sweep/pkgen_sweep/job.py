@@ -1,6 +1,6 @@
-"""A sweep as those have it who run its members: a library, settings, starts, what is kept.
+"""The data that workers need to run members: a library, settings, starts, what is kept.
 
-It is made once, where the sweep is started, and goes to workers whole: they derive nothing.
+A Job is made once, where the sweep starts, and is sent to workers complete.
 """
 
 from __future__ import annotations
@@ -38,46 +38,46 @@ from .sampling import Starts
 if TYPE_CHECKING:
     import numpy
 
-BATCH = 1 << 16  # members at once, whose rows
-BATCH_BYTES = 1 << 25  # take no more than this
-PART = 1 << 20  # rows of a part of the data set, about
-AT_START = "(0)"  # behind the names of coordinates and rates that are drawn
-SAMPLE = 64  # members that a choice of method is made for
+BATCH = 1 << 16  # most members of a batch,
+BATCH_BYTES = 1 << 25  # and most bytes of its rows
+PART = 1 << 20  # approximate rows of a part of the data set
+AT_START = "(0)"  # suffix of drawn coordinates and rates
+SAMPLE = 64  # members for the choice of the method
 
 
 class Batch(NamedTuple):
-    """What came of members: of each its status, last valid time, what is kept; and their rows."""
+    """Results of members: status, last valid time and kept numbers of each; and their rows."""
 
     members: numpy.ndarray
-    rows: numpy.ndarray | None  # the member in front, t
+    rows: numpy.ndarray | None  # columns: member, t, ...
     report: dict
 
 
 @record
 class Refine:
-    """Where classes change, members of finer grids follow."""
+    """Members of finer grids follow where classes change."""
 
     levels: int
-    column: str  # of the data set; it has the classes
+    column: str  # column of the data set with the classes
 
 
 @record
 class Job:
     name: str
-    digest: str  # of the plan, the model, this pkgen
+    digest: str  # hash of the plan, the model, the version of pkgen
     files: dict[str, str]
     build: dict[str, object]
     settings: Settings
     starts: Starts
     kept: Kept
     time_unit: str
-    counts: Quantity  # what numbers members
+    counts: Quantity  # the column of member numbers
     refine: Refine | None
-    before: int = 0  # members of the levels before
+    before: int = 0  # members of the previous levels
 
     @cached_property
     def library(self) -> Library:
-        """Compiled where it is not in the cache. Raises BuildError."""
+        """Returns the library, compiled if it is not cached. Raises BuildError."""
         build = dict(self.build)
         return load(build_library(self.files, self.name, *build.pop("methods"), **build))
 
@@ -90,31 +90,31 @@ class Job:
 
     @property
     def rows_each(self) -> int:
-        """Rows of a member, about."""
+        """Returns the approximate number of rows of a member."""
         every, until = self.settings.every, self.settings.until
         return max(1, round(until / every) + 1) if every else 1
 
     @property
     def part(self) -> int:
-        """Members of a part of the data set: by the plan alone."""
+        """Returns the members of a part of the data set, which depend on the plan alone."""
         return max(1, PART // (self.rows_each if self.kept.rows else 1))
 
     @property
     def number_bytes(self) -> int:
-        """Of a member, on disk, about."""
+        """Returns the approximate bytes of a member on disk."""
         own = 2 + len(self.kept.numbers) + len(self.starts.axes)
         return 8 * (own + self.rows_each * (len(self.kept.rows) + 1) * bool(self.kept.rows))
 
     def batch(self) -> int:
         wide = self.rows_each * (len(self.settings.show) + 2) if self.kept.rows else 16
         most = max(1, min(BATCH, BATCH_BYTES // (8 * wide)))
-        return most - most % 64 if most > 64 else most  # whole blocks of lanes
+        return most - most % 64 if most > 64 else most  # whole blocks of SIMD lanes
 
     def run(
         self, first: int, count: int, poll: Callable[[float], bool] | None = None
     ) -> Iterator[Batch]:
-        """Members first, ..., from 0, a batch at a time. Raises UsageError where none can run, and
-        KeyboardInterrupt where `poll` ends it."""
+        """Runs `count` members from `first` (from 0), a batch at a time. Raises UsageError if none
+        can run, KeyboardInterrupt if `poll` stops it."""
         size = self.batch()
         for begin in range(first, first + count, size):
             of = min(size, first + count - begin)
@@ -146,8 +146,8 @@ def make(
     compiled: Callable[..., Compilation],
     chosen: dict[str, object] | None = None,
 ) -> tuple[Job, Prepared]:
-    """`chosen` is what a scene's promise of accuracy was kept by when the sweep was begun: it is
-    measured once. Raises UsageError, ModelError, BuildError or NumericsFailed."""
+    """Makes the job. `chosen` is the method chosen for a scene's accuracy when the sweep began; it
+    is not measured again. Raises UsageError, ModelError, BuildError or NumericsFailed."""
     options = plan.of_a_run(options)
     try:
         return _make(plan, options, compiled, chosen)
@@ -168,14 +168,14 @@ def _make(
     found: dict[str, Starts] = {}
 
     def sample(compilation: Compilation) -> Ensemble:
-        """The first members, by which settings are settled."""
+        """Returns the first members, from which the settings are determined."""
         made = found["starts"] = axes.starts(plan, compilation)
         count = min(SAMPLE, made.members)
         values = made.values(0, count)
         return Ensemble(options.ensemble, made.columns, range(1, count + 1), values)
 
     def of_keep(options: argparse.Namespace, **how: object) -> Compilation:
-        """With the kernels of exponents, as a single run that is asked for them."""
+        """Compiles, with the kernels of Lyapunov exponents if the plan keeps them."""
         if "lyapunov" in plan.keep:
             how["kernels"] = diagnostics.kernels(("lyapunov",))
             single = argparse.Namespace(**{**vars(options), "diagnose": "lyapunov"})
@@ -239,7 +239,7 @@ def _refine(plan: Plan, starts: Starts, keeping: Kept) -> Refine | None:
 
 
 def _of_plan(plan: Plan, said: str) -> str:
-    """What an option of a run is wrong with stands in the plan."""
+    """Rewrites an error about an option of a run to refer to the plan."""
     for key in plan.options:
         option = f"--{key.replace('_', '-')} "
         if said.startswith(option):

@@ -1,7 +1,6 @@
-"""The local engine: processes of this machine, each with a task at a time.
+"""The local engine: processes of this machine, each with one task at a time.
 
-One that dies takes its task with it alone: another worker begins in its place, and the task is
-given again, some times.
+If a process dies only its task is lost: another worker starts, and the task is retried.
 """
 
 from __future__ import annotations
@@ -41,14 +40,14 @@ class _Worker:
             self.process.stdin.write(data)
             self.process.stdin.flush()
         except BrokenPipeError:
-            pass  # it is dead, which is seen where it is heard
+            pass  # the worker is dead, which heard() detects
 
     def give(self, task: Task) -> None:
         self.task, self.at = task, 0.0
         self._write(f"{task[0]} {task[1]}\n".encode())
 
     def heard(self) -> list[dict] | None:
-        """What it said since; None: it is dead."""
+        """Returns its new messages; None: it is dead."""
         data = os.read(self.process.stdout.fileno(), 1 << 16)
         *lines, self.text = (self.text + data).split(b"\n")
         return [json.loads(line) for line in lines] if data else None

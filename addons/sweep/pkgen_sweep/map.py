@@ -1,7 +1,7 @@
-"""The map of a sweep: what was kept of its members over two of the axes that they were drawn from.
+"""The map of a sweep: a kept quantity of its members over two of the axes that were drawn.
 
-The data set is read group by group, so that 1e8 members take no more memory than 1e5. A pixel has
-the mean of the members in it. Along an axis of few values, a grid's, each value is a pixel.
+The data set is read by row groups, so that the memory does not depend on its size. A pixel is the
+mean of its members. Along an axis of few values, such as a grid's, each value is a pixel.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from .store import listed
 if TYPE_CHECKING:
     import pyarrow
 
-MOST = 800  # pixels along an axis
-PER_PIXEL = 8  # members of a pixel, about, where they are drawn at random
+MOST = 800  # most pixels along an axis
+PER_PIXEL = 8  # approximate members per pixel, if drawn at random
 FAILED = "failed"
-GOOD = STATUSES[:2]  # 1 and 0; failures are negative
+GOOD = STATUSES[:2]  # statuses 1 and 0; failures are negative
 
 
 @record(eq=False)
 class Map:
-    """`values` of pixels, a row a value of y, NaN where no member has one; `first`, the number of
-    a member in each, 0 where there is none; `averaged`, other axes."""
+    """`values` of pixels, a row per y, NaN without a member; `first` is the number of a member of
+    each pixel, 0: none; `averaged` are the other axes."""
 
     title: str
     x: Axis
@@ -48,7 +48,7 @@ class Map:
     at_y: numpy.ndarray
     values: numpy.ndarray
     first: numpy.ndarray
-    drawn: dict[str, numpy.ndarray]  # of that member, all that the plan draws
+    drawn: dict[str, numpy.ndarray]  # drawn quantities of member `first`
     members: int
     without: int
     averaged: tuple[str, ...]
@@ -66,14 +66,14 @@ class Map:
 
 
 def read(path: Path, axes: Sequence[str] = (), value: str = "", most: int = MOST) -> Map:
-    """By default over the first two axes, of what was kept first, of `most` pixels along an axis.
-    Raises UsageError."""
+    """Returns the map, by default over the first two axes, of the first kept quantity, with up to
+    `most` pixels along an axis. Raises UsageError."""
     with _opened(path) as reader:
         return reader.map(axes, value, most)
 
 
 def member(path: Path, number: int) -> dict[str, float]:
-    """What the plan draws of a member, named as the data set does. Raises UsageError."""
+    """Returns the drawn quantities of a member by column name. Raises UsageError."""
     with _opened(path) as reader:
         for first, *columns in reader.columns(["member", *reader.drawn]):
             if first[0] <= number <= first[-1]:
@@ -177,7 +177,7 @@ class _Reader:
         return [pixels.done(members) for pixels in found]
 
     def columns(self, names: list[str], value: str = "") -> Iterator[list[numpy.ndarray]]:
-        """Of each group of rows; with `value`, NaN where there is none."""
+        """Yields the columns of each row group; a last one for `value`, NaN where it is null."""
         of = STATUS if value == FAILED else value
         for table in self._groups([*names, *([of] if of else [])]):
             columns = [table.column(name).to_numpy() for name in names]
@@ -198,7 +198,7 @@ class _Reader:
 
 
 class _Pixels:
-    """Along an axis: its values, if they are few, else bins of one width."""
+    """The pixels along an axis: its values, if they are few, else bins of equal width."""
 
     def __init__(self, most: int) -> None:
         self.most = most
@@ -214,7 +214,7 @@ class _Pixels:
 
     def done(self, members: int) -> _Pixels:
         if self.values is not None and 2 * len(self.values) > members:
-            self.values = None  # each member has one of its own
+            self.values = None  # nearly each member has its own value
         if self.values is None:
             bins = int(min(self.most, max(8, numpy.sqrt(members / PER_PIXEL))))
             edges = numpy.linspace(self.low, self.high, bins + 1)

@@ -1,4 +1,4 @@
-"""The map of a sweep for a live page: an image, and of each pixel a member and its starts."""
+"""The map of a sweep for a live page: an image, and a member and its starts for each pixel."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from pkgen.plot.draw import coloured
 
 from .map import Map
 
-PIXELS = 300  # along an axis: a page of some 3 MB
+PIXELS = 300  # pixels along an axis: a page of about 3 MB
 
 
 def described(found: Map, keys: dict[str, str]) -> dict[str, object]:
-    """`keys` name what is drawn as the address of a page does."""
+    """Returns the data of the page; `keys` maps drawn columns to names in the page's address."""
     name, low, high = coloured(found.values)
     colours = colormaps[name]
     rows, columns = found.values.shape

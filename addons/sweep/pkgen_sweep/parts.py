@@ -1,7 +1,7 @@
-"""Parts of the data set, in Parquet: from the shards that hold their members.
+"""Writes the parts of the data set, in Parquet, from the shards that hold their members.
 
-A part is cut by members and its row groups by rows, so that its bytes do not depend on shards. A
-number that there is none of (of a member that failed, the time of an event that never was) is null.
+Parts are divided by members and row groups by rows, so that the bytes do not depend on shards. A
+missing number (of a failed member, or the time of an event that did not occur) is null.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ DRAWN = "drawn by the plan"
 
 
 def arrow():
-    """pyarrow with its Parquet. Raises UsageError where there is none."""
+    """Returns pyarrow with its Parquet module. Raises UsageError if it is not installed."""
     try:
         import pyarrow
         import pyarrow.parquet
@@ -41,7 +41,7 @@ def arrow():
 
 
 def names(job: Job) -> list[Quantity]:
-    """The columns of the data set, a row a member."""
+    """Returns the columns of the data set, which has a row per member."""
     starts = []
     for column in job.starts.columns:
         at_start = column.name + AT_START if column.kind in "qv" else column.name
@@ -65,7 +65,7 @@ def schema(job: Job, columns: list[Quantity]) -> pyarrow.Schema:
 
 
 class _Writer:
-    """Rows in groups of one size, whatever pieces they come in."""
+    """Writes rows in groups of one size, however they are divided when added."""
 
     def __init__(self, file, job: Job, columns: list[Quantity]):
         pa = arrow()
@@ -104,7 +104,7 @@ class _Writer:
                 self.flush()
             self.writer.close()
         finally:
-            self.writer.is_open = False  # else it closes itself once more, without a file
+            self.writer.is_open = False  # prevents a second close() by its destructor
 
     def _array(self, field: pyarrow.Field, x: np.ndarray) -> pyarrow.Array:
         if self.pa.types.is_dictionary(field.type):
@@ -116,8 +116,7 @@ class _Writer:
 
 
 def merge(job: Job, folder: Folder, part: int) -> dict:
-    """Writes a part from its shards, and what there is to say of it. Raises Torn: then nothing is
-    written."""
+    """Writes a part from its shards, and its description. Raises Torn, and then writes nothing."""
     first, count = folder.of_part(part)
     failures: dict[str, dict] = {}
     with ExitStack() as stack:
@@ -159,7 +158,7 @@ def _failed(members: np.ndarray, begin: int, failures: dict[str, dict]) -> None:
 
 
 def _members(job: Job, folder: Folder, part: int) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Blocks of a part's members, each with its rows, cut where the part is."""
+    """Yields blocks of a part's members: first index, members, rows; cut at the part's ends."""
     first, count = folder.of_part(part)
     for k in folder.shards_of(part):
         at = folder.of_shard(k)[0]
@@ -176,7 +175,7 @@ def _members(job: Job, folder: Folder, part: int) -> Iterator[tuple[int, np.ndar
 
 
 def classes(job: Job, folder: Folder) -> np.ndarray:
-    """The class of each member of a level, where classes are refined."""
+    """Returns the class of each member of a level, for refinement."""
     pa, found = arrow(), []
     for k in folder.parts:
         with folder.data_files(k)[0].open("rb") as file:

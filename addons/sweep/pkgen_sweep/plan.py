@@ -1,6 +1,6 @@
-"""A plan, as its author writes it in TOML: options of a run, how members are drawn, what is kept.
+"""Reads a plan in TOML: options of a run, how members are drawn, what is kept.
 
-Nothing in it is run: numbers and units go through the parser of the language.
+Nothing in it is executed: numbers and units go through the parser of the language.
 """
 
 from __future__ import annotations
@@ -33,25 +33,25 @@ _KEY = re.compile(r"""\s*("[^"]*"|'[^']*'|[\w.-]+)\s*=\s*""")
 
 @record
 class Plan:
-    """What a plan says; nothing of it is known to the model yet."""
+    """The content of a plan, not yet resolved in the model."""
 
     source: Source
-    options: dict[str, object]  # of a run, by the names of `pkgen run`
+    options: dict[str, object]  # options of `pkgen run`, by name
     kind: str
-    axes: dict[str, Any]  # what is drawn, by name
+    axes: dict[str, Any]  # drawn quantities, by name
     members: int | None
     seed: int
     keep: tuple[str, ...]
-    refine: dict[str, Any]  # "where" and "levels", or nothing
-    places: dict[tuple[str, str], Span] = field(repr=False)  # of each key in its section
+    refine: dict[str, Any]  # "where" and "levels", or empty
+    places: dict[tuple[str, str], Span] = field(repr=False)  # position of each key of a section
 
     def wrong(self, section: str, key: str, message: str, help: str = "") -> UsageError:
-        """What is said of a key, with its place."""
+        """Returns an error about a key, with its position."""
         span = self.places.get((section, key)) or self.places.get((section, ""), Span(0, 0))
         return UsageError(Diagnostic(message, span, help).text(self.source))
 
     def wrong_within(self, section: str, key: str, text: str, found: Diagnostic) -> UsageError:
-        """The same of a place in a text that is part of the key's value."""
+        """Returns an error at a position in a text that is part of the key's value."""
         whole = self.places.get((section, key), Span(0, 0))
         at = self.source.text.find(text, whole.start, whole.end)
         message = f"{key}: {found.message}"
@@ -62,13 +62,13 @@ class Plan:
         return UsageError(Diagnostic(message, Span(start, end), found.help).text(self.source))
 
     def of_a_run(self, options: argparse.Namespace) -> argparse.Namespace:
-        """The options of a run, those of the plan in place of their defaults. Errors in files that
-        it names do not quote them."""
+        """Returns the options of a run, with the plan's options in place of the defaults. Errors in
+        tableau files do not quote them, since plans are not trusted."""
         more = {"unquoted": self.options.get("tableau", ())}
         return argparse.Namespace(**{**vars(options), **self.options, **more})
 
     def refuse_foreign(self, model: str) -> None:
-        """Files that it names lie in its folder or in that of the model. Raises UsageError."""
+        """Raises UsageError for named files outside the folders of the plan and the model."""
         folders = [os.path.dirname(path) for path in (self.source.path, model)]
         for file in self.options.get("tableau", ()):
             if why := refusal(file, file, *folders):
@@ -76,7 +76,7 @@ class Plan:
 
 
 def read_plan(path: str) -> Plan:
-    """Raises UsageError or ModelError with the place of what is wrong."""
+    """Reads a plan. Raises UsageError or ModelError with the position of an error."""
     return of_text(read(path, "a plan in TOML"))
 
 
@@ -94,7 +94,7 @@ def of_text(source: Source) -> Plan:
         said = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", str(error))
         place, why = (f":{said[2]}:{said[3]}", said[1]) if said else ("", str(error))
         raise UsageError(f"{source.path}{place}: not TOML: {why}") from None
-    except ValueError:  # Python's limit
+    except ValueError:  # Python's limit on digits
         raise UsageError(f"{source.path}: not a plan: a number of thousands of digits") from None
     except RecursionError:
         raise UsageError(f"{source.path}: not a plan: brackets within brackets") from None
@@ -152,7 +152,7 @@ def _refine(plan: Plan, said: Mapping[str, object]) -> dict[str, Any]:
 def _whole(plan: Plan, said: Mapping[str, object], key: str, usual: int | None, least: int):
     value = said.get(key, usual)
     if isinstance(value, float) and value.is_integer():
-        value = int(value)  # 1e6
+        value = int(value)  # TOML reads 1e6 as a float
     if value is not None and (not isinstance(value, int) or isinstance(value, bool)):
         raise plan.wrong("", key, f"{key} is a whole number")
     if value is not None and value < least:
@@ -161,7 +161,7 @@ def _whole(plan: Plan, said: Mapping[str, object], key: str, usual: int | None, 
 
 
 def _option(plan: Plan, key: str, value: object) -> object:
-    """As the command line would have it."""
+    """Returns the value as the parsed command line has it."""
     if key in TEXTS:
         if isinstance(value, list) and key == "record":
             value = ",".join(map(str, value))
@@ -187,7 +187,8 @@ def _text(plan: Plan, key: str, value: object) -> str:
 
 
 def _places(text: str) -> dict[tuple[str, str], Span]:
-    """Where each key's value stands, and the head of each section; TOML's parser does not tell."""
+    """Returns the position of each key's value, and of each section's head, which tomllib does not
+    give."""
     found: dict[tuple[str, str], Span] = {}
     section, at = "", 0
     for line in text.split("\n"):

@@ -1,4 +1,4 @@
-"""The Ray engine: shards as tasks of a cluster, which is given by its address or made here."""
+"""The Ray engine: runs shards as tasks of a cluster, given by its address or started here."""
 
 from __future__ import annotations
 
@@ -19,10 +19,11 @@ if TYPE_CHECKING:
 
 
 class Ray(Cluster):
-    """A cluster of Ray, given or made here. Who dies with a task is told: it is given again."""
+    """A Ray cluster, given or started here. Ray does not retry: a lost task is given again by Left.
+    """
 
     def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
-        os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")  # else a warning
+        os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")  # suppresses a warning
         try:
             import ray
         except ImportError:

@@ -1,4 +1,4 @@
-"""What is kept of a member: columns of its final state, reductions of its rows, of its events."""
+"""The kept numbers of a member: of its final state, reductions of its rows, of its events."""
 
 from __future__ import annotations
 
@@ -28,27 +28,28 @@ _CALL = re.compile(r"\s*(\w+)\s*\(\s*(.+?)\s*\)\s*")
 
 
 class NotThere(UsageError):
-    """What is to be kept is of nothing that was compiled; a scene leaves out what it needs not."""
+    """A kept quantity was not compiled; a scene omits what it does not need."""
 
 
 @record
 class Kept:
-    """Numbers of a member, as the runtime makes them and as they are called; whether rows stay."""
+    """The kept numbers of a member: their reductions in the runtime, their names; and kept rows."""
 
-    reduced: tuple[tuple[bytes, int], ...]  # what, index: struct pk_run_reduced
+    reduced: tuple[tuple[bytes, int], ...]  # kind and index: struct pk_run_reduced
     numbers: tuple[Quantity, ...]
-    rows: tuple[Quantity, ...]  # columns of rows, where they are kept
+    rows: tuple[Quantity, ...]  # columns of rows, if rows are kept
 
 
 def by_row(plan: Plan) -> bool:
-    """Whether rows are looked at, and not the final state alone."""
+    """Whether rows are needed, not only the final state."""
     return any(x == "rows" or x.startswith(("max", "min", "mean")) for x in plan.keep)
 
 
 def kept(
     plan: Plan, compilation: Compilation, settings: Settings, scene: Scene | None
 ) -> tuple[Kept, Settings]:
-    """With the settings of a run that has what it takes. Raises UsageError with the place."""
+    """Returns the kept numbers, and the settings of a run that computes them. Raises UsageError
+    with the position."""
     return _Keeper(plan, compilation, settings, scene).all()
 
 
@@ -130,7 +131,7 @@ class _Keeper:
         return named.kinds(self.compilation)[kind][name][1]
 
     def column(self, name: str) -> tuple[int, Quantity]:
-        """The place of a column among those of rows, to which it comes if need be."""
+        """Returns the index of a column in the rows, and its quantity; adds it if it is missing."""
         try:
             shown = self.values.shown(self.values.flat_name("keep", name), "keep")
         except UsageError as error:
@@ -153,7 +154,7 @@ class _Keeper:
         self.found.append((OF_EVENTS[function], events.index(name), quantity))
 
     def drift(self, name: str) -> None:
-        """Of the energy or an output, over all steps."""
+        """Keeps the drift of the energy or an output, over all steps."""
         if name == "energy" and not named.has_energy(self.compilation):
             raise self.wrong("the model has no energy")
         outputs = [quantity.name for quantity in named.observed(self.compilation)]
@@ -169,13 +170,13 @@ class _Keeper:
 
     @staticmethod
     def whole(item: Expect) -> list[str]:
-        """What an expectation of a whole run compares, as it is kept; a drift is of a name."""
+        """Returns the `keep` entries of a whole-run expectation: drifts and event times."""
         drifts = [column(call.arguments[0]) or "…" for call in calls(item, "drift")]
         times = [call.arguments[0].id for call in calls(item, "time")]
         return [*(f'"drift({name})"' for name in drifts), *(f'"time({name})"' for name in times)]
 
     def expects(self) -> None:
-        """Of each relation of the scene, 1 where it is met."""
+        """Keeps, for each expectation of the scene, 1 if it is met."""
         if self.scene is None or not self.scene.expects:
             raise self.wrong("'expects' is for a scene that expects something")
         for k, item in enumerate(self.scene.expects):

@@ -1,8 +1,8 @@
-"""Where a class changes: members of finer and finer grids about the boundary between classes.
+"""Refines a grid where classes change: members of finer grids near the boundary between classes.
 
-A cell of a grid whose corners are of several classes is cut in two along each axis; the corners of
-the pieces that are new are the members of the next level. So they follow from the classes of the
-levels before, whoever ran these, and in which order.
+A cell whose corners are of several classes is halved along each axis; new corners of the pieces are
+the members of the next level. So members depend only on the classes of the previous levels, not on
+the engine or the order of work.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from pkgen.record import record
 
 @record(eq=False)
 class Level:
-    """Points of a grid of `shape`, by their flat numbers there, in order; and its cells by their
-    lowest corners, which may be cut further. `classes` are those of the points."""
+    """A level: sorted flat indices of its known points in a grid of `shape`, and their `classes`;
+    and the cells that may be refined, by their lowest corners."""
 
     shape: tuple[int, ...]
     points: np.ndarray
@@ -25,8 +25,8 @@ class Level:
     cells: np.ndarray
 
     def next(self) -> tuple[Level, np.ndarray]:
-        """The finer grid, with all points whose classes will be known; which of them are new. Their
-        classes are to be filled in."""
+        """Returns the level of the finer grid, and its new points, whose classes are UNKNOWN until
+        known()."""
         mixed = self._mixed()
         fine = tuple(2 * n - 1 for n in self.shape)
         corners = np.array(list(product((0, 1), repeat=len(self.shape))))
@@ -42,13 +42,13 @@ class Level:
         return Level(fine, wanted, classes, _flat(cells, fine)), new
 
     def known(self, new: np.ndarray, classes: np.ndarray) -> Level:
-        """With the classes of new points."""
+        """Returns the level with the classes of new points."""
         filled = self.classes.copy()
         filled[np.searchsorted(self.points, new)] = classes
         return Level(self.shape, self.points, filled, self.cells)
 
     def _mixed(self) -> np.ndarray:
-        """Cells whose corners are of several classes."""
+        """Returns the cells whose corners are of several classes."""
         at = np.stack(np.unravel_index(self.cells, self.shape), axis=1)
         first, mixed = None, np.zeros(len(at), bool)
         for corner in product((0, 1), repeat=len(self.shape)):
@@ -67,7 +67,7 @@ def _flat(places: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 
 
 def begun(shape: tuple[int, ...], classes: np.ndarray) -> Level:
-    """The grid of a plan, all of it known, and all of its cells."""
+    """Returns the level of a plan's grid, with all points and all cells."""
     points = np.arange(len(classes), dtype=np.int64)
     places = np.stack(np.unravel_index(points, shape), axis=1)
     inside = (places < np.array(shape) - 1).all(axis=1)

@@ -1,7 +1,7 @@
-"""What of a sweep is left to be done, as engines take it, and how far it is.
+"""The remaining tasks of a sweep, which engines take, and the progress.
 
-An engine is given a Left by run(left): it takes tasks by next() until there are none, tells what
-came of each by said() or lost(), and calls tick() some times a second.
+An engine gets a Left by run(left): it takes tasks by next() until there are none, reports each
+result by said() or lost(), and calls tick() several times per second.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from .job import Job
 from .shards import Folder, failed_shard
 from .store import NOW, is_folder, listed, write_json
 
-TRIES = 3  # of a shard, before it is left as failed
-LOST = 30  # tasks one after the other, without one that is done: it is not the shards
-Task = tuple[str, int]  # "shard" or "part", and which
+TRIES = 3  # tries of a shard before it counts as failed
+LOST = 30  # consecutive lost tasks after which the cause is not a shard
+Task = tuple[str, int]  # "shard" or "part", and its number
 
 
 class Left:
-    """The tasks of a sweep that are left; engines take them."""
+    """The remaining tasks of a sweep; engines take them."""
 
     def __init__(self, job: Job, folder: Folder, engine: str, workers: int, on_progress=None):
         self.job, self.folder, self.on_progress = job, folder, on_progress
         folder.made()
         for path in listed(folder.path / "failed"):
-            path.unlink()  # each is tried anew
+            path.unlink()  # failed shards are tried again
         missing, parts = work.survey(folder, True)
         self.shards = missing[::-1]
         self.waiting = {part: 0 for part in parts}
@@ -42,20 +42,20 @@ class Left:
         self.done_before = self.done = self.job.members - left
         self.lost_in_a_row = 0
         self.began, self.told = time.time(), 0.0
-        self.often = 1 if is_folder(folder.path) else 10  # seconds between two words
+        self.often = 1 if is_folder(folder.path) else 10  # seconds between reports
         self.about = {"engine": engine, "workers": workers, "host": platform.node()}
         before = self.job.before + self.done_before
         self.about |= {"pid": os.getpid(), "began": self.began, "before": before}
         self.tick(0.0)
 
     def next(self) -> Task | None:
-        """None: there is nothing to do, or nothing yet."""
+        """Returns the next task; None: none, or none yet."""
         if self.ready:
             return "part", self.ready.pop()
         return ("shard", self.shards.pop()) if self.shards else None
 
     def said(self, task: Task, said: dict) -> None:
-        """What came of a task. Raises UsageError where the disk is full."""
+        """Takes the result of a task. Raises UsageError if the disk is full."""
         if "disk" in said:
             raise UsageError(f"{said['disk']}; what is done stays: pkgen sweep --resume")
         if "wrong" in said:
@@ -64,7 +64,7 @@ class Left:
             self.finished(task, said["done"])
 
     def lost(self, task: Task, why: str) -> None:
-        """It could not be done, or its worker died: it is given again, some times."""
+        """Records a task that failed or whose worker died; queues it again up to TRIES times."""
         self.lost_in_a_row += 1
         if self.lost_in_a_row > LOST:
             raise NumericsFailed(f"workers fail one after the other: {why}")
@@ -101,7 +101,7 @@ class Left:
                     self.waiting[other] += 1
 
     def tick(self, flying: float) -> None:
-        """How far it is, for other terminals and this one."""
+        """Reports the progress, to other terminals and this one."""
         now = time.time()
         if now - self.told < self.often:
             return

@@ -1,8 +1,8 @@
-"""The starts of members: each a function of the plan and the member's number alone.
+"""The starts of members: each is a function of the plan and the member's number alone.
 
-Random numbers are Philox's, a counter's blocks for each member, so that a range of members has the
-same numbers in whatever pieces it is drawn. Points of Sobol' are SciPy's. Strata of a Latin
-hypercube are permuted by a Feistel network, which knows each image without the others.
+Random numbers are by Philox, with counter blocks per member, so that they do not depend on how
+members are divided. Points of Sobol' are SciPy's. Strata of a Latin hypercube are permuted by a
+Feistel network, which gives each image without the others.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ import numpy as np
 from pkgen.record import record
 from pkgen.run.ensemble import Column
 
-WORDS = 4  # of 64 bits in a block of Philox
+WORDS = 4  # 64-bit words in a block of Philox
 SOBOL_BITS = 32
 _ROUNDS = 6
 
 
 @record
 class Axis:
-    """What differs, in SI: a range (of a grid with its points), or values."""
+    """A drawn quantity, in SI: a range (on a grid with its number of points), or values."""
 
     column: Column
     lo: float = 0.0
@@ -31,7 +31,7 @@ class Axis:
     values: tuple[float, ...] = ()
 
     def spread(self, u: np.ndarray) -> np.ndarray:
-        """Numbers of [0, 1) over the range."""
+        """Maps numbers in [0, 1) to the range."""
         return np.minimum(self.lo + (self.hi - self.lo) * u, self.hi)
 
     def on_grid(self) -> np.ndarray:
@@ -40,20 +40,21 @@ class Axis:
 
 @record
 class Starts:
-    """Of all members, in a plan's way."""
+    """The starts of all members, drawn by one kind of a plan."""
 
     kind: str
     axes: tuple[Axis, ...]
     members: int
     seed: int
-    numbers: np.ndarray | None = None  # of "points": places in the grid
+    numbers: np.ndarray | None = None  # for "points": flat indices in the grid
 
     @property
     def columns(self) -> tuple[Column, ...]:
         return tuple(axis.column for axis in self.axes)
 
     def values(self, first: int, count: int) -> np.ndarray:
-        """Of members first, ..., from 0: a row each, a column an axis."""
+        """Returns the values of `count` members from `first` (from 0): a row per member, a column
+        per axis."""
         found = np.empty((count, len(self.axes)))
         for k, x in enumerate(_KINDS[self.kind](self, first, count)):
             found[:, k] = x
@@ -61,7 +62,7 @@ class Starts:
 
 
 def _uniform(starts: Starts, first: int, count: int) -> np.ndarray:
-    """Numbers of [0, 1): a row an axis."""
+    """Returns numbers in [0, 1), a row per axis."""
     blocks = -(-len(starts.axes) // WORDS)
     made = np.random.Philox(key=starts.seed, counter=first * blocks)
     raw = made.random_raw(count * blocks * WORDS).reshape(count, blocks * WORDS)
@@ -81,7 +82,8 @@ def _latin(starts: Starts, first: int, count: int) -> list[np.ndarray]:
 
 
 def permuted(numbers: np.ndarray, n: int, seed: int, axis: int) -> np.ndarray:
-    """Their images in a permutation of 0, ..., n - 1; one beyond goes round until it is within."""
+    """Returns the images in a permutation of 0, ..., n - 1. An image beyond n - 1 is permuted again
+    until it is within (cycle walking)."""
     half = max(1, (max(1, n - 1).bit_length() + 1) // 2)
     keys = np.random.Philox(key=seed, counter=(1 << 128) + axis * _ROUNDS).random_raw(_ROUNDS)
     found = _feistel(numbers, half, keys)
@@ -91,11 +93,11 @@ def permuted(numbers: np.ndarray, n: int, seed: int, axis: int) -> np.ndarray:
 
 
 def _feistel(x: np.ndarray, half: int, keys: np.ndarray) -> np.ndarray:
-    """A permutation of the numbers of 2 half bits."""
+    """Applies a permutation of the numbers of 2 `half` bits."""
     mask, bits = np.uint64((1 << half) - 1), np.uint64(half)
     left, right = x >> bits, x & mask
     for key in keys:
-        z = (right + key) * np.uint64(0x9E3779B97F4A7C15)  # SplitMix64's way to mix
+        z = (right + key) * np.uint64(0x9E3779B97F4A7C15)  # the mixing function of SplitMix64
         z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
         z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
         left, right = right, left ^ ((z ^ (z >> np.uint64(31))) & mask)
@@ -106,7 +108,7 @@ def _sobol(starts: Starts, first: int, count: int) -> list[np.ndarray]:
     from scipy.stats import qmc
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # of numbers that are no power of 2
+        warnings.simplefilter("ignore", UserWarning)  # of counts that are no power of 2
         made = qmc.Sobol(len(starts.axes), scramble=True, bits=SOBOL_BITS, seed=starts.seed)
         if first:
             made.fast_forward(first)
@@ -115,7 +117,7 @@ def _sobol(starts: Starts, first: int, count: int) -> list[np.ndarray]:
 
 
 def _grid(starts: Starts, first: int, count: int) -> list[np.ndarray]:
-    """The last axis goes fastest."""
+    """Returns grid points; the last axis varies fastest."""
     number = np.arange(first, first + count)
     found = []
     for axis in reversed(starts.axes):

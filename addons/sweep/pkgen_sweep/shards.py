@@ -1,19 +1,18 @@
-"""A sweep's folder: its plan, the shards that are done, what of them is in the data set, and why
-others failed.
+"""A sweep's folder: its plan, the completed shards, the data set, and the failures.
 
-    plan.json    what the sweep is; written once
+    plan.json    description of the sweep; written once
     model.lag, plan.toml
-    shards/K     members K S, ..., of which some are not in the data set yet
-    data/        a row a member, in Parquet: part-K.parquet, of members K P, ..., and
+    shards/K     members K S, ...; removed when all are in the data set
+    data/        a row per member, in Parquet: part-K.parquet, of members K P, ..., and
                  level-L-part-K.parquet of the levels that refine a grid
-    rows/        rows of the motions, likewise, where they are kept
-    parts/K      digests of these, and who of the members failed
-    failed/K     how often a shard was tried, and why it could not be made
-    levels.json  how many members the levels have that are known
-    now.json     who is at work
+    rows/        rows of the motions, likewise, if they are kept
+    parts/K      hashes of these files, and the failures of members
+    failed/K     how often a shard was tried, and why it failed
+    levels.json  numbers of members of the known levels
+    now.json     the running engine and its progress
 
-Each file is there when it is whole (`store.py`). A shard is blocks of numbers (little-endian
-doubles), a line of JSON on what they are, and the SHA-256 of all that.
+A file appears when it is complete (`store.py`). A shard is blocks of numbers (little-endian
+doubles), a line of JSON that describes them, and the SHA-256 of all that.
 """
 
 from __future__ import annotations
@@ -36,8 +35,8 @@ from .store import of_kinds, read_json, write_json, written
 if TYPE_CHECKING:
     import numpy
 
-TAIL = 1 << 16  # bytes in which the last lines of a shard are, mostly
-DIGEST = 65  # bytes of the last one
+TAIL = 1 << 16  # bytes read for the last lines of a shard, usually enough
+DIGEST = 65  # bytes of the last line
 PLAN, DATA = "plan.json", "data"
 _FOLDERS = ("shards", "parts", "failed", DATA)
 
@@ -51,7 +50,7 @@ KINDS = {
 
 
 def known(path: Path) -> dict | None:
-    """The plan.json of a sweep; None: there is none. Raises UsageError."""
+    """Returns plan.json of a sweep; None: there is none. Raises UsageError."""
     found = read_json(path / PLAN)
     if found is None or found.get("pkgen", __version__) != __version__:
         return found
@@ -67,15 +66,15 @@ def is_sweep(path: Path) -> bool:
 
 @record
 class Folder:
-    """Where a sweep lies; what of it may be cut anew is in `plan`."""
+    """The folder of a sweep, and how its members are divided into shards and parts."""
 
     path: Path
     digest: str
     members: int
-    shard: int  # members of one
+    shard: int  # members per shard
     part: int
     rows: bool
-    level: int = 0  # of those that refine: its files have names of their own
+    level: int = 0  # refinement level; its files have their own names
 
     def _name(self, k: int, digits: int) -> str:
         return f"{f'level-{self.level}-' if self.level else ''}{k:0{digits}d}"
@@ -89,7 +88,7 @@ class Folder:
         return range(-(-self.members // self.part))
 
     def of_shard(self, k: int) -> tuple[int, int]:
-        """Its first member, and how many."""
+        """Returns its first member and number of members."""
         return k * self.shard, min(self.shard, self.members - k * self.shard)
 
     def of_part(self, k: int) -> tuple[int, int]:
@@ -113,7 +112,7 @@ class Folder:
         return self.path / "parts" / self._name(k, 6)
 
     def data_files(self, k: int) -> list[Path]:
-        """Those of a part; where rows are kept, there are two."""
+        """Returns the data files of a part; two if rows are kept."""
         folders = (DATA, "rows") if self.rows else (DATA,)
         name = f"level-{self.level}-part" if self.level else "part"
         return [self.path / folder / f"{name}-{k:06d}.parquet" for folder in folders]
@@ -123,12 +122,12 @@ class Folder:
             store.made(self.path / name)
 
     def cleaned(self) -> None:
-        """Without what those left who were killed while they wrote; nobody else may write now."""
+        """Removes partial files of killed processes; no other process may write now."""
         store.cleaned(self.path)
 
 
 def shard_head(folder: Folder, k: int) -> dict:
-    """Which shard of which sweep it is."""
+    """Returns the identity of a shard, which its description repeats."""
     first, count = folder.of_shard(k)
     at = {"level": folder.level, "shard": k}
     return {"sweep": folder.digest, **at, "first": first, "count": count}
@@ -137,8 +136,8 @@ def shard_head(folder: Folder, k: int) -> dict:
 def write_shard(
     folder: Folder, k: int, blocks: Iterable[tuple[numpy.ndarray, numpy.ndarray | None, dict]]
 ) -> dict:
-    """Of blocks of members: their numbers, their rows, the report of their run. What is said of
-    it. Programs that need no Python write the same: runtime/program/shard.c."""
+    """Writes a shard from blocks: members, rows, report of the run. Returns its description.
+    runtime/program/shard.c writes the same format without Python."""
     digest = hashlib.sha256()
     said = {**shard_head(folder, k), "blocks": [], "reports": []}
     with written(folder.shard_file(k)) as file:
@@ -159,7 +158,7 @@ def write_shard(
 
 
 def failures_of(said: dict) -> list[dict]:
-    """Of a shard, for each status."""
+    """Returns the failures of a shard by status."""
     found: dict[str, dict] = {}
     for report in said["reports"]:
         added(found, report["failures"])
@@ -167,7 +166,7 @@ def failures_of(said: dict) -> list[dict]:
 
 
 def added(to: dict[str, dict], failures: Iterable[dict]) -> None:
-    """Failures by their status: how many, and the first."""
+    """Adds failures by status: their number, and the first member."""
     for one in failures:
         known = to.setdefault(one["status"], {**one, "count": 0})
         count = known["count"] + one["count"]
@@ -177,14 +176,14 @@ def added(to: dict[str, dict], failures: Iterable[dict]) -> None:
 
 
 def head(folder: Folder, k: int) -> dict | None:
-    """What a shard says of itself; None: there is none, or it is another's."""
+    """Returns a shard's description; None: it is missing, incomplete or another sweep's."""
     path = folder.shard_file(k)
     try:
         with path.open("rb") as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(max(0, size - TAIL))
             tail = file.read()
-            if tail[:-DIGEST].count(b"\n") < 2:  # there are many blocks
+            if tail[:-DIGEST].count(b"\n") < 2:  # the description is longer
                 file.seek(0)
                 tail = file.read()
         line = tail[: -DIGEST - 1].rpartition(b"\n")[2]
@@ -199,12 +198,12 @@ def head(folder: Folder, k: int) -> dict | None:
 
 
 class Torn(Exception):
-    """A shard that is not as it was written: its number."""
+    """A shard does not match its hash; the argument is its number."""
 
 
 def blocks(folder: Folder, k: int) -> Iterator[tuple[numpy.ndarray, numpy.ndarray | None]]:
-    """The blocks of a shard. Raises Torn at the end where the digest is another: nothing that is
-    made of them may be kept before."""
+    """Yields the blocks of a shard. Raises Torn, at the end if the hash differs: then nothing
+    derived from them may be kept."""
     import numpy
 
     said = head(folder, k)
@@ -239,7 +238,7 @@ def digest_of(path: Path) -> str | None:
 
 
 def part_is_whole(folder: Folder, k: int, thorough: bool) -> bool:
-    """Whether a part is in the data set, as it was written if one looks at each byte."""
+    """Whether a part is in the data set; if `thorough`, its hashes are checked."""
     said = read_json(folder.part_file(k))
     files = folder.data_files(k)
     if said is None or said.get("sweep") != folder.digest:
@@ -253,7 +252,7 @@ def part_is_whole(folder: Folder, k: int, thorough: bool) -> bool:
 
 
 def failed_shard(folder: Folder, k: int, why: str) -> int:
-    """Notes it; how often it was tried."""
+    """Records a failure; returns the number of tries."""
     known = read_json(folder.failed_file(k)) or {}
     tried = int(known.get("tried", 0)) + 1
     write_json(folder.failed_file(k), {"shard": k, "tried": tried, "why": why})
@@ -261,8 +260,8 @@ def failed_shard(folder: Folder, k: int, why: str) -> int:
 
 
 def foreign(path: Path, own: str) -> UsageError | None:
-    """A folder with other things in it is no sweep's; `own` is the model's file. One that was
-    killed before its plan was written has left these."""
+    """Returns an error if a folder has files that are no sweep's; `own` is the model's file. A
+    sweep killed before plan.json leaves only known names."""
     if path.exists() and not path.is_dir():
         return UsageError(f"-o {path}: it is a file; a sweep needs a folder")
     ours = {*_FOLDERS, "rows", "plan.toml", own}

@@ -1,9 +1,9 @@
 """The Slurm engine: an array of tasks, each of which makes its share of the shards by a static
-program. Nodes need a shell, sha256sum and the folder, and no Python.
+program. Nodes need a shell, sha256sum and the folder, but no Python.
 
-A task leaves out the shards that are there, so that it may be run again. Parts of the data set are
-merged here, as shards come. What partition, account and time an array has, sbatch reads in its
-environment (SBATCH_PARTITION, ...).
+A task skips existing shards, so that it may run again. Parts of the data set are merged here, when
+shards appear. sbatch takes partition, account and time of the array from its environment
+(SBATCH_PARTITION, ...).
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from .remaining import TRIES, Left
 from .shards import Folder, failed_shard, head
 from .store import is_folder, read_json, write_json, written
 
-TASKS = 1000  # of an array: Slurm's own limit is 1001
+TASKS = 1000  # tasks of an array: Slurm's default limit is 1001
 POLL = 2.0  # seconds between looks at the folder
-ASKED = 10.0  # and at the queue
-STARTS = 1 << 16  # members whose starts are written at once
+ASKED = 10.0  # seconds between looks at the queue
+STARTS = 1 << 16  # members per write of starts
 
 SCRIPT = r"""#!/bin/sh
 #SBATCH --job-name=pkgen-NAME
@@ -62,7 +62,7 @@ done
 
 
 class Slurm:
-    """Slurm. An array that is still queued from before is waited for."""
+    """The Slurm engine. It waits for an array that a previous process has queued."""
 
     def __init__(self, job: Job, folder: Folder, options: argparse.Namespace):
         if shutil.which("sbatch") is None:
@@ -110,7 +110,7 @@ class Slurm:
             time.sleep(POLL)
 
     def _ended(self, waiting: set[int], tried: dict[int, int]) -> None:
-        """The array is over: shards that were tried often enough are given up."""
+        """After the end of the array, gives up shards that were tried TRIES times."""
         for k in [k for k in waiting if head(self.folder, k) is None]:
             known = read_json(self.folder.failed_file(k)) or {}
             failed_shard(self.folder, k, known.get("why") or "its task ended; see slurm/task-*.txt")
@@ -140,7 +140,7 @@ class Slurm:
         )
 
     def _submitted(self, shards: list[int]) -> str:
-        """The number of the array that is to make them."""
+        """Submits an array for these shards; returns its number."""
         self.place.mkdir(exist_ok=True)
         if not (self.place / "program").exists():
             self._program()
@@ -186,7 +186,8 @@ class Slurm:
 
     @staticmethod
     def _is_queued(number: str) -> bool:
-        """Whether some of its tasks wait or run; a controller that does not answer says nothing."""
+        """Whether the array has waiting or running tasks; true if the controller does not answer.
+        """
         said = _asked("squeue", "--noheader", "--jobs", number)
         if said.returncode:
             return "Invalid job id" not in said.stderr

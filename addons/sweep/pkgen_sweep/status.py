@@ -1,4 +1,4 @@
-"""How far a sweep is, by what lies in its folder alone."""
+"""The progress of a sweep, from the files in its folder alone."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .sweep import LEVELS, PLAN
 
 
 def status(path: Path) -> dict:
-    """Raises UsageError where no sweep lies there, or one that is not as it was written."""
+    """Returns the progress. Raises UsageError if the folder has no sweep, or a damaged one."""
     said = known(path)
     if said is None:
         raise UsageError(f"--status {path}: no sweep lies there: it has no {PLAN}")
@@ -62,7 +62,7 @@ def _status(path: Path, said: dict) -> dict:
 
 
 def _of_level(folder: Folder, failures: dict[str, dict]) -> tuple[int, int, int]:
-    """Members, parts and shards that are done; how members failed is added."""
+    """Returns the numbers of completed members, parts and shards; adds failures of members."""
     done, parts, shards = 0, 0, set()
     for part in folder.parts:
         first, count = folder.of_part(part)
@@ -85,7 +85,7 @@ def _of_level(folder: Folder, failures: dict[str, dict]) -> tuple[int, int, int]
 
 
 def lines(found: dict) -> list[str]:
-    """The same for a person."""
+    """Returns the progress as text."""
     members, done = found["members"], found["done"] + found.get("flying", 0)
     said = [f"{found['name']}: {done:,} of {members:,} members ({100 * done / members:.4g}%)"]
     if found["running"] and "rate" in found:
@@ -114,7 +114,7 @@ def lines(found: dict) -> list[str]:
 
 
 def failed(found: dict) -> list[str]:
-    """Which members, and why."""
+    """Describes the failed members, and why they failed."""
     if not found["failed"]:
         return []
     said = [f"{found['failed']:,} of {found['members']:,} members failed"]

@@ -1,8 +1,8 @@
-"""Where a sweep's files lie: a folder, or an address of an object store (s3://bucket/dir).
+"""The location of a sweep's files: a folder, or an address of an object store (s3://bucket/dir).
 
-Paths are pathlib's or universal_pathlib's, which are read alike. What differs is here: how a file
-comes to be there whole, who is at work, how much room there is. In a folder a file is renamed to
-its place; in an object store it is put there in one piece, which nobody sees before it is whole.
+Paths are those of pathlib or universal_pathlib, which are read alike. The differences are here:
+atomic writes, locks, free space. In a folder a file is renamed to its name; in an object store it
+is put in one piece, which is invisible until it is complete.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from pkgen.system.exits import UsageError
 from pkgen.system.files import PARTIAL, scratch
 
 NOW = "now.json"
-SILENT = 60.0  # seconds after which nobody is at work in a store without locks
+SILENT = 60.0  # seconds without a report after which a sweep in a store has stopped
 
 
 def place(text: str) -> Path:
-    """Raises UsageError where the store does not answer."""
+    """Returns the path of an address. Raises UsageError if the store does not answer."""
     scheme, found, rest = text.partition("://")
     if not found:
         return Path(text)
@@ -40,20 +40,20 @@ def place(text: str) -> Path:
             "(s3fs for s3, gcsfs for gs, adlfs for az)"
         ) from None
     try:
-        path = UPath(text, use_listings_cache=False)  # what others write is to be seen
+        path = UPath(text, use_listings_cache=False)  # other processes write too
         path.exists()
-    except Exception as error:  # each store has its own
+    except Exception as error:  # each store has its own exceptions
         raise UsageError(f"{text}: {error or type(error).__name__}") from None
     return path
 
 
 def is_folder(path: Path) -> bool:
-    """Of this machine, or of a file system that it sees."""
+    """Whether it is on a file system, not in an object store."""
     return isinstance(path, Path)
 
 
 def made(path: Path) -> None:
-    """A store has no folders, only names."""
+    """Makes a folder; an object store has none."""
     if is_folder(path):
         path.mkdir(parents=True, exist_ok=True)
 
@@ -66,7 +66,7 @@ def listed(folder: Path, pattern: str = "*") -> list[Path]:
 
 
 def cleaned(path: Path) -> None:
-    """Without what those left who were killed while they wrote; nobody else may write now."""
+    """Removes partial files of killed processes; no other process may write now."""
     for folder in path.iterdir() if is_folder(path) else ():
         if folder.is_dir() and not folder.is_symlink():
             for one in folder.glob(f"*{PARTIAL}"):
@@ -75,7 +75,8 @@ def cleaned(path: Path) -> None:
 
 @contextmanager
 def written(path: Path) -> Iterator[IO[bytes]]:
-    """A file that is there when it is whole. Two may write it at once: both write the same."""
+    """Opens a file that appears when it is complete. Two processes may write it, with equal
+    content."""
     try:
         with (_renamed if is_folder(path) else _put)(path) as file:
             yield file
@@ -107,7 +108,7 @@ def _put(path) -> Iterator[IO[bytes]]:
             path.fs.put_file(str(folder / path.name), path.path)
         except OSError as error:
             raise OSError(error.errno or errno.EIO, str(error)) from None
-        except Exception as error:  # each store has its own
+        except Exception as error:  # each store has its own exceptions
             raise OSError(errno.EIO, str(error)) from None
 
 
@@ -117,7 +118,7 @@ def write_json(path: Path, content: object) -> None:
 
 
 def read_json(path: Path) -> dict | None:
-    """None where it is not there, or not whole."""
+    """Returns the content; None: it is missing or incomplete."""
     try:
         found = json.loads(path.read_bytes())
     except (OSError, ValueError):
@@ -126,7 +127,7 @@ def read_json(path: Path) -> dict | None:
 
 
 def of_kinds(path: Path, found: dict, kinds: Mapping[str, type | tuple[type, ...]]) -> dict:
-    """The same, if each key is of its kind. Raises UsageError."""
+    """Returns `found` if each key is of its kind. Raises UsageError."""
     for key, kind in kinds.items():
         value = found.get(key)
         if not isinstance(value, kind) or (kind is int and not 0 < value < 1 << 63):
@@ -135,7 +136,7 @@ def of_kinds(path: Path, found: dict, kinds: Mapping[str, type | tuple[type, ...
 
 
 def free_bytes(path: Path) -> int | None:
-    """Where the folder is, or is to be; None: a store has no end that it tells."""
+    """Returns the free bytes of the disk of a path; None: unknown for a store."""
     if not is_folder(path):
         return None
     there = next(p for p in (path.absolute(), *path.absolute().parents) if p.is_dir())
@@ -144,8 +145,8 @@ def free_bytes(path: Path) -> int | None:
 
 @contextmanager
 def alone(path: Path) -> Iterator[None]:
-    """One at a time shares the work out. Raises UsageError where another does. A store has no
-    locks: who is at work says so in NOW, and two do the same work twice."""
+    """Locks the sweep for one engine. Raises UsageError if another one runs. A store has no locks:
+    the engine reports in NOW, and two of them do the work twice."""
     if not is_folder(path):
         try:
             yield
@@ -159,7 +160,7 @@ def alone(path: Path) -> Iterator[None]:
             fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise UsageError(f"{path}: another pkgen sweeps here") from None
-        except OSError:  # a file system without locks
+        except OSError:  # the file system has no locks
             pass
         yield
     finally:

@@ -1,4 +1,4 @@
-"""A sweep from its plan to its data set: begun, gone on with, and how far it is."""
+"""Begins and resumes a sweep, and refines its levels."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ from .sampling import Starts
 from .shards import PLAN, Folder, foreign, part_is_whole
 from .store import free_bytes, place, write_json, written
 
-SECONDS = 10.0  # of work in a shard, at least
-TIMED = 0.3  # seconds that the first timing takes
+SECONDS = 10.0  # least seconds of work in a shard
+TIMED = 0.3  # least seconds of the first timing
 LEVELS, TOML = "levels.json", "plan.toml"
 Compiled = Callable[..., Compilation]
 
@@ -40,12 +40,12 @@ Compiled = Callable[..., Compilation]
 class Sweep:
     job: Job
     folder: Folder
-    notes: tuple[str, ...] = ()  # what there is to say before it runs
+    notes: tuple[str, ...] = ()  # messages before it runs
 
 
 def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
-    """A new one, or that which lies there of the same plan. Raises UsageError where it is of
-    another, and whatever is wrong with the plan."""
+    """Returns a new sweep, or the existing one of the same plan. Raises UsageError if the folder
+    has another, or for an error in the plan."""
     arrow()
     path = place(options.directory)
     known = shards.known(path)
@@ -65,8 +65,8 @@ def begun(options: argparse.Namespace, compiled: Compiled) -> Sweep:
 
 
 def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
-    """What is known of that which lies there, its plan and model, which is that of `options` then.
-    Raises UsageError."""
+    """Returns plan.json, the plan and the model of the sweep in a folder; sets model and size of
+    `options`. Raises UsageError."""
     known = shards.known(path)
     if known is None:
         raise UsageError(f"{path}: no sweep lies there: it has no {PLAN}")
@@ -77,7 +77,7 @@ def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
         options.model, options.size = str(file), known["size"]
         plan = of_text(from_text(str(path / TOML), (path / TOML).read_text("utf-8")))
         text, name = file.read_text("utf-8"), known["model"]
-        with suppress(ModelError):  # files that it names lie beside it, if it is there
+        with suppress(ModelError):  # the original path, if unchanged
             return known, plan, from_text(name if read(name).text == text else str(file), text)
         return known, plan, from_text(str(file), text)
     except (OSError, KeyError, TypeError, UnicodeDecodeError) as error:
@@ -85,7 +85,7 @@ def lying(path: Path, options: argparse.Namespace) -> tuple[dict, Plan, Source]:
 
 
 def resumed(path: Path, options: argparse.Namespace, compiled: Compiled) -> Sweep:
-    """That which lies there."""
+    """Returns the sweep in a folder."""
     arrow()
     known, plan, source = lying(path, options)
     job, _ = _made(plan, source, options, compiled, known)
@@ -102,7 +102,7 @@ def _made(plan: Plan, source: Source, options: argparse.Namespace, compiled, kno
 
 
 def _other(path: Path, known: dict, plan: Plan, source: Source) -> str:
-    """Why what lies there is not this."""
+    """Returns how the sweep in the folder differs."""
     if known.get("pkgen") != __version__:
         return f"the sweep there is of pkgen {known.get('pkgen')}, and this is {__version__}"
     with suppress(OSError):
@@ -150,7 +150,7 @@ def _new(path: Path, plan: Plan, source: Source, options: argparse.Namespace, ma
             "shard": shard,
             "part": job.part,
             "rows": folder.rows,
-            "seconds": pace,  # of a member, at first
+            "seconds": pace,  # per member, at the first timing
             "chosen": prepared.chosen,
             "columns": [asdict(c) for c in names(job)],
         },
@@ -167,8 +167,8 @@ def _size(n: float) -> str:
 
 
 def _pace(job: Job) -> float:
-    """Seconds of the processor for a member, of some here and there. Raises NumericsFailed
-    where the method is none for this system."""
+    """Returns CPU seconds per member, over samples of the members. Raises NumericsFailed if the
+    method refuses the system."""
     count = 1
     exponents = [2 + k for k, (what, _) in enumerate(job.kept.reduced) if what == b"l"]
     job.library  # noqa: B018 (it may have to be compiled)
@@ -198,14 +198,14 @@ def _pace(job: Job) -> float:
 
 
 def _shard(members: int, pace: float) -> int:
-    """Ten seconds of work, or all."""
+    """Returns the members of a shard: SECONDS of work, or all."""
     size = max(1, min(int(SECONDS / max(pace, 1e-9)) + 1, members))
     return size if size < 64 else -(-size // 64) * 64
 
 
 def levels(sweep: Sweep) -> Iterator[Sweep]:
-    """The sweep, and those that refine it, each when all before it is done; none behind one that
-    is not whole."""
+    """Yields the sweep, then its refinements, each when the previous ones are done. Raises
+    Unfinished if a level is incomplete."""
     job, folder = sweep.job, sweep.folder
     yield sweep
     if job.refine is None:
@@ -235,4 +235,4 @@ def _classes(job: Job, folder: Folder):
 
 
 class Unfinished(Exception):
-    """Some of a level is missing, of which the next would be made."""
+    """A level is incomplete, from which the next is made."""

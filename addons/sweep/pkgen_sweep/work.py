@@ -1,6 +1,5 @@
-"""The two tasks of a sweep, which an engine gives to any process: to make a shard, to merge a part.
-Each may be done twice, and by two at once: both write the same.
-"""
+"""The two tasks of a sweep, which any process may run: make a shard, merge a part. Each may run
+twice, even at once: the output is the same."""
 
 from __future__ import annotations
 
@@ -15,15 +14,15 @@ Poll = Callable[[float], bool]
 
 
 def shard(job: Job, folder: Folder, k: int, poll: Poll | None = None) -> dict:
-    """What the shard says of itself. Raises OSError where it cannot be written."""
+    """Makes a shard; returns its description. Raises OSError if it cannot be written."""
     first, count = folder.of_shard(k)
     batches = ((b.members, b.rows, b.report) for b in job.run(first, count, poll))
     return write_shard(folder, k, batches)
 
 
 def part(job: Job, folder: Folder, k: int) -> dict | None:
-    """Its shards go once all that they hold is in the data set. None: a shard is not as it was
-    written, and is gone, to be made again."""
+    """Merges a part, and removes shards that are completely in the data set. Returns None if a
+    shard is damaged; it is removed, to be made again."""
     try:
         said = merge(job, folder, k)
     except Torn as torn:
@@ -38,8 +37,8 @@ def part(job: Job, folder: Folder, k: int) -> dict | None:
 
 
 def survey(folder: Folder, thorough: bool) -> tuple[list[int], list[int]]:
-    """The shards that are missing and the parts, what is torn being removed; if `thorough`, by each
-    byte of the data set."""
+    """Returns the missing shards and parts, and removes damaged parts; `thorough` checks their
+    hashes."""
     parts = [k for k in folder.parts if not part_is_whole(folder, k, thorough)]
     for k in parts:
         for path in (folder.part_file(k), *folder.data_files(k)):

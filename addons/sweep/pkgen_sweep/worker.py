@@ -1,7 +1,7 @@
-"""A worker of the local engine: `python -m pkgen.sweep.worker`, which pkgen starts.
+"""A worker of the local engine: `python -m pkgen_sweep.worker`, started by pkgen.
 
-Its standard input has the job, from the process that started it, then a task a line; its standard
-output has a line of JSON on each, and how far it is. Where the input ends, so does it.
+Its standard input has the job, pickled, then a task per line; its standard output has a line of
+JSON per result, and progress reports. It ends at the end of its input.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from pkgen.system.exits import BuildError, NumericsFailed, UsageError
 
 from . import work
 
-TELL = 0.5  # seconds between words on how far it is
+TELL = 0.5  # seconds between progress reports
 
 
 class _Teller:
@@ -36,7 +36,7 @@ def tell(said: dict) -> None:
 
 
 def main() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who started it decides
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process handles it
     job, folder = pickle.load(sys.stdin.buffer)
     for line in sys.stdin.buffer:
         what, number = line.split()

@@ -1,5 +1,5 @@
-"""A model as one HTML file that moves in any browser: `page/` is the page, which WebAssembly of the
-model and of the runtime (pkgen.back.wasm) drives."""
+"""A model as one HTML file that moves in any browser: `page/` is the page; it runs the model and
+the runtime as WebAssembly (pkgen.back.wasm)."""
 
 COMMANDS = """
 Make something of it

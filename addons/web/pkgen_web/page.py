@@ -1,7 +1,7 @@
-"""One self-contained HTML file of a model: the page of `page/` with all that it names put in.
+"""Packs a model as one self-contained HTML file: the page of `page/` with all its files inlined.
 
-Nothing is loaded from anywhere: a policy in the page allows its own scripts and styles alone, by
-their hashes. Text of a model is data in it, which scripts show as text; it is never markup.
+Nothing is loaded from elsewhere: a policy in the page allows only its own scripts, by their hashes,
+and inline styles. Texts of a model are data, which scripts show as text; they are never markup.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ HERE = Path(__file__).parent / "page"
 _STYLE = re.compile(r'<link rel="stylesheet" href="([^"]+)">')
 _SCRIPT = re.compile(r'<script src="([^"]+)"></script>')
 _HEAD, _END = "<head>\n", "</head>"
-# Behind these nothing ends a script or a comment in it.
+# Escapes of characters that could end a script element or start a comment in it.
 _ESCAPED = str.maketrans(
     {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"}
 )
@@ -29,8 +29,8 @@ _ESCAPED = str.maketrans(
 def packed(
     description: Mapping[str, object], wasm: bytes, explained: str = "", style: str = ""
 ) -> str:
-    """The page. `wasm` is packed by gzip; `explained` is HTML of our own about the equations, with
-    its `style`."""
+    """Returns the page. `wasm` is compressed by gzip; `explained` is pkgen's HTML on the equations,
+    with its `style`."""
     text = (HERE / "index.html").read_text(encoding="utf-8")
     text = _filled(text, "<title>", f"{html.escape(str(description['title']))} – ")
     text = _STYLE.sub(lambda found: f"<style>{_read(found[1])}</style>", text)

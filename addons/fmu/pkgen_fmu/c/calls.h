@@ -1,6 +1,6 @@
-/* What FMI 2 and FMI 3 have alike. fmi2.c and fmi3.c include this text, each behind its types:
- * FMI(name) is a call or a type, instance_type and whole_type what they are there, struct importer
- * what unit.environment is, say() its log. */
+/* Calls common to FMI 2 and FMI 3. fmi2.c and fmi3.c include this file after they define:
+ * FMI(name), a call or a type; instance_type and whole_type; struct importer, the type of
+ * unit.environment; say(), its log. */
 #if defined _WIN32
 #define UNIT_SHOWN __declspec(dllexport)
 #elif defined __GNUC__
@@ -9,7 +9,7 @@
 #define UNIT_SHOWN
 #endif
 
-/* A unit has no use for some. */
+/* A unit ignores some parameters. */
 #if defined __GNUC__
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
@@ -17,7 +17,7 @@
 typedef FMI(Status) status_type;
 typedef FMI(ValueReference) reference_type;
 
-/* `unit` of the instance; returns unless it is in one of these modes. */
+/* Declares `unit`; returns an error unless it is in one of these modes. */
 #define CALL(call, modes)                                             \
     struct unit *const unit = (struct unit *)instance;                \
     const enum unit_status refused = unit_allowed(unit, call, modes); \
@@ -30,7 +30,7 @@ static status_type null(const struct unit *unit, const char *call)
                                  "%s: a pointer is null, or counts differ", call);
 }
 
-/* No variable is of these types. */
+/* Refuses variables of a type that no variable has. */
 static status_type none(instance_type instance, const char *call, size_t n)
 {
     CALL(call, UNIT_ANY | UNIT_WITHIN);
@@ -39,7 +39,7 @@ static status_type none(instance_type instance, const char *call, size_t n)
              : FMI(OK);
 }
 
-/* Values one after the other, up to the first that is refused. */
+/* Applies `one` to each value, up to the first failure. */
 #define EACH(call, one)                                                       \
     CALL(call, UNIT_ANY | UNIT_WITHIN);                                       \
     if ((n && (!references || !values)) || n != n_values)                     \
@@ -70,7 +70,7 @@ static status_type set_reals(instance_type instance, const char *call,
     EACH(call, set_real);
 }
 
-/* The method: the one variable that is no real number. */
+/* Refuses all variables but the method, the only one that is no real number. */
 static enum unit_status only_method(const struct unit *unit, unsigned reference)
 {
     if (reference == (UNIT_SETTING << UNIT_SHIFT | UNIT_METHOD))
@@ -198,7 +198,7 @@ UNIT_SHOWN status_type FMI(GetFMUState)(instance_type instance, FMI(FMUState) * 
     CALL(__func__, UNIT_ANY);
     if (!state)
         return null(unit, __func__);
-    if (*state) { /* a state that is there is written over */
+    if (*state) { /* an existing state is overwritten */
         memcpy(*state, unit->all, unit->n_all * sizeof *unit->all);
         return FMI(OK);
     }

@@ -1,6 +1,6 @@
-/* Derivatives of what a unit computes, along a direction of states, time and inputs: of
- * accelerations by states exactly, from the model's kernel `linear`; of all else by differences of
- * sixth order, which are exact to some 1e-11. */
+/* Directional derivatives of a unit's variables by states, time and inputs. Derivatives of
+ * accelerations by states are exact, from the model's kernel `linear`; all others are differences
+ * of sixth order, with errors of about 1e-11. */
 #include "unit.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 
 enum { LEVELS = 3, TRIES = 6 };
 
-/* What a known moves; NULL: nothing that derivatives are taken by. */
+/* Returns the address of a known; NULL: no derivatives by it. */
 static double *moved(struct unit *unit, unsigned known)
 {
     const size_t i = unit_index_of(known);
@@ -37,7 +37,7 @@ static enum unit_status values(struct unit *unit, const unsigned *unknowns, size
     return status;
 }
 
-/* The unknowns at the state `at` and e times the direction further. */
+/* Computes the unknowns at the state `at` + e seed. */
 static enum unit_status beside(struct unit *unit, const unsigned *unknowns, size_t n,
                                const unsigned *knowns, size_t n_knowns, const double *seed,
                                const double *at, double e, double *out)
@@ -49,7 +49,7 @@ static enum unit_status beside(struct unit *unit, const unsigned *unknowns, size
     return values(unit, unknowns, n, out);
 }
 
-/* By differences: (f(e) - f(-e)) / 2e at e, e/2, e/4, extrapolated. */
+/* Computes J seed by differences (f(e) - f(-e)) / 2e at e, e/2, e/4, extrapolated. */
 static enum unit_status differences(struct unit *unit, const unsigned *unknowns, size_t n,
                                     const unsigned *knowns, size_t n_knowns, const double *seed,
                                     double *out)
@@ -67,7 +67,7 @@ static enum unit_status differences(struct unit *unit, const unsigned *unknowns,
     double e = 0.02 / size;
     void (*const log)(const struct unit *, enum unit_status, const char *, const char *) =
         unit->log;
-    unit->log = NULL; /* a state aside may be none of the model's */
+    unit->log = NULL; /* a displaced state may be invalid */
     for (int tries = 0; size > 0 && tries < TRIES; tries++, e /= 16) {
         double h = e;
         for (size_t level = 0; level < LEVELS; level++, h /= 2) {
@@ -99,8 +99,8 @@ static enum unit_status differences(struct unit *unit, const unsigned *unknowns,
     return status;
 }
 
-/* Of accelerations by the model's own derivatives; UNIT_DISCARD where it has none. `out` has one
- * number of each degree of freedom. */
+/* Computes accelerations' derivatives by the model's kernel; UNIT_DISCARD if it has none. `out` has
+ * one number per degree of freedom. */
 static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_t n_knowns,
                                 const double *seed, double *out)
 {
@@ -130,7 +130,7 @@ static enum unit_status exactly(struct unit *unit, const unsigned *knowns, size_
     return found == PK_DONE ? UNIT_OK : UNIT_DISCARD;
 }
 
-/* J seed. */
+/* Computes J seed. */
 static enum unit_status along(struct unit *unit, const unsigned *unknowns, size_t n,
                               const unsigned *knowns, size_t n_knowns, const double *seed,
                               double *out)

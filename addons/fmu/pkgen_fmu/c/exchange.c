@@ -1,5 +1,5 @@
-/* A unit in model exchange: the importer integrates. The sides of switches are held between events,
- * so that what it integrates is smooth. */
+/* A unit in model exchange: the importer integrates. The sides of switches are constant between
+ * events, so that the importer's equations are smooth. */
 #include "unit.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 
 static double sign(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-/* Sides as the switches are now: of one that is zero, as before. */
+/* Updates the sides from the switching functions; at zero a side stays. */
 static enum unit_status take_sides(struct unit *unit)
 {
     const struct pk_system *s = unit->system;
@@ -30,7 +30,7 @@ static enum unit_status take_sides(struct unit *unit)
     return UNIT_OK;
 }
 
-/* Which events have crossed zero since the last time; not 0 in *ends: one of them stops. */
+/* Logs events that have crossed zero since the last call; sets *ends if one of them stops. */
 static void cross(struct unit *unit, int *ends)
 {
     const struct pk_event *table = unit->system->events.table;
@@ -50,7 +50,7 @@ static void cross(struct unit *unit, int *ends)
     }
 }
 
-/* What is off is so by the parameters that there are: it is put right before they change. */
+/* Projects onto the constraints with the current parameters, before these change. */
 enum unit_status unit_enter_event(struct unit *unit)
 {
     *unit->mode = UNIT_EVENT;
@@ -73,7 +73,7 @@ enum unit_status unit_completed(struct unit *unit, int *event)
 {
     unit_functions(unit);
     for (size_t k = 0; k < unit->n_events; k++)
-        if (unit->before[k] == 0) /* it began at zero, which is no crossing */
+        if (unit->before[k] == 0) /* started at zero: no crossing */
             unit->before[k] = sign(unit->indicators[k]);
     return unit_bound_off(unit, event);
 }
@@ -87,7 +87,7 @@ enum unit_status unit_set_time(struct unit *unit, double t)
     return UNIT_OK;
 }
 
-/* Whether so many numbers are those that are wanted; params are as they are set. */
+/* Checks the number of values, and refreshes params. */
 static enum unit_status right(struct unit *unit, const void *values, size_t n, size_t wanted)
 {
     if (n == wanted && (values || !n))
@@ -111,7 +111,7 @@ enum unit_status unit_set_states(struct unit *unit, const double *x, size_t n)
     return UNIT_OK;
 }
 
-/* What there is of coordinates, behind it what there is of rates and first-order variables. */
+/* Copies values of coordinates, then those of rates and first-order variables. */
 static void give(const struct unit *unit, double *x, const double *first, const double *rest)
 {
     memcpy(x, first, unit->n_q * sizeof *x);

@@ -1,11 +1,11 @@
-/* A unit in co-simulation: the runtime integrates, from one communication point to the next. */
+/* A unit in co-simulation: the runtime integrates from one communication point to the next. */
 #include "unit.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { UNIT_MOST_STEPS = 10000000 }; /* of the method in one call, which takes seconds */
+enum { UNIT_MOST_STEPS = 10000000 }; /* steps of the method per call: some seconds */
 
 static int cross(void *context, const struct pk_events *events)
 {
@@ -50,7 +50,7 @@ enum unit_status unit_integrator(struct unit *unit, double h, double t, const do
     return UNIT_OK;
 }
 
-/* It and the events, at the state that the unit has. */
+/* Initialises the integrator and the events at the unit's state. */
 static enum unit_status make_ready(struct unit *unit, double h)
 {
     const enum unit_status status = unit_integrator(unit, h, *unit->time, unit->q, unit->v);
@@ -71,8 +71,8 @@ enum unit_status unit_exit_initialization(struct unit *unit)
     enum unit_status status = unit_refresh(unit);
     if (status != UNIT_OK)
         return status;
-    if (unit->co_simulation) { /* what is refused is so now, before the first step */
-        unit->busy = 1;        /* no callback yet */
+    if (unit->co_simulation) { /* finds refusals before the first step */
+        unit->busy = 1;        /* suppresses callbacks */
         status = make_ready(unit, 1);
         unit->busy = 0;
         unit->ready = unit->ready && unit->settings[UNIT_STEP] > 0;
@@ -91,7 +91,7 @@ enum unit_status unit_exit_initialization(struct unit *unit)
     return status;
 }
 
-/* The unit at the state of the integrator, with the inputs of that time. */
+/* Copies the state of the integrator to the unit, and moves the inputs to its time. */
 static void take(struct unit *unit)
 {
     *unit->time = unit->it.t;
@@ -116,7 +116,7 @@ enum unit_status unit_step(struct unit *unit, double t, double length, struct un
     enum unit_status status = unit_refresh(unit);
     if (status == UNIT_OK && unit->settings[UNIT_STEP] == 0 && length > 0 && unit->ready &&
         !(it->method->traits & PK_ADAPTIVE) && it->options.h != length)
-        unit->ready = 0; /* steps are those of the importer */
+        unit->ready = 0; /* the importer's steps are the method's */
     if (status == UNIT_OK && length > 0 && !unit->ready)
         status = make_ready(unit, length);
     if (status != UNIT_OK || length == 0)

@@ -44,7 +44,7 @@ enum unit_status unit_allowed(const struct unit *unit, const char *call, int mod
                     call, names[k]);
 }
 
-/* Parts of `all`; NULL: only their number. */
+/* Sets the pointers to parts of `all`, unless it is NULL. Returns its number of entries. */
 static size_t lay_out(struct unit *unit, double *all)
 {
     const size_t n_p = unit->model->n_parameters, n_u = unit->n_inputs;
@@ -76,7 +76,7 @@ static size_t lay_out(struct unit *unit, double *all)
     return at;
 }
 
-/* Room for the families that the params point to; 0: no memory. */
+/* Allocates params and their families. Returns 0 if there is no memory. */
 static int make_params(struct unit *unit)
 {
     const struct pk_system *s = unit->system;
@@ -201,7 +201,7 @@ enum unit_status unit_reset(struct unit *unit)
     return UNIT_OK;
 }
 
-/* What prepare() refuses, by the name of the parameter. */
+/* Reports a failure of prepare() by the name of the parameter. */
 static enum unit_status refuse(struct unit *unit, int failure)
 {
     const struct pk_system *s = unit->system;
@@ -214,8 +214,7 @@ static enum unit_status refuse(struct unit *unit, int failure)
                     name);
 }
 
-/* Params of the values that are set; those that follow others are computed, and put where they are
- * read. */
+/* Computes params from the set values; copies the derived ones back to `parameters`. */
 static enum unit_status apply(struct unit *unit)
 {
     const struct pk_system *s = unit->system;
@@ -315,7 +314,7 @@ size_t unit_serial_size(const struct unit *unit)
     return sizeof MARK + sizeof(uint64_t) + unit->n_all * sizeof(double);
 }
 
-/* Of the model's text: states of another model are refused. */
+/* Returns a hash of the model's token: states of another model are refused. */
 static uint64_t mark_of(const struct unit *unit)
 {
     uint64_t mark = unit->n_all;
@@ -332,7 +331,7 @@ void unit_serialise(const struct unit *unit, const double *state, unsigned char 
     memcpy(bytes + sizeof MARK + sizeof mark, state, unit->n_all * sizeof *state);
 }
 
-/* NULL: these bytes are no state of this model. */
+/* Returns NULL if the bytes are no state of this model, or there is no memory. */
 double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, size_t size)
 {
     const uint64_t mark = mark_of(unit);
@@ -343,7 +342,7 @@ double *unit_deserialise(const struct unit *unit, const unsigned char *bytes, si
     if (!state)
         return NULL;
     memcpy(state, bytes + sizeof MARK + sizeof mark, unit->n_all * sizeof *state);
-    /* What is used as a number of something. */
+    /* Checks the values that are used as indices. */
     const double mode = state[unit->mode - unit->all],
                  method = state[unit->settings - unit->all + UNIT_METHOD];
     const int known = mode == UNIT_INSTANTIATED || mode == UNIT_INITIALIZATION ||

@@ -1,9 +1,9 @@
-/* A unit in model exchange whose states are bound, by constraints or as quaternions: importers know
- * of neither, and what they integrate drifts off. Where a step of theirs ends further off than they
- * may err, the unit asks for an event, and moves the state back there as a step of the runtime does.
+/* A unit in model exchange with constraints or quaternions: importers know neither, and their
+ * states drift off. If a step ends further off than a multiple of the tolerance, the unit requests
+ * an event, and projects the state like a step of the runtime.
  *
- * Of the runtime's integrator only the projection is used. It is begun at the anchor, the last state
- * of which it is known that it was not off. */
+ * Only the projection of the runtime's integrator is used. It starts at the anchor, the last state
+ * known to satisfy the constraints. */
 #include "unit.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 
 #include <pk/constraint.h>
 
-enum { MOVED, TIME, PLACE }; /* parts of unit->anchor; at PLACE q, v and inputs */
+enum { MOVED, TIME, PLACE }; /* parts of unit->anchor; at PLACE: q, v and inputs */
 
 int unit_bound(const struct unit *unit)
 {
@@ -24,7 +24,8 @@ size_t unit_anchor_size(const struct unit *unit)
     return unit_bound(unit) ? PLACE + 2 * unit->n + unit->n_inputs : 0;
 }
 
-/* Refused: an anchor that is off, as it is where parameters have changed that it depends on. */
+/* Starts the integrator at the anchor. Fails if the anchor is off, as after a change of
+   parameters. */
 static enum unit_status begin(struct unit *unit)
 {
     const double *const at = unit->anchor + PLACE;
@@ -54,12 +55,12 @@ enum unit_status unit_bound_start(struct unit *unit)
     return begin(unit);
 }
 
-/* So many tolerances. At an event importers begin anew with short steps of low order: with CVode the
- * energy of a double pendulum of rods drifts by 7e-3 where it is 100, by 5e-2 where it is 1, and by
- * 0.17 without events. */
+/* In tolerances. At an event importers restart with short steps of low order: with CVode the energy
+ * of a double pendulum of rods drifts by 7e-3 if this is 100, by 5e-2 if it is 1, and by 0.17
+ * without events. */
 static const double MOST_OFF = 100;
 
-/* Whether two states are further apart than that; nominals are 1. */
+/* Whether two states differ by more than MOST_OFF tolerances; nominals are 1. */
 static int apart(const struct unit *unit, const double *a, const double *b, size_t n)
 {
     double most = 0;
@@ -68,7 +69,7 @@ static int apart(const struct unit *unit, const double *a, const double *b, size
     return most > MOST_OFF * unit->settings[UNIT_RTOL];
 }
 
-/* The nearest state that is not off, into unit->near; whether this one is off by too much. */
+/* Projects the state into unit->near; *off is set if it moves by more than MOST_OFF tolerances. */
 static enum unit_status look(struct unit *unit, int *off)
 {
     double *const q = unit->near, *const v = unit->near + unit->n;

@@ -73,7 +73,7 @@ enum unit_status unit_functions(struct unit *unit)
     return UNIT_OK;
 }
 
-/* Of outputs and claims: all at once. */
+/* Returns output or claim i; computes all of them at once. */
 static double computed(struct unit *unit, unsigned bit, pk_kernel *kernel, double *values, size_t i)
 {
     if (!(unit->known & bit))
@@ -177,7 +177,7 @@ static enum unit_status set_setting(struct unit *unit, size_t i, double value)
     return UNIT_OK;
 }
 
-/* In which modes a variable may be set, by its kind; 0: never. */
+/* The modes in which a kind of variable may be set; 0: never. */
 static const int settable[UNIT_KINDS] = {[UNIT_PARAMETER] = UNIT_BEFORE | UNIT_EVENT |
                                                             UNIT_STEPPING,
                                          [UNIT_INPUT] = UNIT_BEFORE | UNIT_RUNNING,
@@ -218,7 +218,7 @@ enum unit_status unit_set(struct unit *unit, unsigned reference, double value)
     return UNIT_OK;
 }
 
-/* The derivative of that order of an input, from its time on. */
+/* Sets a derivative of an input, valid from the time of the inputs. */
 enum unit_status unit_slope(struct unit *unit, unsigned reference, int order, double value)
 {
     const enum unit_kind kind = unit_kind_of(reference);
@@ -251,7 +251,7 @@ void unit_inputs(void *context, double t, double *u)
     }
 }
 
-/* The inputs and their derivatives at t in place of those before. */
+/* Moves the inputs and their derivatives to time t. */
 void unit_move_inputs(struct unit *unit, double t)
 {
     const double past = t - *unit->input_time;

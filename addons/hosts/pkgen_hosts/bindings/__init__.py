@@ -1,2 +1,2 @@
-"""A model for other languages, all of them over the C that live pages call (back/web/live): a Rust
+"""Bindings of a model for other languages, all over the C of live pages (back/web/live): a Rust
 crate, a Julia package, MEX for MATLAB and Octave, a JavaScript module."""

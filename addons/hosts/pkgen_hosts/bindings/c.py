@@ -1,5 +1,5 @@
-"""The C under the languages: the model, what calls it, the runtime that both need. Each name that a
-linker sees begins with the model's, so that models stand side by side in one program."""
+"""The C of the bindings: the model, its callers, and their part of the runtime. Each public symbol
+is prefixed with the model's name, so that a program may link several models."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ HERE = Path(__file__).parent / "templates"
 CALLS = ("live.h", "motion.c", "params.c", "values.c")
 _NAME = re.compile(
     r"\bpk_\w*\w\b(?!\s*##)"
-)  # of structs too: those of functions alone are not told
+)  # of structs too, as they look like functions
 _EXPORTED = re.compile(r"EXPORT\((live_\w+)\)\(")
 
 
 def calls(model: Exported) -> dict[str, str]:
-    """What calls the model, and says which it is."""
+    """Returns the C files that call the model, and the one that names it."""
     found = {name: (LIVE / name).read_text(encoding="utf-8") for name in CALLS}
     found["model.c"] = filled(
         HERE,
@@ -41,7 +41,7 @@ def calls(model: Exported) -> dict[str, str]:
 
 
 def sources(model: Exported) -> dict[str, str]:
-    """C that compiles without -I and -D, its headers in folders of their own."""
+    """Returns C sources that compile without -I and -D, with headers in their own folders."""
     called = calls(model)
     runtime = model.runtime(*called.values())
     files = {f"live/{path}": text for path, text in called.items()}
@@ -55,7 +55,7 @@ def sources(model: Exported) -> dict[str, str]:
 
 
 def shared(model: Exported, target: Target | None) -> bytes:
-    """The same as a library that shows what begins with live_."""
+    """Returns the same as a shared library that exports only symbols with the prefix live_."""
     called = calls(model)
     clash = called.keys() & model.files.keys()
     if clash:
@@ -72,7 +72,7 @@ NAMES = [
 
 
 def _first(path: str, text: str) -> str:
-    """With the names of the model ahead of all."""
+    """Returns the text of a C file with an #include of the model's prefixed names first."""
     if not path.endswith(".c"):
         return text
     names = posixpath.relpath("names.h", posixpath.dirname(path))
@@ -80,12 +80,12 @@ def _first(path: str, text: str) -> str:
 
 
 def _own_value(item: dict[str, Any], what: str) -> bool:
-    """Whether it is given by a number, and not by others."""
+    """Whether it has a numeric value that does not follow from other parameters."""
     return not item[f"{what}_follows" if what else "follows"] and item[what or "value"] is not None
 
 
 def starts(description: Any) -> Iterator[str]:
-    """Statements in C that give the start what does not follow from parameters."""
+    """Yields C statements that set the start values which do not follow from parameters."""
     for item in description["coordinates"]:
         for what in ("q", "v"):
             if _own_value(item, what):

@@ -1,4 +1,5 @@
-"""An ES module of WebAssembly with types, for npm: the engine of live pages without the page."""
+"""Makes an ES module of WebAssembly with types, for npm: the engine of live pages without the page.
+"""
 
 from __future__ import annotations
 

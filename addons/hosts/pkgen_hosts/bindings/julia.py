@@ -1,4 +1,4 @@
-"""A Julia package: a shared library by ccall, and y' as OrdinaryDiffEq's problems take it."""
+"""Makes a Julia package: a shared library by ccall, and y' for problems of OrdinaryDiffEq."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MEX for MATLAB and Octave: the C, its gateway, functions with names over it."""
+"""Makes a MEX for MATLAB and Octave: the C, its gateway, and functions with names over it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What hosts of other languages read of a description: names, units, in the order of indices."""
+"""The parts of a description that hosts of other languages read: names, units, by index."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def whole(description: Mapping[str, Any]) -> None:
 
 
 def tables(of: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
-    """Names, units and descriptions, in the order of indices."""
+    """Returns names, units and descriptions, in the order of indices."""
     rates = {
         c["index"]: {**c, "name": c["rate"], "unit": c["rate_unit"]} for c in of["coordinates"]
     }
@@ -32,8 +32,8 @@ def tables(of: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
 
 
 def step(of: Mapping[str, Any]) -> float:
-    """What a motion is begun with: 0 where its method chooses; an exact method makes one of any
-    length."""
+    """Returns the step of a motion: 0 if adaptive; with an exact method, which allows any, that of
+    rows."""
     run = of["run"]
     adaptive = any(m["name"] == run["method"] and m["adaptive"] for m in of["methods"])
     return float(run["step"] or (0 if adaptive else run["every"] or run["until"] / 1000))

@@ -1,4 +1,4 @@
-"""A crate: the C is compiled by its build.rs, and what is called is safe."""
+"""Makes a crate: its build.rs compiles the C, and its functions are safe."""
 
 from __future__ import annotations
 
@@ -50,7 +50,8 @@ def place(folder: str, path: str) -> str:
 
 
 def fields(parameters: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Of a family one array; `values` of None follow others."""
+    """Returns the fields of the parameters, a family as one array; NaN for values that follow
+    others."""
     found = []
     for stem, members in itertools.groupby(parameters, lambda p: p["name"].partition("[")[0]):
         rows = list(members)
@@ -67,7 +68,7 @@ def fields(parameters: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _doc(text: str) -> str:
-    """Text in a comment of rustdoc, which takes Markdown and HTML for what they are."""
+    """Escapes text for a comment of rustdoc, which interprets Markdown and HTML."""
     return re.sub(r"[\[\]\\`<>&]", r"\\\g<0>", " ".join(text.split()))
 
 

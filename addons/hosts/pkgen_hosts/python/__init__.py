@@ -1,1 +1,1 @@
-"""A wheel of one model: its library, its description, and model.py, which has both called."""
+"""A wheel of one model: its library, its description, and model.py, which calls the library."""

@@ -1,4 +1,4 @@
-"""The wheel, the same to the byte each time; its tag says what its library was linked with."""
+"""Makes the wheel, reproducible to the byte; its tag depends on the library's glibc symbols."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pkgen.system.exits import UsageError
 
 HERE = Path(__file__).parent
 _GLIBC = re.compile(rb"\0GLIBC_2\.(\d+)\0")
-_LEAST_GLIBC = 5  # of the tag manylinux
+_LEAST_GLIBC = 5  # of the manylinux tag
 _TAGS = {
     "windows-x86_64": "win_amd64",
     "macos-x86_64": "macosx_11_0_x86_64",
@@ -53,7 +53,7 @@ def make(model: Exported) -> dict[str, bytes]:
     target = targets[0] if targets else None
     wrapper = {path.name: path.read_text("utf-8") for path in sorted(LIVE.glob("*.[ch]"))}
     wrapper[WHICH] = which_model(name, model.own)
-    model.method()  # refused here, not where it is installed
+    model.method()  # refuses an unusable method now, not after installation
     code = library(model.with_runtime(wrapper), "live_", target)
     place = target or TARGETS[this_machine()]
     tag = f"py3-none-{platform_tag(code, place)}"
@@ -76,7 +76,8 @@ def make(model: Exported) -> dict[str, bytes]:
 
 
 def platform_tag(code: bytes, target: Target) -> str:
-    """Of Linux with the newest glibc whose symbols the library asks for."""
+    """Returns the platform tag; for Linux, with the newest glibc that the library's symbols need.
+    """
     if target.name in _TAGS:
         return _TAGS[target.name]
     newest = max((int(v) for v in _GLIBC.findall(_doubled(code))), default=0)
@@ -85,7 +86,7 @@ def platform_tag(code: bytes, target: Target) -> str:
 
 
 def _doubled(code: bytes) -> bytes:
-    """With each zero twice, so that names next to each other have their own."""
+    """Doubles each zero byte, so that adjacent names do not share one in _GLIBC's matches."""
     return code.replace(b"\0", b"\0\0")
 
 

@@ -1,1 +1,1 @@
-"""A model with the runtime's core as C sources, which compile alone."""
+"""A model with the runtime's core as self-contained C sources."""

@@ -1,11 +1,11 @@
-"""The folder: the model's C, the runtime's, and the description."""
+"""Makes the folder: the model's C, the runtime's, and the description."""
 
 from __future__ import annotations
 
 from pkgen.back.exported import Exported, Host
 from pkgen.back.runtime import licence
 
-# What a program that integrates a model calls of the runtime.
+# The functions of the runtime that a program calls to integrate a model.
 CALLED = """#include <pk/pk.h>
 pk_method_find pk_integrator_init pk_events_init pk_system_linear pk_integrator_reason
 """

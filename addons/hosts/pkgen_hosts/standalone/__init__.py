@@ -1,2 +1,2 @@
-"""A model with the step of one method and nothing of the runtime: one C file, a folder for
-firmware, an Arduino library."""
+"""A model with the step of one method, without the runtime: one C file, a folder for firmware, an
+Arduino library."""

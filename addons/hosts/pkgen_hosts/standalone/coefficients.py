@@ -1,4 +1,4 @@
-"""The coefficients of one method as C, read in the runtime's own tables: `pk_NAME_table`."""
+"""Extracts the coefficients of one method as C from the runtime's tables: `pk_NAME_table`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The hosts: one C file; a folder of sources for firmware; an Arduino library."""
+"""Makes the standalone exports: one C file; a folder of sources for firmware; an Arduino library.
+"""
 
 from __future__ import annotations
 
@@ -29,12 +30,13 @@ EVERY: tuple[tuple[str, dict[str, Any]], ...] = (
 
 
 def how(options: object) -> dict[str, object]:
-    """Families are written out, and there are no kernels but those of a step and of rows."""
+    """Returns compiler options: families are unrolled, with only the kernels of a step and of rows.
+    """
     return {"kernels": KERNELS}
 
 
 def how_single(options: object) -> dict[str, object]:
-    """With the functions of events too, at which its program may stop."""
+    """Returns the same with the functions of events, at which the program may stop."""
     return {"kernels": KERNELS | {"event"}}
 
 
@@ -80,7 +82,7 @@ def arduino(model: Exported) -> dict[str, bytes]:
 
 
 def _intervals(whole: float, part: float, words: str) -> int:
-    """How many parts make the whole; a quotient that is whole up to round-off counts as whole."""
+    """Returns whole / part, an integer up to round-off. Raises UsageError."""
     count = round(whole / part)
     if count < 1 or abs(whole / part - count) > 1e-9 * count:
         raise UsageError(f"{words}: give whole multiples")
@@ -92,7 +94,7 @@ def _main(step: Step) -> str:
     run = of["run"]
     h, every, until = run["step"], run["every"], run["until"]
     per_row = _intervals(every, h, f"rows every {every:g} s by steps of {h:g} s")
-    # As the runtime has it, to the bit.
+    # Bitwise equal to the runtime's step.
     h = every / per_row if abs(every / per_row - h) <= 1e-12 * h else h
     count = max(1, math.ceil(until / every * (1 - 1e-12)))
     rest = until - (count - 1) * every

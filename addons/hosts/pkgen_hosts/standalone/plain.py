@@ -1,4 +1,4 @@
-"""C without the parts that conditions leave out."""
+"""Removes conditional parts of C."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ _DIRECTIVE = re.compile(r"\s*#\s*(ifdef|ifndef|if|elif|else|endif)\b\s*(\w*)")
 
 
 def plain(text: str, known: Mapping[str, bool]) -> str:
-    """Without `#ifdef NAME` of known names, and what stands behind it if that is not defined."""
+    """Returns C without `#ifdef NAME` of known names, and without the code of their false branches.
+    """
     lines: list[str] = []
-    kept: list[bool | None] = []  # of each condition that is open whether it holds; None: unknown
+    kept: list[bool | None] = []  # value of each open condition; None: unknown
     for line in text.splitlines():
         found = _DIRECTIVE.match(line)
         word, name = (found[1], found[2]) if found else ("", "")

@@ -1,4 +1,4 @@
-"""The step of one method with the kernels of one model, as C that needs nothing of the runtime."""
+"""Makes the step of one method with the kernels of one model, as C without the runtime."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ KERNELS = frozenset(("acceleration", "energy", "observe"))
 _FIELD = re.compile(r"offsetof\(struct \w+, (\w+)\)(?: \+ (\d+) \* sizeof\(pk_real\))?")
 _SINCOS = re.compile(r"#ifndef PK_SINCOS_H.*?\n#endif\n(?=\n[a-z])", re.DOTALL)
 _CALLED = re.compile(r"\bPK_F\((\w+)\)")
-INSTRUCTIONS = {"fabs", "fma", "sqrt"}  # of processors, not functions of libm
+INSTRUCTIONS = {"fabs", "fma", "sqrt"}  # instructions of processors, not calls of libm
 
 
 class Step:
-    """Refuses by a UsageError what no such step has."""
+    """The step of a model's method. Raises UsageError if the model or the method has none."""
 
     def __init__(self, model: Exported, scalar: str, *, has_main: bool = False):
         self.model = model
-        self.has_main = has_main  # which ends at events that stop
+        self.has_main = has_main  # main() ends at events with `stop`
         self.of = model.description
         self.name = model.name
         self.float = (model.options.scalar or scalar) == "float"
@@ -44,7 +44,7 @@ class Step:
         own = known(self.model.own)
         offered = {m["name"]: m for m in self.of["methods"]}
         name = run["method"]
-        # The runtime's splitting makes steps of linear drag by an exponential.
+        # For linear drag, the runtime's splitting methods need an exponential.
         families = {f for f in FAMILIES if f != "SPLITTING" or self.model.separable}
         fitting = [m["name"] for m in self.model.methods() if own[m["name"]].family in families]
         if name not in fitting:
@@ -92,7 +92,7 @@ class Step:
         return plain(self.model.files[f"{self.name}.c"], {"PK_RUNTIME": False})
 
     def _text(self, text: str, at: str) -> str:
-        """With the macros that this export is of."""
+        """Returns the text with the macros of this export defined at `at`."""
         defined = "".join(
             f"#ifndef {name}\n#define {name} /* {why} */\n#endif\n"
             for name, why, there in (
@@ -159,12 +159,12 @@ class Step:
 
     @property
     def stops(self) -> bool:
-        """Whether the program looks for events."""
+        """Whether the program detects events."""
         return self.has_main and bool(self._events(stop=True))
 
     @property
     def missed(self) -> list[str]:
-        """What changes the motion of pkgen run and not this one."""
+        """Returns differences from pkgen run that change the motion."""
         found = []
         if not self.has_main and self._events(stop=True):
             found.append(f"Nothing stops at {self._events(stop=True)}, where pkgen run does.")
@@ -177,7 +177,7 @@ class Step:
 
     @property
     def notes(self) -> list[str]:
-        """What pkgen run does and this step does not."""
+        """Returns all differences from pkgen run."""
         found = self.missed
         if self.stops:
             found.append(f"A step looks for no events; main() ends at: {self._events(stop=True)}.")
@@ -222,7 +222,7 @@ class Step:
 
 
 def _pasted(header: str, conditions: dict[str, bool]) -> str:
-    """The text of a header without its comment at the top, its guard and what it includes."""
+    """Returns a header without its top comment, its guard and its includes."""
     text = plain(pasted(header), conditions)
     text = re.sub(r"^#include <pk/[^\n]*\n", "", text, flags=re.MULTILINE)
     guard = re.search(r"^#ifndef (PK_\w+_H)\n#define \1\n", text, re.MULTILINE)

@@ -1,7 +1,7 @@
-"""Other packages' integrators measured beside pkgen's: same motion, same reference, same error.
+"""Measures other packages' integrators: same motion, same reference, same error as pkgen's methods.
 
-Each package's answers are found as pkgen's own are, of its methods alone and by time; then all
-that is compared is timed once more in turns.
+The answers of each package are found like pkgen's own, among its methods and by time only; then all
+compared points are timed once more in turns.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from .points import FOREIGN, ChartedMethod, Point, Track
 from .spectrum import Spectrum
 from .sweep import Bench, Effort
 
-SHARE = 0.5  # of the time that a chart takes, as much again for all packages
+SHARE = 0.5  # time of all packages, relative to the time of the chart
 LAP = 1e-3  # seconds of the shortest lap
-ROUNDS, LONGEST, MOST = 3, 0.3, 30  # of timing in turns; seconds of a run that is, and with all
+ROUNDS, LONGEST, MOST = 3, 0.3, 30  # rounds; longest run retimed, in seconds; its cap, relative
 
 
 @record
 class Beside:
-    """A package's cheapest by time for each accuracy; or `why` it has none."""
+    """The fastest answers of a package for each accuracy; or `why` it has none."""
 
     peer: Peer
     answers: tuple[Answer, ...] = ()
@@ -45,7 +45,7 @@ class Beside:
 
 
 class Opened:
-    """A method of a package on one motion; measured as Program.point does its own."""
+    """A method of a package on one motion; point() is like Program.point."""
 
     def __init__(self, peer: Peer, name: str, motion: Motion):
         self.motion = motion
@@ -66,7 +66,7 @@ class Opened:
                 fastest = self._laps(setting, seconds)
         except Slow:
             slow = True
-        except Exception as failure:  # whatever a package raises, its run has failed
+        except Exception as failure:  # any exception of a package is a failed run
             reason = str(failure) or type(failure).__name__
         done = fastest is not None
         return Point(
@@ -93,7 +93,7 @@ class Opened:
         return list(zip(times or [self.motion.until], exact, strict=True))
 
     def _laps(self, setting: float, seconds: float) -> float:
-        """The fastest of laps over so long or more; `count` is then that of one run."""
+        """Returns the fastest lap in at least `seconds`; motion.count is then that of one run."""
         best, total, block = math.inf, 0.0, 1
         while best == math.inf or total < seconds:
             began = time.process_time()
@@ -111,7 +111,7 @@ class Opened:
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """Without warnings, and without what compiled code prints, which is not of a chart's output."""
+    """Suppresses warnings, and standard output of compiled code."""
     sys.stdout.flush()
     kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     try:
@@ -128,7 +128,7 @@ def _quiet() -> Iterator[None]:
 def lend(
     peers: Sequence[Peer], compilation: Compilation, starts: list[tuple[Program, Measure]]
 ) -> dict[str, str]:
-    """Lends the programs the packages' methods; returns why not, by the names of packages."""
+    """Adds the packages' methods to the programs. Returns the reasons for refusal by package."""
     refused: dict[str, str] = {}
     e = compilation.equations
     jolts = [] if compilation.looped else [x.quantity.name for x in e.jolted]
@@ -154,7 +154,8 @@ def measure(
     tracks: list[Track],
     on_progress: Show,
 ) -> tuple[tuple[Beside, ...], list[Answer], list[Track]]:
-    """What packages answer, pkgen's own answers and all tracks, timed again in turns."""
+    """Returns the packages' answers, pkgen's own answers, and all tracks; answers are timed in
+    turns."""
     refused = lend(peers, compilation, bench.starts)
     able = [p for p in peers if p.name not in refused]
     part = SHARE * bench.effort.seconds / max(1, sum(p.open is not None for p in able))

@@ -1,7 +1,7 @@
-"""What a chart is for: which method, at which step or tolerance, is cheapest for an accuracy.
+"""Finds the cheapest method, and its step or tolerance, for an accuracy.
 
-The answer is the cheapest of all points measured that keep the accuracy and not by luck: so do the
-runs a little finer (search.py, which measures what is missing). "None" is said where no point does.
+The answer is the cheapest measured point that keeps the accuracy and not by luck: slightly finer
+runs keep it too (search.py measures missing points). Without such a point the answer is "none".
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ ACCURACIES = (1e-3, 1e-6, 1e-9, 1e-12)
 
 @record
 class Answer:
-    """`point` is None where no method gets there; then `reason` says why. `unmeasured` names the
-    methods that could be cheaper and for which there was no time."""
+    """`point` is None if no method keeps the accuracy; then `reason` says why. `unmeasured` names
+    methods that could be cheaper but were not measured in the time."""
 
     accuracy: float
     axis: str
@@ -29,8 +29,8 @@ class Answer:
 
 
 def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track]]:
-    """For every accuracy the cheapest by each measure; and the tracks, with what was measured for
-    it among their points."""
+    """Returns the cheapest method for every accuracy by each measure of cost; and the tracks, with
+    the points that were added by the search."""
     search = Search(bench, tracks)
     told = [accuracy for accuracy in ACCURACIES if accuracy > 10 * bench.floor]
     try:
@@ -39,14 +39,15 @@ def answers(bench: Bench, tracks: list[Track]) -> tuple[list[Answer], list[Track
         for accuracy in told:
             search.time_again(accuracy)
         best = _best(search, told)
-    except KeyboardInterrupt:  # no more is measured then
+    except KeyboardInterrupt:  # left() is 0 now, so nothing more is measured
         best = _best(search, told)
     found = [_answer(search, bench.floor, *asked, point) for asked, point in best.items()]
     return found, search.tracks(told)
 
 
 def _best(search: Search, told: list[float]) -> dict[tuple[float, str], Point | None]:
-    """Judging may measure new points, which change other answers: repeated until none does."""
+    """Returns the cheapest points. Judging them may add points that change others: repeats until
+    stable."""
     count = -1
     while count != search.measured:
         count = search.measured

@@ -1,4 +1,4 @@
-"""A chart as it was measured: all that the pictures, the tables and the page are made of."""
+"""Measures a chart: all data of the pictures, the tables and the page."""
 
 from __future__ import annotations
 
@@ -36,18 +36,18 @@ STEPWISE = "without dense output states on the way would cost steps of their own
 @record
 class Chart:
     model: str
-    unit: str  # of time; "" without units
+    unit: str  # unit of time; "" if dimensionless
     values: list[tuple[str, float, str]]  # parameters and starts: name, value, unit
     until: float
     kind: ErrorKind
     starts: int
     reference: Reference  # of the first start
     spectrum: Spectrum
-    tracks: list[Track]  # of methods that apply
-    refused: dict[str, str]  # of those that do not: why
+    tracks: list[Track]  # of the methods that apply
+    refused: dict[str, str]  # reasons, by methods that do not apply
     answers: list[Answer]
-    beside: tuple[Beside, ...] = ()  # other packages
-    unmeasured: tuple[str, ...] = ()  # methods and packages, for it was interrupted
+    beside: tuple[Beside, ...] = ()  # answers of other packages
+    unmeasured: tuple[str, ...] = ()  # methods and packages missing after an interrupt
     interrupted: bool = False
 
     @property
@@ -55,7 +55,7 @@ class Chart:
         return f"{self.until:g} {self.unit}".rstrip()
 
     def times(self, answer: Answer) -> float | None:
-        """How many times the least time of pkgen's methods an answer beside them takes."""
+        """Returns the time of another package's answer over that of pkgen's answer, or None."""
         mine = next(
             a.point for a in self.answers if (a.accuracy, a.axis) == (answer.accuracy, answer.axis)
         )
@@ -64,7 +64,7 @@ class Chart:
         return answer.point.seconds / mine.seconds
 
     def subtitle(self) -> str:
-        """Parameters, starts that are not zero, and the duration."""
+        """Returns the parameters, the nonzero starts, and the duration."""
         said = [f"{name} = {value:.6g} {unit}".rstrip() for name, value, unit in self.values]
         if len(said) > TITLE_PARAMETERS:
             said = [*said[:TITLE_PARAMETERS], "…"]
@@ -72,8 +72,8 @@ class Chart:
 
 
 def methods(wanted: list[str] | None, own: tuple[Own, ...] = ()) -> list[ChartedMethod]:
-    """Those that the driver lists and `own` ones, or the wanted ones of them. Raises KeyError for
-    another."""
+    """Returns the `wanted` methods among those of the runtime and the model's `own`; None: all.
+    Raises KeyError for an unknown one."""
     known = {}
     for m in (*own_methods(own), *runtime_methods()):
         limits = m.get("limits") or {}
@@ -99,8 +99,8 @@ def measure(
     starts: int = 1,
     peers: Sequence[Peer] = (),
 ) -> Chart:
-    """Errors of a kind, of so many starts, beside `peers`. Raises NumericsFailed, BuildError, or
-    UsageError."""
+    """Measures errors of a kind from several starts, and of `peers`. Raises NumericsFailed,
+    BuildError, or UsageError."""
     name = compilation.model.name
     on_progress(0.0, "compiling")
     stepwise = {m.name: STEPWISE for m in chosen if kind.path and m.adaptive and not m.dense}
@@ -167,7 +167,7 @@ def measure(
 
 
 def _at(given: Settings, state: Exact) -> Settings:
-    """From another state of the motion, which meets constraints and has attitudes as it has."""
+    """Returns settings that start from another state of the motion, which meets the constraints."""
     q, v = state[: state.coordinates], state[state.coordinates :]
     return replace(
         given,
@@ -177,8 +177,8 @@ def _at(given: Settings, state: Exact) -> Settings:
 
 
 def _beside(given: Settings, scales: list[float], seed: int) -> Settings:
-    """Where the same state at another time begins another motion: each coordinate and rate by up
-    to BESIDE of its largest magnitude elsewhere."""
+    """Returns settings with a perturbed start, for equations that depend on time: each coordinate
+    and rate changes by up to BESIDE of its scale."""
     chance = random.Random(seed)
     n = len(given.start_q)
     moved = [BESIDE * s * chance.uniform(-1, 1) for s in scales]

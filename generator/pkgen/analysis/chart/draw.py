@@ -1,6 +1,5 @@
-"""The pictures of `--full`. One has all methods, and those that are cheapest somewhere strong; the
-other a panel a family. Every curve is named where it ends.
-"""
+"""Draws the pictures of `--full`: one of all methods with the foremost drawn strong, and one with a
+panel per family. Each curve has its name at its end."""
 
 from __future__ import annotations
 
@@ -16,8 +15,8 @@ from .panel import FAILED, UNITS, Curve, Style, draw
 from .points import AXES, FAMILIES, Point
 
 STRONG_MOST = 10
-NAMED_MOST = 14  # of more methods only the strong ones are named where all are
-LINE = 165  # characters of a subtitle
+NAMED_MOST = 14  # with more methods, the overview names only the strong ones
+LINE = 165  # characters per line of the subtitle
 FOOT = (
     "× failed, or lost: an error as large as the motion.   "
     "⋯ the step predicted to be the last stable one."
@@ -25,7 +24,7 @@ FOOT = (
 
 
 def pictures(chart: Chart, stem: Path) -> list[Path]:
-    """STEM_full.svg, STEM_full.png, and the same of STEM_families."""
+    """Writes STEM_full.svg, STEM_full.png, and the same of STEM_families; returns their paths."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -108,7 +107,8 @@ def _families(chart: Chart):
 
 
 def _answers(axes, chart: Chart, axis: str) -> None:
-    """Over the axes, at each accuracy, what is cheapest there; in two rows, for names are long."""
+    """Writes the cheapest method of each accuracy above the axes, in two rows since names are long.
+    """
     told = [answer for answer in chart.answers if answer.axis == axis]
     for k, answer in enumerate(told):
         look = {"ha": "center", "va": "bottom", "fontsize": 7.5, "textcoords": "offset points"}
@@ -124,7 +124,8 @@ def _answers(axes, chart: Chart, axis: str) -> None:
 
 
 def _legend(figure, strong: int) -> None:
-    """How many are strong, where the others have no name."""
+    """Draws the legend of the unnamed curves; `strong` is the number of strong ones, 0: no legend.
+    """
     from matplotlib.lines import Line2D
 
     if strong:
@@ -136,7 +137,8 @@ def _legend(figure, strong: int) -> None:
 
 
 def _frame(figure, chart: Chart, bottom: float, height: float, gaps: tuple[float, float]) -> None:
-    """Title, parameters, foot; `bottom` and `height` in inches, the gaps in panels."""
+    """Adds title, parameters and footer; `bottom` and `height` in inches, gaps relative to a panel.
+    """
     import textwrap
 
     width = figure.get_figwidth()

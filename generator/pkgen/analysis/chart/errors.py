@@ -1,8 +1,7 @@
-"""What is called the error of a run: that of its end, along the way, of the energy, or in time.
+"""Defines the error of a run: of its final state, along the motion, of the energy, or in time.
 
-Errors are relative: those of states to the largest magnitude of each coordinate and rate along the
-motion, the drift of the energy to its largest parts (docs/diagnostics.md), a lead or lag in time to
-the duration.
+Errors of states are relative to the largest magnitude of each coordinate and rate along the motion,
+the drift of the energy to its largest parts (docs/diagnostics.md), a lead or lag to the duration.
 """
 
 from __future__ import annotations
@@ -17,14 +16,14 @@ from ...system.exits import UsageError
 from .exact import Exact, difference
 
 ENERGY = "energy"
-END = 0.1  # of the time, over which a lead or lag is averaged: at a turning point it shows nowhere
+END = 0.1  # part of the time over which a lead is averaged: a turning point shows none
 State = tuple[float, Exact]
 
 
 @record
 class ErrorKind:
-    """`axis` names it in pictures; `said` defines it; `path` means that it needs states on the
-    way, which `pkgen run` gives at equal times."""
+    """`axis` is its name in pictures, `said` its definition; `path` means that it needs states at
+    equal times, not only the final one. `beside` states what it is relative to."""
 
     name: str
     axis: str
@@ -68,14 +67,15 @@ KINDS = {
 
 @record
 class Measure:
-    """An error of a kind against a reference: its states at equal times, and scales."""
+    """Computes an error of a kind against a reference: its states at equal times, and scales."""
 
     kind: ErrorKind
     path: list[State]
     scales: list[float]
 
     def of(self, states: list[State], report: dict) -> float:
-        """Infinite where it is not finite. Raises UsageError where the model has no such error."""
+        """Returns the error, which may be infinite. Raises UsageError if the model has no such
+        error."""
         if self.kind.name == ENERGY:
             found = [d["max"] for d in report["drifts"] if d["name"] == ENERGY]
             if not found:
@@ -84,7 +84,8 @@ class Measure:
         return _OF[self.kind.name](self, [state for _, state in states])
 
     def _far(self, states: list[Exact]) -> list[float]:
-        """At each time of the reference; a motion that ends early has no error."""
+        """Returns the error at each time of the reference. Raises ValueError if a time is missing.
+        """
         pairs = zip(states, self.path, strict=True)
         return [difference(one, other, self.scales) for one, (_, other) in pairs]
 

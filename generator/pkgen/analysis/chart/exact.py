@@ -1,4 +1,4 @@
-"""States of more digits than a double has, and how far they are apart."""
+"""States with more digits than a double, and their differences."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from ...system.exits import NumericsFailed
 
 
 class Exact(list):
-    """A state of more digits than a double's: a fraction for each coordinate, then each rate and
-    each first-order variable."""
+    """A state with more digits than a double: fractions of the coordinates, then the rates and
+    first-order variables."""
 
-    coordinates = 0  # how many of the former
+    coordinates = 0  # number of coordinates
 
     @staticmethod
     def of(high: Iterable[float], low: Iterable[float], coordinates: int) -> Exact:
-        """Each number is the sum of two doubles."""
+        """Returns the sums of pairs of doubles. Raises NumericsFailed for values that are not
+        finite."""
         pairs = list(zip(high, low, strict=True))
         if not all(math.isfinite(x) for pair in pairs for x in pair):
             raise NumericsFailed("a state is not finite")
@@ -27,5 +28,5 @@ class Exact(list):
 
 
 def difference(one: Exact, other: Exact, scales: list[float]) -> float:
-    """The largest difference of a coordinate or rate, relative to its scale."""
+    """Returns the largest difference of two states, each number relative to its scale."""
     return max(float(abs(a - b)) / s for a, b, s in zip(one, other, scales, strict=True))

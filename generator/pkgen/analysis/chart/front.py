@@ -1,4 +1,4 @@
-"""Which methods of a chart are foremost."""
+"""Ranks the methods of a chart."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from .points import AXES, FAMILIES, PEER, Track
 
 
 def front(tracks: list[Track], axis: str) -> list[str]:
-    """The methods that are cheapest at some error, the most often so first."""
+    """Returns the methods that are cheapest at some error, the most frequent first."""
     wins: dict[str, int] = {}
     for k in range(4, 57):
         error = 10 ** (-k / 4)
@@ -19,7 +19,8 @@ def front(tracks: list[Track], axis: str) -> list[str]:
 
 
 def strong(chart: Chart) -> list[str]:
-    """What the answers name, then what leads by either measure, then the best of each family."""
+    """Returns the methods of the answers, then the first by each cost, then the best of each
+    family."""
     named = [a.method.name for a in chart.answers if a.method]
     own = [t for t in chart.tracks if t.method.family != PEER]
     fronts = [front(own, axis) for axis in AXES]
@@ -31,7 +32,7 @@ def strong(chart: Chart) -> list[str]:
 
 
 def drawn(chart: Chart, most: int) -> list[str]:
-    """So many of the foremost; of each package beside them one, which is more often its answer."""
+    """Returns `most` methods: the foremost, and for each package its most frequent answer."""
     peers = []
     for beside in chart.beside:
         names = [a.method.name for a in beside.answers if a.method]

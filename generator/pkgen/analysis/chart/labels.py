@@ -1,5 +1,5 @@
-"""Names beside the curves that they belong to, none over another: each goes to the free place
-nearest its anchor, the most important first."""
+"""Places names of curves without overlaps: each goes to the free place nearest its anchor, the most
+important first."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from itertools import pairwise
 
 from ...record import record
 
-PAD = 1.0  # points around a text
-# Where a label may be, as (dx, dy) in its own height from the anchor and how it is aligned there:
-# left of it first, ever further up and down, then right.
+PAD = 1.0  # margin around a text, in points
+# Vertical offsets of a label from its anchor, in label heights, in the order of preference. Each is
+# tried to the left and to the right of the anchor.
 REACH = (0.0, 0.6, -0.6, 1.1, -1.1, 1.7, -1.7, 2.4, -2.4, 3.2, -3.2, 4.2, -4.2, 5.5, -5.5, 7, -7)
-COVERED = 0.35  # the price of a curve's point under a label, that of another label being 1
-FAR = 0.12  # and of a height's distance
+COVERED = 0.35  # cost of each point of a curve under a label; an overlapped label costs 4
+FAR = 0.12  # cost of a vertical distance of one label height
 
 
 @record
 class Label:
     text: str
-    x: float  # in data
+    x: float  # in data coordinates
     y: float
     colour: str
     size: float
@@ -34,7 +34,7 @@ class _Box:
     y1: float
 
     def shared(self, other: _Box) -> float:
-        """The area of both, relative to this one."""
+        """Returns the area of the intersection, relative to this box."""
         w = min(self.x1, other.x1) - max(self.x0, other.x0)
         h = min(self.y1, other.y1) - max(self.y0, other.y0)
         if w <= 0 or h <= 0:
@@ -46,8 +46,8 @@ class _Box:
 
 
 def place(axes, labels: list[Label], curves: list[tuple[list[float], list[float]]]) -> None:
-    """Write the labels into the axes; `curves` are what they had better not cover. The limits
-    of the axes are settled, and so is their place in the figure."""
+    """Writes the labels into the axes, preferably not over `curves`. Limits and layout must be
+    final."""
     figure = axes.figure
     renderer = figure.canvas.get_renderer()
     scale = figure.dpi / 72
@@ -101,7 +101,7 @@ def _price(box: _Box, taken: list[_Box], covered: list[tuple[float, float]], roo
 
 
 def _along(transform, xs: list[float], ys: list[float]) -> list[tuple[float, float]]:
-    """Points along a curve on the page, close enough that a label cannot lie between them."""
+    """Returns points along a curve in pixels, closer together than the size of a label."""
     ends = [tuple(transform((x, y))) for x, y in zip(xs, ys, strict=True)]
     found = ends[:1]
     for (x0, y0), (x1, y1) in pairwise(ends):

@@ -1,8 +1,8 @@
-"""Long horizons: the drift of each constant by each fixed-step method over decades of steps.
+"""Measures long runs: the drift of each constant by each fixed-step method over decades of steps.
 
-All take the same step, a part of the fastest period. A run of 10^k steps is one of the driver's
-own, with its monitor of drifts; how the drift grows is fitted there (pk/diagnostics.h): bounded,
-sqrt(t), t, t^2. A method whose next decade would take more than its share of the time ends before.
+All methods take the same step, a part of the fastest period. A run of 10^k steps is an ordinary
+run; its monitor fits the growth of the drift (pk/diagnostics.h): bounded, sqrt(t), t, t^2. A method
+ends before a decade that would take more than its share of the time.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from .points import ChartedMethod
 from .reference import PRECISE
 from .sweep import Effort
 
-PERIOD = 32  # steps, of the fastest oscillation
-SAFE = 0.5  # of a method's limit of stability
+PERIOD = 32  # steps per period of the fastest oscillation
+SAFE = 0.5  # step relative to the smallest limit of stability
 DECADES = range(1, 8)
-LEAST = 0.1  # seconds that a method has in any case
+LEAST = 0.1  # least seconds of a method
 
 
 @record
@@ -42,8 +42,8 @@ class Decade:
 
 @record
 class Drifting:
-    """A method over all decades that it was given the time for; `growth` of each constant, in
-    words, and the exponent of t, of the longest run."""
+    """A method over the decades that fit in its time. `growth` (in words) and `exponents` (of t)
+    are those of each constant in the longest run."""
 
     method: ChartedMethod
     decades: tuple[Decade, ...]
@@ -74,7 +74,7 @@ def measure(
     step: float | None,
     show: Show,
 ) -> Long:
-    """Raises NumericsFailed where the model has no constant or no method runs."""
+    """Measures the drifts. Raises NumericsFailed if the model has no constant or no method runs."""
     name = compilation.model.name
     fixed = [m for m in chosen if m.fixed and "exact" not in m.flags]
     show(0.0, "compiling")
@@ -94,7 +94,7 @@ def measure(
         return Program(path, replace(settings, until=until, every=None), own)
 
     drifting, refused = [], {}
-    with suppress(KeyboardInterrupt):  # those that there are by then
+    with suppress(KeyboardInterrupt):  # keeps the methods measured so far
         for k, method in enumerate(fixed):
             show(k / len(fixed), method.name)
             share = effort.left() / (len(fixed) - k)

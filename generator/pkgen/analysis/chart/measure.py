@@ -1,4 +1,4 @@
-"""Points of one model measured in process: a run by a method at a setting, and laps of it."""
+"""Measures points of one model in process: a run by a method at a setting, and repeated laps."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from .points import ChartedMethod, Point
 
 AS_REPORTED = ("status", "slow", "t", "steps", "rejections", "evaluations", "jacobians")
 
-# As Program.point.
+# The signature of Program.point.
 Measured = Callable[[ChartedMethod, float, float, float, Measure], Point]
 
 
 class Program:
-    """One model in one precision, with settings that stay."""
+    """One compiled model in one precision, with constant settings."""
 
     def __init__(self, path: Path, settings: Settings, own: tuple[Own, ...] = ()):
         self.known = known(own)
         self.library = load(path)
         self.settings = settings
-        self.peers: dict[str, Measured] = {}  # methods of other packages, which are lent, by name
+        self.peers: dict[str, Measured] = {}  # point() of other packages' methods, by name
 
     def run(self, method: str, setting: float, **more: object) -> Run:
-        """By a method at a step or rtol. Raises UsageError for wrong settings."""
+        """Runs a method at a step or rtol. Raises UsageError for wrong settings."""
         fixed = self.known[method].fixed or self.known[method].exact
         given = replace(self.settings, method=method, **more.pop("but", {}))
         if fixed:
@@ -47,7 +47,7 @@ class Program:
 
     @cached_property
     def start(self) -> dict[str, list[float]]:
-        """Parameters and start as they are in memory."""
+        """Returns the parameters and the start, as read from memory."""
         done = self.library.run(
             replace(self.settings, method="rk4", step=self.settings.until), bare=1
         )
@@ -56,10 +56,10 @@ class Program:
         return done.given()
 
     def given(self) -> Settings:
-        """The settings with every parameter and start written out, as doubles."""
+        """Returns the settings with every parameter and start written out, as doubles."""
         found = self.start
         numbers = map(float, found["parameters"])
-        lengths = [int(n) for n in found["families"]]  # 0: a parameter that is none
+        lengths = [int(n) for n in found["families"]]  # 0: a scalar parameter
         given = [[(i, k, next(numbers)) for k in range(max(n, 1))] for i, n in enumerate(lengths)]
         return replace(
             self.settings,
@@ -71,19 +71,19 @@ class Program:
 
     @cached_property
     def state(self) -> tuple[Shown, ...]:
-        """Columns of coordinates, rates and first-order variables."""
+        """Returns the columns of coordinates, rates and first-order variables."""
         kinds = (("q", self.start["q"]), ("v", self.start["v"]))
         return tuple(Shown(kind, i, "") for kind, xs in kinds for i in range(len(xs)))
 
     def states(self, done: Run) -> tuple[list[float], list[Exact]]:
-        """Of a run that shows `state`: times, and the states there."""
+        """Returns the times and the states of a run that shows `state`."""
         high, low = done.rows(), done.rows(low=True)
         n = len(self.start["q"])
         exact = [Exact.of(x[1:], y[1:], n) for x, y in zip(high, low, strict=True)]
         return [float(x[0]) for x in high], exact
 
     def path(self, method: str, tolerance: float, count: int, cap: float) -> Run:
-        """`count` equal times on the way, by an adaptive method."""
+        """Runs an adaptive method and shows the state at `count` equal intervals."""
         until = self.settings.until
         but = {"every": until / count, "show": self.state, "rows": "land"}
         return self.run(method, tolerance, but=but, bare=1, cap=cap)
@@ -91,8 +91,8 @@ class Program:
     def point(
         self, method: ChartedMethod, setting: float, seconds: float, cap: float, measure: Measure
     ) -> Point:
-        """One integration and laps of it, compared with the reference. A step is made a whole part
-        of the time to go, as the driver makes it: a run by it is the one measured."""
+        """Measures one integration and laps of it, compared with the reference. A step is shortened
+        to divide the duration, as a run does."""
         if method.name in self.peers:
             return self.peers[method.name](method, setting, seconds, cap, measure)
         until = self.settings.until
@@ -112,7 +112,7 @@ class Program:
                 states = list(zip(*self.states(seen), strict=True))
                 error = measure.of(states, seen.report)
                 fastest = done.laps(seconds)
-            else:  # its states end early, so it is what has happened
+            else:  # the run with output rows ended early: report it
                 done = seen
         found = done.report
         return Point(

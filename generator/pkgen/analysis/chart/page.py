@@ -1,4 +1,5 @@
-"""One self-contained HTML page: the pictures inline, the answers, every point, the settings."""
+"""Writes one self-contained HTML page: the pictures inline, the answers, every point, the settings.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +42,7 @@ def html(chart: Chart, report: str, pictures: list[Path]) -> str:
 
 
 def _limits(chart: Chart) -> str:
-    """The step that was foreseen as the last stable one beside the longest that went well."""
+    """Returns the table of each method's predicted limit, longest good and shortest failed step."""
     rows = []
     for track in chart.tracks:
         limit = chart.spectrum.limit(track.method)

@@ -1,10 +1,10 @@
-"""One work-precision diagram: error (or drift) to the right, cost upwards, both logarithmic, as in
-Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I, II.10). Left and low is
+"""Draws one work-precision diagram: error (or drift) to the right, cost upwards, both logarithmic,
+as in Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I, II.10). Left and low is
 better.
 
-Points that failed stand as crosses in a strip at the right, at what they would have cost. A dotted
-line from there ends on the curve where its step is the predicted limit of stability: what lies
-below it in the strip is over the cliff.
+Failed points are crosses in a strip at the right, at the cost they would have had. A dotted line
+connects the strip with the point of the curve at the predicted limit of stability; crosses below it
+are failures beyond the limit.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from .chart import Chart
 from .labels import Label, place
 from .points import Point, Track
 
-LEAST, MOST = 1e-16, 2.0  # errors
-STRIP = 100.0  # between MOST and it is where failures stand
-OTHER = 0.3  # opacity of what is not the best of its method
-LETTER, GAP = 0.68, 12.0  # the width of a bold letter, in its size; points beside a name
+LEAST, MOST = 1e-16, 2.0  # range of errors
+STRIP = 100.0  # right end of the strip of failures, which begins at MOST
+OTHER = 0.3  # opacity of a method's other points
+LETTER, GAP = 0.68, 12.0  # width of a bold letter, relative to its size; points beside a name
 FAILED = "#8a3a10"
 UNITS = {
     "seconds": "time of one integration",
@@ -36,7 +36,7 @@ class Style:
     marker: str | None
     strong: bool
     named: bool = True
-    size: float = 4.0  # of a strong marker, in points
+    size: float = 4.0  # size of a strong marker, in points
 
 
 BEHIND = Style(PALE, None, False, False)
@@ -44,7 +44,8 @@ BEHIND = Style(PALE, None, False, False)
 
 @record
 class Curve:
-    """A method's points, of which `measure` is drawn against the cost; `limit` is a step."""
+    """A method's points: `measure` against the cost; `limit` is the step at its limit of stability.
+    """
 
     track: Track
     axis: str
@@ -56,7 +57,7 @@ class Curve:
         return self.track.method.name
 
     def good(self) -> list[tuple[float, float, Point]]:
-        """To the most accurate one and the one after it: those beyond are round-off, dearer."""
+        """Returns the points up to one after the most accurate; later ones are round-off."""
         good = self.track.good
         errors = [p.error or 0.0 for p in good]
         found = []
@@ -67,7 +68,7 @@ class Curve:
         return found
 
     def best(self) -> list[tuple[float, float]]:
-        """Those that no other of the method beats in both, nor keep an accuracy by luck."""
+        """Returns the points that no other one beats in both, without lucky ones."""
         found: list[tuple[float, float]] = []
         for value, cost, point in sorted(self.good(), key=lambda g: g[:2]):
             if not point.lucky and (not found or cost < found[-1][1]):
@@ -75,7 +76,8 @@ class Curve:
         return found[::-1]
 
     def failures(self) -> list[float]:
-        """What failed points cost or would have cost: as the first good one, times the steps."""
+        """Returns the cost of failed points, or the cost scaled by steps from the first good one.
+        """
         good, found = self.good(), []
         for point in (p for p in self.track.points if p.failed):
             cost = point.cost(self.axis)
@@ -87,7 +89,7 @@ class Curve:
         return found
 
     def cliff(self) -> tuple[float, float] | None:
-        """Where on the curve the step is the limit: error (no larger than 1) and cost."""
+        """Returns the error (at most 1) and the cost where the step is the limit, or None."""
         good = self.good()
         if self.limit is None or not good:
             return None
@@ -98,7 +100,7 @@ class Curve:
 def draw(
     axes, curves: list[Curve], styles: Mapping[str, Style], chart: Chart, failures: bool
 ) -> Callable[[], None]:
-    """The curves, now; returns what is to be called for the names once the figure is laid out."""
+    """Draws the curves. Returns a function that places the names, to call after the layout."""
     drawn, labels = [], []
     for curve in sorted(curves, key=lambda c: styles.get(c.name, BEHIND).strong):
         style = styles.get(curve.name, BEHIND)
@@ -121,7 +123,7 @@ def draw(
         axes.text(0.99, 0.99, "failed", transform=axes.transAxes, **look)
         if chart.reference.error > 2 * LEAST:
             axes.axvspan(LEAST**2, chart.reference.error, color="#eeeeee", zorder=0, lw=0)
-    labels.reverse()  # strong ones first
+    labels.reverse()  # strong ones come first
 
     def names() -> None:
         _room(axes, labels, least, STRIP if failures else MOST)
@@ -131,7 +133,7 @@ def draw(
 
 
 def _room(axes, labels: list[Label], least: float, most: float) -> None:
-    """As much to the right as errors need, to the left as names do. The axes have their size."""
+    """Sets the x limits to fit the errors, and the names at the left. The layout must be done."""
     from matplotlib.ticker import FixedLocator
 
     width = axes.get_window_extent().width * 72 / axes.figure.dpi
@@ -146,7 +148,7 @@ def _room(axes, labels: list[Label], least: float, most: float) -> None:
 
 
 def _others(axes, curve: Curve, style: Style) -> None:
-    """Pale: what the method has better, or what may be luck."""
+    """Draws pale the points of a method that are beaten or may be luck."""
     best = {*curve.best()}
     rest = [g[:2] for g in curve.good() if g[:2] not in best]
     if rest and style is not BEHIND and style.strong:

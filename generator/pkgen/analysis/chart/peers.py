@@ -1,8 +1,8 @@
-"""Integrators of other packages, a row each, by their own Python API (`--against`).
+"""Integrators of other packages, by their own Python API (`--against`).
 
 A package that takes a function gets the model's compiled acceleration by ctypes; one that takes
-expressions gets those of the model's graph. All get one tolerance relative to the size of each
-number, and whatever a package compiles is compiled before it is timed.
+expressions gets those of the model's graph. All get one tolerance relative to the scale of each
+number. Their own compilation is not timed.
 """
 
 from __future__ import annotations
@@ -27,22 +27,22 @@ from .points import GSL, ChartedMethod
 if TYPE_CHECKING:
     import numpy
 
-SELDOM = 64  # evaluations from one look at the clock to the next
+SELDOM = 64  # evaluations between checks of the clock
 MOST_STEPS = 10**7
 TIME = Symbol(Kind.TIME)
 
 
 class Refused(Exception):
-    """A package cannot be given this model: why."""
+    """A package cannot take this model; the message says why."""
 
 
 class Slow(Exception):
-    """An integration that has had its time."""
+    """The time of an integration is used up."""
 
 
 class Motion:
-    """What a package integrates: y' = f(t, y) from `start`, y = (coordinates, rates, first-order
-    variables); `count` is of the calls of f, which raises Slow at the processor's time `late`."""
+    """The initial value problem: y' = f(t, y) from `start`, y = (coordinates, rates, first-order
+    variables). `count` counts the calls of f, which raises Slow after the CPU time `late`."""
 
     def __init__(self, compilation: Compilation, program: Program, scales: Sequence[float]):
         import numpy
@@ -64,7 +64,7 @@ class Motion:
         return self._rates(t, y)
 
     def expressions(self, name: str, domain: Any, t: Any, y: Sequence[Any]) -> list[Any]:
-        """F in a package's expressions, the parameters as numbers. Raises Refused."""
+        """Returns f as a package's expressions, with numeric parameters. Raises Refused."""
         e = self.compilation.equations
         if self.compilation.looped or e.acceleration is None:
             raise Refused(f"the accelerations are too large to be written out for {name}")
@@ -83,29 +83,30 @@ class Motion:
         return Written(g, nodes, constants)(domain, values)
 
 
-# (tolerance, times) -> states there; without times the last one.
+# (tolerance, times) -> states at the times; without times the last state.
 Integrate = Callable[[float, Sequence[float]], Any]
 
 
 def gsl_methods() -> list[str]:
-    """Those of GSL that the runtime has, if it was there when that was compiled."""
+    """Returns the GSL methods of the runtime; none if it was compiled without GSL."""
     return [name for m in runtime_methods() if (name := str(m["name"])).startswith(GSL)]
 
 
 @record
 class Peer:
-    """`open` makes an integrator of a method and a motion; `takes` says what that is given."""
+    """A package. `open` makes an integrator for a motion and a method; `takes` describes its input.
+    """
 
-    name: str  # of --against, and with an underscore before the names of its methods
-    module: str = ""  # what is imported; "": nothing, the runtime has its methods
-    package: str = ""  # what pip installs
+    name: str  # its name in --against, and the prefix of its methods' names
+    module: str = ""  # module to import; "": the runtime has its methods
+    package: str = ""  # name for pip
     takes: str = ""
-    methods: Mapping[str, int] = field(default_factory=dict)  # and their orders
+    methods: Mapping[str, int] = field(default_factory=dict)  # orders by method
     open: Callable[[Motion, str], Integrate] | None = None
 
     @property
     def missing(self) -> str:
-        """Why it cannot be had, and what to do; else nothing."""
+        """Returns why it is not available, and the remedy; "" if it is available."""
         if not self.module:
             return "" if gsl_methods() else "pkgen is built without gsl: install libgsl-dev"
         try:
@@ -148,7 +149,7 @@ def _scipy(motion: Motion, method: str) -> Integrate:
 
 
 def _heyoka(motion: Motion, method: str) -> Integrate:
-    """An integrator is compiled for each tolerance, which its order follows from."""
+    """Opens heyoka, which compiles an integrator for each tolerance: its order depends on it."""
     import heyoka
 
     names = [f"y{i}" for i in range(len(motion.start))]

@@ -1,7 +1,7 @@
-"""The default picture of a chart: one panel, at most six methods, the answers as sentences below.
+"""Draws the default picture of a chart: one panel, at most six methods, the answers as sentences.
 
-It is made for a page of a journal: a column or a page wide, in fonts of 7 to 8 points, in colours
-that are told apart with any usual colour vision, and with a marker a method for print in grey.
+It fits a journal: a column or a page wide, in fonts of 7 to 8 points, in colours that are
+distinguishable with any usual colour vision, and with a marker per method for print in grey.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from .chart import Chart
 from .front import drawn
 from .panel import UNITS, Curve, Style, draw
 
-MOST = 6  # lines
+MOST = 6  # most methods
 PALE = "Pale: runs that another of the same method beats, or that may be luck."
 SIZE = 2.8
-SPREAD = 0.35  # opacity of the range of several starts
-LETTER, SIDES = 1.32, 18.0  # millimetres, of a sentence in 7 points
-COLUMN = 120.0  # millimetres from which on the picture is wider than a column
+SPREAD = 0.35  # opacity of the range of errors of several starts
+LETTER, SIDES = 1.32, 18.0  # millimetres: mean width of a letter at 7 points, both margins
+COLUMN = 120.0  # width in millimetres from which the picture is higher
 
 
 def sentence(answers: Sequence[Answer]) -> str:
-    """Of one axis, from loose to tight."""
+    """Returns the answers of one cost as a sentence, from loose to tight."""
     told = []
     for a in answers:
         if a.method is None or a.point is None:
@@ -42,7 +42,7 @@ def sentence(answers: Sequence[Answer]) -> str:
 
 
 def picture(chart: Chart, axis: str, look: Look):
-    """A matplotlib figure in the look that is set; `axis` is one of UNITS."""
+    """Returns a figure in the look that is already set; `axis` is one of UNITS."""
     from matplotlib import pyplot
 
     inches, width = look.inches, look.width
@@ -74,7 +74,7 @@ def picture(chart: Chart, axis: str, look: Look):
 
 
 def _beside(chart: Chart) -> str:
-    """How many times as long other packages take, from loose to tight."""
+    """Returns a sentence: the time of other packages relative to pkgen's, from loose to tight."""
     told = []
     for b in chart.beside:
         ratios = [chart.times(a) for a in b.answers]
@@ -92,5 +92,5 @@ def _spread(axes, points, axis: str, colour: str) -> None:
 
 
 def write(chart: Chart, stem: Path, look: Look, axis: str) -> list[Path]:
-    """STEM.svg and so on; an SVG first in any case, which the page has."""
+    """Writes STEM.svg (always, for the page) and the other formats; returns their paths."""
     return style.written(lambda look: picture(chart, axis, look), stem, look)

@@ -1,4 +1,4 @@
-"""Methods as the driver lists them, and what one of them came to at one step or tolerance."""
+"""Methods as the runtime lists them, and the measurements of one at one step or tolerance."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from dataclasses import field
 
 from ...record import record
 
-LOST = 1.0  # an error as large as the motion itself
-AXES = ("seconds", "work")  # of cost
+LOST = 1.0  # an error as large as the motion itself: lost
+AXES = ("seconds", "work")  # measures of cost
 
 EXPLICIT = "explicit Runge–Kutta, fixed step"
 EMBEDDED = "explicit Runge–Kutta, adaptive"
@@ -33,9 +33,9 @@ FAMILIES = (
 
 @record
 class ChartedMethod:
-    """`imaginary` and `real`: how far the method is stable on these axes (of h times the
-    eigenvalue); infinite where there is no end, 0 where there is no beginning, None: not known.
-    `peer` is the package that it is of, with its version; "" of the runtime's."""
+    """A method. `imaginary` and `real` are its stability limits on these axes (of h times the
+    eigenvalue): infinite: unlimited; 0: stable at no step; None: unknown. `peer` is the package
+    with its version; "" for a method of the runtime."""
 
     name: str
     order: int
@@ -63,7 +63,7 @@ class ChartedMethod:
 
     @property
     def setting(self) -> str:
-        """What a point of it is a choice of: the option of `pkgen run`."""
+        """Returns the option of `pkgen run` that sets its accuracy."""
         return "step" if self.fixed else "rtol"
 
     @property
@@ -85,8 +85,8 @@ class ChartedMethod:
 
 @record
 class Point:
-    """`error` and `seconds` are None where the integration did not arrive. `slow`: it was given
-    up, which is no failure of the method. Of other packages some counts are None: not known."""
+    """A measured point. `error` and `seconds` are None if the run failed. `slow`: it was stopped at
+    the time limit, which is no failure. Counts that another package does not report are None."""
 
     method: str
     setting: float
@@ -100,12 +100,12 @@ class Point:
     rejections: int | None
     evaluations: int | None
     jacobians: int | None
-    work: int | None  # evaluations, each Jacobian as many as differences of its columns would take
-    took: float  # to measure, in seconds of the processor
+    work: int | None  # evaluations; a Jacobian counts as that many as finite differences need
+    took: float  # CPU seconds of the whole measurement
     drifts: dict[str, float] = field(default_factory=dict)
-    least: float | None = None  # errors of several starts, of which `error` is the median
+    least: float | None = None  # range of errors over several starts; `error` is the median
     most: float | None = None
-    lucky: bool = False  # keeps an accuracy that an answer is for, as runs a little finer do not
+    lucky: bool = False  # keeps an accuracy by luck: slightly finer runs do not
 
     @property
     def arrived(self) -> bool:
@@ -121,7 +121,7 @@ class Point:
 
     @property
     def failed(self) -> bool:
-        """It ended early, or somewhere else altogether."""
+        """Whether it ended early, or with an error of LOST or more."""
         return not self.good and not self.slow and not self.refused
 
     @property
@@ -135,14 +135,14 @@ class Point:
         return "done" if self.good else "lost"
 
     def cost(self, axis: str) -> float | None:
-        """`axis` is one of AXES, or "steps"."""
+        """Returns the cost; `axis` is one of AXES, or "steps"."""
         cost = getattr(self, axis)
         return None if cost is None else float(cost)
 
 
 @record
 class Track:
-    """A method's points, from loose to tight."""
+    """The points of a method, from loose to tight."""
 
     method: ChartedMethod
     points: tuple[Point, ...]
@@ -152,6 +152,6 @@ class Track:
         return [p for p in self.points if p.good]
 
     def cost_at(self, error: float, axis: str) -> float | None:
-        """The least that it took for the error."""
+        """Returns the least cost of a point within the error, or None."""
         costs = [p.cost(axis) for p in self.good if p.error is not None and p.error <= error]
         return min((c for c in costs if c is not None), default=None)

@@ -1,12 +1,10 @@
-"""The final state, known well beyond double precision: integrated in __float128 (where a compiler
-has no such type in long double) by gauss of order 16 at a tolerance near its round-off, again at
-a looser one, and by dop853, which shares no line of its step with gauss. The largest disagreement
-of the three is taken as the reference's error. The equations are those of the model's own C in
-all three; that these are right is what other tests are for.
+"""Computes reference states beyond double precision, in __float128 (in long double without that
+type): by gauss of order 16 at a tolerance near round-off, again at a looser one, and by dop853,
+whose step shares no code with gauss. The largest disagreement of the three is the reference's
+error. All three use the model's own C equations; other tests check these.
 
-What is compared is states at a hundred equal times. So the largest magnitude of every coordinate
-and rate is known, which errors are relative to; and if the motion is chaotic, until when the
-reference holds.
+States are compared at a hundred equal times. This gives the largest magnitude of every coordinate
+and rate, the scale of errors; and, for a chaotic motion, the time until which the reference holds.
 """
 
 from __future__ import annotations
@@ -27,12 +25,12 @@ from .exact import Exact, difference
 from .measure import Program
 
 TIMES = 100
-PRECISE = ("gauss", "dop853")  # methods that make the reference
-MUST_AGREE = 1e-13  # where the reference is worse the chart is cut
-SLOWEST = 60.0  # seconds for one integration
+PRECISE = ("gauss", "dop853")  # methods of the reference
+MUST_AGREE = 1e-13  # with a larger error of the reference, the chart is cut
+SLOWEST = 60.0  # CPU seconds allowed for one integration
 
-# Of a scalar type: its macro, the libraries, and tolerances of gauss, gauss again and dop853, which
-# needs h ~ tolerance^(1/8), so that 1e-22 is what it does in the time that gauss takes.
+# By scalar type: its macro, the libraries, and tolerances of gauss, gauss again and dop853. dop853
+# needs h ~ tolerance^(1/8): it reaches 1e-22 in the time of gauss.
 TYPES = {
     "__float128": ("-DPK_FLOAT128", ("-lquadmath",), (1e-28, 1e-25, 1e-22)),
     "long double": ("-DPK_LONG_DOUBLE", (), (1e-18, 1e-17, 1e-17)),
@@ -41,8 +39,8 @@ TYPES = {
 
 @record
 class Reference:
-    """States at equal times, the last at `until`; `error` is that of the last, `worst` of any;
-    it `holds` until when its error is below MUST_AGREE."""
+    """Reference states at equal times, the last at `until`; `error` is that of the last state,
+    `worst` the largest of all; until the time `holds` it is below MUST_AGREE."""
 
     path: list[State]
     scales: list[float]
@@ -76,7 +74,7 @@ class Reference:
 
 
 def precise_tools(scalar: str) -> list[Toolchain]:
-    """Compilers to try for a scalar type, with the flags that it wants."""
+    """Returns the compilers to try for a scalar type, with their flags."""
     macro, libraries, _ = TYPES[scalar]
     tools = find_toolchain()
     flags = ("-O2", "-ffp-contract=off", "-std=gnu11", macro)
@@ -87,7 +85,8 @@ def precise_tools(scalar: str) -> list[Toolchain]:
 
 
 def find(compilation: Compilation, settings: Settings) -> Reference:
-    """Raises NumericsFailed, UsageError where nothing moves, or BuildError if nothing compiles."""
+    """Computes it. Raises NumericsFailed, UsageError if nothing moves, BuildError if nothing
+    compiles."""
     refusal: BuildError | None = None
     for scalar in TYPES:
         for tools in precise_tools(scalar):
@@ -105,7 +104,7 @@ def find(compilation: Compilation, settings: Settings) -> Reference:
 
 def _agree(program: Program, scalar: str, smooth: bool) -> Reference:
     tight, loose, other = TYPES[scalar][2]
-    # gauss means nothing across a kink; there dop853 has to agree with itself.
+    # gauss is not valid across a kink; there dop853 is compared with itself.
     best = "gauss" if smooth else "dop853"
     first = (tight, loose) if smooth else (other, other * 100)
     paths = [_path(program, best, tolerance) for tolerance in first]
@@ -143,7 +142,7 @@ def _path(program: Program, method: str, tolerance: float) -> tuple[list[State],
 
 
 def _at_rest(states: list[Exact]) -> bool:
-    """Nothing moves by what a double can tell."""
+    """Whether nothing moves by more than the round-off of a double."""
     return all(
         float(max(xs) - min(xs)) <= sys.float_info.epsilon * float(max(map(abs, xs)))
         for xs in zip(*states, strict=True)
@@ -151,8 +150,8 @@ def _at_rest(states: list[Exact]) -> bool:
 
 
 def _scales(states: list[Exact]) -> list[float]:
-    """The largest magnitude of each coordinate and each rate; of one that never moves, that of the
-    others of its kind."""
+    """Returns the largest magnitude of each coordinate and rate; for one that stays 0, the largest
+    of its kind."""
     n = states[0].coordinates
     largest = [float(max(map(abs, xs))) for xs in zip(*states, strict=True)]
     scales: list[float] = []

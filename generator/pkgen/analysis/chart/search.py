@@ -1,8 +1,8 @@
-"""The loosest settings that keep an accuracy, between the points of a sweep.
+"""Finds the loosest settings that keep an accuracy, between the points of a sweep.
 
-A point keeps an accuracy by luck where a run a little finer does not: its error passes through zero
-there, or is round-off that happens to be small. So each that may be an answer is measured again at
-FINER of its setting, and whatever else was measured so near beside it counts too.
+A point keeps an accuracy by luck if a slightly finer run does not: its error passes through zero
+there, or is round-off that happens to be small. So each possible answer is measured again at FINER
+times its setting; other points measured in that range count too.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from itertools import pairwise
 from .points import AXES, ChartedMethod, Point, Track
 from .sweep import TIGHTEST, Bench
 
-FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}  # of a step; of a tolerance
+FINER = {True: (0.97, 0.92, 0.87), False: (0.8, 0.5, 0.3)}  # factors on a step; on a tolerance
 LOOSER = {True: (1.06, 1.12, 1.18, 1.25), False: (1.8, 3.2, 6.0, 10.0)}
-TRIALS = 12  # between two points
-NEAR = 1.03  # one cost over another that is not worth a trial
-AIM = 0.8  # of the accuracy
-INNER = (0.25, 0.75)  # of the way between two points, where the next one lies
-COARSER, FALLING = 1.2, 0.7  # errors fall if one is so much smaller than that of such a step
-FOREMOST = 3  # so many methods are taken further
-UNSEEN = 1e-2  # of the error, that the next setting aims at where none is known
+TRIALS = 12  # most trials between two points
+NEAR = 1.03  # ratio of costs that is not worth a trial
+AIM = 0.8  # aimed error, relative to the accuracy
+INNER = (0.25, 0.75)  # range of the next trial between two points, in logarithm
+COARSER, FALLING = 1.2, 0.7  # errors fall if a step COARSER times finer has FALLING times the error
+FOREMOST = 3  # number of methods continued per round
+UNSEEN = 1e-2  # aimed reduction of an unknown error
 ROUNDS, TIMED = 3, 1.5  # rounds of timing; for points within TIMED times the fastest
-ROUNDING = 1e-12  # of a quotient that is meant to be whole
+ROUNDING = 1e-12  # tolerance on a quotient that is meant to be an integer
 
 
 class Search:
-    """The points of every method, those measured on the way among them."""
+    """The points of every method, with those that the search measures."""
 
     def __init__(self, bench: Bench, tracks: list[Track]):
         self.bench = bench
@@ -45,7 +45,7 @@ class Search:
         return [p for points in self.points.values() for p in points if p.good]
 
     def tracks(self, accuracies: list[float]) -> list[Track]:
-        """A point that is cheaper than an answer and keeps its accuracy is marked as lucky."""
+        """Returns the tracks; a point cheaper than an answer for its accuracy is lucky."""
         best = {(a, x): self.cheapest(a, x) for a in accuracies for x in AXES}
 
         def lucky(p: Point) -> bool:
@@ -64,7 +64,7 @@ class Search:
         return next((p for p in able if self.keeps(p, accuracy)), None)
 
     def keeps(self, point: Point, accuracy: float) -> bool:
-        """Not by luck alone."""
+        """Whether the point keeps the accuracy, and finer ones too."""
         if not _met(point, accuracy):
             return False
         method = self.methods[point.method]
@@ -77,11 +77,11 @@ class Search:
                 return False
         if any(self._within(method, bounds[-1], point.setting)):
             return True
-        tighter = self._within(method, 0.0, point.setting)  # nothing left to measure with
+        tighter = self._within(method, 0.0, point.setting)  # used if the time to measure is up
         return not tighter or _met(tighter[0], accuracy)
 
     def refine(self, accuracy: float) -> None:
-        """Each method that may be the cheapest, at the loosest setting that keeps the accuracy."""
+        """Measures possibly cheapest methods at their loosest setting for the accuracy."""
         for axis in AXES:
             for _ in range(TRIALS):
                 if not self._go_on(accuracy, axis):
@@ -92,8 +92,9 @@ class Search:
                 self._close_in(method, accuracy, axis)
 
     def unmeasured(self, accuracy: float, axis: str) -> tuple[str, ...]:
-        """Once the time is up, the methods that could be cheaper: foreseen so, or between two
-        points of which the cheaper one misses the accuracy."""
+        """Returns methods that could be cheaper, once the time is up: by the forecast of _ahead(),
+        or with an unmeasured setting between two points, the looser of which misses the accuracy.
+        """
         if self.left > 0:
             return ()
         best = _cost(self.cheapest(accuracy, axis), axis)
@@ -107,7 +108,7 @@ class Search:
         return tuple(found)
 
     def time_again(self, accuracy: float) -> None:
-        """Times again, in turns, the loosest and fastest points of methods near the fastest."""
+        """Times again in turns: per method near the fastest, its loosest and its fastest point."""
         least = _cost(self.cheapest(accuracy, "seconds"), "seconds")
         able = []
         for points in self.points.values():
@@ -120,8 +121,8 @@ class Search:
                 self._measure(self.methods[p.method], p.setting, again=True)
 
     def _soonest(self, point: Point) -> float:
-        """Seconds, where the method's evaluations take as long as in its fastest run: what else
-        the machine did may have been in the way of this one."""
+        """Returns the seconds of a point at the method's fastest rate of evaluations: other load on
+        the machine may have slowed this run."""
         paces = [p.seconds / p.work for p in self.points[point.method] if p.seconds and p.work]
         return min(_cost(point, "seconds"), (point.work or math.inf) * min(paces, default=math.inf))
 
@@ -141,8 +142,8 @@ class Search:
     def _looser(
         self, method: ChartedMethod, tight: Point, accuracy: float, best: float, axis: str
     ) -> bool:
-        """Whether one that is looser still keeps the accuracy, past some that do not: errors of
-        long steps need not grow with the step."""
+        """Measures looser points beyond some that miss the accuracy, since errors of long steps
+        need not be monotonic. Returns whether one keeps the accuracy."""
         found = False
         for part in LOOSER[method.fixed] if _cost(tight, axis) < LOOSER[True][-1] * best else ():
             setting = tight.setting * part
@@ -152,13 +153,14 @@ class Search:
         return found
 
     def _go_on(self, accuracy: float, axis: str) -> bool:
-        """Measures the foremost of _ahead()."""
+        """Measures the first methods of _ahead(); returns whether there was one."""
         able = self._ahead(accuracy, axis)[:FOREMOST]
         return any([self._measure(method, setting) for _, method, setting in able])
 
     def _ahead(self, accuracy: float, axis: str) -> list[tuple[float, ChartedMethod, float]]:
-        """Methods whose sweep ended before the accuracy while errors still fell, and that could be
-        cheaper there than the cheapest: foreseen cost, method, and the setting to try next."""
+        """Returns methods whose sweep ended before the accuracy while errors still fell, and that
+        could be cheaper than the cheapest there: forecast cost, method, and the setting to try
+        next."""
         best = _cost(self.cheapest(accuracy, axis), axis)
         ahead = []
         for name, method in self.methods.items():
@@ -175,7 +177,7 @@ class Search:
                 continue
             order = max(1, method.order)
             share = min(AIM * accuracy / (last.error or 1.0), 1 / COARSER) if good else UNSEEN
-            finer = share ** (1 / order)  # a step, of the last
+            finer = share ** (1 / order)  # factor on the step
             setting = self._whole(last.setting * finer)
             if not method.fixed:
                 setting = max(_two_digits(last.setting * share), TIGHTEST)
@@ -188,8 +190,8 @@ class Search:
     def _bracket(
         self, method: ChartedMethod, accuracy: float, judged: bool
     ) -> tuple[Point, Point] | None:
-        """The loosest point that keeps the accuracy, and before it the one that does not: itself,
-        where there is none."""
+        """Returns the point before the loosest one that keeps the accuracy (or that one itself),
+        and it."""
         points = [p for p in self.points[method.name] if not p.slow]
         for k, p in enumerate(points):
             if self.keeps(p, accuracy) if judged else _met(p, accuracy):
@@ -215,11 +217,11 @@ class Search:
                 yield until / max(whole + k, round(whole / part))
 
     def _whole(self, step: float) -> float:
-        """A step of which a whole number makes the time to go."""
+        """Returns the step rounded down to divide the duration."""
         return self.bench.until / math.ceil(self.bench.until / step * (1 - ROUNDING))
 
     def _within(self, method: ChartedMethod, low: float, high: float) -> list[Point]:
-        """Usable points with low <= setting < high, from loose to tight."""
+        """Returns usable points with low <= setting < high, from loose to tight."""
         return [
             p
             for p in self.points[method.name]
@@ -232,11 +234,11 @@ class Search:
         return next((p for p in points if math.isclose(p.setting, setting, rel_tol=ROUNDING)), None)
 
     def _measure(self, method: ChartedMethod, setting: float, again: bool = False) -> Point | None:
-        """None if there is nothing to measure: it is known, or the time is up."""
+        """Returns a new point; None if it is known, unusable, or the time is up."""
         known, old = self.points[method.name], self._known(method.name, setting)
         if self.left <= 0 or (old is not None and not again):
             return None
-        # Laps are for those that may be the fastest.
+        # Laps are only for points that may be the fastest.
         lap = self.bench.effort.lap_seconds if again else 0.0
         point = self.bench.point(method, setting, cap=self.bench.effort.seconds / 4, lap=lap)
         if old is not None:
@@ -263,13 +265,13 @@ def _cost(point: Point | None, axis: str) -> float:
 
 
 def _least(method: ChartedMethod, bracket: tuple[Point, Point], axis: str) -> float:
-    """What a setting between the two costs at least."""
+    """Returns the least possible cost of a setting between the two."""
     loose, tight = bracket
     foreseen = _cost(tight, axis) * tight.setting / loose.setting if method.fixed else 0.0
     return _cost(loose, axis) if loose.arrived else foreseen
 
 
 def _two_digits(tolerance: float) -> float:
-    """No more digits than a person would give, and no looser."""
+    """Rounds a tolerance down to two digits."""
     size = 10.0 ** (math.floor(math.log10(tolerance)) - 1)
     return float(f"{math.floor(tolerance / size * (1 + ROUNDING)) * size:.1e}")

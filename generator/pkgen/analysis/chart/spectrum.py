@@ -1,15 +1,15 @@
-"""Frequencies along a motion, and where they put the limit of a method with a fixed step.
+"""Frequencies along a motion, and the limits of fixed-step methods that follow.
 
-About a state the equations of motion are those of y' = J y, with J = [[0, 1], [da/dq, da/dv]]. A
-method is stable where h times each eigenvalue of J lies in its region of stability; of that region
-the ends on the imaginary and on the real axis are known (`pkgen methods`). So with omega the
-largest imaginary part of any eigenvalue at any of many times, and rho the largest -(real part) of
-those that are real (where nothing is dissipated such a one is a saddle, which the motion passes),
+Near a state the equations of motion linearise to y' = J y, with J = [[0, 1], [da/dq, da/dv]]. A
+method is stable if h times each eigenvalue of J lies in its region of stability; the ends of that
+region on the imaginary and real axes are known (`pkgen methods`). So with omega the largest
+imaginary part of any eigenvalue at any of many times, and rho the largest -(real part) of the real
+ones (only in dissipative systems; else a real eigenvalue is a saddle that the motion passes),
 
     h_limit = min(y_imaginary / omega, y_real / rho).
 
-For a nonlinear motion this is a guide and no theorem: it spends only part of its time where it
-is fastest. Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2.
+For a nonlinear motion this is only a guide: the motion is fastest for part of its time. Reference:
+E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.2.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from .points import ChartedMethod
 
 TIMES = 200
 TOLERANCE = 1e-8
-SLOWEST = 10.0  # seconds
-DAMPED = 1e-6  # an eigenvalue with a smaller imaginary part, relative to its size, is real
+SLOWEST = 10.0  # CPU seconds allowed for the integration
+DAMPED = 1e-6  # an eigenvalue with a smaller relative imaginary part counts as real
 
 
 @record
 class Spectrum:
-    """Of the motion up to `until`; rates per unit of time, 0 where there are none."""
+    """The fastest rates of the motion up to `until`, per unit of time; 0: none."""
 
     omega: float
     rho: float
@@ -39,7 +39,8 @@ class Spectrum:
         return max(self.omega, self.rho) or 1.0 / self.until
 
     def limit(self, method: ChartedMethod) -> float | None:
-        """The step at which a fixed-step method stops being stable; None: none, or not known."""
+        """Returns the step at which a fixed-step method becomes unstable; None: none, or unknown.
+        """
         if not method.fixed:
             return None
         limits = [
@@ -61,7 +62,7 @@ class Spectrum:
 
 
 def find(program: Program, method: str, until: float, dissipative: bool) -> Spectrum:
-    """Along the motion as `method`, an adaptive one, makes it."""
+    """Returns the spectrum along the motion, integrated by the adaptive `method`."""
     import numpy
 
     done = program.path(method, TOLERANCE, TIMES, SLOWEST)

@@ -1,5 +1,5 @@
-"""Which points are measured: each method at steps or tolerances from loose to tight, until its
-error is round-off, or the next point would take more than its share of the time."""
+"""Measures the points: each method at steps or tolerances from loose to tight, until its error is
+round-off, or the next point would take more than its share of the time."""
 
 from __future__ import annotations
 
@@ -18,40 +18,40 @@ from .measure import Program
 from .points import ChartedMethod, Point, Track
 from .spectrum import Spectrum
 
-SWEPT = 2 / 3  # of the time to measure; what is left is the answers' (search.py)
-LEAST = 0.25  # of the time is for methods
-LOOSEST, TIGHTEST = 1e-2, 1e-14  # tolerances
-DECADES = 14.0  # of error that the steps of a method are to go through
-FINER = (1.12, 4.0)  # a step over the next one, at least and at most
-UNKNOWN = 1.4  # where the last step failed
-PAST_LIMIT = 1.5  # the first step, in limits; without a limit in radians of the fastest: LONGEST
-LONGEST = 3.0  # or, if that is more, its order
-ANSWER = 1e-3  # an error below which a step may be a chart's answer
-LONGER = 3  # as long is the step tried before one that may
+SWEPT = 2 / 3  # part of the time for the sweep; the rest is for the answers (search.py)
+LEAST = 0.25  # least part of the time for methods, after the reference
+LOOSEST, TIGHTEST = 1e-2, 1e-14  # range of tolerances
+DECADES = 14.0  # decades of error that the steps of a method cover
+FINER = (1.12, 4.0)  # bounds on the ratio of successive steps
+UNKNOWN = 1.4  # ratio after a failed step
+PAST_LIMIT = 1.5  # first step, in units of the limit; without a limit see LONGEST
+LONGEST = 3.0  # first step in radians of the fastest oscillation, or the order if larger
+ANSWER = 1e-3  # error below which a first step may already be an answer
+LONGER = 3  # factor on the first step that may be an answer
 ROUND_OFF = 3e-16
-EASED = 1e-8  # below it an error that no longer falls has met round-off
+EASED = 1e-8  # errors below it that no longer fall are round-off
 
 
 def processor() -> float:
-    """Seconds of the processor's that this process and its ended children used."""
+    """Returns the CPU seconds of this process and its ended children."""
     return time.process_time() + sum(os.times()[2:4])
 
 
 @record
 class Effort:
-    """How long to measure, in processor time: a busy machine measures as many points."""
+    """The time to measure, in CPU seconds: a busy machine measures as many points."""
 
-    points: int  # of a method, at most
-    lap_seconds: float  # of laps of a point
-    seconds: float  # of everything but drawing
+    points: int  # most points of a method
+    lap_seconds: float  # seconds of laps of a point
+    seconds: float  # seconds of everything except drawing
     began: float = field(default_factory=lambda: processor())
 
     def rest(self) -> Effort:
-        """Of what is left, and LEAST of all in any case: references may take long."""
+        """Returns the effort that is left, but at least LEAST of all: references may take long."""
         return Effort(self.points, self.lap_seconds, max(self.left(), LEAST * self.seconds))
 
     def left(self, part: float = 1.0) -> float:
-        """Of a part of the time; none once it is interrupted."""
+        """Returns the seconds left of a part of the time; 0 after an interrupt."""
         if children.ended():
             return 0.0
         return max(0.0, part * self.seconds - (processor() - self.began))
@@ -67,8 +67,8 @@ class Effort:
 
 @record
 class Bench:
-    """What points are measured against. With several starts each has a program and a measure; an
-    error is the median of theirs, and time that of the first."""
+    """The setup of a measurement. With several starts, each has a program and a measure; the error
+    is the median over the starts, and the time that of the first."""
 
     starts: list[tuple[Program, Measure]]
     floor: float  # the reference's own error
@@ -84,7 +84,7 @@ class Bench:
         if not others or first.refused or first.slow:
             return first
         points = [first, *(p.point(method, setting, 0.0, cap, m) for p, m in others)]
-        if any(p.slow for p in points):  # then nobody knows the median
+        if any(p.slow for p in points):  # the median is unknown then
             return replace(first, slow=True, error=None, took=sum(p.took for p in points))
         errors = sorted(math.inf if p.error is None else p.error for p in points)
         median = statistics.median(errors)
@@ -101,9 +101,9 @@ class Bench:
 
 
 class Steps:
-    """Whole parts of the time to go, from one past the limit (or, without a limit, so long that
-    an oscillation has few steps) on; the next so much finer that the error falls by its share of
-    DECADES, as far as the last two errors tell."""
+    """Steps that divide the duration. The first is beyond the limit, or without a limit so long
+    that an oscillation has few steps. Each next step is finer by a factor that reduces the error by
+    its share of DECADES, extrapolated from the last two errors."""
 
     def __init__(self, method: ChartedMethod, spectrum: Spectrum, count: int):
         limit = spectrum.limit(method)
@@ -145,8 +145,8 @@ def measure(
     spectrum: Spectrum,
     on_progress: Callable[[str], None],
 ) -> list[Track]:
-    """All points of all methods that the system admits, refused ones with one point each; those
-    that there are where it is interrupted."""
+    """Returns the points of all methods that the system admits, one point for a refused method;
+    after an interrupt, the points so far."""
     kept: dict[str, list[Point]] = {}
     with suppress(KeyboardInterrupt):
         for k, method in enumerate(methods):
@@ -159,14 +159,14 @@ def measure(
 def _sweep(
     bench: Bench, method: ChartedMethod, spectrum: Spectrum, share: float, points: list[Point]
 ) -> None:
-    """Adds to `points`."""
+    """Sweeps one method; adds to `points`."""
     count = bench.effort.points
     plan = Steps(method, spectrum, count) if method.fixed else Tolerances(count)
     end = processor() + share
-    lap = share / (3 * count)  # so that the laps of loose points leave time for tight ones
+    lap = share / (3 * count)  # the laps of loose points leave time for tight ones
     while len(points) < count:
         left = end - processor()
-        # A point is integrated twice at least, and a tighter one takes longer.
+        # A point takes two integrations or more, and a tighter one takes longer.
         if points and 4 * (points[-1].seconds or points[-1].took) > left:
             break
         cap = max(left / 2, bench.effort.lap_seconds)
@@ -181,8 +181,8 @@ def _sweep(
 def _longer(
     bench: Bench, method: ChartedMethod, plan: Steps, cap: float, lap: float, points: list[Point]
 ) -> None:
-    """While the first step is an answer already, adds longer ones before it: those of a method that
-    is exact on a linear system are as long as one likes."""
+    """While the first step is already an answer, adds longer ones before it: on a linear system an
+    exact method allows any step."""
     whole = plan.whole
     while whole > 1 and points[0].good and (points[0].error or 0) < ANSWER:
         whole = max(1, whole // LONGER)
@@ -190,7 +190,7 @@ def _longer(
 
 
 def _at_round_off(points: list[Point], floor: float) -> bool:
-    """The reference cannot tell the last error from none, or two points no longer improve."""
+    """Whether the last error is below the reference's, or two points no longer improve."""
     errors = [p.error for p in points if p.good]
     if errors and errors[-1] < max(ROUND_OFF, 2 * floor):
         return True

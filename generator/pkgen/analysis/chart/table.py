@@ -1,4 +1,4 @@
-"""The points of a chart as CSV and as JSON, a row a point."""
+"""Writes the points of a chart as CSV and as JSON, a row per point."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ COLUMNS = ("method", "family", "peer", "order", "step", "rtol", *OF_POINT)
 
 
 def record(method: ChartedMethod, point: Point) -> dict[str, object]:
-    """A point by columns; None where there is nothing to say."""
+    """Returns a point by columns; None: no value."""
     return {
         "method": method.name,
         "family": method.family,
@@ -41,7 +41,7 @@ def record(method: ChartedMethod, point: Point) -> dict[str, object]:
 
 
 def invariants(tracks: list[Track]) -> list[str]:
-    """What is constant, in the driver's order."""
+    """Returns the names of the constants of motion, in the order of the reports."""
     longest = max((p.drifts for t in tracks for p in t.points), key=len, default={})
     return list(longest)
 

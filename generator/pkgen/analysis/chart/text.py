@@ -1,4 +1,4 @@
-"""What a chart says in words: how it was made, and its answers."""
+"""Describes a chart in words: how it was made, and its answers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ AXIS = {"seconds": "time", "work": "evaluations"}
 
 
 def seconds(value: float) -> str:
-    """With three digits and a prefix."""
+    """Formats seconds with three digits and a prefix."""
     for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
         if value >= size:
             return f"{value / size:.3g} {unit}"
@@ -59,7 +59,7 @@ def interrupted(chart: Chart) -> str:
 
 
 def unmeasured(chart: Chart) -> list[str]:
-    """Methods that could have been an answer, and that there was no time to measure there."""
+    """Lists methods that could have been an answer but were not measured in the time."""
     late: dict[str, list[str]] = {}
     for a in chart.answers:
         for name in a.unmeasured:
@@ -69,12 +69,13 @@ def unmeasured(chart: Chart) -> list[str]:
 
 
 def _exact(track: Track) -> bool:
-    """A motion that the method's formula is exact for, such as a uniform one."""
+    """Whether the method is exact on this motion, such as a uniform one."""
     return all(p.error is not None and p.error < EXACT for p in track.good)
 
 
 def answer_rows(chart: Chart) -> list[tuple[str, ...]]:
-    """A row an answer: accuracy, by what, method, setting, time, evaluations, error."""
+    """Returns a row per answer: accuracy, measure of cost, method, setting, time, evaluations,
+    error."""
     rows = []
     for a in chart.answers:
         head = (f"{a.accuracy:.0e}", AXIS[a.axis])
@@ -90,8 +91,8 @@ BESIDE = ("accuracy", "package", "method", "", "time", "beside pkgen's", "error"
 
 
 def beside_rows(chart: Chart) -> list[tuple[str, ...]]:
-    """A row an answer of a package: accuracy, package, method, setting, time, how many times the
-    least of pkgen's methods, error."""
+    """Returns a row per answer of a package: accuracy, package, method, setting, time, time
+    relative to pkgen's answer, error."""
     rows = []
     for b in chart.beside:
         if b.why:
@@ -108,7 +109,7 @@ def beside_rows(chart: Chart) -> list[tuple[str, ...]]:
 
 
 def how_beside(chart: Chart) -> list[str]:
-    """What the packages were given."""
+    """Describes the input of the packages."""
     given = [f"{b.peer.name} calls {b.peer.takes}" for b in chart.beside if b.peer.takes]
     return given and [
         "other packages: one call of each one's Python API, what it compiles compiled before; "
@@ -120,7 +121,7 @@ HEADINGS = ("accuracy", "cheapest in", "method", "", "time", "evaluations", "err
 
 
 def command(chart: Chart, answer: Answer, model: str, given: list[str]) -> str:
-    """The run that an answer is."""
+    """Returns the command of an answer's run."""
     assert answer.method is not None and answer.point is not None
     until = repr(chart.until)
     words = ["pkgen", "run", model, "--method", answer.method.name]
@@ -142,7 +143,7 @@ def report(chart: Chart, model: str, given: list[str]) -> str:
 
 
 def _lined(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
-    """In columns; of a row without numbers the third is a sentence."""
+    """Aligns columns; in a row without numbers the third cell is a sentence."""
     rows = [headings, *rows]
     told = [r for r in rows if r[3] or r is headings]
     widths = [max(len(row[i]) for row in told) for i in range(len(headings))]

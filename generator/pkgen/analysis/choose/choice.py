@@ -1,4 +1,4 @@
-"""What was chosen for a scene, and why."""
+"""The method and setting chosen for a scene, and the evidence."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .search import Found
 
 @record
 class GivenUp:
-    """A trial of a whole scene: how far it came in how many seconds, and where it would end."""
+    """A stopped trial of a whole scene: its time t after `seconds`, and its planned end."""
 
     t: float
     seconds: float
@@ -21,7 +21,7 @@ class GivenUp:
 
 @record
 class Choice:
-    """`expected` is the error of this very run beside a tighter one."""
+    """A choice. `expected` is the error of this same run relative to a tighter one."""
 
     accuracy: float
     method: str
@@ -29,28 +29,28 @@ class Choice:
     setting: float
     fixed: bool
     expected: float
-    horizon: float | None  # None: it is kept to the end
+    horizon: float | None  # time until which the accuracy is kept; None: to the end
     check: Check
     found: tuple[Found, ...]
-    seconds: float  # of the processor, for all trials
-    run_seconds: float  # foreseen
-    without: bool  # what it is judged by is the start and the end: its event does not happen
+    seconds: float  # CPU seconds of all trials
+    run_seconds: float  # forecast CPU seconds of the run
+    without: bool  # judged by start and end only: its event does not happen
     max_step: float | None = None
-    given_up: GivenUp | None = None  # it was tried in part alone
+    given_up: GivenUp | None = None  # set if only a part was tried
     compiled_for: tuple[str, ...] = ()
     compile_seconds: float = 0.0
-    left_out: tuple[str, ...] = ()  # columns that are zero but for errors
-    unsure: tuple[str, ...] = ()  # expectations beside which errors are too large
-    sampled: int = 0  # members that were tried, of an ensemble
-    of: tuple[str, ...] = ()  # the coordinates of a part; none: it is of all
+    left_out: tuple[str, ...] = ()  # columns that are zero up to errors
+    unsure: tuple[str, ...] = ()  # expectations smaller than the errors
+    sampled: int = 0  # number of members tried, of an ensemble
+    of: tuple[str, ...] = ()  # the coordinates of a part; empty: all
 
     @property
     def kind(self) -> str:
-        """Of its setting."""
+        """Returns the name of its setting."""
         return "step" if self.fixed else "rtol"
 
     def settings(self, given: Settings) -> Settings:
-        """What is run, by the program that the trials were made with."""
+        """Returns the settings of the run, by the same program as the trials."""
         given = replace(given, method=self.method, rows=self.rows, compiled_for=self.compiled_for)
         if self.fixed:
             return replace(given, step=self.setting)
@@ -59,7 +59,7 @@ class Choice:
         return replace(given, step=None, rtol=self.setting, atol=None, max_step=longest)
 
     def of_part(self) -> PartSettings:
-        """What is run of a block of coordinates by itself."""
+        """Returns the settings of a part, a block of coordinates integrated by itself."""
         if self.fixed:
             return PartSettings(self.method, self.setting, self.setting)
         return PartSettings(self.method, None, self.setting, self.max_step)

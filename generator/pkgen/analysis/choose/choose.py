@@ -1,13 +1,15 @@
-"""`accuracy` in a scene: which method, at which step or tolerance, keeps it at the least cost.
+"""`accuracy` in a scene: chooses the method and its step or tolerance that keep it at the least
+cost.
 
-1. A reference (reference.py), over the whole scene where that takes little time, else over a part.
+1. A reference (reference.py), over the whole scene if that takes little time, else over a part.
 2. Each candidate (candidates.py) at the loosest setting that keeps the accuracy (search.py).
-3. Those that may be the cheapest are timed; of equals the first of the table is taken (race.py).
-4. Where only a part was tried, the choice is compared over the whole scene with a tighter run, and
-   its setting mended until it is kept (whole.py).
+3. The cheapest ones are timed; among equals the first of the table is taken (race.py).
+4. If only a part was tried, the choice is compared over the whole scene with a tighter run, and
+   its setting is tightened until it keeps the accuracy (whole.py).
 
-Where round-off forbids it (a chaotic motion, an accuracy near it), the reference itself is the
-choice, with the time to which it holds. Where no method arrives the reference is run, to say why.
+If round-off forbids the accuracy (a chaotic motion, or a very tight accuracy), the reference itself
+is the choice, with the time until which it holds. If no method arrives, the reference is run to
+report why.
 """
 
 from __future__ import annotations
@@ -24,11 +26,11 @@ from .reference import FLOOR, Check, Task
 from .search import Found
 from .whole import SECONDS, Kept, TooLong, Whole
 
-REFERENCE_SECONDS = 0.03  # that the reference may take; else a part of the scene is tried
+REFERENCE_SECONDS = 0.03  # CPU seconds of the reference; if it takes longer, only a part is tried
 
 
 def choose(asked: Task, whole_seconds: float = SECONDS) -> Choice:
-    """Trials of a whole scene may take so many seconds each."""
+    """Makes the choice. Each trial of a whole scene may take `whole_seconds`."""
     check = reference.find(asked, REFERENCE_SECONDS)
     if check.ends or check.floor > FLOOR * asked.accuracy:
         return _reference(asked, check, [])
@@ -59,7 +61,7 @@ def choose(asked: Task, whole_seconds: float = SECONDS) -> Choice:
 
 
 def _reference(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
-    """No other run keeps it: the reference itself, and until when two of them agree."""
+    """Returns the reference as the choice, and the time until which two of its runs agree."""
     if check.in_more_digits:
         return _farthest(asked, check, found)
     seconds = math.inf if check.ends else check.exact.seconds * asked.until / check.span
@@ -69,7 +71,7 @@ def _reference(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
 
 
 def _farthest(asked: Task, check: Check, found: Sequence[Found]) -> Choice:
-    """Of all runs, the reference's own among them, the one that keeps it longest."""
+    """Returns the run that keeps the accuracy longest, or the reference's method."""
     exact, own = check.exact, alone(check.method)
     how = {"accuracy": asked.accuracy, "every": check.every, "max_step": exact.max_step}
     again = asked.trials.attempt(exact.method, exact.setting, exact.rows, check.span, **how)
@@ -87,7 +89,7 @@ def _choice(asked: Task, check: Check, kept: Kept, found: Sequence[Found]) -> Ch
         rows=candidate.rows,
         setting=trial.setting,
         fixed=candidate.method.fixed,
-        expected=max(trial.error, check.floor),  # it is known no better than that
+        expected=max(trial.error, check.floor),  # the error is known no better than the floor
         horizon=kept.horizon,
         check=check,
         found=tuple(found),

@@ -1,4 +1,4 @@
-"""The choice for a scene, or one for each block of coordinates that is integrated apart."""
+"""Makes the choice for a scene, or one for each block of coordinates that is integrated apart."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from .sample import of_members
 def chosen(
     compilation: Compilation, settings: Settings, ensemble: Ensemble | None
 ) -> tuple[Choice, ...]:
-    """The choice for a scene, or one for each part."""
+    """Returns the choice for a scene, or one for each part."""
     if compilation.parts:
         return tuple(_of_part(compilation, part, settings) for part in compilation.parts)
     return (_of_all(compilation, settings, ensemble),)
 
 
 def with_choices(given: Settings, choices: Sequence[Choice]) -> Settings:
-    """The settings of what is run."""
+    """Returns the settings of the run with these choices."""
     if len(choices) < 2:
         return choices[0].settings(given) if choices else given
     return replace(given, method=choices[0].method, parts=tuple(c.of_part() for c in choices))
@@ -54,7 +54,8 @@ def _named(compilation: Compilation, settings: Settings, which: Sequence[int]) -
 
 
 def _with_expected(compilation: Compilation, settings: Settings) -> Settings:
-    """What is expected to be something is judged too, behind what is recorded."""
+    """Returns settings that also show the quantities of expectations, after the recorded columns.
+    """
     expected = settings.watched.columns()
     if not expected:
         return settings
@@ -62,20 +63,21 @@ def _with_expected(compilation: Compilation, settings: Settings) -> Settings:
 
 
 def _all(compilation: Compilation) -> list[Shown]:
-    """The columns of rows that have all of them."""
+    """Returns all columns of rows."""
     shown = Values(compilation).shown
     return [shown(quantity.name) for quantity in columns(compilation, listed=sys.maxsize)[1:]]
 
 
 def _of_part(compilation: Compilation, part: CompiledPart, settings: Settings) -> Choice:
-    """By trials of the part alone, of what is recorded of it; parts land on rows."""
+    """Returns the choice by trials of the part alone, with its recorded columns; parts land on
+    rows."""
     prepared = Prepared.of(compilation.files, part.name, part.structure, land=True)
     found = prepared.choose(alone(part, settings), settings.accuracy)
     return replace(found, of=tuple(q.name for q in part.equations.coordinates))
 
 
 def alone(part: CompiledPart, settings: Settings) -> Settings:
-    """The settings by the part's own numbers of coordinates; parameters have those of the whole."""
+    """Returns the settings with the part's own indices of coordinates; parameters keep theirs."""
     place = {whole: k for k, whole in enumerate(part.coordinates)}
 
     def mine(starts: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]:

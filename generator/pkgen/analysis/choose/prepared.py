@@ -1,4 +1,4 @@
-"""A program of all candidates for a system, by which choices are made."""
+"""Compiles a program with all candidates for a system, which runs the trials."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .choose import choose
 from .reference import Task
 from .trials import LAND, Trials
 
-WIDE = 63  # binary digits of more than a double
+WIDE = 63  # least mantissa bits of a type wider than double
 
 
 @record
@@ -29,8 +29,8 @@ class Prepared:
     program: Path
     files: dict[str, str]
     name: str
-    methods: tuple[str, ...]  # that are fastest in it
-    seconds: float  # that it took to compile
+    methods: tuple[str, ...]  # methods compiled into it as the fastest
+    seconds: float  # seconds of its compilation
     able: tuple[Candidate, ...]
     exact: tuple[str, ...]
     damped: bool
@@ -40,9 +40,9 @@ class Prepared:
     def of(
         files: dict[str, str], name: str, structure: object, *, land: bool, events: bool = False
     ) -> Prepared:
-        """`land`: rows are where steps end. Raises BuildError."""
+        """Compiles it. `land`: only methods with steps that end at rows. Raises BuildError."""
         began = time.perf_counter()
-        able = candidates(structure, all_methods(None))  # of the runtime, which is compiled first
+        able = candidates(structure, all_methods(None))  # compiles the runtime first
         methods = tuple(dict.fromkeys(c.name for c in able))
         exact = reference.methods(structure, events)
         program = build_library(files, name, *methods, able=("gauss", *exact))
@@ -75,7 +75,8 @@ class Prepared:
         return replace(choose(asked), compile_seconds=self.seconds)
 
     def _precise(self, trials: Trials) -> Trials | None:
-        """From the same doubles."""
+        """Returns trials in a wider type, with the same start as doubles; None if nothing compiles.
+        """
         wide = numpy.finfo(numpy.longdouble).nmant >= WIDE
         tools = precise_tools("long double" if wide else "__float128")[0]
         try:

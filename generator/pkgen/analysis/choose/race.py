@@ -1,5 +1,5 @@
-"""Each candidate at the loosest setting that keeps the accuracy over the span of the reference, and
-which of them is the cheapest."""
+"""Runs each candidate at the loosest setting that keeps the accuracy over the span of the
+reference, and finds the cheapest of them."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from .reference import Check, Task, growth
 from .search import Found
 from .trials import Trial
 
-MARGIN = 0.98  # of the accuracy, what a run is to keep beside twice the reference's own error:
-# the run that is chosen has itself been compared, and makes the same numbers again
-LEAST_CAP = 0.004  # seconds; a trial that takes less is not given up
-SLOWER = 1.3  # than the cheapest: not followed any further
-NEAR = (3.0, 1.3, 1.3)  # times the cheapest: timed again, in so many rounds
+MARGIN = 0.98  # part of the accuracy for a run's error plus twice the reference's error:
+# this same run is compared, and it is reproducible
+LEAST_CAP = 0.004  # seconds; a shorter trial is never stopped
+SLOWER = 1.3  # times the cheapest: the search of a candidate stops
+NEAR = (3.0, 1.3, 1.3)  # times the cheapest: retimed, in as many rounds
 TIE = 1.05
-# Times the reference's steps: of fixed ones the first, where rows are farther apart. Those of gauss
-# are nearly as long as any method's can be.
+# First fixed step in units of the reference's mean step, if rows are farther apart: after a
+# reference by gauss, whose steps are nearly as long as any method's can be, and after others.
 FIRST, FIRST_OF_MANY = 4, 30
-LAPS = 0.002  # seconds
+LAPS = 0.002  # seconds of laps
 
 
 class Race:
@@ -29,12 +29,12 @@ class Race:
         self.best = math.inf
 
     def run(self) -> list[Found]:
-        """All candidates, in their order."""
+        """Returns the results of all candidates, in their order."""
         asked, check = self.asked, self.check
         aim, every = MARGIN * asked.accuracy - 2 * check.floor, check.every or asked.every
         found, first = [], FIRST if check.method == "gauss" else FIRST_OF_MANY
         stride = first * check.span / max(check.exact.steps, 1)
-        # First what the reference found to be able, so that others are given up soon.
+        # The reference's method comes first: its time is a limit for the others.
         for candidate in sorted(self._able(), key=lambda c: c.name != check.method):
             accuracy = aim / growth(asked, check, "symplectic" in candidate.method.flags)
             start = min(every, stride) if candidate.method.fixed else accuracy
@@ -46,8 +46,8 @@ class Race:
         return sorted(found, key=lambda f: asked.able.index(f.candidate))
 
     def _able(self) -> list[Candidate]:
-        """Where it is round-off that forbids the accuracy to tight runs, errors of the energy are
-        what grows behind the part that is tried: those stay that keep it."""
+        """Returns the candidates to run. If the reference is in more digits and only a part is
+        tried, energy errors dominate after the part: then only symplectic methods."""
         steady = self.check.steady(self.asked) and self.check.span < self.asked.until
         able = [c for c in self.asked.able if not steady or "symplectic" in c.method.flags]
         return able or list(self.asked.able)
@@ -59,8 +59,8 @@ class Race:
         return self.asked.trials.attempt(*run, **how)
 
     def cheapest(self, kept: list[Found]) -> Found:
-        """The first that ties with the cheapest: those that may be it are timed in turns, for the
-        first run of any pays for what is not yet in the processor's memory."""
+        """Returns the first that ties with the cheapest. Near ones are retimed in turns, since the
+        first run of each has cold caches."""
         seconds = {id(f): f.kept.seconds for f in kept}
         near = kept
         for times in NEAR:

@@ -1,10 +1,9 @@
-"""The motion of a scene, by the tightest runs of the program itself: what trials are compared with,
-and how far it can be trusted.
+"""Computes the reference of a scene, by the tightest runs of the program itself, and its own error.
 
-Two runs of one method at tolerances near round-off differ by what round-off makes of the motion,
-which no double-precision run is without; a method of another family says whether the two are both
-wrong (as gauss is across a kink). The smaller of these differences is the reference's own error.
-Linear equations have an exact flow: there the two runs are of one step a row, and of two.
+Two runs of one method at tolerances near round-off differ by the effect of round-off on the motion,
+which every double-precision run has; a method of another family shows whether both are wrong (like
+gauss across a kink). The smaller of these differences is the reference's own error. Linear
+equations have an exact flow: there the two runs have one step per row, and two.
 """
 
 from __future__ import annotations
@@ -17,34 +16,34 @@ from .candidates import Candidate, alone
 from .trials import DENSE, LAND, Trial, Trials
 
 EXACT = "exponential"
-TOLERANCES = {"radau": (1e-13, 1e-12)}  # of order 5: no tighter
+TOLERANCES = {"radau": (1e-13, 1e-12)}  # of order 5: tighter ones take too long
 USUAL = (1e-15, 1e-14)
-NOISE = 0.1  # a column is nothing but errors where two references differ by that much of it,
-TINY = 1e-10  # and it is that small beside others
-FINER = 1e-3  # a tolerance, of that in double; where there are more digits
+NOISE = 0.1  # a column is only errors if two references differ by this part of it,
+TINY = 1e-10  # and it is this small relative to the largest column
+FINER = 1e-3  # tolerance with more digits, relative to that in double
 DIGITS = " in more digits"
-SLOWEST = 5.0  # seconds of such a run
-NEARLY = 0.2  # as far in the same time: the first, which goes to tighter tolerances
-FLOOR = 0.3  # of the accuracy: a reference of a larger error forbids it, and two runs that differ
-# by less both keep it; their difference gives only the order of magnitude of each error
-ROUNDED = 2.0**-49  # of an exact flow: its coefficients are rounded once, which no run of it shows
-OTHER = 0.7  # longest step of a comparison run over the exact run's
-WRONG = 1e3  # times the difference of two runs of one method: another method may differ by that,
-# or by so many times its own tolerance
+SLOWEST = 5.0  # seconds of a run with more digits
+NEARLY = 0.2  # the first method that gets this part of the farthest is taken: tighter tolerances
+FLOOR = 0.3  # of the accuracy: a reference with a larger error forbids it, and two runs that
+# differ by less both keep it: their difference is an order of magnitude
+ROUNDED = 2.0**-49  # error of an exact flow: the rounding of its coefficients, equal in all runs
+OTHER = 0.7  # longest step of a comparison run, relative to the exact run
+WRONG = 1e3  # times the difference of two runs of one method: another method may differ by this,
+# or by this times its own tolerance
 
 
-STEPS = 1000  # at least, of what is to be exact, where the equations have the time in them
+STEPS = 1000  # least steps of an exact run, if the equations depend on time
 
 
 @record
 class Task:
     trials: Trials
-    able: tuple[Candidate, ...]  # what may be chosen
-    exact: tuple[str, ...]  # methods whose tightest runs may be exact, in turns until one arrives
+    able: tuple[Candidate, ...]  # methods that may be chosen
+    exact: tuple[str, ...]  # methods for the reference, tried in order until one arrives
     damped: bool
     accuracy: float
-    timed: bool = False  # the equations have the time in them
-    precise: Callable[[], Trials | None] = lambda: None  # the same in more digits, if there are
+    timed: bool = False  # the equations depend on time
+    precise: Callable[[], Trials | None] = lambda: None  # trials in more digits, or None
 
     @property
     def until(self) -> float:
@@ -52,31 +51,31 @@ class Task:
 
     @property
     def every(self) -> float:
-        """Between rows, or until the end."""
+        """Returns the interval of rows, or the duration."""
         return min(self.trials.settings.every or self.until, self.until)
 
     @property
     def max_step(self) -> float | None:
-        """The longest step of the exact run: error control does not see what lies within a step if
-        nothing announces it. None: no bound."""
+        """Returns the longest step of the exact run: error control may miss features shorter than a
+        step. None: no bound."""
         return self.until / STEPS if self.timed else None
 
 
 @record
 class Check:
-    """A reference up to `span`, the run `exact`. `floor` is its own error, `holds` until when two
-    runs agreed to FLOOR of the accuracy."""
+    """A reference up to `span`: the run `exact`, its own error `floor`, and the time `holds` until
+    which two runs agree to FLOOR times the accuracy."""
 
     exact: Trial
     span: float
-    every: float  # between rows of trials; 0: the scene's
+    every: float  # interval of rows in trials; 0: that of the scene
     floor: float
     holds: float
-    against: str  # what the floor is from
-    ignored: tuple[int, ...] = ()  # columns that are zero but for errors
-    unsure: tuple[int, ...] = ()  # of what is expected, not of what is recorded: errors are too
-    # large beside them
-    ends: str = ""  # why no method arrives
+    against: str  # method of the run that gave the floor
+    ignored: tuple[int, ...] = ()  # columns that are zero up to errors
+    unsure: tuple[int, ...] = ()  # columns of expectations, not of records, that are
+    # smaller than the errors
+    ends: str = ""  # reason if no method arrives
 
     @property
     def method(self) -> str:
@@ -84,11 +83,12 @@ class Check:
 
     @property
     def in_more_digits(self) -> bool:
-        """What trials are compared with; `exact` is not."""
+        """Whether the rows that trials are compared with have more digits; those of `exact` do not.
+        """
         return self.against.endswith(DIGITS)
 
     def steady(self, asked: Task) -> bool:
-        """Round-off forbids the accuracy to the tightest runs, of a motion with an energy."""
+        """Whether round-off forbids the accuracy to all runs of an undamped motion."""
         return self.in_more_digits and not asked.damped
 
 
@@ -101,12 +101,13 @@ def loose(method: str, every: float) -> float:
 
 
 def other_steps(asked: Task) -> float | None:
-    """Longest step of a comparison run: equal steps would step over the same features."""
+    """Returns the longest step of a comparison run; equal ones miss the same features."""
     return asked.max_step and OTHER * asked.max_step
 
 
 def methods(structure: object, events: bool) -> tuple[str, ...]:
-    """What may be exact, in turns until one arrives. Steps as long as rows would miss events."""
+    """Returns the methods for the reference, to be tried in order until one arrives. No exact flow
+    with events, since its steps as long as rows miss them."""
     if not getattr(structure, "smooth_in_pieces", False):
         return ("dop853", "dopri5")
     exact = (EXACT,) if getattr(structure, "affine", False) and not events else ()
@@ -135,8 +136,8 @@ class _Finder:
         return self.attempt(name, setting, cap, other_steps(self.asked))
 
     def farthest(self, cap: float) -> Trial:
-        """The first method that arrives, or a part of the way by that which came farthest: what is
-        stiff stops one long before another."""
+        """Returns the run of the first method that arrives. Else cuts the span to the part reached
+        by the method that came farthest: stiffness stops one long before another."""
         made = []
         for name in self.asked.exact:
             made.append(self.tight(name, cap))
@@ -150,7 +151,7 @@ class _Finder:
         return self.tight(first.method) if slow and self.span > 0 else first
 
     def beside(self, name: str, cap: float) -> Trial:
-        """Another method: that which goes to the tightest tolerances of those that arrive."""
+        """Returns the run of another method, the last of those that arrive."""
         for other in reversed([other for other in self.asked.exact if other != name]):
             trial = self.loose(other, cap)
             if trial.arrived:
@@ -158,9 +159,9 @@ class _Finder:
         return trial
 
     def in_more_digits(self, check: Check) -> Check:
-        """Two tight runs in double differ by their own round-off, which that of another method may
-        be far below: beside two runs of more digits it is known whether one keeps the accuracy.
-        Where there are none, or they agree no better, the check stays."""
+        """Returns a check against two runs in more digits. Two tight runs in double differ by their
+        own round-off, which that of another method may be far below. Returns the same check without
+        such runs, or if they agree no better."""
         precise, asked = self.asked.precise(), self.asked
         if precise is None:
             return check
@@ -183,7 +184,8 @@ class _Finder:
 
 
 def find(asked: Task, cap: float) -> Check:
-    """Over the whole duration, or as far as `cap` seconds reach; exact rows stay in the trials."""
+    """Returns the reference over the whole duration, or the part reached in `cap` seconds. Keeps
+    its rows in the trials."""
     finder = _Finder(asked)
     exact = finder.farthest(cap)
     if not exact.arrived:
@@ -201,7 +203,7 @@ def find(asked: Task, cap: float) -> Check:
     )
     for column in (*ignored, *unsure):
         asked.trials.ignore(column)
-    if ignored or unsure:  # what it holds is without them
+    if ignored or unsure:  # judge again without these columns
         judge = finder.attempt(judge.method, judge.setting, max_step=judge.max_step)
     floor, rounded = _error(judge, (*ignored, *unsure)), ROUNDED if exact.method == EXACT else 0.0
     check = Check(
@@ -220,15 +222,15 @@ def find(asked: Task, cap: float) -> Check:
 
 
 def growth(asked: Task, check: Check, steady: bool) -> float:
-    """Of errors, from the span of the trials to the end: linearly where the method keeps the
-    energy (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, X.3), or where the
-    motion is damped; else with the square."""
+    """Returns the growth of errors from the span of the trials to the end: linear if the method
+    keeps the energy (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, X.3), or if
+    the motion is damped; else quadratic."""
     ratio = asked.until / check.span
     return ratio if steady or asked.damped else ratio**2
 
 
 def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: float) -> Trial:
-    """The run that says how far the reference can be trusted."""
+    """Returns the run whose difference is the error of the reference."""
     own, other = _error(again, ignored), _error(beside, ignored)
     if not beside.arrived:
         return again
@@ -239,11 +241,11 @@ def _judge(again: Trial, beside: Trial, ignored: tuple[int, ...], accuracy: floa
 
 
 def part(t: float, every: float) -> tuple[float, float]:
-    """A span below t of whole intervals, and their length; 0: the scene's own."""
+    """Returns a span below t of whole intervals, and their length; 0: that of the scene."""
     count = int(0.9 * t / every)
     if count >= 8:
         return count * every, 0.0
-    # A scene of few rows: its intervals are cut.
+    # A scene has few rows: its intervals are divided.
     interval = every
     while interval * 8 > 0.9 * t:
         interval /= 2
@@ -252,7 +254,7 @@ def part(t: float, every: float) -> tuple[float, float]:
 
 def _noise(agree: list[Trial], scales: tuple[float, ...]) -> tuple[int, ...]:
     def differ(i: int) -> float:
-        """Identical runs are left out: they say nothing of errors."""
+        """Returns the least difference in column i, without identical runs: they show no errors."""
         return min((t.columns[i] for t in agree if t.arrived and t.columns[i] > 0), default=0.0)
 
     tiny = TINY * max(scales, default=0.0)

@@ -1,4 +1,4 @@
-"""What is said of a choice: a line to a person, all of it in JSON."""
+"""Reports a choice: a line for people, all of it in JSON."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from .choice import Choice
 from .reference import EXACT
 from .search import Found
 
-SHOWN = 0.1  # seconds of compiling, of which is said
+SHOWN = 0.1  # seconds of compilation from which it is reported
 
 
 def lines(choice: Choice, time: str, brief: bool) -> list[str]:
-    """The choice, unless `brief`, and a warning where it does not hold."""
+    """Returns the choice, unless `brief`, and a warning if it does not hold."""
     said = []
     setting = f"{choice.kind} {choice.setting:.3g}"
     if choice.max_step is not None:
@@ -71,8 +71,8 @@ def _warning(choice: Choice, time: str) -> str:
 
 
 def _apart(choice: Choice) -> str:
-    """Which of the two causes it has, no comparison of runs can tell; no step of an exact flow is
-    too long."""
+    """Describes how the tightest runs differ. A comparison of runs cannot decide between its two
+    causes; an exact flow has no step that is too long."""
     if choice.check.method == EXACT:
         return f"for round-off the tightest run is known to {choice.expected:.1e}"
     if choice.check.in_more_digits:

@@ -1,4 +1,5 @@
-"""An ensemble or a swarm: a few of its members are tried, each as a run of its own."""
+"""Makes the choice for an ensemble or a swarm: a few members are tried, each as a run of its own.
+"""
 
 from __future__ import annotations
 
@@ -11,16 +12,16 @@ from ...system.exits import UsageError
 from .choice import Choice
 from .prepared import Prepared
 
-MOST = 5  # members that are tried
-SPARE = 0.3  # of the accuracy, that they keep: others may need more
-# The settings that a kind of column is in.
+MOST = 5  # most members tried
+SPARE = 0.3  # of the accuracy: the error of tried members, as others may have larger ones
+# The field of the settings for each kind of column.
 FIELDS = {"p": "parameters", "i": "inputs", "q": "start_q", "v": "start_v"}
 
 
 def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Choice:
-    """The method of the member that takes longest, at the tightest setting that any of them needs,
-    with some to spare for those that were not tried."""
-    # Without an interval members have two rows, and so have their trials.
+    """Returns the method of the member that takes longest, at the tightest setting of any tried
+    member, with a margin for members that were not tried."""
+    # Without an interval members have two rows; trials must have the same.
     settings = replace(settings, every=settings.every or settings.until)
     accuracy = SPARE * settings.accuracy
     some, tried = _tried(prepared, settings, ensemble, accuracy)
@@ -48,8 +49,8 @@ def of_members(prepared: Prepared, settings: Settings, ensemble: Ensemble) -> Ch
 def _tried(
     prepared: Prepared, settings: Settings, ensemble: Ensemble, accuracy: float
 ) -> tuple[list[Settings], list[Choice]]:
-    """A member that is refused, as one out of bounds, costs itself alone: others stand for it.
-    Raises UsageError where all are."""
+    """Returns tried members and their choices. A refused member, such as one out of bounds, is
+    replaced by another. Raises UsageError if all are refused."""
     some, tried = [], []
     refused: UsageError | None = None
     for one in members(settings, ensemble):
@@ -66,7 +67,7 @@ def _tried(
 
 
 def members(settings: Settings, ensemble: Ensemble) -> Iterator[Settings]:
-    """From the first to the last, evenly, and then the others."""
+    """Yields members: first evenly spaced ones, then the others."""
     count = len(ensemble.lines)
     share = max(1, min(MOST, count) - 1)
     which = sorted({round(k * (count - 1) / share) for k in range(min(MOST, count))})

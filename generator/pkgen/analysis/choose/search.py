@@ -1,8 +1,8 @@
-"""The loosest setting of one method that keeps an accuracy on a scene, by a few trials.
+"""Finds the loosest setting of one method that keeps an accuracy on a scene, by a few trials.
 
-An error falls with a power of the step, or of the tolerance: the last two trials say which, the
-method's order until there are two. A trial is made as such a power foresees it, between the
-tightest setting that missed and the loosest that kept; it ends where a looser one gains little.
+An error falls with a power of the step, or of the tolerance: the method's order, or the slope of
+two trials if there are two. The next setting is extrapolated with this power, between the tightest
+setting that missed and the loosest that kept; the search ends if a looser setting gains little.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from .candidates import Candidate
 from .trials import Trial
 
 TRIALS = 8
-AIM = 0.85  # of the accuracy, by a trial's setting
-LOST = 0.1  # an error above it says nothing of how errors fall
-BLIND = 3.0  # how much tighter a step then is
-GAIN = 1.05  # in time, for which another trial is made
+AIM = 0.85  # aimed error of a trial, relative to the accuracy
+LOST = 0.1  # a larger error does not show how errors fall
+BLIND = 3.0  # factor on a step after such an error
+GAIN = 1.05  # least gain in time that is worth another trial
 LOOSEST, TIGHTEST = 0.5, 2.0**-51
-# What is tried where a method's first setting was slower than others: a looser tolerance, since
-# errors may be far below it; a shorter step, since the equations of long ones take long to solve.
+# The factor on the setting if a method's first trial is too slow: a looser tolerance, since errors
+# may be far below it; a shorter step, since the equations of a long step take long to solve.
 LOOSENED, SHORTENED = 100.0, 0.25
-ITERATIONS = 40  # the number of iterations is taken as rtol^(-1/ITERATIONS)
-FURTHEST = 1e5  # that a tolerance is moved at once
+ITERATIONS = 40  # modelled iterations of an implicit step: rtol^(-1/ITERATIONS)
+FURTHEST = 1e5  # largest factor on a setting per trial
 
 
 @dataclass
 class Found:
-    """What came of one candidate; `kept` is None where it does not keep the accuracy, or would take
-    too long: `verdict` says."""
+    """The result of one candidate; `kept` is None if it does not keep the accuracy, or would take
+    too long: `verdict` says which."""
 
     candidate: Candidate
     kept: Trial | None = None
@@ -50,8 +50,8 @@ def loosest(
     limit: float,
     attempt: Attempt,
 ) -> Found:
-    """`start` is the first setting; steps are whole parts of `interval`. A setting that is foreseen
-    to take more than `limit` seconds is not tried."""
+    """Finds the setting. `start` is the first one tried; steps divide `interval`. A setting
+    forecast to take more than `limit` seconds is not tried."""
     steps = scale(candidate, interval)
     found = Found(candidate)
     setting = steps.allowed(start)
@@ -94,7 +94,7 @@ def scale(candidate: Candidate, interval: float) -> _Steps | _Tolerances:
 
 
 def next_setting(found: Found, accuracy: float) -> float:
-    """The setting that is foreseen to just keep the accuracy."""
+    """Returns the setting that is forecast to just keep the accuracy."""
     trial = found.tried[-1]
     fixed = found.candidate.method.fixed
     power = float(max(found.candidate.method.order, 1)) if fixed else 1.0
@@ -120,7 +120,7 @@ def _little(scale: _Steps | _Tolerances, kept: Trial, setting: float) -> bool:
 
 
 class _Steps:
-    """Whole parts of the time between rows."""
+    """Steps that divide the interval between rows."""
 
     def __init__(self, interval: float, method: ChartedMethod):
         self.interval = interval
@@ -142,9 +142,9 @@ class _Steps:
         return round(self.interval / trial.setting)
 
     def affordable(self, trial: Trial, setting: float, limit: float) -> float | None:
-        """The setting, or the tightest that is foreseen to take no more than `limit` seconds, half
-        of a trial's time being for what does not depend on the step. A first step may be so long
-        that its error says nothing: a method is slower only where that one misses."""
+        """Returns the setting, or the tightest one forecast to take at most `limit` seconds, or
+        None. Half of a trial's time is taken as independent of the step. A first step may be so
+        long that its error shows nothing: a method is slower only if a shorter one misses."""
         if not limit < math.inf:
             return setting
         most = math.floor(self._count(trial) * (2 * limit / trial.seconds - 1))
@@ -182,7 +182,8 @@ class _Tolerances:
         return setting if trial.seconds <= limit else None
 
     def gain(self, kept: Trial, setting: float) -> float:
-        """Where the rows make the steps, an implicit one still has fewer iterations."""
+        """Returns the speedup. If rows determine the steps, an implicit method still saves
+        iterations."""
         power = self.order
         if kept.steps <= 1.02 * (kept.compared - 1):
             power = ITERATIONS if self.implicit else math.inf

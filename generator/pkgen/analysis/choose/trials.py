@@ -1,4 +1,4 @@
-"""Runs of one scene, and how far their rows are from those of an exact one."""
+"""Runs one scene, and compares the rows with those of an exact run."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from ...run.settings import Settings
 from ..chart.measure import Program
 
 LAND, DENSE = "land", "dense"
-MANY = 256  # rows, between which a column grows no larger than in them
+MANY = 256  # rows from which the largest magnitudes between rows are not measured
 
 
 @record
 class Trial:
-    """One method at one setting. `error` is relative to each column's largest magnitude, infinite
-    where there is none."""
+    """A run of one method at one setting. `error` is relative to each column's largest magnitude,
+    infinite if the run fails."""
 
     method: str
     rows: str  # LAND or DENSE
@@ -28,15 +28,15 @@ class Trial:
     able: bool  # the method applies
     reason: str
     arrived: bool
-    slow: bool  # given up at its cap
-    t: float  # how far it came
+    slow: bool  # stopped at its cap of CPU seconds
+    t: float  # last time reached
     seconds: float
     took: float
     steps: int
-    compared: int  # rows
+    compared: int  # number of rows compared
     error: float
-    holds: float  # until when it held the accuracy
-    max_step: float | None = None  # that its adaptive steps were bounded by
+    holds: float  # time until which it kept the accuracy
+    max_step: float | None = None  # bound of its adaptive steps
     columns: tuple[float, ...] = field(default=(), repr=False)
 
     @property
@@ -46,24 +46,24 @@ class Trial:
 
 @record
 class Rows:
-    """Kept rows; `low` is what `x` lacks of more digits."""
+    """The rows of a run; x + low has the full digits of the scalar type."""
 
     t: numpy.ndarray
-    x: numpy.ndarray  # a row each
+    x: numpy.ndarray  # one row per time
     low: numpy.ndarray
-    by_number: bool  # they are at crossings, whose times differ: the third is the third
-    without: bool = False  # there were none: the start and the end are in their place
-    between: numpy.ndarray | None = None  # the largest magnitudes on the way from row to row
+    by_number: bool  # rows at event times, which differ between runs: compared by index
+    without: bool = False  # no event occurred: the rows are the start and the end
+    between: numpy.ndarray | None = None  # largest magnitudes between rows
 
     @property
     def scales(self) -> numpy.ndarray:
-        """The largest magnitude of each column, in the whole run."""
+        """Returns the largest magnitude of each column in the whole run."""
         largest = abs(self.x).max(axis=0, initial=0.0)
         return largest if self.between is None else numpy.maximum(largest, self.between)
 
     def found_in(self, tried: Rows) -> numpy.ndarray:
-        """For each row the one of `tried` that is it; -1 where that is missing. Rows by time are at
-        the same doubles but for the last one, which may be at an event."""
+        """Returns the index in `tried` of each row, -1 if missing. Times of rows are equal doubles
+        except the last, which may be that of an event."""
         count, theirs = len(self.t), len(tried.t)
         if self.by_number:
             at = numpy.arange(count)
@@ -81,8 +81,9 @@ class Rows:
     def compare(
         self, tried: Rows, accuracy: float, ignored: set[int]
     ) -> tuple[tuple[float, ...], float, float]:
-        """The largest error of each column of `tried`, relative to its scale here; the largest of
-        those that count; until when none of these was beyond the accuracy."""
+        """Returns the largest error of each column of `tried`, relative to its scale here; the
+        largest error without ignored columns; and the time until which it is within the accuracy.
+        """
         at = self.found_in(tried)
         there = at >= 0
         errors = numpy.full(self.x.shape, math.inf)
@@ -93,7 +94,7 @@ class Rows:
         kept = [i for i in range(self.x.shape[1]) if i not in ignored]
         row = errors[:, kept].max(axis=1, initial=0.0)
         row[~there] = math.inf
-        if len(self.t) and self.t[-1] > 0:  # the time of an event is known to errors
+        if len(self.t) and self.t[-1] > 0:  # the error of the time of an event counts too
             row[there] = numpy.maximum(
                 row[there], abs(tried.t[at[there]] - self.t[there]) / self.t[-1]
             )
@@ -108,19 +109,19 @@ class Rows:
 
 
 class Trials(Program):
-    """Runs of one scene, with its rows."""
+    """Runs of one scene with its output rows."""
 
     def __init__(self, path: Path, settings: Settings):
         super().__init__(path, settings)
-        self.spent = 0.0  # seconds of the processor, for all so far
+        self.spent = 0.0  # CPU seconds of all runs so far
         self.exact: Rows | None = None
-        self.ignored: set[int] = set()  # columns of rows
+        self.ignored: set[int] = set()  # indices of columns
         self.last: Rows | None = None
-        self.between: numpy.ndarray | None = None  # as of Rows, of all that are kept
+        self.between: numpy.ndarray | None = None  # Rows.between of rows kept as exact
 
     @property
     def without(self) -> bool:
-        """The exact rows are the start and the end: there were no crossings to be at."""
+        """Whether the exact rows are only the start and the end: no event occurred."""
         return self.exact is not None and self.exact.without
 
     def attempt(
@@ -136,8 +137,8 @@ class Trials(Program):
         every: float = 0.0,
         max_step: float | None = None,
     ) -> Trial:
-        """One run up to `span`, and laps of it for so many seconds; `cap` 0: never given up;
-        `every` 0: rows as in the scene."""
+        """Makes one run up to `span`, and laps of it for `laps` seconds. It stops after `cap`
+        seconds (0: never). `every` 0: rows as in the scene."""
         bounds = [x for x in (max_step, self.settings.max_step) if x]
         but = {"until": span, "rows": rows, "diagnose": (), "max_step": min(bounds, default=None)}
         but["every"] = every or self.settings.every
@@ -188,13 +189,13 @@ class Trials(Program):
         return Rows(high[:, 0], high[:, 1:], low[:, 1:], at, without)
 
     def keep_as_exact(self) -> tuple[float, ...]:
-        """The rows of the last run; the largest magnitude of each column."""
+        """Keeps the rows of the last run as exact. Returns the largest magnitude of each column."""
         self.exact = replace(self.last, between=self.between)
         return tuple(map(float, self.exact.scales))
 
     def look_between(self, method: str, setting: float, rows: str, span: float) -> None:
-        """Columns that are small in all rows, such as of an orbit that closes, or of the surface
-        that rows are at, have the size that they have on the way."""
+        """Measures the largest magnitudes between rows: a column may be small at all rows, such as
+        on a closed orbit, or at an event surface."""
         if self.settings.at is None and len(self.last.t) > MANY:
             return
         but = {"until": span, "rows": rows, "diagnose": (), "at": None, "every": span / MANY}

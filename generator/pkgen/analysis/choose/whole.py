@@ -1,5 +1,5 @@
-"""What was chosen by trials of a part of a scene, over all of it: beside a tighter run, and mended
-until it is kept. Where even the tightest runs differ by too much, until when they agree."""
+"""Verifies over the whole scene a choice made by trials of a part: compares it with a tighter run
+and tightens it until it is kept. If even the tightest runs differ, finds until when they agree."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from .reference import FLOOR, Check, Task, growth
 from .search import Found
 from .trials import LAND, Trial
 
-SECONDS = 5.0  # that a trial of the whole scene may take; else what is chosen is not verified
-TIGHTER = 0.03  # of the accuracy: the error of what a choice is compared with
-SAME = 0.9  # of a setting
-MENDED = 4  # times that the setting is mended
+SECONDS = 5.0  # seconds of a trial of the whole scene; beyond, the choice is unverified
+TIGHTER = 0.03  # of the accuracy: the error of the run it is compared with
+SAME = 0.9  # settings closer than this ratio count as the same
+MENDED = 4  # most tightenings of the setting
 
 
 @record
 class Kept:
-    """`trial` keeps the accuracy, up to the `horizon` if there is one."""
+    """A trial that keeps the accuracy, until the time `horizon` if it is given."""
 
     candidate: Candidate
     trial: Trial
@@ -30,22 +30,23 @@ class Kept:
 
 
 class TooLong(Exception):
-    """A trial was given up."""
+    """A trial was stopped at its limit of time."""
 
     def __init__(self, given_up: GivenUp):
         self.given_up = given_up
 
 
 class Whole:
-    """Its methods raise TooLong where a trial takes more than so many `seconds`."""
+    """Trials over the whole scene. Methods raise TooLong if a trial takes more than `seconds`."""
 
     def __init__(self, asked: Task, check: Check, seconds: float):
         self.asked, self.check, self.seconds = asked, check, seconds
 
     def verified(self, best: Found | None, found: list[Found]) -> Kept:
-        """`best` is None where no candidate keeps the accuracy of the part."""
-        # Two tight runs of one method share their energy errors, so over the whole scene they agree
-        # better than the reference's own error, as it grows to the end, would allow.
+        """Returns the verified choice. `best` is None if no candidate keeps the accuracy of the
+        part."""
+        # Two tight runs of one method share their energy errors, and agree better over the whole
+        # scene than the extrapolated error of the reference suggests.
         floor = self.check.floor * growth(self.asked, self.check, steady=False)
         if best is None or floor > FLOOR * self.asked.accuracy:
             return self._tightest()
@@ -54,8 +55,8 @@ class Whole:
         return self._mended(best, found, MARGIN * self.asked.accuracy - 2 * floor)
 
     def _mended(self, best: Found, found: list[Found], aim: float) -> Kept:
-        """Beside the tighter run that is foreseen to be the cheapest. Where they differ by too
-        much both are tightened, for the part that was tried may have been an easy one."""
+        """Compares with the cheapest tighter run. If they differ by too much, both are tightened,
+        since the part that was tried may have been an easy one."""
         judge = min((f for f in found if f.kept), key=_tighter_cost)
         candidate = best.candidate
         whole = Found(candidate)
@@ -63,7 +64,7 @@ class Whole:
         setting, judged = scale.allowed(best.kept.setting), self._tighter(judge, 1.0)
         for _ in range(MENDED):
             if judge.candidate == candidate and judged > SAME * setting:
-                break  # there is nothing tighter
+                break  # no tighter setting exists
             if not self._run(judge.candidate, judged, self.asked.max_step).arrived:
                 break
             self.asked.trials.keep_as_exact()
@@ -76,7 +77,7 @@ class Whole:
         return self._tightest()
 
     def _tightest(self) -> Kept:
-        """The reference's method, near round-off twice."""
+        """Returns the reference's method near round-off, compared with a second such run."""
         candidate, every = alone(self.check.method), self.asked.every
         setting = reference.tight(candidate.name, every)
         if self._in_more_digits(candidate):
@@ -95,7 +96,8 @@ class Whole:
         return Kept(candidate, trial, None if keeps else trial.holds)
 
     def _in_more_digits(self, candidate: Candidate) -> bool:
-        """Whether trials are now compared with such a run."""
+        """Tries to replace the exact rows by those of a run in more digits; returns whether it did.
+        """
         precise = self.asked.precise() if candidate.name != reference.EXACT else None
         if precise is None:
             return False
@@ -125,7 +127,7 @@ class Whole:
         return trial
 
     def _tighter(self, found: Found, more: float) -> float:
-        """A setting at which the error is much smaller, and the setting that times `more`."""
+        """Returns a setting with TIGHTER times the error, then divided by `more`."""
         method = found.candidate.method
         power = max(method.order, 1) if method.fixed else 1
         setting = found.kept.setting * TIGHTER ** (1 / power) / more

@@ -1,4 +1,4 @@
-"""Questions about a compiled model (pk/stability.h), and its answers as data."""
+"""Asks questions about a compiled model (pk/stability.h), and returns the answers as data."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from ...run.library import Stability, load
 from ...run.settings import Settings
 from ...system.exits import UsageError
 
-ZERO = 1e-7  # of the largest rate at any equilibrium: below, the linear terms decide nothing
-SLOW = 0.01  # of the duration: what turns or grows by less in it is round-off, or nothing
+ZERO = 1e-7  # relative to the largest rate at any equilibrium; a lower rate counts as 0
+SLOW = 0.01  # radians or e-foldings in the duration; a lower rate counts as round-off
 UNDECIDED = "not decided by the linear terms"
 TRIES = 100  # starts from which equilibria are sought
 Made = TypeVar("Made")
@@ -22,13 +22,13 @@ Made = TypeVar("Made")
 
 @record
 class Mode:
-    """exp(lambda t) with lambda = growth + i frequency; the shape's real and imaginary parts."""
+    """exp(lambda t), lambda = growth + i frequency; real and imaginary parts of the shape."""
 
     growth: float
     frequency: float
     re: tuple[float, ...]
     im: tuple[float, ...]
-    on_group: bool = False  # of bodies that turn, as methods on the group see it
+    on_group: bool = False  # rotation rate of a body, seen by methods on the group
 
     @property
     def rate(self) -> float:
@@ -42,12 +42,12 @@ class Equilibrium:
     v: tuple[float, ...]
     energy: float
     modes: tuple[Mode, ...]  # fastest first
-    status: str = "PK_DONE"  # of the modes
-    slack: int = 0  # directions in which equilibria go on: it is one of a continuum
+    status: str = "PK_DONE"  # status of the computation of modes
+    slack: int = 0  # dimension of the continuum of equilibria it belongs to
 
     @property
     def stable(self) -> bool:
-        """The modes are known, there is one that moves or none at all, and none grows."""
+        """Whether the modes are known, none grows, and not all have rate 0."""
         moves = not self.modes or any(mode.rate > 0 for mode in self.modes)
         return self.status == "PK_DONE" and moves and not self._grows
 
@@ -57,7 +57,7 @@ class Equilibrium:
 
     @property
     def verdict(self) -> str:
-        """In words. A mode that neither returns nor leaves is left to terms of higher order."""
+        """Describes the stability. A mode of rate 0 is undecided by the linear terms."""
         if self.status != "PK_DONE":
             return f"modes: {self.status}"
         if self._grows:
@@ -68,32 +68,32 @@ class Equilibrium:
 
     @property
     def oscillating(self) -> list[int]:
-        """Numbers of the modes that oscillate and do not grow."""
+        """Returns the indices of modes that oscillate and do not grow."""
         return [k for k, m in enumerate(self.modes) if m.frequency > 0 and m.growth <= 0]
 
 
 @record
 class Rest:
-    """What was found of equilibria."""
+    """The equilibria found, and the region searched."""
 
     status: str
     equilibria: tuple[Equilibrium, ...]
     failed: int
     singular: int
     more: bool
-    turns: tuple[bool, ...] = ()  # of each coordinate: q + 2 pi is the same place
-    middle: tuple[float, ...] = ()  # each was sought in middle +- box, or further (docs/maps.md)
+    turns: tuple[bool, ...] = ()  # of each coordinate: whether it has the period 2 pi
+    middle: tuple[float, ...] = ()  # search region: middle +- box, or further (docs/maps.md)
     box: tuple[float, ...] = ()
 
     def beside(self, q: float, place: float, i: int) -> float:
-        """q_i; of an angle by whole turns next to a place."""
+        """Returns q_i; an angle is shifted by whole turns to lie nearest to `place`."""
         turns = bool(self.turns) and self.turns[i]
         return q + 2 * math.pi * round((place - q) / (2 * math.pi)) if turns else q
 
 
 @record
 class Motion:
-    """The motion itself: how far it goes, its first energy, the range of v.p, how it began."""
+    """The motion itself: its end time, first energy, scale (the range of v.p), and start."""
 
     status: str
     t: float
@@ -102,21 +102,21 @@ class Motion:
     q: tuple[float, ...]
     v: tuple[float, ...]
     parameters: tuple[float, ...]
-    leaves: bool = False  # it is still going away at the end
-    horizon: float = math.inf  # up to when a looser tolerance agrees
-    by_norm: bool = False  # first-order variables move: judged by its distance from the start
-    condition: dict | None = None  # how singular its equations become: `report.condition` of a run
-    warning: str | None = None  # of that
+    leaves: bool = False  # it still moves away at the end
+    horizon: float = math.inf  # time up to which a looser tolerance agrees
+    by_norm: bool = False  # first-order variables matter: judged by distance from the start
+    condition: dict | None = None  # condition numbers: `report.condition` of a run
+    warning: str | None = None  # warning of an ill-conditioned motion
 
     @property
     def judges(self) -> bool:
-        """A method's motion can be told by it."""
+        """Whether methods can be judged by this motion."""
         return self.status == "PK_DONE" and not self.leaves
 
 
 @record
 class Point:
-    """What becomes of the motion by a method at a step; rise and away in units of its scale."""
+    """A method's motion at step size h; rise and away are in units of the motion's scale."""
 
     method: str
     h: float
@@ -125,16 +125,16 @@ class Point:
     steps: int
     rise: float | None
     away: float | None
-    cond: float | None  # of the equations of its last step; 0: there are none
-    # docs/maps.md; None of a method that fails
-    exchange: float | None = None  # how many times as far a coordinate swings as in the motion
-    moved: float | None = None  # of a constant, which is named
-    follows: float | None = None  # part of the time over which it stays beside the motion
+    cond: float | None  # condition number of the last step's equations; 0: no equations
+    # The next three are None if the method fails (docs/maps.md).
+    exchange: float | None = None  # largest swing of a coordinate over the motion's
+    moved: float | None = None  # drift of the constant of motion that moved most
+    follows: float | None = None  # part of the time in which it stays near the motion
     constant: str = ""
 
     @property
     def shown(self) -> str:
-        """Its class on a map."""
+        """Returns its class on a map."""
         if self.kind == "bounded" and self.follows is not None and self.follows < 1:
             return "out of phase"
         if self.kind == "drifting" and self.away is not None and self.away < 0.01:
@@ -144,20 +144,20 @@ class Point:
 
 @record
 class Close:
-    """How a motion went that began close to an equilibrium."""
+    """A method's motion that starts near an equilibrium."""
 
     status: str
     steps: int
-    growth: float  # of the displacement; it is not followed further than 1000
-    turn: float  # mean angle a step
+    growth: float  # factor on the displacement; runs end at 1000
+    turn: float  # mean angle per step
 
 
 class TimeUp(Exception):
-    """Nothing more is asked."""
+    """Raised when the time for questions is used up."""
 
 
 class Asker:
-    """Asks about one model; `settings` are those of a run."""
+    """Asks questions about one model with the `settings` of a run."""
 
     def __init__(self, program: Path, settings: Settings, left: Callable[[], float] | None = None):
         self.program, self.settings, self._left = program, settings, left
@@ -167,7 +167,7 @@ class Asker:
         return Asker(self.program, settings, self._left)
 
     def within(self, left: Callable[[], float]) -> Asker:
-        """Asks while any seconds are left; then TimeUp."""
+        """Returns an asker that raises TimeUp when left() returns no more seconds."""
         return Asker(self.program, self.settings, left)
 
     def check(self) -> None:
@@ -180,7 +180,7 @@ class Asker:
         if (left := self._left()) <= 0:
             raise TimeUp
         found = self._stability.ask(what, cap=left, **question)
-        if self._left() <= 0:  # it may have been cut off
+        if self._left() <= 0:  # the answer may be incomplete
             raise TimeUp
         return found
 
@@ -188,7 +188,7 @@ class Asker:
         return _rest(self.ask("equilibria", count=tries))
 
     def start(self) -> Motion:
-        """None of it yet: where it begins."""
+        """Returns the start of the motion only."""
         return made(Motion, self.ask("start"), status="motion")
 
     def motion(self) -> Motion:
@@ -199,8 +199,10 @@ class Asker:
         return made(Point, answer, method="point", kind="class")
 
     def rates(self) -> tuple[Mode, ...]:
-        """Of the equations linearised at states along the motion the fastest of each: what decays,
-        if nothing grows half as fast; and of all others, as if it did not decay."""
+        """Returns the fastest rates of the equations linearised at states along the motion. Each
+        state gives the fastest decay, if no growth is half as fast, and the fastest other rate, a
+        decay counted as growth. Adds the rotation rate of bodies; drops rates below ZERO or SLOW.
+        """
         found, states = [], self.ask("rates")["rates"]
         for at in states:
             modes = [Mode(g, f, (), ()) for g, f in zip(at["growth"], at["frequency"], strict=True)]
@@ -216,8 +218,8 @@ class Asker:
         return tuple(m for m in found if m.rate > least)
 
     def onto(self, begun: Settings, whole: Motion) -> Asker:
-        """That with settings `begun`, the start of which is put onto the constraints by the
-        shortest way; the own start is `whole`. Raises UsageError where there is none."""
+        """Returns an asker with settings `begun`, whose start is projected onto the constraints.
+        `whole` is the model's start. Raises UsageError if the projection fails."""
         q = tuple((dict(enumerate(whole.q)) | dict(begun.start_q)).values())
         v = tuple((dict(enumerate(whole.v)) | dict(begun.start_v)).values())
         on = self.ask("place", state=(*q, *v))
@@ -230,23 +232,23 @@ class Asker:
         return self.with_settings(replace(begun, start_q=q, start_v=v))
 
     def at(self, place: Equilibrium) -> Asker:
-        """Asks from there."""
+        """Returns an asker whose start is an equilibrium."""
         q, v = tuple(enumerate(place.q)), tuple(enumerate(place.v))
         return self.with_settings(replace(self.settings, start_q=q, start_v=v))
 
     def near(self, **question: object) -> Close:
-        """From at() an equilibrium."""
+        """Runs some steps near the start, which is an equilibrium: see at()."""
         a = self.ask("near", **question)
         growth = math.inf if a["growth"] is None else a["growth"]
         return made(Close, a | {"growth": growth, "turn": a["turn"] or 0.0})
 
 
 def _floats(xs: list[float]) -> tuple[float, ...]:
-    return tuple(map(float, xs))  # JSON has 0 as an integer
+    return tuple(map(float, xs))  # JSON writes 0 as an integer
 
 
 def made(cls: type[Made], answer: dict, /, **renamed: str) -> Made:
-    """A record of an answer, which has its fields, but for those that are `renamed`."""
+    """Returns a record of an answer; `renamed` maps field names to other keys of the answer."""
     named = ((f.name, renamed.get(f.name, f.name)) for f in fields(cls))
     values = {name: answer[of] for name, of in named if of in answer}
     return cls(**{name: _floats(x) if isinstance(x, list) else x for name, x in values.items()})
@@ -257,7 +259,7 @@ def _rest(answer: dict) -> Rest:
     fastest = max((mode.rate for mode in modes), default=0.0)
 
     def cleared(mode: Mode) -> Mode:
-        """Sets modes near 0 to 0: inexact roots make vanishing linear terms small numbers."""
+        """Sets rates near 0 to 0: inexact roots make vanishing linear terms small numbers."""
         slow = mode.rate <= ZERO * fastest
         return replace(mode, growth=0, frequency=0) if slow else mode
 

@@ -1,8 +1,8 @@
-"""What a map may take: time of the processor, so that what else the machine does changes no map.
+"""The time budget of a map: CPU time, so that other load on the machine changes no map.
 
-They are seconds that pass on an idle machine: what is done one after the other counts whole, what
-threads do together by their number. A probe of some points tells what all of them would take; then
-fewer are asked for, and what is left over for predictions is theirs.
+Seconds are those of an idle machine: serial work counts in full, parallel work is divided by the
+number of cores. Some points are timed; then the number of points is reduced to fit, and the time
+left over is for the predictions.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 from ...record import record
 
 QUICK, FULL = 12.0, 54.0  # seconds; compiling and drawing come on top
-SERIAL, ROWS = 0.3, 0.65  # parts of it by the end of which what is serial is done, and the rows
-PROBES = (0.2, 0.5, 0.9)  # of the steps of a map
-LEAST_UP, LEAST_ACROSS = 4, 6  # values and steps: a method that is too dear for these is left out
+SERIAL, ROWS = 0.3, 0.65  # parts of the time by which serial work, and the rows, must end
+PROBES = (0.2, 0.5, 0.9)  # timed points: positions in the range of steps
+LEAST_UP, LEAST_ACROSS = 4, 6  # least values, step sizes; methods too costly for them are dropped
 
 
 @dataclass
@@ -25,14 +25,14 @@ class Clock:
     seconds: float
     cores: int
     began: float = field(default_factory=time.process_time)
-    serial: float | None = None  # what was used up before threads began
+    serial: float | None = None  # CPU seconds used before threads started
 
     def threads(self) -> None:
-        """They begin."""
+        """Marks the start of parallel work."""
         self.serial = time.process_time() - self.began
 
     def left(self, part: float = 1.0) -> float:
-        """Of a part of the time."""
+        """Returns the seconds left of a part of the budget."""
         used = time.process_time() - self.began
         if self.serial is None:
             return part * self.seconds - used
@@ -41,7 +41,7 @@ class Clock:
 
 @record
 class Cut:
-    """How much is asked for."""
+    """The size of a map: values, step sizes, methods."""
 
     up: int
     across: int
@@ -49,7 +49,8 @@ class Cut:
 
 
 def cost(point: Callable[[str, float], object], steps: dict[str, tuple[float, ...]], most: float):
-    """Seconds of a point of each method, the mean of PROBES, or of fewer where these take more."""
+    """Returns the mean seconds of a point of each method, over PROBES or fewer within `most`
+    seconds."""
     found = {}
     for name, hs in steps.items():
         began, count = time.thread_time(), 0
@@ -63,7 +64,8 @@ def cost(point: Callable[[str, float], object], steps: dict[str, tuple[float, ..
 
 
 def cut(costs: dict[str, float], up: int, across: int, seconds: float) -> Cut:
-    """What fits: fewer methods, the dearest first, if need be; then fewer values and steps."""
+    """Returns what fits in the time: first drops the costliest methods, then reduces values and
+    steps."""
     methods = dict(costs)
     least = min(up, LEAST_UP) * min(across, LEAST_ACROSS)
     while len(methods) > 1 and least * sum(methods.values()) > seconds:
@@ -74,7 +76,7 @@ def cut(costs: dict[str, float], up: int, across: int, seconds: float) -> Cut:
 
 
 def told(before: Cut, after: Cut, seconds: float) -> list[str]:
-    """What was reduced, and how to ask for more."""
+    """Describes the reduction, and the option for more."""
     said = []
     if (after.up, after.across) != (before.up, before.across):
         said.append(f"{after.across}x{after.up} points in place of {before.across}x{before.up}")
@@ -88,6 +90,6 @@ def told(before: Cut, after: Cut, seconds: float) -> list[str]:
 
 
 def fewer(values: tuple[float, ...], count: int) -> tuple[float, ...]:
-    """So many of them, evenly, the last among them."""
+    """Returns `count` evenly spaced values, with the last one."""
     n = len(values)
     return tuple(values[round((k + 1) * n / count) - 1] for k in range(count))

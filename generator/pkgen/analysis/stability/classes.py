@@ -1,4 +1,4 @@
-"""How a class of points looks on a map: a colour, and a glyph here and there for prints in grey."""
+"""The look of a class of points: a colour, and sparse glyphs for prints in grey."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Class:
     glyph: str = ""  # a marker of matplotlib's
 
 
-# In the order of the legend.
+# Order: that of the legend.
 CLASSES = {
     "bounded": Class("#DCEBF5", "#22333F"),
     "out of phase": Class("#B5D3E8", "#33566E"),
@@ -39,22 +39,22 @@ CLASSES = {
     "failed": Class("#999999", "#777777", "s"),
     "not judged": Class("#FFFFFF", style.DARK_GROUND, "."),
 }
-SAID_OF = {  # in the legend
+SAID_OF = {  # names in the legend
     "not judged": "not judged: it leaves by itself",
     "out of phase": "bounded, the phase is lost",
     "wrong amplitude": "it settles at a wrong amplitude",
     "exchange": "exchange between coordinates",
     "constant lost": "another constant is lost",
 }
-SIZE = 2.6  # points, of a glyph
-APART, CLEAR = 17.0, 8.0  # points: between glyphs of a class, and of any two
-MARGIN = 0.25  # of a cell's sides, around a class that no cell around has
+SIZE = 2.6  # size of a glyph, in points
+APART, CLEAR = 17.0, 8.0  # least distances in points: of glyphs of a class; of any two
+MARGIN = 0.25  # margin of an isolated cell's square, relative to the cell
 UNCONFIRMED = "unconfirmed"
-DEEP = 2  # cells around one that say how far inside its region it is
+DEEP = 2  # radius in cells of the neighbourhood that measures depth in a region
 
 
 def edges(values: np.ndarray) -> np.ndarray:
-    """Borders of cells about ascending values."""
+    """Returns the borders of cells around ascending values."""
     if len(values) == 1:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middles = (values[1:] + values[:-1]) / 2
@@ -63,7 +63,7 @@ def edges(values: np.ndarray) -> np.ndarray:
 
 
 def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look) -> set:
-    """Colours cells, a row of `kinds` an x; the kinds that are there."""
+    """Colours the cells; `kinds` has a row per x. Returns the kinds drawn."""
     order = list(CLASSES)
     cells = np.array([[order.index(kind) for kind in row] for row in kinds])
     colours = ListedColormap([_colour(kind, look) for kind in order])
@@ -85,7 +85,7 @@ def fill(axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]],
 
 
 def _neighbours(cells: np.ndarray) -> np.ndarray:
-    """Of each cell the eight around it, -1 beyond the edge."""
+    """Returns the eight neighbours of each cell, -1 beyond the edge: 8 x rows x columns."""
     padded = np.pad(cells, 1, constant_values=-1)
     rows, columns = cells.shape
     return np.array(
@@ -99,12 +99,12 @@ def _neighbours(cells: np.ndarray) -> np.ndarray:
 
 
 def _alone(cells: np.ndarray) -> np.ndarray:
-    """Whether no cell around one is of its class: it may be there by luck."""
+    """Returns whether each cell has no neighbour of its class: such a point may be accidental."""
     return (_neighbours(cells) != cells).all(axis=0) if min(cells.shape) > 1 else cells < 0
 
 
 def _around(cells: np.ndarray) -> np.ndarray:
-    """The class that most cells around one are of."""
+    """Returns the most frequent class among each cell's neighbours."""
     near = _neighbours(cells)
     return np.argmax([(near == k).sum(axis=0) for k in range(cells.max() + 1)], axis=0)
 
@@ -112,7 +112,7 @@ def _around(cells: np.ndarray) -> np.ndarray:
 def glyphs(
     axes: plt.Axes, hs: np.ndarray, xs: np.ndarray, kinds: list[list[str]], look: Look
 ) -> None:
-    """Sparsely, deep inside regions first. The axes have their size."""
+    """Draws sparse glyphs, deep inside regions first. The layout must be done."""
     cells = np.array(kinds)
     order = list(CLASSES)
     alone = _alone(np.array([[order.index(kind) for kind in row] for row in kinds])).ravel()
@@ -137,7 +137,7 @@ def glyphs(
 
 
 def _depth(cells: np.ndarray) -> np.ndarray:
-    """Of each cell, how many around it are of its class."""
+    """Returns the number of cells of the same class around each cell."""
     padded = np.pad(cells, DEEP, constant_values="")
     rows, columns = cells.shape
     return sum(
@@ -160,7 +160,7 @@ def _glyph(kind: str, look: Look) -> dict[str, object]:
 
 
 def handles(used: set[str], look: Look) -> list[tuple]:
-    """For the legend: colour with its glyph, and its name."""
+    """Returns legend entries: a colour with its glyph, and the name."""
     found = []
     for kind in (kind for kind in CLASSES if kind in used):
         patch = Patch(fc=_colour(kind, look), ec=style.GREY, lw=0.4)

@@ -1,12 +1,11 @@
-"""Cycles: a motion that returns, or that is in step with what drives it, and the step at which a
-method loses it.
+"""Limit cycles, and motions in phase with a driver: the step size at which a method loses them.
 
-The motion's own orbit closes after a period T; its Floquet multipliers say what becomes of small
-displacements in a period. Of a method, m steps that go k times round close an orbit of their own,
-at h = k T/m; where T is nobody's but the cycle's, h is sought with the state. The first h at which
-a multiplier leaves the unit circle, other than those that are 1 for the motion (along the orbit;
-along a family of orbits), is the prediction. It is measured by running on: two runs, one on the
-orbit and one beside it by 1e-6 of what the motion covers, part a thousandfold.
+The motion's own orbit closes after a period T; its Floquet multipliers are the growth of small
+displacements in a period. A method's orbit closes after m steps in k rounds, at h = k T/m; for a
+cycle of unknown period, h is an unknown of Newton's method. The prediction is the first h at which
+a multiplier leaves the unit circle. Multipliers that are 1 for the motion do not count (along the
+orbit; along a family of orbits). The measurement is the h at which two runs, one displaced by 1e-6
+of the range of the motion, part a thousandfold.
 
 Reference: Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 1.5, 5.
 """
@@ -21,26 +20,26 @@ from .ask import Asker
 from .orbits import STILL, Orbit, closed
 from .predict import Prediction
 
-FINEST, COARSER = 512, 0.8  # steps a period: at first, and from one look to the next
-FINE = 1000  # steps of an orbit to which a limit is refined: h is known to a part of that
-GROWS = 1e-3  # log of a multiplier from which it has left the unit circle
-CLOSE = 0.1  # log of a multiplier: so close to the unit circle it is followed to it
-DISPLACED = 1e-6  # of what the motion covers
-LONG, SHORT = 300_000, 10_000  # steps of a measurement; the latter where displacements drift
+FINEST, COARSER = 512, 0.8  # steps per period: at first, and the factor from one to the next
+FINE = 1000  # least steps of an orbit at the refined limit: precision of h is 1/FINE
+GROWS = 1e-3  # log of a multiplier from which it counts as outside the unit circle
+CLOSE = 0.1  # log of a multiplier this close to the unit circle: it crosses continuously
+DISPLACED = 1e-6  # relative to the range of the motion
+LONG, SHORT = 300_000, 10_000  # steps of a measurement: of a damped cycle; of another
 
 
 @record
 class Cycle:
-    """Of the motion itself."""
+    """The cycle of the motion itself."""
 
     period: float
     driven: bool
     orbit: Orbit
-    trivial: int  # multipliers that are 1
+    trivial: int  # number of multipliers that are 1
 
     @property
     def stays(self) -> bool:
-        """There is something that may be lost, and it is not lost by itself."""
+        """Whether the cycle is stable, with a nontrivial multiplier that a method may lose."""
         rest = abs(self.orbit.beyond(self.trivial))
         return 0 < rest < 1 + STILL
 
@@ -51,14 +50,14 @@ class Cycle:
 
 @record
 class Lost:
-    """A method loses the cycle at step h, by a multiplier; None: nowhere that was looked.
+    """The step size h at which a method loses the cycle by a multiplier; None: no h searched.
 
-    Sharp where the multiplier was followed to the unit circle; where it jumps, or no closed orbit
-    was found beyond, h is a scale: the orbit went on to there."""
+    `sharp`: the multiplier crosses the unit circle continuously. Otherwise it jumps, or no closed
+    orbit is found beyond; then h is a scale, up to which the orbit was followed."""
 
     method: str
     h: float | None
-    multiplier: complex | None  # there; None where no closed orbit was found beyond
+    multiplier: complex | None  # at h; None if no closed orbit was found beyond
     measured: float | None
     sharp: bool
 
@@ -74,7 +73,8 @@ class Lost:
 
 
 def find(asker: Asker, period: float | None) -> Cycle | None:
-    """The motion's own, from where it is in the end; `period` is the driver's, None: none."""
+    """Returns the motion's cycle, searched from its final state, or None. `period` is the driver's.
+    """
     back = asker.ask("returns", h=period or 0.0)
     start = tuple(map(float, (*back["q"], *back["v"])))
     for time in [period] if period is not None else back["times"]:
@@ -89,8 +89,8 @@ def find(asker: Asker, period: float | None) -> Cycle | None:
 
 
 def predictions(cycle: Cycle | None, lost: Lost | None) -> list[Prediction]:
-    """Where the method loses it by a multiplier that was followed to the unit circle, or keeps it
-    at all steps that were looked at; y is the step in units of the period over 2 pi."""
+    """Returns the prediction of a sharp loss, or of a cycle that is kept at all steps searched; y
+    is h in units of the period over 2 pi."""
     if cycle is None or lost is None or not lost.sharp:
         return []
     y = None if lost.h is None else 2 * math.pi * lost.h / cycle.period
@@ -99,14 +99,14 @@ def predictions(cycle: Cycle | None, lost: Lost | None) -> list[Prediction]:
 
 
 class _Search:
-    """Orbits of one method that close after m steps, k times round."""
+    """Finds orbits of one method that close after m steps in k rounds."""
 
     def __init__(self, asker: Asker, method: str, cycle: Cycle):
         self.asker, self.method, self.cycle = asker, method, cycle
-        self.period = cycle.period  # the method's own, at the step looked at last
+        self.period = cycle.period  # the method's own period, at the last orbit found
 
     def orbit(self, k: int, m: int, beside: Orbit) -> Orbit | None:
-        """Sought from another one, at a step near by."""
+        """Returns the orbit, searched from `beside`, an orbit of a similar step size, or None."""
         h = k * self.period / m
         free = int(not self.cycle.driven)
         question = {"method": self.method, "h": h, "count": m, "free": free}
@@ -118,7 +118,7 @@ class _Search:
         return good[0]
 
     def leaving(self, orbit: Orbit) -> float:
-        """Logarithm of the modulus of the multiplier that leaves first."""
+        """Returns the logarithm of the largest modulus among nontrivial multipliers."""
         rest = abs(orbit.beyond(self.cycle.trivial))
         return math.log(rest) if rest else -math.inf
 
@@ -126,7 +126,7 @@ class _Search:
         return orbit is None or self.leaving(orbit) > GROWS
 
     def parts(self, orbit: Orbit) -> bool:
-        """Two runs that begin close to each other do not stay so."""
+        """Whether two runs with nearly equal starts part."""
         count = LONG if self.cycle.damped else SHORT
         question = {"method": self.method, "h": orbit.h, "count": count}
         two = self.asker.ask("beside", state=orbit.states[0], amplitude=DISPLACED, **question)
@@ -134,7 +134,7 @@ class _Search:
 
 
 def lost(asker: Asker, method: str, cycle: Cycle) -> Lost | None:
-    """None where a method has no such orbit even at short steps."""
+    """Returns where a method loses the cycle; None if it has no such orbit at short steps."""
     search = _Search(asker, method, cycle)
     m, last = FINEST, search.orbit(1, FINEST, cycle.orbit)
     if last is None or search.outside(last):
@@ -161,9 +161,10 @@ class _Side:
 
 
 def _refined(search: _Search, inside: Orbit, most: int, fewest: int) -> Lost:
-    """The limit lies between orbits of `most` and of `fewest` steps a period. Neighbours of ever
-    more steps, three times as often round, lie next to each other, so that Newton's method keeps to
-    one orbit; an odd number of rounds, since a doubled orbit closes after an even one."""
+    """Refines a limit between `most` and `fewest` steps per period. Orbits of k rounds allow finer
+    step sizes: k is multiplied by 3 until neighbouring orbits are so close that Newton's method
+    stays on one branch. k is odd, since a period-doubled orbit closes after an even number of
+    rounds."""
     period = inside.h * most
 
     def narrowed(test: Callable[[Orbit | None], bool]) -> tuple[_Side, _Side]:

@@ -1,4 +1,4 @@
-"""The picture: a map a method, predictions over it. Maps are pixels, so that files stay small."""
+"""Draws the picture: a map per method with its predictions. Maps are pixels to keep files small."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from . import classes, overlay
 from .map import StabilityMap
 from .misses import unpredicted
 
-SAID = 12  # values below the title
-LETTER = 1.32  # millimetres, of a sentence in 7 points
-BETWEEN = 0.08  # inches above and below these words
-MOST_COLUMNS = 4  # of the legend
-WITHIN = 0.95  # of the page, for a file's letters may be wider than those on the screen
-WIDE = 120.0  # millimetres from which on three maps stand side by side
-SMALL = 6.5  # points, of what is beside the axes
-APART = 3.0  # pixels between numbers on an axis
+SAID = 12  # values of parameters and of the start in the caption
+LETTER = 1.32  # mean width of a letter at 7 points, in millimetres
+BETWEEN = 0.08  # inches above and below the caption
+MOST_COLUMNS = 4  # most columns of the legend
+WITHIN = 0.95  # part of the page width for the legend: fonts in files may be wider than on screen
+WIDE = 120.0  # page width in millimetres from which three maps stand side by side
+SMALL = 6.5  # font size of secondary axes, in points
+APART = 3.0  # least pixels between tick labels
 
 
 def pictures(made: StabilityMap, stem: Path, look: Look) -> list[Path]:
-    """STEM.svg and so on."""
+    """Writes STEM.svg and the other formats of the look; returns their paths."""
     return style.written(lambda look: figure(made, look), stem, look)
 
 
 def figure(made: StabilityMap, look: Look) -> plt.Figure:
-    """In the look that is set."""
+    """Draws the figure in a look that is already set."""
     methods = list(made.steps)
     columns = min(3 if look.width >= WIDE else 2, len(methods))
     rows = -(-len(methods) // columns)
@@ -61,7 +61,7 @@ def figure(made: StabilityMap, look: Look) -> plt.Figure:
     words.set_y((legend + BETWEEN / 2) / (maps + below))
     bottom = below / (maps + below)
     page.get_layout_engine().set(rect=(0, bottom, 1, 1 - bottom))
-    page.draw_without_rendering()  # the axes get their places
+    page.draw_without_rendering()  # lays out the axes
     page.set_layout_engine("none")
     for after in later:
         after()
@@ -69,7 +69,7 @@ def figure(made: StabilityMap, look: Look) -> plt.Figure:
 
 
 def _words(page: plt.Figure, made: StabilityMap, look: Look) -> Text:
-    """The title; and what the model is set to, which goes below the maps."""
+    """Draws the title, and below the maps the caption with the model's settings."""
     title, *said = titles(made)
     wrap = int(look.width / LETTER)
     lines = [line for text in said for line in textwrap.wrap(text, wrap)]
@@ -82,12 +82,12 @@ def _words(page: plt.Figure, made: StabilityMap, look: Look) -> Text:
 
 
 def _inches(page: plt.Figure, of: Artist) -> float:
-    """How high it is."""
+    """Returns its height in inches."""
     return of.get_window_extent(page.canvas.get_renderer()).height / page.dpi
 
 
 def titles(made: StabilityMap) -> list[str]:
-    """What it shows; model, what it is set to, for how long."""
+    """Returns the title; then the lines of the caption: settings, duration, remarks."""
     time, per = ("", "") if made.compilation.model.dimensionless else ("s", "rad/s")
     values = [
         *zip(named.parameters(made.compilation).columns(64), made.motion.parameters, strict=False),
@@ -118,7 +118,7 @@ def titles(made: StabilityMap) -> list[str]:
 
 
 def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: int, last: bool):
-    """One method's map; what is on it, and what to draw once it has its place."""
+    """Draws one method's map. Returns the kinds drawn, and a function to call after the layout."""
     hs, xs = np.array(made.steps[name]), np.array(made.asked.axis.values)
     kinds = [[p.shown for p in row.points if p.method == name] for row in made.rows]
     used = classes.fill(axes, hs, xs, kinds, look)
@@ -145,7 +145,7 @@ def _panel(axes: plt.Axes, made: StabilityMap, name: str, look: Look, column: in
 
 
 def _ticks(axes: plt.Axes) -> None:
-    """As many steps as have room on the page, of five. The axes have their size."""
+    """Sets up to five ticks, as many as fit. The layout must be done."""
     for axis in (axes.xaxis, *(other.xaxis for other in axes.child_axes)):
         for count in range(5, 0, -1):
             axis.set_major_locator(MaxNLocator(count))
@@ -185,13 +185,13 @@ def _second_axes(axes: plt.Axes, made: StabilityMap, last: bool) -> None:
 
 
 def three(x: float, zeros: bool = False) -> str:
-    """With three digits, as people write them: 1050; on an axis 2.50."""
+    """Formats x with three digits: 1050; with `zeros`, for an axis, 2.50."""
     rounded = float(f"{x:.3g}")
     return f"{rounded:#.3g}".rstrip(".") if zeros and abs(rounded) < 1000 else f"{rounded:g}"
 
 
 def fastest(made: StabilityMap) -> float | None:
-    """The fastest mode of the equilibrium about which the motion is."""
+    """Returns the highest frequency of the primary equilibrium's modes, or None."""
     if made.primary is None:
         return None
     rates = [m.frequency for m in made.rest.equilibria[made.primary].modes]
@@ -199,7 +199,7 @@ def fastest(made: StabilityMap) -> float | None:
 
 
 def _legend(page: plt.Figure, used: set[str], look: Look) -> float:
-    """Along the lower edge, in as many columns as have room; how high it is."""
+    """Draws the legend along the lower edge, in as many columns as fit; returns its height."""
     entries = [*classes.handles(used, look), *overlay.handles(used, look)]
     signs, words = zip(*entries, strict=True)
     how = {
@@ -212,7 +212,7 @@ def _legend(page: plt.Figure, used: set[str], look: Look) -> float:
         "handlelength": 1.8,
     }
     for columns in range(MOST_COLUMNS, 0, -1):
-        # "outside lower left" is not known to matplotlib before 3.7.
+        # matplotlib before 3.7 lacks "outside lower left".
         legend = page.legend(signs, words, ncols=columns, **how)
         box = legend.get_window_extent(page.canvas.get_renderer())
         if box.x1 <= WITHIN * page.bbox.x1 or columns == 1:

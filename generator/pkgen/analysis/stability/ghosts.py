@@ -1,6 +1,6 @@
-"""Ghosts: fixed points and 2-cycles of a method's step map that the equations do not have. One that
-attracts is where a run ends that looks settled. Sought at steps over the map by deflated Newton
-from many starts (orbits.py); that all are found cannot be promised.
+"""Ghosts: fixed points and 2-cycles of a method's step map that the equations do not have. A run
+may end on an attracting one and look settled. They are sought at step sizes over the map by
+deflated Newton iteration from many starts (orbits.py); not all need be found.
 
 Reference: A. Iserles, A. T. Peplow, A. M. Stuart, SIAM J. Numer. Anal. 28 (1991) 1723.
 """
@@ -13,22 +13,22 @@ from ...record import record
 from .ask import Asker
 from .orbits import Orbit, closed
 
-# By the number of unknowns: starts, steps h at which they are sought, and in a quick map. Beyond
-# four a search from so few starts finds next to nothing.
+# By number of unknowns: starts, step sizes, step sizes of a quick map. With more than four unknowns
+# so few starts find next to nothing.
 EFFORT = {1: (24, 24, 8), 2: (16, 24, 8), 3: (4, 12, 4), 4: (4, 12, 4)}
-RUN, BESIDE = 4000, 1e-3  # steps that are run on from beside one, of what the motion covers
-AWAY = 30  # times as far it has left
+RUN, BESIDE = 4000, 1e-3  # steps of a test run; its relative displacement
+AWAY = 30  # growth of the displacement from which the run has left
 
 
 @record
 class Ghost:
-    """Those of one method and kind that were found at one step after the other."""
+    """Ghosts of one method and kind, found at successive step sizes."""
 
     method: str
     steps: int  # 1: a fixed point, 2: a 2-cycle
-    holds: bool  # attracts, or is neutral: what is small stays so
+    holds: bool  # attracts, or is neutral
     orbits: tuple[Orbit, ...]  # h ascending
-    stays: bool | None  # a run from beside the middle one stays there; None: it does not hold
+    stays: bool | None  # whether a run from near the middle one stays; None: not `holds`
 
     @property
     def middle(self) -> Orbit:
@@ -40,8 +40,8 @@ class Ghost:
 
 
 def ghosts(asker: Asker, method: str, hs: Sequence[float], quick: bool = False) -> list[Ghost]:
-    """Of an autonomous model; none of one with more unknowns than four."""
-    asker = asker.with_settings(asker.settings)  # orbits forget the motion that points ask for
+    """Returns the ghosts of an autonomous model; none if it has more than four unknowns."""
+    asker = asker.with_settings(asker.settings)  # "orbits" discards the motion of the points
     found: dict[tuple[int, bool], list[Orbit]] = {}
     unknowns = asker.ask("orbits", method=method, h=hs[0], count=1)["unknowns"]
     if unknowns not in EFFORT:

@@ -1,4 +1,4 @@
-"""The whole: from a compiled model and what was asked to a map with its predictions."""
+"""Makes a stability map, with predictions, of a compiled model."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ from .method import StepMap
 from .predict import PAIRS, RESONANCES, Prediction, predictions
 from .steps import MapOptions, refuse_unjudged, steps_over
 
-LEAST_ROWS = 2  # of a map that is interrupted
+LEAST_ROWS = 2  # fewest rows of an interrupted map
 REFUSED = "PK_REFUSED"
 Made = TypeVar("Made")
 
 
 @record
 class StabilityMap:
-    """Everything that is drawn, written and said."""
+    """All results: the picture, the page and the summary are made from it."""
 
     compilation: Compilation
     asked: MapOptions
     until: float
-    motion: Motion  # its start alone
+    motion: Motion  # the start only, not integrated
     rest: Rest  # at the model's own start and parameters
     primary: int | None
     rows: tuple[Row, ...]
@@ -48,14 +48,14 @@ class StabilityMap:
     predictions: tuple[Prediction, ...]  # at the model's own start and parameters
     measured: tuple[Measured, ...]
     growths: tuple[Growth, ...]
-    interrupted: str = ""  # what there is of it
-    cycle: Cycle | None = None  # that the motion is on in the end
+    interrupted: str = ""  # message: how much of an interrupted map is complete
+    cycle: Cycle | None = None  # the limit cycle that the motion approaches
     lost: tuple[cycles.Lost, ...] = ()
     ghosts: tuple[Ghost, ...] = ()
-    turned: range = range(0)  # quaternions among the rates
+    turned: range = range(0)  # indices of quaternion components among the rates
 
     def place(self, state: tuple[float, ...]) -> float:
-        """Where a state, q and then v, lies on the axis of what is varied."""
+        """Returns the value of the varied quantity in a state (q, v)."""
         at = None if self.primary is None else self.rest.equilibria[self.primary]
         return self.asked.axis.place(state, at, self.motion)
 
@@ -63,7 +63,7 @@ class StabilityMap:
 def make(
     compilation: Compilation, asked: MapOptions, on_progress: Show | None = None
 ) -> StabilityMap:
-    """Raises NumericsFailed, BuildError, UsageError."""
+    """Makes the map. Raises NumericsFailed, BuildError, UsageError."""
     structure = compilation.structure
     if all(structure.cyclic) and structure.conservative:
         raise UsageError(
@@ -80,7 +80,7 @@ def make(
     asker = Asker(program, asked.settings)
     rest, motion = asker.rest(), asker.start()
     if asked.axis.kind == "parameter":
-        for x in (asked.axis.values[0], asked.axis.values[-1]):  # within bounds, or UsageError
+        for x in (asked.axis.values[0], asked.axis.values[-1]):  # checks the bounds
             asker.with_settings(asked.axis.settings(asked.settings, x, None, motion)).check()
     model = compilation.model
     bound, turned = bool(model.rotations or model.constraints), _quaternions(compilation)
@@ -89,7 +89,7 @@ def make(
     going = any(v for i, v in enumerate(motion.v) if i not in turned)
     if bound and primary is not None and (going or not rest.equilibria[primary].stable):
         primary = (
-            None  # it is about none: the rates of a body that turns, of what rolls are its own
+            None  # the motion is about no equilibrium: a body rotates or rolls at rates of its own
         )
     at = plan.beside(rest, primary, motion.q, cyclic)
     if at is None and asked.axis.kind == "amplitude":
@@ -133,10 +133,10 @@ def make(
     predicted = {}
     for name, step in maps.items():
         whole = cycles.predictions(cycle, lost.get(name))
-        # What a whole period says is more than what its fastest moment does.
+        # The Floquet multipliers of a cycle supersede the rates along it.
         predicted[name] = [*predictions(step, rest, primary, () if whole else rates), *whole]
     fastest = max((m.rate for m in (at.modes if at else rates)), default=0.0)
-    # About a stable equilibrium a method without limits is mapped over turns of its modes.
+    # About a stable equilibrium the range of steps does not depend on the local scale.
     scales = [] if at and at.stable else ["local"]
     about = {name: [p for p in predicted[name] if at or p.equilibrium is None] for name in maps}
     steps = {name: tuple(steps_over(asked, about[name], scales, fastest, until)) for name in maps}
@@ -150,7 +150,7 @@ def make(
     def one(x: float, enough: Callable[[], float]) -> Row:
         here = started(x).within(enough)
         found, moved, points = measure.row(here, steps, None if moves else rest, tries, linear)
-        # An amplitude is one about the same equilibrium, however far.
+        # Amplitudes refer to one equilibrium, however far the start is.
         place = at.q if at and asked.axis.kind == "amplitude" else moved.q
         number = plan.nearest(found, place, cyclic) if at or not bound else None
         rates_here = here.rates() if moves else ()
@@ -162,7 +162,7 @@ def make(
         return Row(x, found, number, moved, tuple(lines), points)
 
     flat = tuple(p for name in maps for p in predicted[name])
-    # In the order of what matters, should time be up.
+    # Resonances come last, since time may run out.
     flat = tuple(sorted(flat, key=lambda p: p.kind in (*RESONANCES, *PAIRS)))
     size = _size(at, motion.q, cyclic) if at else 0.0
     amplitude = measure.small(rest, cyclic, size)
@@ -176,7 +176,7 @@ def make(
             result = make()
         except TimeUp:
             result = None
-        if children.ended():  # in the midst of it
+        if children.ended():  # interrupted during make()
             raise KeyboardInterrupt
         done[0] += 1
         show(done[0] / jobs, f"{done[0]} of {jobs}")
@@ -185,10 +185,10 @@ def make(
     clock.threads()
     timed = asker.within(clock.left)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        # The costly ones first: those that no method leaves early.
+        # Rows are ordered coarse to fine.
         xs = asked.axis.values
         rows = [
-            # Two rows there are in any case, or nearly.
+            # The first two rows get three times the time, so that they complete.
             pool.submit(counted, partial(one, xs[k], partial(clock.left, ROWS if i > 1 else 3)))
             for i, k in enumerate(_spread(len(xs)))
         ]
@@ -204,7 +204,7 @@ def make(
         every = [*rows, *checks, *haunted, leaving]
         with suppress(KeyboardInterrupt):
             wait(every, return_when=FIRST_EXCEPTION)
-        pool.shutdown(cancel_futures=True)  # what is queued is not begun, where one fails
+        pool.shutdown(cancel_futures=True)  # after a failure, queued work does not start
     found = tuple(sorted(_kept(rows), key=lambda row: row.x))
     checked, growing = tuple(_kept(checks)), next(iter(_kept([leaving])), [])
     interrupted = ""
@@ -234,13 +234,13 @@ def make(
 
 
 def _spread(count: int) -> list[int]:
-    """Numbers below, each half way between earlier ones: what is interrupted is a coarser map."""
+    """Returns 0 .. count - 1 in bit-reversed order: an interrupted map is a coarser map."""
     bits = (count - 1).bit_length()
     return sorted(range(count), key=lambda k: int(f"{k:0{bits}b}"[::-1], 2))
 
 
 def _kept(futures: list[Future[Made]]) -> list[Made]:
-    """Results of those that came to an end. Raises what another failed with."""
+    """Returns the completed results, without None. Raises the exception of a failure."""
     found = []
     for future in futures:
         if future.done() and not future.cancelled():
@@ -252,7 +252,7 @@ def _kept(futures: list[Future[Made]]) -> list[Made]:
 def _cycle(
     compilation: Compilation, asked: MapOptions, asker: Asker, rest: Rest, motion: Motion
 ) -> Cycle | None:
-    """Where energy is constant orbits come in families, and nothing of one can be lost."""
+    """Returns the cycle that the motion approaches, or None: conservative systems have families."""
     if compilation.structure.conservative and not motion.by_norm:
         return None
     period = asked.period or orbits.driven_period(compilation.equations, motion.parameters)
@@ -265,7 +265,7 @@ def _cycle(
 def _reduced(
     asked: MapOptions, steps: dict, started: Callable[[float], Asker], clock: Clock
 ) -> tuple[MapOptions, dict[str, tuple[float, ...]]]:
-    """To what can be done in time, by what some points take."""
+    """Returns the options and steps that fit in the time, by the cost of some points."""
     here = started(asked.axis.values[len(asked.axis.values) // 2]).within(partial(clock.left, 3))
     here.motion()
     whole = Cut(len(asked.axis.values), asked.across, tuple(steps))
@@ -280,7 +280,8 @@ def _reduced(
 
 
 def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
-    """Methods see rotations and constraints when they begin."""
+    """Drops methods that refuse the model's rotations or constraints, which only a run shows.
+    Raises UsageError if no method remains."""
     said = {
         m.name: asker.ask("resolved", method=m.name, h=asker.settings.until, count=0)["status"]
         for m in asked.methods
@@ -295,14 +296,14 @@ def _without_refused(asked: MapOptions, asker: Asker) -> MapOptions:
 
 
 def _quaternions(compilation: Compilation) -> range:
-    """Their numbers among the rates."""
+    """Returns the indices of quaternion components among the rates."""
     count = len(single_rotations(compilation.model))
-    # The body rates before them are no first-order variables here.
+    # Body rates come before them in the model, but are not first-order variables here.
     first = compilation.equations.own
     return range(first, first + 4 * count)
 
 
 def _size(at: Equilibrium, start: tuple[float, ...], cyclic: frozenset[int]) -> float:
-    """The largest displacement of the start from its equilibrium."""
+    """Returns the largest displacement of a non-cyclic coordinate from its equilibrium."""
     apart = (abs(a - b) for a, b in zip(at.q, start, strict=True))
     return max((x for i, x in enumerate(apart) if i not in cyclic), default=0.0)

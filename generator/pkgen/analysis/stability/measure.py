@@ -1,11 +1,10 @@
-"""The points of the map, row by row, and each prediction measured on the model itself.
+"""Computes the points of the map, row by row, and measures each prediction on the model itself.
 
-A limit is measured where the motion is small: 4000 steps from 1e-6 of the start's displacement
-beside the equilibrium, all modes that do not grow at once, must not carry it a thousand times as
-far. A resonance is where the mode's leading coordinate turns, on the average over thousands of
-steps, by the angle predicted; whether the motion responds to it is asked apart, at some parts of
-the start's size. A branch is lost where one step from the equilibrium itself fails: from beside it
-a solution leads away. Growth is that of a reference motion that leaves along the mode.
+A limit is measured by small motions: 4000 steps from a displacement of 1e-6 of the start's, in all
+modes that do not grow, must not grow a thousandfold. A resonance is the step size at which the
+mode's leading coordinate rotates, averaged over thousands of steps, by the predicted angle; the
+response is measured separately, at parts of the start's displacement. A branch is lost where a
+single step near the equilibrium fails. A growth rate is that of a reference motion along the mode.
 """
 
 from __future__ import annotations
@@ -20,15 +19,15 @@ from .method import FURTHEST, LEAP, combined, first_change
 from .orbits import ROUNDED
 from .predict import RESONANCES, Prediction
 
-SMALL = 1e-6  # of the size of the motion
-LEAST = 1e-8  # of the largest coordinate: clear of round-off
+SMALL = 1e-6  # relative to the displacement of the start
+LEAST = 1e-8  # relative to the largest coordinate: above round-off
 STEPS = 4000
-LONGER = 100  # times as many, where growth just beyond a limit is slow
+LONGER = 100  # factor on the number of steps, where growth just beyond a limit is slow
 FAR = 1e3
-LOOKS = 16  # points of the first look for where something begins
-FINE = 1e-6  # relative: how well it is known then
-RESPONDS = 1.3  # growth at a resonance over that beside it, from which it is seen
-LOST = 0.5  # of the range of v.p, by which energy is off once the motion is lost
+LOOKS = 16  # points of the coarse search
+FINE = 1e-6  # relative precision of a step size found by search
+RESPONDS = 1.3  # growth at a resonance, relative to steps off it: a response
+LOST = 0.5  # relative to the range of v.p: the energy error of a lost motion
 FAILED = (
     "growing",
     "not converged",
@@ -38,17 +37,17 @@ FAILED = (
     "failed",
     "off constraints",
 )
-BESIDE = 0.06  # how far to either side a response is sought, relative to the resonant step
+BESIDE = 0.06  # relative distance from the resonant step searched for a response
 
 
 @record
 class Effort:
-    """What a resonance is measured with."""
+    """The effort spent on the measurement of a resonance."""
 
-    turns: int  # steps over which its angle is a mean
-    scan: int  # steps h at which a response is sought
-    steps: int  # of each of these
-    sizes: tuple[float, ...]  # of the start's displacement, at which it is
+    turns: int  # steps over which the angle is averaged
+    scan: int  # step sizes at which a response is sought
+    steps: int  # steps of each run
+    sizes: tuple[float, ...]  # amplitudes, relative to the start's displacement
 
 
 FULL = Effort(1000, 17, 1500, (0.02, 0.1, 0.5))
@@ -57,35 +56,35 @@ QUICK = Effort(500, 9, 700, (0.1, 0.5))
 
 @record
 class Row:
-    """One value of what is varied: what is predicted there and what came of it."""
+    """One value on the vertical axis: its predictions and measured points."""
 
     x: float
     rest: Rest
     primary: int | None
     motion: Motion
     predictions: tuple[Prediction, ...]
-    points: tuple[Point, ...]  # a method after the other, steps ascending
+    points: tuple[Point, ...]  # by method, step sizes ascending
 
 
 @record
 class Measured:
-    """A prediction and what the model did: h is where it happened, None where it never did."""
+    """A prediction and the step size h at which it was measured; None: it did not happen."""
 
     prediction: Prediction
     h: float | None
-    how: str  # what happened there, in words
-    response: float | None = None  # of a resonance: growth at its peak over that beside it
-    peak: float | None = None  # the step of that peak
+    how: str  # describes what happened there
+    response: float | None = None  # of a resonance: peak growth relative to the growth off it
+    peak: float | None = None  # step size at the peak
 
     @property
     def silent(self) -> bool:
-        """A resonance that nothing answers."""
+        """Whether it is a resonance without a response."""
         return self.response is not None and self.response < RESPONDS
 
 
 @record
 class Growth:
-    """A mode that leaves an equilibrium: predicted and measured rate."""
+    """The predicted and measured growth rate of a mode at an equilibrium."""
 
     equilibrium: int
     mode: int
@@ -100,16 +99,16 @@ def row(
     tries: int,
     linear: bool = False,
 ) -> tuple[Rest, Motion, tuple[Point, ...]]:
-    """The motion and what becomes of it at each step; equilibria too, unless they are known."""
+    """Returns the equilibria (`known`, or sought), the motion and its points."""
     found, moved = known or asker.rest(tries), asker.motion()
     points = [asker.point(name, h) for name, hs in steps.items() for h in hs]
-    apart = asker.with_settings(asker.settings)  # multipliers forget the motion
+    apart = asker.with_settings(asker.settings)  # a new asker: radius() discards the motion
     return found, moved, tuple(_settled(apart, p) if linear else p for p in points)
 
 
 def _settled(asker: Asker, point: Point) -> Point:
-    """Steps of a linear model grow only if a multiplier of theirs is outside the unit circle. Else
-    they come to rest about another amplitude, that of a driver between whose turns they fall."""
+    """On a linear model steps grow only if a multiplier is outside the unit circle. Otherwise a
+    "growing" point settles at another amplitude, because steps sample the driver too coarsely."""
     if point.kind != "growing":
         return point
     found = radius(asker, point.method, point.h)
@@ -118,8 +117,8 @@ def _settled(asker: Asker, point: Point) -> Point:
 
 
 def radius(asker: Asker, method: str, h: float) -> float | None:
-    """The largest modulus of the multipliers of a step on a linear model, whatever drives it: a
-    difference of two states goes on as the homogeneous equations say. None: no step was made."""
+    """Returns the largest modulus of the multipliers of a step on a linear model, driven or not:
+    the difference of two states obeys the homogeneous equations. Returns None if a step fails."""
     import numpy
 
     begun = asker.start()
@@ -134,8 +133,9 @@ def radius(asker: Asker, method: str, h: float) -> float | None:
 
 
 def small(at: Rest, cyclic: frozenset[int], size: float) -> float:
-    """An amplitude at which motions are linear and round-off is not seen. The unit may be any: it
-    is SMALL beside the start's displacement `size`, or beside the places of rest."""
+    """Returns an amplitude small enough for linear motion and above round-off, in the coordinates'
+    unit: SMALL times the start's displacement `size`, or times the largest equilibrium coordinate.
+    """
     largest = max(
         (abs(x) for e in at.equilibria for i, x in enumerate(e.q) if i not in cyclic), default=0.0
     )
@@ -151,8 +151,8 @@ def measured(
     effort: Effort = FULL,
     bound: bool = False,
 ) -> Measured:
-    """What the model does of what is predicted; `size` is the start's displacement, `amplitude`
-    that of small motions; `bound` says that the model has rotations or constraints."""
+    """Measures a prediction on the model. `size` is the start's displacement, `amplitude` that of
+    small motions; `bound` means that the model has rotations or constraints."""
     if prediction.known:
         return Measured(prediction, *prediction.known)
     if prediction.equilibrium is None:
@@ -166,7 +166,7 @@ def measured(
 
 
 def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
-    """Each mode that grows, left by a reference motion from a tenth of `amplitude`."""
+    """Measures each growing mode by a reference motion that starts at a tenth of `amplitude`."""
     found = []
     for e, place in enumerate(at.equilibria):
         growing = [k for k, mode in enumerate(place.modes) if mode.growth > 0]
@@ -180,7 +180,7 @@ def growths(asker: Asker, at: Rest, amplitude: float) -> list[Growth]:
 def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
     fastest = at.equilibria[p.equilibrium].modes[p.mode].rate
     steps = 100 if p.h is None else STEPS
-    status = "PK_DONE"  # of the last step that was too long
+    status = "PK_DONE"  # of the last step size that grew
 
     def grows(h: float) -> bool:
         nonlocal status
@@ -211,9 +211,10 @@ def _limit(asker: Asker, at: Rest, p: Prediction, amplitude: float) -> Measured:
 
 
 def _local(asker: Asker, p: Prediction, bound: bool) -> Measured:
-    """The first step, from an eighth of the scale to eight times it, at which the motion is lost:
-    the method fails, or energy is off by half of what comes and goes. Of what is `bound` energy may
-    not tell: there LEAP steps from somewhere along the motion are off by half of what it covers."""
+    """Measures the first step size, from an eighth of the prediction to eight times it, at which
+    the motion is lost: the method fails, or the error reaches LOST. The error is that of the energy
+    in units of the range of v.p; if `bound`, that of LEAP steps in units of the range of the
+    motion."""
     assert p.h is not None
     if not bound and not asker.motion().judges:
         return Measured(p, None, "the motion itself ends or leaves")
@@ -259,7 +260,7 @@ def _branch(asker: Asker, p: Prediction, amplitude: float) -> Measured:
 
 
 def _search(test: Callable[[float], bool], low: float, high: float) -> float | None:
-    """The first x in (low, high] at which `test` becomes true, to FINE of the way."""
+    """Returns the first x in (low, high] at which `test` becomes true, to FINE of `high`."""
     return first_change(test, low, high, looks=LOOKS, parts=2, close=FINE * high)
 
 
@@ -286,7 +287,7 @@ def _resonance(
 
 
 def secant(f: Callable[[float], float | None], a: float, b: float) -> float | None:
-    """A root of f close to a and b."""
+    """Returns a root of f near a and b, by the secant method, or None."""
     fa, fb = f(a), f(b)
     for _ in range(4):
         if fa is None or fb is None:
@@ -303,11 +304,12 @@ def secant(f: Callable[[float], float | None], a: float, b: float) -> float | No
 def _response(
     asker: Asker, p: Prediction, size: float, effort: Effort
 ) -> tuple[float | None, float | None]:
-    """The step near the resonant one at which the motion grows most, and that growth over the one
-    on either side, where no resonance is: the largest over all sizes. None, None where none is
-    known.
+    """Returns the step size near resonance with the strongest response, and the response: the
+    growth there relative to the larger growth at the two ends of the scan, maximal over all
+    amplitudes. Returns (None, None) if the ends themselves grow too far.
 
-    Of a pair: of the slower mode, begun a hundred times as small as the faster one."""
+    For a pair, the slower mode is measured; it starts at a hundredth of the faster one's amplitude.
+    """
     assert p.h is not None
     hs = [p.h * (1 + BESIDE * (2 * k / (effort.scan - 1) - 1)) for k in range(effort.scan)]
     found: list[tuple[float, float]] = []
@@ -316,7 +318,7 @@ def _response(
         more = {} if p.other is None else {"other": p.other, "seed": amplitude / 100}
         more |= {"method": p.method, "mode": p.mode, "amplitude": amplitude}
         closes = [asker.near(h=h, count=effort.steps, **more) for h in hs]
-        # A motion that fails there, and not on either side, has responded.
+        # A motion that fails near resonance only counts as a response.
         grown = [c.growth if c.status == "PK_DONE" else FAR for c in closes]
         beside = max(grown[0], grown[-1])
         if beside < FAR:

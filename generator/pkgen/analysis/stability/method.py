@@ -1,13 +1,13 @@
-"""A method seen through one step on the linear oscillator, (q, v) -> A(y) (q, v), y = h omega.
-The driver takes the step and says of A what counts.
+"""A method's step on the linear oscillator: (q, v) -> A(y) (q, v), y = h omega. The C program takes
+the step and returns the growth, angle and trace of A.
 
 limit    the first y at which an eigenvalue of A leaves the unit circle: from the method's table
-         (pk/limits.h); of a damped mode, from steps on the oscillator with its damping
-angle    by which a step turns: the method's own frequency is angle(y)/h. Verlet 2 asin(y/2),
+         (pk/limits.h); for a damped mode, from steps on the oscillator with its damping
+angle    the rotation angle of a step: the method's own frequency is angle(y)/h. Verlet 2 asin(y/2),
          midpoint 2 atan(y/2); E. Hairer, C. Lubich, G. Wanner, GNI I.5, VI.
-resonance  y at which the angle is 2 pi/3 or 2 pi/4: steps return to where they were, and a
+resonance  y at which the angle is 2 pi/3 or 2 pi/4: steps return to the same phases, and a
          nonlinear force pushes there each time
-pair     the same between two modes
+pair     y at which the angles of two modes are in resonance
 pole     the first y at which a step on q'' = +q has no solution: an implicit method's equations
          are singular there, and beyond it the solution that belongs to short steps is lost
 """
@@ -27,33 +27,33 @@ from ..chart.points import ChartedMethod
 from .ask import Asker, made
 
 FURTHEST = 30.0  # y up to which limits and poles are sought
-COARSE = 600  # points of the first look
-LEAP = 4  # steps that are to resolve a motion
-OUTSIDE = 1e-9  # what counts as outside of the unit circle
-FIRST_GROWTH = 0.05  # a limit below this y is none: it grows at any step
+COARSE = 600  # points of the coarse search
+LEAP = 4  # steps of the test whether a motion is resolved
+OUTSIDE = 1e-9  # tolerance on the modulus of eigenvalues outside the unit circle
+FIRST_GROWTH = 0.05  # a limit below this y counts as growth at any step size
 TWO_PI = 2 * math.pi
-# Resonances of third order between two modes: a (angle of the faster) + b (of the slower) is so
-# many turns. The first has the step detune them into 1:2; the others are there by the step alone,
-# and in a sum both modes may grow at once.
+# Resonances of third order between two modes: a (angle of the faster) + b (angle of the slower) = 2
+# pi turns; values are (a, b, turns). In the first the step detunes the modes into 1:2; the others
+# exist only through the step, and in a sum resonance both modes may grow at once.
 PAIRS = {"1:2": (1, -2, 0), "1+2": (1, 2, 1), "2+1": (2, 1, 1)}
 
 
 @record
 class Map:
-    """Of A; numbers that are not finite are None."""
+    """Properties of the matrix A; None stands for a number that is not finite."""
 
-    growth: float | None  # the larger modulus of the two eigenvalues
-    turn: float | None  # the angle in (0, 2 pi); None where it grows, damps or flips
+    growth: float | None  # largest modulus of the eigenvalues
+    turn: float | None  # the angle in (0, 2 pi); None if the step grows, damps or flips
     trace: float | None
 
     @property
     def outside(self) -> bool:
-        """An eigenvalue has left the unit circle."""
+        """Whether an eigenvalue is outside the unit circle."""
         return self.growth is None or self.growth > 1 + OUTSIDE
 
 
 def _once(find: Callable[..., Any]) -> Callable[..., Any]:
-    """A method whose answers are kept: many equilibria and rows ask for the same."""
+    """Caches a StepMap method by its arguments, since many equilibria and rows repeat them."""
 
     @wraps(find)
     def kept(of: StepMap, *given: str | float) -> Any:
@@ -68,24 +68,24 @@ def _once(find: Callable[..., Any]) -> Callable[..., Any]:
 
 @dataclass
 class StepMap:
-    """A method's map; answers are kept, since limits are asked for again for each equilibrium."""
+    """A method's step map on the linear oscillator; results are cached in `found`."""
 
     traits: ChartedMethod
     asker: Asker
-    states: bool = False  # of a system with first-order variables, stepped as u' = lambda u is
-    bound: bool = False  # by rotations or constraints
-    turning: bool = False  # with rotations
-    linear: bool = False  # the model is so, with constant coefficients: nothing answers a resonance
+    states: bool = False  # the system has first-order variables, stepped like u' = lambda u
+    bound: bool = False  # the model has rotations or constraints
+    turning: bool = False  # the model has rotations
+    linear: bool = False  # linear with constant coefficients: resonances have no effect
     found: dict[tuple, Any] = field(default_factory=dict)
 
     def map(self, y: float, stiffness: float = 1, damping: float = 0) -> Map:
-        """Of a step that was not made nothing is known."""
+        """Returns the map of a step of size y; without values if the step fails."""
         given = {"method": self.traits.name, "stiffness": stiffness, "damping": damping}
         return made(Map, self.asker.ask("oscillator", h=float(y), **given))
 
     @_once
     def limit(self, ratio: float) -> float | None:
-        """By the damping ratio. None: no limit up to FURTHEST. 0: it grows at any step."""
+        """Returns the limit; None: no limit up to FURTHEST. 0: growth at any step size."""
         known = self.traits.imaginary
         if self.states and self.traits.real == math.inf:
             return None
@@ -98,24 +98,24 @@ class StepMap:
 
     @property
     def _partitioned(self) -> bool:
-        """Of implicit ones: first-order variables are stepped otherwise than coordinates."""
+        """For implicit methods: whether first-order variables are stepped unlike coordinates."""
         return self.traits.real != self.traits.imaginary
 
     @property
     def tells(self) -> bool:
-        """The oscillator tells of it: attitudes are first-order variables, but not on the group."""
+        """Whether the oscillator represents the model: off the group, attitudes are first-order."""
         apart = self.traits.implicit and self._partitioned and "group" not in self.traits.flags
         return not (self.turning and apart)
 
     def pole(self) -> float | None:
-        """None where no step up to FURTHEST is without a solution."""
+        """Returns the pole; None if each step up to FURTHEST has a solution."""
         if not self.traits.implicit or (self.states and self._partitioned):
             return None
         return self._pole()
 
     @_once
     def _pole(self) -> float | None:
-        """Where 1/trace vanishes, continued from below: steps this side of it may be refused."""
+        """Returns the root of 1/trace, extrapolated: steps just below it may be refused."""
 
         def beyond(y: float) -> bool:
             trace = self.map(y, -1.0).trace
@@ -136,8 +136,8 @@ class StepMap:
 
     @_once
     def resolves(self, grows: bool) -> float | None:
-        """The first y at which LEAP steps on the oscillator are off by half of what it covers; or
-        on what grows as fast, by half of what it has become. None: nowhere up to FURTHEST."""
+        """Returns the first y at which LEAP steps on the oscillator are off by half of its range;
+        with `grows`, on q'' = +q by half of the exact solution. None: no such y up to FURTHEST."""
 
         def off(y: float) -> bool:
             step = self.map(y, -1.0 if grows else 1.0)
@@ -147,13 +147,13 @@ class StepMap:
                 return not abs((step.growth / math.exp(y)) ** LEAP - 1) < 0.5
             cosine = max(-1.0, min(step.trace / (2 * step.growth), 1.0))
             made = (step.growth * cmath.exp(1j * math.acos(cosine))) ** LEAP
-            return abs(made - cmath.exp(1j * LEAP * y)) >= 1  # it covers twice its amplitude
+            return abs(made - cmath.exp(1j * LEAP * y)) >= 1  # its range is twice the amplitude
 
         return first_change(off, 0.0, FURTHEST, close=1e-9)
 
     @_once
     def angles(self) -> tuple[list[float], list[float]]:
-        """y and the angle a step, from 0 to where the map stops being a rotation (or FURTHEST)."""
+        """Returns y and the angle of a step, while A is a rotation (or up to FURTHEST)."""
         limit = self.limit(0.0)
         far = FURTHEST if limit is None else limit
         ys = [far * (k + 1) / COARSE for k in range(COARSE)] if far else []
@@ -162,7 +162,7 @@ class StepMap:
 
     @_once
     def resonance(self, angle: float) -> float | None:
-        """The first y at which a step turns by `angle`; None where it does not, or damps."""
+        """Returns the first y at which a step rotates by `angle`, or None."""
 
         def past(y: float) -> bool:
             turn = self.map(y).turn
@@ -175,10 +175,10 @@ class StepMap:
         return None
 
     def pair(self, kind: str, ratio: float) -> float | None:
-        """y of the faster of two modes at which the angles of a step meet the condition `kind` of
-        PAIRS; `ratio` is that of their true frequencies."""
+        """Returns y of the faster of two modes at which the angles of a step meet the condition
+        `kind` of PAIRS, or None; `ratio` is the ratio of their true frequencies."""
         if kind == "1:2" and abs(ratio - 2) < 1e-6:
-            return None  # they are so already; a step can but detune them
+            return None  # the modes are in this resonance already; a step only detunes them
         return self._pair(kind, ratio)
 
     @_once
@@ -195,7 +195,7 @@ class StepMap:
 
 
 def combined(kind: str, fast: float, slow: float) -> float:
-    """How far the angles of two modes are from the resonance."""
+    """Returns the distance of two modes' angles from the resonance."""
     a, b, turns = PAIRS[kind]
     return a * fast + b * slow - turns * TWO_PI
 
@@ -208,9 +208,9 @@ def first_change(
     parts: int = 32,
     close: float = 0.0,
 ) -> float | None:
-    """The first x in (low, high] at which `test` becomes true, by a coarse look and ever finer
-    ones, each of so many parts, until it is known to `close`; 0: to its last digits. A gap narrower
-    than the coarse look's spacing is missed."""
+    """Returns the first x in (low, high] at which `test` becomes true: a coarse search with `looks`
+    points, then refinements into `parts` intervals, to precision `close`; 0: to round-off. Misses
+    intervals narrower than the spacing of the coarse search."""
     xs = [low + (high - low) * (k + 1) / looks for k in range(looks)]
     where = next((k for k, x in enumerate(xs) if test(x)), None)
     while where is not None:

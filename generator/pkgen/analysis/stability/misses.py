@@ -1,4 +1,4 @@
-"""Where prediction and measurement disagree, each in a sentence."""
+"""Describes each disagreement between a prediction and its measurement in a sentence."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .predict import Prediction
 
 TOLERANCE = 0.01  # relative difference that counts as a miss
 LISTED = 4  # resonances named in one sentence
-NEXT = 0.03  # relative distance from a prediction at which a failing point is said to be next to it
+NEXT = 0.03  # relative distance at which a failing point counts as near a prediction
 
 
 @record
@@ -21,7 +21,7 @@ class Miss:
 
 
 def difference(predicted: float | None, measured: float | None) -> float | None:
-    """Relative; 0 where neither happens, None where one of them does not."""
+    """Returns the relative difference; 0 if neither happens, None if only one does."""
     if predicted is None and measured is None:
         return 0.0
     if predicted is None or measured is None:
@@ -32,7 +32,7 @@ def difference(predicted: float | None, measured: float | None) -> float | None:
 
 
 def _missed(off: float | None, sharp: bool = True) -> bool:
-    """A scale is met within a factor of 2."""
+    """Whether a difference is a miss; a scale (not `sharp`) is met within a factor of 2."""
     return off is None or (abs(off) > TOLERANCE if sharp else not -0.5 <= off <= 1)
 
 
@@ -43,7 +43,7 @@ def name_mode(p: Prediction) -> str:
 
 
 def of_prediction(m: Measured) -> Miss | None:
-    """The miss that a measured prediction is, or None."""
+    """Returns the miss of a measured prediction, or None."""
     p = m.prediction
     off = difference(p.h, m.h)
     if not _missed(off, p.sharp):
@@ -63,7 +63,8 @@ def of_prediction(m: Measured) -> Miss | None:
 
 
 def unanswered(measured: tuple[Measured, ...], method: str) -> list[Miss]:
-    """Resonances at which steps turn the mode as predicted, but which nothing answers."""
+    """Returns a miss for resonances at which the mode rotates as predicted, but without a response.
+    """
     silent = [m for m in measured if m.prediction.method == method and m.silent]
     if not silent:
         return []
@@ -91,8 +92,9 @@ def of_growth(g: Growth) -> Miss | None:
 
 
 def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
-    """Points that fail below the limit at the equilibrium they move about, and points that do not
-    above it: what a linear prediction cannot know of a motion of finite size."""
+    """Returns misses for points that fail below the limit of the row's primary equilibrium, and
+    points that do not fail above it: a linear prediction does not hold for motions of finite size.
+    """
     below: list[tuple[float, float, str, Row]] = []
     above: list[tuple[float, float]] = []
     many_below = many_above = 0
@@ -131,7 +133,7 @@ def of_map(rows: tuple[Row, ...], method: str, varied: str) -> list[Miss]:
 
 
 def _close(row: Row, method: str, h: float) -> str:
-    """The prediction next to h, if there is one."""
+    """Names the prediction nearest to h, if one is near."""
     near = [p for p in row.predictions if p.method == method and p.h and abs(h / p.h - 1) < NEXT]
     if not near:
         return ""
@@ -140,7 +142,7 @@ def _close(row: Row, method: str, h: float) -> str:
 
 
 def unmeasured(made: StabilityMap) -> list[str]:
-    """The predictions that were not measured, in a sentence."""
+    """Lists the predictions that were not measured, in a sentence."""
     seen = [m.prediction for m in made.measured]
     left = [f"{p.kind} of {p.method}" for p in made.predictions if p not in seen]
     growing = sum(m.growth > 0 for e in made.rest.equilibria for m in e.modes)
@@ -153,7 +155,7 @@ def unmeasured(made: StabilityMap) -> list[str]:
 
 
 def unpredicted(made: StabilityMap) -> str | None:
-    """Why nothing is predicted at all; None where something is."""
+    """Returns the reason why nothing is predicted; None if something is."""
     if made.predictions or made.growths or any(row.predictions for row in made.rows):
         return None
     found = made.rest
@@ -167,14 +169,14 @@ def unpredicted(made: StabilityMap) -> str | None:
 
 
 def unsought(made: StabilityMap) -> str:
-    """Why no equilibria are."""
+    """Returns the reason why no equilibria are sought."""
     if made.compilation.structure.autonomous:
         return "it has too many coordinates for the derivatives that a search needs"
     return "the equations depend on time or on inputs"
 
 
 def misses(made: StabilityMap) -> list[Miss]:
-    """All of them: predictions first, then responses, then the map."""
+    """Returns all misses: predictions first, then responses, then the map."""
     found = [miss for m in made.measured if (miss := of_prediction(m))]
     found += [miss for g in made.growths if (miss := of_growth(g))]
     for method in made.steps:

@@ -1,4 +1,4 @@
-"""Orbits of a method's step map that close (pk/gsl_orbits.h), and their multipliers."""
+"""Finds closed orbits of a method's step map (pk/gsl_orbits.h), and their multipliers."""
 
 from __future__ import annotations
 
@@ -12,40 +12,41 @@ from ...record import record
 from .ask import Asker
 
 WAVES = ("sin", "cos")
-MOST_PERIODS = 24  # of the slowest driver in the common period of all
-ROUNDED = 1e-6  # what a modulus of 1 is off by
-STILL = 1e-3  # |log| of a multiplier that is 1 but for its rounding
+MOST_PERIODS = 24  # longest common period, in periods of the slowest driver
+ROUNDED = 1e-6  # round-off of a modulus of 1
+STILL = 1e-3  # largest |log| of a multiplier that is 1 up to round-off
 
 
 @record
 class Orbit:
-    """Closes after `steps` of h. A state is q, then v."""
+    """An orbit that closes after `steps` steps of size h. A state is q, then v."""
 
     steps: int
     h: float
     states: tuple[tuple[float, ...], ...]
     multipliers: tuple[complex, ...]  # the largest modulus first
-    rests: bool  # the equations rest there too
+    rests: bool  # the equations rest there too: no ghost
     residual: float
 
     @property
     def growth(self) -> float:
-        """The largest modulus."""
+        """Returns the largest modulus of the multipliers."""
         return max(map(abs, self.multipliers), default=0.0)
 
     @property
     def holds(self) -> bool:
-        """It attracts or is neutral."""
+        """Whether it attracts or is neutral."""
         return self.growth < 1 + ROUNDED
 
     def beyond(self, trivial: int) -> complex:
-        """The multiplier of largest modulus without so many that are next to 1; 0: none."""
+        """Returns the multiplier of largest modulus, without the `trivial` ones nearest to 1; 0:
+        none."""
         others = sorted(self.multipliers, key=lambda z: abs(z - 1))[trivial:]
         return max(others, key=abs, default=0j)
 
 
 def closed(asker: Asker, **question: object) -> tuple[Orbit, ...]:
-    """Those found; none where the question is refused."""
+    """Returns the orbits found; none if the question is refused."""
     answer = asker.ask("orbits", **question)
     found = []
     for one in answer["orbits"]:
@@ -57,8 +58,8 @@ def closed(asker: Asker, **question: object) -> tuple[Orbit, ...]:
 
 
 def driven_period(equations: Equations, parameters: tuple[float, ...]) -> float | None:
-    """The common period of all sines and cosines of time; None where there is none. Whether the
-    equations have it is asked of them apart: time may stand elsewhere too."""
+    """Returns the common period of all sines and cosines of time, or None. Time may also occur
+    elsewhere: the program checks whether the equations have this period."""
     g = equations.graph
     roots = [*equations.force, *equations.state_rates, *(x for row in equations.mass for x in row)]
     waves = [

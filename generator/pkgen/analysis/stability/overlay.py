@@ -1,4 +1,4 @@
-"""What is predicted, drawn over a map: lines with their labels, and where it was measured."""
+"""Draws predictions over a map: labelled lines, and marks at the measured step sizes."""
 
 from __future__ import annotations
 
@@ -36,27 +36,27 @@ WORDS = {  # in the legend
     "cycle": "predicted loss of the cycle",
     "local": "scale: resolves the fastest motion",
 }
-APART = 0.09  # of an axis, two stars
+APART = 0.09  # least distance of two stars, relative to the axes
 GHOSTS = {"ghost": "ghost that keeps a run", "ghost that repels": "ghost that repels"}
 PAIR_WORDS = {"1:2": "1:2 {slow}, {fast}", "1+2": "{fast} + 2{slow}", "2+1": "2{fast} + {slow}"}
-SILENT, SILENT_DARK = "#708090", "#8FA3B5"  # a resonance that nothing answers
-SIZE = 6.0  # points, of a label
-DOWN = 24  # places along a line that are tried for its label
-COVERED = 0.3  # the price of another line under a label, that of its whole line's length being 1
+SILENT, SILENT_DARK = "#708090", "#8FA3B5"  # colours of a resonance without a response
+SIZE = 6.0  # font size of a label, in points
+DOWN = 24  # positions tried along a line for its label
+COVERED = 0.3  # cost of another line under a label, relative to moving down the whole line
 
 
 @record(eq=False)
 class Marked:
-    """A line with its label, which is yet to be placed."""
+    """A line with its label, which label() places."""
 
     text: str
     h: np.ndarray
     x: np.ndarray
-    rank: int  # those that matter first
+    rank: int  # priority of the label; 0 is the highest
 
 
 def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, float]]]:
-    """A prediction's step in each row where it is made, by what identifies it."""
+    """Returns the points (x, h) of each predicted line, by what identifies the line."""
     found: dict[tuple, list[tuple[float, float]]] = {}
     for row in rows:
         for p in row.predictions:
@@ -70,7 +70,8 @@ def _curves(rows: tuple[Row, ...], name: str) -> dict[tuple, list[tuple[float, f
 def lines(
     axes: plt.Axes, made: StabilityMap, name: str, look: Look
 ) -> tuple[set[str], list[Marked]]:
-    """Which kinds of predictions are on the map, "silent" among them; the lines to be labelled."""
+    """Draws the lines. Returns the kinds drawn, and "silent" for resonances without a response; and
+    the lines to be labelled."""
     drawn: set[str] = set()
     low, high = axes.get_xlim()
     bottom, top = axes.get_ylim()
@@ -84,11 +85,11 @@ def lines(
             continue
         mark = (kind, round(1e4 * hs[-1] / (high - low)))
         if mark in seen:
-            continue  # the mirror image of an equilibrium has the same
+            continue  # a mirror image of the equilibrium has the same line
         seen.add(mark)
         xs = np.array([row.x for row in made.rows])
         at = dict(line)
-        hs = np.array([at.get(x, np.nan) for x in xs])  # a line ends where a row has none
+        hs = np.array([at.get(x, np.nan) for x in xs])  # NaN interrupts the line
         if len(at) == len(xs):
             xs = np.concatenate([[bottom], xs, [top]])
             hs = np.concatenate([hs[:1], hs, hs[-1:]])
@@ -113,10 +114,10 @@ def lines(
 
 
 def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
-    """Upright texts on the lines, those that matter first: where no other text is, and if possible
-    no other line; as high as may be. Letters have a halo, no box: cells are seen between them.
-    One that has no place is left out: the legend has its line.
-    The axes have their size."""
+    """Places upright texts on the lines, by priority: clear of other texts, if possible clear of
+    other lines, and as high as possible. Letters have a halo and no box, to leave cells visible.
+    Omits a label without a free position; the legend still shows its line. The layout must be done.
+    """
     renderer = axes.figure.canvas.get_renderer()
     frame = axes.get_window_extent(renderer)
     gap = axes.figure.dpi / 72
@@ -138,7 +139,7 @@ def label(axes: plt.Axes, labels: list[Marked], look: Look) -> None:
             if not frame.x0 <= x <= frame.x1:
                 continue
             half = size.width / 2 + 2 * gap
-            x = min(max(x, frame.x0 + half), frame.x1 - half)  # beside a line on the edge
+            x = min(max(x, frame.x0 + half), frame.x1 - half)  # keep it inside the frame
             here = Bbox.from_bounds(
                 x - size.width / 2 - gap, y - size.height / 2 - 2 * gap, size.width + 2 * gap,
                 size.height + 4 * gap,
@@ -166,18 +167,18 @@ def _silent(look: Look) -> str:
 
 
 def omega(mode: int) -> str:
-    """The name of a mode's frequency."""
+    """Returns the name of a mode's frequency, with a subscript."""
     return "ω" + "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(mode + 1))
 
 
 def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
-    """Triangles on the lower edge, where small motions were measured to fail; if there are any."""
+    """Draws triangles on the lower edge at the measured limits; returns whether there are any."""
     low, high = axes.get_xlim()
     own = [m for m in made.measured if m.prediction.method == name and m.h]
     failing = [m.h for m in own if m.prediction.kind in ("limit", "branch", "cycle")]
     places = [h for h in failing if low < h < high]
     if not places:
-        return False  # an empty line that is not clipped has no size that a layout could use
+        return False  # the layout fails on an empty unclipped line: it has no size
     how = {"marker": "^", "ls": "", "ms": 4.5, "color": look.ink, "mec": look.ground, "mew": 0.5}
     at = {"clip_on": False, "transform": axes.get_xaxis_transform(), "zorder": 5}
     axes.plot(places, [0.0] * len(places), **how, **at)
@@ -185,9 +186,8 @@ def measured(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> bool:
 
 
 def ghosts(axes: plt.Axes, made: StabilityMap, name: str, look: Look) -> set[str]:
-    """Stars at the steps where the map has orbits that the equations have not, full ones where a
-    run stays; as high as what is varied is in their states. Of stars next to each other one is
-    drawn, first of those where a run stays. Which of both are in sight."""
+    """Draws stars at the step sizes and states of ghosts, filled if a run stays there. Omits stars
+    near others, filled ones last. Returns the kinds drawn."""
     (low, high), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     places: dict[str, list[tuple[float, float]]] = {}
     taken: list[tuple[float, float]] = []
@@ -212,7 +212,7 @@ def _star(kind: str, look: Look) -> dict[str, object]:
 
 
 def handles(drawn: set[str], look: Look) -> list[tuple[Line2D, str]]:
-    """For the legend, of what lines() and measured() drew."""
+    """Returns legend entries for what lines(), measured() and ghosts() drew."""
     same = {"2:3": "1:3", "3:4": "1:4", **dict.fromkeys(PAIRS, "1:2")}
     shown = {same.get(kind, kind) for kind in drawn}
     found = [

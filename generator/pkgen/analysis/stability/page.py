@@ -1,4 +1,4 @@
-"""One self-contained HTML page: the picture, the tables, the misses."""
+"""Writes one self-contained HTML page: the picture, the tables, the misses."""
 
 from __future__ import annotations
 

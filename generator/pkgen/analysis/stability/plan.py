@@ -1,4 +1,4 @@
-"""What is varied, by which methods, at which steps: from the options to a Plan."""
+"""Reads the options: the varied quantity, the methods, the settings, the duration."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ from ..chart.points import ChartedMethod
 from .ask import Equilibrium, Motion, Rest
 from .cycles import Cycle
 
-# One or two of a family, those that differ most in how they fail.
+# One or two methods of each family, chosen to fail in different ways.
 USUAL = ("verlet", "yoshida4", "rk4", "gauss1", "gauss2", "lobatto3", "radau5")
-HOLONOMIC = ("rattle", "lie_midpoint")  # for verlet and yoshida4, with rotations and constraints
+HOLONOMIC = ("rattle", "lie_midpoint")  # replace verlet, yoshida4 with constraints
 PANELS = 6
-FACTORS = ("amplitude", "rates", "coordinates")  # of the start, in units of its own
-AMPLITUDES = (0.0, 1.5)  # of the start's displacement
-AT_REST = 1e-12  # relative: a start so near to an equilibrium is that
-PERIODS = 50  # of the slowest mode, that a point is run for
+FACTORS = ("amplitude", "rates", "coordinates")  # factors on the start
+AMPLITUDES = (0.0, 1.5)  # range of the factor on the start's displacement
+AT_REST = 1e-12  # relative distance below which a start is at the equilibrium
+PERIODS = 50  # duration of a point, in periods of the slowest mode
 MOST_POINTS = 1_000_000
 
 
 @record
 class Axis:
-    """The vertical axis: `amplitude`, a factor on the start's displacement from rest, or where it
-    can rest nowhere on its `rates` (and first-order variables) or its `coordinates`; or a start or
-    a parameter, by its index."""
+    """The vertical axis. `amplitude` is a factor on the start's displacement from the equilibrium.
+    Without an equilibrium it is a factor on the `rates` of the start (with its first-order
+    variables) or its `coordinates`. Else it is one start value or parameter, given by its index."""
 
     kind: str  # amplitude, rates, coordinates, q, v, parameter
     name: str
@@ -59,8 +59,8 @@ class Axis:
         motion: Motion,
         turned: range = range(0),
     ) -> Settings:
-        """Those of the row at x; `at` is where the start is displaced from, `turned` the numbers of
-        quaternions among the rates. On no constraints yet, nor are quaternions of length 1."""
+        """Returns the settings of the row at x. The start is displaced from `at`; `turned` are the
+        indices of quaternions among the rates. The start is not yet projected or normalised."""
         if self.kind == "rates":
             v = [v if i in turned else x * v for i, v in enumerate(motion.v)]
             return replace(base, start_v=tuple(enumerate(v)))
@@ -83,12 +83,12 @@ class Axis:
 
     @staticmethod
     def _turned(x: float, part: float, k: int) -> float:
-        """Part k of a quaternion x times as far from no turn."""
+        """Returns part k of a quaternion whose distance from the identity is multiplied by x."""
         none = 1.0 if k % 4 == 0 else 0.0
         return none + x * (part - none)
 
     def place(self, state: Sequence[float], at: Equilibrium | None, motion: Motion) -> float:
-        """The inverse of settings(): of a factor by the farthest of what it moves."""
+        """Returns x of settings() for a state; a factor is that of the largest displacement."""
         half = len(motion.q)
         if self.kind == "parameter":
             return motion.parameters[self.index]
@@ -104,7 +104,7 @@ class Axis:
 
 
 def numbers(text: str | None, quick: bool) -> tuple[int, int]:
-    """`--points 48x32`: steps, and values of what is varied."""
+    """Reads `--points 48x32`: numbers of step sizes and of values of the varied quantity."""
     if text is None:
         return (24, 12) if quick else (48, 32)
     parts = text.lower().split("x")
@@ -117,7 +117,7 @@ def numbers(text: str | None, quick: bool) -> tuple[int, int]:
 
 
 def axis(text: str | None, compilation: Compilation, count: int) -> Axis:
-    """`--vary "theta=0..3.1"`, `--vary "k=1..100 [N/m]"`; without, the amplitude of the start."""
+    """Reads `--vary "theta=0..3.1"`, `--vary "k=1..100 [N/m]"`; default: the amplitude."""
     if text is None:
         return Axis("amplitude", "amplitude", "", _spread(*AMPLITUDES, count, open_low=True))
     left, equal, right = text.partition("=")
@@ -140,8 +140,8 @@ def axis(text: str | None, compilation: Compilation, count: int) -> Axis:
 
 
 def without_equilibrium(axis: Axis, motion: Motion, turned: range = range(0)) -> Axis:
-    """What there is to vary instead of the distance from one: the rates of the start as a whole;
-    of a start at rest its coordinates, and how far bodies are turned."""
+    """Returns the axis for a model without an equilibrium: the rates of the start; if the start is
+    at rest, its coordinates and the rotation angles of bodies."""
     moves = any(v for i, v in enumerate(motion.v) if i not in turned)
     kind = "rates" if moves else "coordinates"
     return replace(axis, kind=kind, name=kind)
@@ -150,8 +150,8 @@ def without_equilibrium(axis: Axis, motion: Motion, turned: range = range(0)) ->
 def still(
     axis: Axis, at: Equilibrium | None, motion: Motion, cyclic: frozenset[int], autonomous: bool
 ) -> bool:
-    """All rows would begin alike, since a factor multiplies zeros. Raises UsageError where nothing
-    moves then."""
+    """Returns whether all rows start alike, since a factor multiplies zeros. Raises UsageError if
+    additionally nothing moves."""
     if axis.kind not in FACTORS:
         return False
     rest = (*at.q, *at.v) if at and axis.kind == "amplitude" else (0.0,) * 2 * len(motion.q)
@@ -172,7 +172,7 @@ def still(
 def span(
     option: str, text: str, values: parsing.Values, unit: str, name: str
 ) -> tuple[float, float]:
-    """`LO..HI`, a unit at the end counting for both."""
+    """Reads `LO..HI`; a unit at the end applies to both."""
     low, _, high = text.partition("..")
     high, bracket, written = high.partition("[")
     ends = [
@@ -184,7 +184,8 @@ def span(
 
 
 def _spread(low: float, high: float, count: int, open_low: bool = False) -> tuple[float, ...]:
-    """`count` values from low to high; with `open_low` the first is a step above low."""
+    """Returns `count` values from low to high; with `open_low` the first is one spacing above low.
+    """
     if open_low:
         return tuple(low + (high - low) * (k + 1) / count for k in range(count))
     return tuple(low + (high - low) * k / max(count - 1, 1) for k in range(count))
@@ -197,7 +198,7 @@ def methods(
     own: Sequence[str] = (),
     bound: bool = False,
 ) -> tuple[list[ChartedMethod], list[str]]:
-    """Those to be mapped, and a sentence for each that is not."""
+    """Returns the methods to map, and a sentence for each one left out."""
     by_name = {m.name: m for m in known}
     names = (
         [n.strip() for n in text.split(",") if n.strip()]
@@ -225,14 +226,14 @@ def methods(
 
 
 def settings(options: argparse.Namespace, compilation: Compilation) -> Settings:
-    """Those of a run, none of its rows."""
+    """Returns the settings of a run without output rows."""
     chosen = scene.chosen(compilation.declared, options.scene) if options.scene else None
     whole = parsing.settings(options, compilation, chosen=chosen)
     return replace(whole, every=None, method="rk4", step=None, show=(), at=None)
 
 
 def nearest(rest: Rest, place: Sequence[float], cyclic: frozenset[int]) -> int | None:
-    """The equilibrium nearest to a place: of stable ones, if there are any."""
+    """Returns the index of the equilibrium nearest to `place`; stable ones are preferred."""
 
     def distance(number: int) -> tuple[bool, float]:
         at = rest.equilibria[number]
@@ -249,7 +250,7 @@ def nearest(rest: Rest, place: Sequence[float], cyclic: frozenset[int]) -> int |
 def beside(
     rest: Rest, number: int | None, place: Sequence[float], cyclic: frozenset[int]
 ) -> Equilibrium | None:
-    """That equilibrium, its angles by whole turns next to a place."""
+    """Returns equilibrium `number`, its angles shifted by whole turns towards `place`."""
     if number is None:
         return None
     at = rest.equilibria[number]
@@ -261,7 +262,7 @@ def beside(
 
 
 def duration(at: Equilibrium | None, given: float | None, cycle: Cycle | None = None) -> float:
-    """PERIODS of the cycle, or else of the slowest mode, where there is one."""
+    """Returns `given`, or PERIODS of the cycle or of the slowest mode, or the default of a run."""
     if given is not None:
         return given
     slow = [at.modes[k].frequency for k in at.oscillating] if at else []

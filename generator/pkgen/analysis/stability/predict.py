@@ -1,4 +1,4 @@
-"""Predictions: at which step something happens, from an equilibrium's modes and a method's map."""
+"""Predicts step sizes of events from an equilibrium's modes and a method's step map."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from .ask import Equilibrium, Mode, Rest
 from .method import PAIRS, StepMap, first_change
 from .orbits import ROUNDED, closed
 
-SAME = 0.1  # relative: a scale this near to a sharp limit adds nothing to it
-TURNS = 2.1 * math.pi  # of the fastest mode, up to which the limit of impulses is sought
-LOOKS = 4000  # on the way: steps grow where forces are nearly in tune alone
-# Equilibria elsewhere that are told of; modes, the fastest, and pairs, the nearest to 1:2, of which
-# resonances are.
+SAME = 0.1  # relative: a scale this near to a sharp limit is left out
+TURNS = 2.1 * math.pi  # y of the fastest mode up to which the limit of impulses is sought
+LOOKS = 4000  # points of that search: growth occurs in narrow intervals of y
+# Most equilibria other than the primary one; most modes (the fastest) and pairs of modes (the
+# nearest to 1:2) with predicted resonances.
 MOST = 4
-# Turns of so many steps. The last two are of methods that turn by more than half a turn a step.
+# Rotation angles of a step. The last two are for methods that rotate by more than pi per step.
 RESONANCES = {
     "1:3": 2 * math.pi / 3,
     "1:4": 2 * math.pi / 4,
@@ -27,25 +27,25 @@ RESONANCES = {
 
 @record
 class Prediction:
-    """At step h a `kind` of thing happens near an equilibrium, by its modes, or to the motion.
+    """An event of a `kind` at step size h, near an equilibrium or along the motion.
 
-    `kind` is limit, branch, local, or one of RESONANCES or PAIRS; `mode` numbers the mode whose
-    y = h |lambda| it is (of a pair the faster), `other` the slower of a pair. h is None where it
-    never happens. A scale, which is not `sharp`, is met within a factor of 2."""
+    `kind` is limit, branch, local, cycle, or a key of RESONANCES or PAIRS. `mode` is the index of
+    the mode with y = h |lambda| (for a pair, of the faster), `other` that of the slower. h is None
+    if the event never happens. If not `sharp`, h is a scale, right within a factor of 2."""
 
     kind: str
     method: str
-    equilibrium: int | None  # None: the motion itself
+    equilibrium: int | None  # index; None: along the motion itself
     mode: int | None
     other: int | None
     h: float | None
     y: float | None
     sharp: bool = True
-    known: tuple[float | None, str] | None = None  # where it happened and how, if that was measured
+    known: tuple[float | None, str] | None = None  # measured h and description, if already measured
 
 
 def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
-    """The smallest of the limits of the modes; None where none oscillates or decays."""
+    """Returns the smallest limit of the modes; None if no mode oscillates or decays."""
     name, found = step.traits.name, []
     for k, mode in enumerate(at.modes):
         if mode.rate == 0 or mode.growth > 0:
@@ -57,7 +57,7 @@ def limit(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
-    """RESONANCES of each mode, PAIRS of two, below the limit of the fastest."""
+    """Returns RESONANCES of modes and PAIRS of two modes, below the limit of the equilibrium."""
     found, name = [], step.traits.name
     free = [k for k in at.oscillating if at.modes[k].growth == 0]
     bound = limit(step, number, at)
@@ -85,9 +85,9 @@ def resonances(step: StepMap, number: int, at: Equilibrium) -> list[Prediction]:
 
 
 def impulses(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
-    """The limit of a method whose inner steps take a part of the forces, which is in no spring: the
-    first step whose own linear map at the equilibrium has a multiplier outside of the unit circle.
-    """
+    """Returns the limit of a method with inner steps for the fast forces, which one spring cannot
+    show: the first step size at which its own linear map at the equilibrium has a multiplier
+    outside the unit circle."""
     if not at.stable or not at.oscillating:
         return None
     mode = at.oscillating[0]
@@ -104,7 +104,8 @@ def impulses(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
-    """Where the equations of an implicit step lose their solution, by the fastest growth."""
+    """Returns where an implicit step's equations lose their solution, by the fastest real growth.
+    """
     pole = step.pole() if step.traits.implicit else None
     real = [k for k, m in enumerate(at.modes) if m.growth > 0 and m.frequency == 0]
     if pole is None or not real:
@@ -114,13 +115,13 @@ def branch(step: StepMap, number: int, at: Equilibrium) -> Prediction | None:
 
 
 def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
-    """Of the fastest that the equations linearised along the motion do, the shortest limit: a step
-    beyond it does not resolve the motion where it is fastest. What grows there counts as what
-    oscillates as fast; E. Hairer, S. P. Norsett, G. Wanner, Solving ODE I, I.10 (the logarithmic
-    norm), II, IV.2. Of implicit methods without a limit it is the pole, but for
-    first-order variables, which pass it where nothing grows for long. None of methods without
-    either, or that grow at any step. Of what is bound, whose energy does not tell, it is measured
-    whether some steps resolve the motion, and predicted is that: StepMap.resolves()."""
+    """Returns the shortest limit of the rates along the motion: a longer step does not resolve the
+    motion where it is fastest. Growth counts as oscillation of equal rate; E. Hairer, S. P.
+    Norsett, G. Wanner, Solving ODE I, I.10 (the logarithmic norm), II, IV.2. An implicit method
+    without a limit has its pole instead, except with first-order variables, which pass the pole
+    where growth is short. Returns None for methods with neither, or that grow at any step. With
+    rotations or constraints the energy is no measure; then the scale is the y up to which steps
+    resolve: StepMap.resolves()."""
     best: tuple[float, float] | None = None
     for mode in rates:
         if (mode.on_group and "group" not in step.traits.flags) or (
@@ -144,13 +145,11 @@ def local(step: StepMap, rates: Iterable[Mode]) -> Prediction | None:
 def predictions(
     step: StepMap, rest: Rest, primary: int | None, rates: Iterable[Mode] = ()
 ) -> list[Prediction]:
-    """The limits at all stable equilibria, resonances at the one about which the motion is (none of
-    linear models, which nothing detunes or pushes, nor of first-order variables and of what is
-    bound, which turn in no plane of their own), branches at
-    the unstable ones; of equilibria with the same modes, mirror images, at one, and of those that
-    the motion is not about where steps are shortest: a chain has any number. Then the scale of the
-    motion's `rates`.
-    """
+    """Returns limits at stable equilibria, branches at unstable ones, and resonances at the primary
+    one. Linear models have no resonances, since nothing detunes or pushes; first-order variables
+    and bound models do not oscillate in a plane of their own. Among equilibria of equal modes
+    (mirror images) one is kept, and of those other than the primary one the MOST with the shortest
+    steps. The scale of the motion's `rates` comes first."""
     split = "fast" in step.traits.requires
     found: list[Prediction] = []
     seen: set[tuple[str, str]] = set()
@@ -177,5 +176,5 @@ def predictions(
 
 
 def _says(p: Prediction, along: Prediction) -> bool:
-    """A small motion's scale is the limit of the equilibrium it is about."""
+    """Whether the scale of a small motion repeats the limit of its equilibrium."""
     return bool(p.kind == "limit" and p.h and along.h and abs(along.h / p.h - 1) < SAME)

@@ -1,4 +1,4 @@
-"""What a map is asked for, which steps it goes over, and what is refused at once."""
+"""The options of a map, the range of step sizes, and the refusal of maps without use."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ from .ask import Motion
 from .plan import Axis
 from .predict import Prediction
 
-MARGIN = 1.25  # of a map beyond the limit predicted
-TURNS_UNLIMITED = 1.25  # of the fastest mode a step, where there is no limit
-MOST_STEPS = 2_000_000  # of a point
+MARGIN = 1.25  # range of step sizes relative to the predicted limit
+TURNS_UNLIMITED = 1.25  # longest step without a limit, in periods of the fastest mode
+MOST_STEPS = 2_000_000  # most steps of a point
 
 
 @record
 class MapOptions:
-    """What the options say, read."""
+    """The parsed options."""
 
     settings: Settings
     axis: Axis
-    across: int  # steps
+    across: int  # number of step sizes
     methods: tuple[ChartedMethod, ...]
-    left: tuple[str, ...]  # why others are not mapped
+    left: tuple[str, ...]  # sentences: why other methods are not mapped
     steps: tuple[float, float] | None
     until: float | None
-    period: float | None  # of what drives the model
+    period: float | None  # period of the driver
     quick: bool
     seconds: float
 
 
 def refuse_unjudged(motions: Iterable[Motion]) -> None:
-    """A map needs a motion that stays, in a row at least."""
+    """Raises UsageError if no row has a motion by which methods can be judged."""
     first = None
     for motion in motions:
         if motion.judges:
@@ -61,7 +61,7 @@ def steps_over(
     fastest: float,
     until: float,
 ) -> list[float]:
-    """Evenly from the shortest to somewhat beyond what is predicted."""
+    """Returns evenly spaced step sizes up to somewhat beyond the predictions. Raises UsageError."""
     count = asked.across
     if asked.steps:
         low, high = asked.steps

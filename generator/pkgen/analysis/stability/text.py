@@ -1,4 +1,4 @@
-"""The summary in words, and the tables that the page shows too."""
+"""Writes the summary, and the tables that the page shows too."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from .map import StabilityMap
 from .misses import difference, misses, name_mode, unmeasured, unpredicted, unsought
 from .predict import Prediction
 
-MODES = 6  # of an equilibrium, that are told
-FAR = ("rise", "away", "exchange", "moved", "follows")  # columns
+MODES = 6  # listed modes of each equilibrium
+FAR = ("rise", "away", "exchange", "moved", "follows")  # distances of a point: columns of the CSV
 Table = tuple[list[str], list[list[str]]]
 
 
 def _unknowns(made: StabilityMap) -> list[tuple[str, bool]]:
-    """What is sought of each degree of freedom at rest, and whether it stands among the rates."""
+    """Returns the name of each unknown of an equilibrium, and whether it is a rate."""
     places = [c.name for c in named.coordinates(made.compilation).columns(64)]
     rates = [c.name for c in named.coordinates(made.compilation, rates=True).columns(64)]
     cyclic = made.compilation.structure.cyclic
@@ -31,14 +31,14 @@ def _unknowns(made: StabilityMap) -> list[tuple[str, bool]]:
 
 
 def _shown(made: StabilityMap) -> list[tuple[int, tuple[str, bool]]]:
-    """These with their numbers, but for rates of bodies, which do not turn there."""
+    """Returns _unknowns() with their indices, without the rates of bodies, which are 0 at rest."""
     first = made.turned.start - 3 * len(made.turned) // 4
     still = range(first, made.turned.start)
     return [(i, one) for i, one in enumerate(_unknowns(made)) if i not in still]
 
 
 def place(made: StabilityMap, at: Equilibrium) -> str:
-    """`theta1 = 0, theta2 = 3.14159`; a cyclic coordinate by the rate at which it goes on."""
+    """Returns `theta1 = 0, theta2 = 3.14159`; a cyclic coordinate is given by its constant rate."""
     of_q = _sizes([made.motion.q, *(e.q for e in made.rest.equilibria)])
     of_v = _sizes([made.motion.v, *(e.v for e in made.rest.equilibria)])
     said = []
@@ -49,13 +49,14 @@ def place(made: StabilityMap, at: Equilibrium) -> str:
 
 
 def _sizes(states: list[tuple[float, ...]]) -> list[float]:
-    """The largest of each coordinate; of one that starts at 0 that of all of them."""
+    """Returns the largest magnitude of each column; if it starts at 0, the largest of all columns.
+    """
     whole = max((abs(x) for state in states for x in state), default=0.0)
     return [max(map(abs, column)) if column[0] else whole for column in zip(*states, strict=True)]
 
 
 def _short(x: float, largest: float) -> str:
-    """Round-off beside the largest of its kind is 0."""
+    """Formats x; round-off relative to `largest` becomes 0."""
     return f"{0.0 if abs(x) < 1e-12 * largest else x:.6g}"
 
 
@@ -81,7 +82,7 @@ def equilibria(made: StabilityMap) -> Table:
 
 
 def predicted(made: StabilityMap) -> Table:
-    """Predictions against what was measured."""
+    """Returns the table of predictions and their measurements."""
     rows = []
     for m in made.measured:
         p = m.prediction
@@ -108,7 +109,7 @@ def _off(off: float | None) -> str:
 
 
 def _times(p: Prediction, h: float | None) -> str:
-    """Of a scale."""
+    """Formats the measured step as a multiple of the prediction, for a scale."""
     return "MISSED" if h is None or not p.h else f"x {h / p.h:.2g}"
 
 
@@ -122,7 +123,7 @@ def rates(made: StabilityMap) -> Table:
 
 
 def ghosts(made: StabilityMap) -> Table:
-    """What the method's map has and the equations have not, at the middle one of its steps."""
+    """Returns the table of ghosts, each represented by the middle one of its step sizes."""
     rows = []
     for g in made.ghosts:
         one = g.middle
@@ -134,8 +135,8 @@ def ghosts(made: StabilityMap) -> Table:
 
 
 def _state(made: StabilityMap, y: tuple[float, ...], beside: tuple[tuple[float, ...], ...]) -> str:
-    """Coordinates and rates by name: a ghost may move where the equations rest. Angles are in
-    (-pi, pi]."""
+    """Formats a state with coordinates and rates, since a ghost may move where the equations rest.
+    Angles are in (-pi, pi]."""
     places = [c.name for c in named.coordinates(made.compilation).columns(64)]
     rates = [c.name for c in named.coordinates(made.compilation, rates=True).columns(64)]
     turns, cyclic = made.rest.turns, made.compilation.structure.cyclic
@@ -150,7 +151,7 @@ def _state(made: StabilityMap, y: tuple[float, ...], beside: tuple[tuple[float, 
 
 
 def cycle(made: StabilityMap) -> str:
-    """In a sentence."""
+    """Describes the cycle in a sentence."""
     assert made.cycle
     unit = "" if made.compilation.model.dimensionless else " s"
     kind = "in step with what drives it, of period" if made.cycle.driven else "on a cycle of period"
@@ -162,7 +163,7 @@ def cycle(made: StabilityMap) -> str:
 
 
 def counts(made: StabilityMap) -> Table:
-    """How many points of each class a method has."""
+    """Returns the table of the number of points per method and class."""
     from .classes import CLASSES
 
     kinds = [k for k in CLASSES if any(p.shown == k for row in made.rows for p in row.points)]
@@ -174,7 +175,7 @@ def counts(made: StabilityMap) -> Table:
 
 
 def searched(made: StabilityMap) -> str:
-    """How many equilibria were found, and where they were sought."""
+    """Describes how many equilibria were found, and the region searched."""
     rest, names, turned = made.rest, _shown(made), made.turned
     parts = []
     for i, (name, by_rate) in names[:6]:
@@ -194,7 +195,7 @@ def searched(made: StabilityMap) -> str:
 
 
 def remarks(made: StabilityMap) -> list[str]:
-    """What was left out, and why."""
+    """Returns sentences on everything left out, with the reasons."""
     found = [*([made.interrupted] if made.interrupted else []), *made.asked.left]
     rest = made.rest
     if rest.status == "PK_REFUSED":
@@ -256,7 +257,7 @@ def remarks(made: StabilityMap) -> list[str]:
 
 
 def conditions(made: StabilityMap) -> list[str]:
-    """How singular the equations of the motions are, and those of the methods' steps."""
+    """Returns the largest condition numbers of the motions' equations and of the methods' steps."""
     found = [row.motion.warning for row in made.rows if row.motion.warning][:1]
     looked = [(row, row.motion.condition) for row in made.rows if row.motion.condition]
     said = []
@@ -284,7 +285,7 @@ def _columns(table: Table) -> list[str]:
 
 
 def sentences(made: StabilityMap) -> list[str]:
-    """The misses; that there are none means something only where something is predicted."""
+    """Returns the misses; their absence is stated only if something is predicted."""
     why = unpredicted(made)
     if why:
         return [f"nothing is predicted here: {why}"]
@@ -293,7 +294,7 @@ def sentences(made: StabilityMap) -> list[str]:
 
 
 def tables(made: StabilityMap) -> list[tuple[str, str, Table]]:
-    """Those with something in them, under their titles, which the page has at length."""
+    """Returns the tables that are not empty: title, extension of the title on the page, table."""
     found = [
         ("Predicted and measured", "", predicted(made)),
         ("Growth rates", " at unstable equilibria", rates(made)),

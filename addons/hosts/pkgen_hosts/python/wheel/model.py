@@ -6,7 +6,7 @@
     m.acceleration(q, v)                      # q, v of shape (..., n)
     scipy.integrate.solve_ivp(m.rhs, (0, 10), m.start)
 
-Values are in SI. `description` says what there is: parameters, units, methods, events.
+Values are in SI. `description` lists parameters, units, methods, events.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ for _kind, _names in _ANSWERS.items():
 _C.live_t.restype = ctypes.c_double
 
 _COORDINATES = tuple(c["name"] for c in description["coordinates"])
-_BUDGET = 100_000.0  # steps between two looks at Ctrl-C
+_BUDGET = 100_000.0  # steps between checks for Ctrl-C
 _MOTION_ENDED, _MORE = 2, 1
 _MOST_ROWS = 1e9
 
 
 class RunError(Exception):
-    """The motion ends before its time; `rows` are those up to there."""
+    """The motion ends early; `rows` are its rows."""
 
     def __init__(self, message, rows):
         super().__init__(message)
@@ -50,7 +50,7 @@ class RunError(Exception):
 
 
 def _rates():
-    """Names of v: rates of coordinates, body rates, first-order variables."""
+    """Returns names and units of v: rates of coordinates, body rates, first-order variables."""
     found = {c["index"]: (c["rate"], c["rate_unit"]) for c in description["coordinates"]}
     for r in description["rotations"]:
         for k, name in enumerate(r["rates"]):
@@ -75,7 +75,7 @@ def _pointer(array):
 
 
 def _array(place, shape):
-    """A copy of numbers of C's."""
+    """Returns a copy of an array in C's memory."""
     if not math.prod(shape):
         return np.empty(shape)
     first = ctypes.cast(place, ctypes.POINTER(ctypes.c_double))
@@ -83,7 +83,8 @@ def _array(place, shape):
 
 
 class Parameters(MutableMapping):
-    """Values by name, in SI. Those whose default follows others do so until they are set."""
+    """Parameters by name, in SI. A default that depends on other parameters follows them until it
+    is set."""
 
     def __init__(self, model):
         self._model = model
@@ -93,7 +94,7 @@ class Parameters(MutableMapping):
                 math.nan if p["follows"] or p["value"] is None else p["value"]
                 for p in description["parameters"]
             ],
-            float,  # also where all are whole numbers
+            float,  # even if all are integers
         )
         self._default = self._given.copy()
 
@@ -128,7 +129,7 @@ class Parameters(MutableMapping):
 
 
 class Rows:
-    """What a run gives: `rows["theta1"]`, `rows.t`, `rows.events` as (name, t), `rows.units`."""
+    """The result of a run: `rows["theta1"]`, `rows.t`, `rows.events` as (name, t), `rows.units`."""
 
     def __init__(self, columns, units, events):
         self._columns, self.units, self.events = columns, units, events
@@ -154,7 +155,8 @@ class Rows:
 
 
 class Model:
-    """The model, with values of its own. `inputs` holds what its inputs are, by name."""
+    """The model, with its own parameter values. `inputs` has the constant values of inputs by name.
+    """
 
     coordinates, rates = _COORDINATES, _RATES
     outputs = tuple(o["name"] for o in description["outputs"])
@@ -184,7 +186,7 @@ class Model:
 
     @property
     def start(self):
-        """y at t = 0: coordinates, then rates and first-order variables."""
+        """Returns y at t = 0: coordinates, then rates and first-order variables."""
         n, n_q = len(_RATES), len(_COORDINATES)
         q, v = np.zeros(n + 1), np.zeros(n + 1)
         _C.live_start(self._params, _pointer(q), _pointer(v))
@@ -206,8 +208,8 @@ class Model:
         return np.ascontiguousarray(np.broadcast_to(one or [0.0], (count, max(1, len(one)))))
 
     def _states(self, q, v, t):
-        """Flat arrays of all states, and their shape. C has the integrals of first-order variables
-        behind the coordinates; nothing depends on them."""
+        """Returns the shape, and flat arrays of all states. In C the integrals of first-order
+        variables follow the coordinates; nothing depends on them."""
         n, n_q = len(_RATES), len(_COORDINATES)
         q, v, t = np.asarray(q, float), np.asarray(v, float), np.asarray(t, float)
         if q.shape[-1:] != (n_q,) or v.shape[-1:] != (n,):
@@ -221,7 +223,7 @@ class Model:
         return shape, count, times, places, rates, self._u(count)
 
     def acceleration(self, q, v, t=0.0):
-        """q'' (and x' of first-order variables), of shape (..., n); not a number where M is
+        """Returns q'' (and x' of first-order variables), of shape (..., n); NaN where M is
         singular."""
         shape, count, times, places, rates, u = self._states(q, v, t)
         out, failed = np.empty_like(rates), np.zeros(count + 1, np.uint8)
@@ -240,23 +242,23 @@ class Model:
         return out.reshape(*shape, width)
 
     def energy(self, q, v, t=0.0):
-        """v.dL/dv - L, of shape (...)."""
+        """Returns v.dL/dv - L, of shape (...)."""
         return self._values_of(2, 1, q, v, t)[..., 0]
 
     def observe(self, q, v, t=0.0):
-        """The model's outputs, of shape (..., number of outputs)."""
+        """Returns the model's outputs, of shape (..., number of outputs)."""
         return self._values_of(0, len(self.outputs), q, v, t)
 
     def rhs(self, t, y):
-        """y' of y = (q, v), of shape (n,) or (n, count), as SciPy's solve_ivp wants it."""
+        """Returns y' of y = (q, v), of shape (n,) or (n, count), for SciPy's solve_ivp."""
         y = np.asarray(y, float)
         n = len(_COORDINATES)
         a = self.acceleration(y[:n].T, y[n:].T, t)
         return np.concatenate([y[n : 2 * n], a.T])
 
     def run(self, until, every=None, method=None, step=None, rtol=None, start=None):
-        """Rows from t = 0 to `until`, `every` apart; `start` is y, or values by name. Raises
-        RunError where the motion ends before."""
+        """Returns rows from t = 0 to `until`, `every` apart; `start` is y, or values by name.
+        Raises RunError if the motion ends early."""
         default = description["run"]
         method = _known(method or default["method"], {m: m for m in self.methods}, "method")
         until = float(until)
@@ -278,7 +280,7 @@ class Model:
         if step is None and method == default["method"]:
             step = default["step"]
         if step is None and about["exact"]:
-            step = every  # it makes steps of any length
+            step = every  # an exact method takes steps of any length
         if step is None and not about["adaptive"]:
             raise ValueError(f"method {method} has fixed steps: give step")
         q, v = self._begin(start)
@@ -320,7 +322,7 @@ class Model:
                 _pointer(rates[some]), ctypes.byref(status),
             )  # fmt: skip
         ended = status.value not in (0, _MORE)
-        if ended and status.value == _MOTION_ENDED:  # a row at the event
+        if ended and status.value == _MOTION_ENDED:  # adds a row at the event
             times = np.append(times[:made], _C.live_t(motion))
             last = [_array(state(motion), (n,)) for state in (_C.live_q, _C.live_v)]
             places = np.vstack([places[:made], last[0]])
