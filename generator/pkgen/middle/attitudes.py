@@ -1,15 +1,15 @@
 """Rotations on the graph: the attitude R in SO(3) by its unit quaternion Q = (w, x, y, z), body to
 space.
 
-With body rates w_i, Q' = Q (0, w)/2. A function of the attitude has a derivative along each axis of
-the body, X_i f, its rate where w_i is 1 and the others are 0; with p = dL/dw Hamilton's principle
+With body rates w_i, Q' = Q (0, w)/2. A function f of the attitude has a derivative X_i f along each
+body axis: its rate if w_i is 1 and the other body rates are 0. With p = dL/dw, Hamilton's principle
 gives
 
     dp/dt = X L + p x w + torque
 
-(Poincare 1901; Marsden and Ratiu, Introduction to Mechanics and Symmetry, section 13.5). A vector
-of the body is one of space by Q v Q*, in polynomials of the second degree in Q: then the equations
-hold, and keep what they keep, for a Q of any length, as a method's stages have it."""
+(Poincare 1901; Marsden and Ratiu, Introduction to Mechanics and Symmetry, section 13.5). Q v Q*
+transforms a body vector v to space, with polynomials of degree 2 in Q. So the equations, and their
+conservation laws, hold for a Q of any length, such as in the stages of a method."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..equations import Attitude, Row
 from ..graph.frames import cross
 from ..graph.graph import ZERO, Graph, Kind, Node, Symbol
 
-# Of Q e_i: which number of Q stands in w, x, y, z, and with which sign.
+# The components w, x, y, z of Q e_i, each as (index of a component of Q, sign).
 _TURNED = (
     ((1, -1), (0, 1), (3, 1), (2, -1)),
     ((2, -1), (3, -1), (0, 1), (1, 1)),
@@ -26,17 +26,17 @@ _TURNED = (
 
 
 def numbers(g: Graph, at: Attitude) -> Row:
-    """Q = (w, x, y, z), or () where a reduction has left the attitude out."""
+    """Returns Q = (w, x, y, z), or () if a reduction has dropped the quaternion."""
     return tuple(g.symbol(Symbol(Kind.STATE, k)) for k in at.numbers)
 
 
 def rates(g: Graph, at: Attitude) -> Row:
-    """The body rates, x, y, z."""
+    """Returns the body rates about x, y, z."""
     return tuple(g.symbol(Symbol(Kind.RATE, i)) for i in at.rates)
 
 
 def turned(g: Graph, quaternion: Row, axis: int) -> Row:
-    """Q e_i/2, four numbers as Q is; `axis` i is 0, 1 or 2."""
+    """Returns Q e_i/2 (four components) for the body axis i = 0, 1 or 2."""
     half = g.power(g.number(2), -1)
     return tuple(
         g.multiply(g.multiply(half, g.number(sign)), quaternion[k]) for k, sign in _TURNED[axis]
@@ -44,13 +44,13 @@ def turned(g: Graph, quaternion: Row, axis: int) -> Row:
 
 
 def quaternion_rates(g: Graph, quaternion: Row, w: Row) -> Row:
-    """Q' = Q (0, w)/2."""
+    """Returns Q' = Q (0, w)/2."""
     along = [turned(g, quaternion, axis) for axis in range(3)]
     return tuple(g.sum(map(g.multiply, w, each)) for each in zip(*along, strict=True))
 
 
 def body_rates(g: Graph, quaternion: Row, rates: Row) -> Row:
-    """The w with Q' = Q (0, w)/2, of a Q of length 1 and its rates."""
+    """Returns w with Q' = Q (0, w)/2, for a Q of length 1 and its rates."""
     four = g.number(4)
     return tuple(
         g.multiply(four, g.sum(map(g.multiply, turned(g, quaternion, axis), rates)))
@@ -59,19 +59,19 @@ def body_rates(g: Graph, quaternion: Row, rates: Row) -> Row:
 
 
 def rate_of_quaternion(g: Graph, at: Attitude, state: int) -> Node:
-    """The rate of a state that is one of its numbers."""
+    """Returns the rate of a state that is a component of the quaternion of `at`."""
     return quaternion_rates(g, numbers(g, at), rates(g, at))[at.numbers.index(state)]
 
 
 def along_axes(g: Graph, quaternion: Row, by: Row) -> Row:
-    """X_i f by the derivatives of f by the numbers of Q."""
+    """Returns X_i f, from the derivatives `by` of f by the components of Q."""
     axes = (turned(g, quaternion, axis) for axis in range(3))
     return tuple(g.sum(map(g.multiply, by, to)) for to in axes)
 
 
 def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> dict[int, Node]:
-    """X_i f of a function f, under the index of the coordinate whose rate is w_i; `by` has its
-    derivatives by the symbols of the quaternions."""
+    """Returns X_i f by the index of the coordinate with rate w_i; `by` has the derivatives of f by
+    symbols, including those of quaternions."""
     found = {}
     for at in attitudes:
         quaternion = numbers(g, at)
@@ -84,8 +84,8 @@ def slopes(g: Graph, attitudes: tuple[Attitude, ...], by: dict[Node, Node]) -> d
 
 
 def gyroscopic(g: Graph, attitudes: tuple[Attitude, ...], momenta: Row) -> dict[int, Node]:
-    """p x w by components, under the index of the coordinate whose rate is w_i; `momenta` are of
-    all coordinates."""
+    """Returns the components of p x w by the index of the coordinate with rate w_i; `momenta` are
+    those of all coordinates."""
     found = {}
     for at in attitudes:
         p = tuple(momenta[i] for i in at.rates)
@@ -94,8 +94,8 @@ def gyroscopic(g: Graph, attitudes: tuple[Attitude, ...], momenta: Row) -> dict[
 
 
 def on_sphere(g: Graph, attitudes: tuple[Attitude, ...]) -> dict[Node, Node]:
-    """Quaternions of length 1 by three numbers each, which stand in the places of x, y and z:
-    w = (1 - s)/(1 + s), x = 2 a/(1 + s) and so on, s = a^2 + b^2 + c^2 (stereographic)."""
+    """Returns substitutions that make quaternions of length 1 from a, b, c (the symbols x, y, z):
+    w = (1 - s)/(1 + s), x = 2 a/(1 + s), ..., s = a^2 + b^2 + c^2 (stereographic projection)."""
     found: dict[Node, Node] = {}
     for at in attitudes:
         w, *vector = numbers(g, at)
@@ -107,7 +107,7 @@ def on_sphere(g: Graph, attitudes: tuple[Attitude, ...]) -> dict[Node, Node]:
 
 
 def rotated(g: Graph, quaternion: Row, a: Row) -> Row:
-    """Q a Q*, of a vector a of three."""
+    """Returns Q a Q* for a vector a of three components."""
     w, x, y, z = quaternion
 
     def twice(*terms: tuple[int, Node, Node]) -> Node:

@@ -1,8 +1,8 @@
-"""Expressions without the coordinates and attitudes that they only seem to depend on.
+"""Removes coordinates and attitudes from expressions whose values do not depend on them.
 
-The inertia of a wheel about its axis has sin(s)^2 + cos(s)^2 in it, the mass of a satellite |Q|^4.
-Values modulo a prime tell such an expression from one that varies (graph/residues.py); it is
-written with the angle 0, or without the rotation."""
+For example, the inertia of a wheel about its axis contains sin(s)^2 + cos(s)^2, the mass of a
+satellite |Q|^4. Values modulo a prime distinguish such expressions from varying ones
+(graph/residues.py). They are rewritten with the angle 0, or with the unit quaternion 1."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ..graph.residues import Residues
 from ..graph.substitute import substituted
 from .attitudes import numbers, on_sphere
 
-MOST = 24  # coordinates: each takes a sweep of all expressions
+MOST = 24  # largest number of coordinates: each takes a sweep of all expressions
 
 
 def without_coordinates(g: Graph, nodes: Sequence[Node], count: int) -> list[Node]:
-    """The same expressions, of which none depends on one of the first `count` coordinates where its
-    value does not."""
+    """Returns the expressions; each of the first `count` coordinates is removed from those whose
+    values do not depend on it."""
     found, here = list(nodes), Residues(g)
     for i in range(count if count <= MOST else 0):
         symbol = g.symbol(Symbol(Kind.COORDINATE, i))
@@ -31,7 +31,7 @@ def without_coordinates(g: Graph, nodes: Sequence[Node], count: int) -> list[Nod
 
 
 def without_attitudes(g: Graph, nodes: Sequence[Node], attitudes: Sequence[Attitude]) -> list[Node]:
-    """The same for attitudes, whose quaternions are of length 1."""
+    """Returns the expressions without the attitudes that they do not depend on at |Q| = 1."""
     found, here = list(nodes), Residues(g)
     for at in attitudes:
         if not at.numbers:
@@ -51,8 +51,8 @@ def _without(
     value: Callable[[Node], int | None],
     there: Residues | None,
 ) -> list[Node]:
-    """Expressions with the `plain` nodes put in, where their `value` stays the same; only those
-    tried that have it `there` too."""
+    """Substitutes `plain` in a node if that keeps its `value` and saves operations; with `there`,
+    only in nodes whose value there is the same."""
     new = {}
     for node in dict.fromkeys(nodes):
         known = value(node)
@@ -65,7 +65,7 @@ def _without(
 
 
 def to_be_shown(e: Equations) -> Equations:
-    """With M and f free of attitudes on which they do not depend."""
+    """Returns equations for display, with M and f free of attitudes they do not depend on."""
     if not e.attitudes:
         return e
     n = len(e.force)

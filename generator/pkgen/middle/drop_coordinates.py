@@ -1,7 +1,7 @@
-"""Equations with fewer coordinates: what every reduction makes in the end.
+"""Equations with fewer coordinates, as reductions make them.
 
-Coordinates are numbered anew; whatever is said of one that is gone says `swap`, in the old symbols.
-The motion is derived again by lagrange.derived_again().
+Coordinates are renumbered; `swap` replaces the symbols of removed ones, in terms of old symbols.
+lagrange.derived_again() derives the motion again.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Start = tuple[str, int]  # a coordinate's name, and 0 for its value, 1 for its r
 
 @record
 class Output:
-    """What was a coordinate or its rate, and is now computed from the others."""
+    """A former coordinate or rate that is now computed from the others."""
 
     quantity: Quantity
     node: Node
@@ -38,11 +38,11 @@ def smaller(
     angles: Mapping[int, tuple[Node, Node]] | None = None,
     kept_states: Sequence[int] | None = None,
 ) -> Equations:
-    """Equations of the coordinates `kept`, whose motion is still that of all: derive it again.
+    """Returns equations of the coordinates `kept`; their motion still has to be derived again.
 
-    `lagrangian` and `parts` (T and V, if they are known) are in the old symbols too. Of the
-    states are left `kept_states`, without it all; behind them stand `angles`, coordinates of which
-    the rate and the start are given, and which nothing reads.
+    `lagrangian` and `parts` (T and V, or None) are in the old symbols too. The states are
+    `kept_states` (None: all), followed by `angles`: former coordinates with (rate, start), which
+    no equation uses.
     """
     g = equations.graph
     count, states = len(equations.coordinates), len(equations.states)
@@ -109,7 +109,7 @@ def smaller(
 def _attitudes(
     attitudes: tuple[Attitude, ...], kept: Sequence[int], of_states: Sequence[int]
 ) -> tuple[Attitude, ...]:
-    """Those that are left, where they stand now; without its quaternion where that is gone."""
+    """Returns the remaining attitudes with new indices; state -1 if the quaternion is removed."""
     rates, states = ({old: new for new, old in enumerate(row)} for row in (kept, of_states))
     return tuple(
         Attitude(rates[a.rate], states.get(a.state, -1)) for a in attitudes if a.rate in rates
@@ -117,8 +117,8 @@ def _attitudes(
 
 
 def _fewer(g: Graph, c: Constraints, there, pick) -> Constraints | None:
-    """Without the rows that only what is gone was in. All but what the model says of them is
-    derived again."""
+    """Returns the constraints without rows that have no rate left; None if no row is left. Only the
+    stated fields are updated: the others are derived again."""
     own = _moving(g, c.stated, there)
     if own is None:
         return None
@@ -143,8 +143,8 @@ def _moving(g: Graph, rows: Rows, there) -> Rows | None:
 
 
 def _model(model: Model, kept: set[str]) -> Model:
-    """With the coordinates and states that are left; members of a family that has lost some are
-    declared one by one."""
+    """Returns the model with the remaining coordinates and states; the members of a family that has
+    lost some are declared one by one."""
     return replace(
         model,
         coordinates=_left(model, model.coordinates, kept),
@@ -165,7 +165,7 @@ def _left(model: Model, declared: tuple, kept: set[str]) -> tuple:
 
 
 class StartParameters:
-    """Starts made parameters, where something that a run keeps constant depends on them."""
+    """Turns starts into parameters, for constants of a run that depend on them."""
 
     def __init__(self, equations: Equations):
         self.equations = equations
@@ -175,7 +175,7 @@ class StartParameters:
         self.taken = {slot.quantity.name for slot in self.slots}
 
     def of(self, symbol: Symbol) -> Node:
-        """The parameter that is the start of a coordinate or of a rate."""
+        """Returns a new parameter for the start of a coordinate or of a rate."""
         rate = symbol.kind is Kind.RATE
         e, i = self.equations, symbol.index
         named = e.rates[i] if rate else e.coordinates[i]

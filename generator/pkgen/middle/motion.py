@@ -1,6 +1,6 @@
 """The equations of motion from L, D and Q, each kernel in the form of fewest operations.
 
-See `equations.py` for what they are and `collect.py` for how a form is found.
+`equations.py` defines the symbols; `collect.py` finds the forms.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ STATE = COORDINATES | RATES
 TIME = BIT[Kind.TIME]
 
 
-# Of 20 links of a pendulum it has more operations than all else, and takes a fifth of the C
-# compiler's time; past this many coordinates it has to be asked for by name.
+# The kernel "linear" has to be requested by name for more than this number of coordinates. For 20
+# links of a pendulum, it has most of the operations, and takes a fifth of the compile time.
 LINEARISED = 16
-LINEAR_OF_FEW = "linear of few"  # asked for as if it were not named
-PARTICLES = "particles"  # a kernel that only diagnostics ask for
+LINEAR_OF_FEW = "linear of few"  # requests "linear" for at most LINEARISED coordinates
+PARTICLES = "particles"  # a kernel requested by diagnostics only
 
 
-# Fields of Equations, as they are where the kernel is not asked for.
+# Fields of Equations for a kernel that is not requested.
 NO_JACOBIANS: dict[str, None] = dict.fromkeys(("p_q", "pdot_q", "pdot_v"))
 
 
 class Wanted:
-    """Whether any of some kernels is asked for."""
+    """The requested kernels; a call tests whether any of some kernels is requested."""
 
     def __init__(self, kernels: frozenset[str] | None):
         self.kernels = kernels
@@ -47,7 +47,7 @@ class Wanted:
         return self.kernels is None or not self.kernels.isdisjoint(names)
 
     def named(self, name: str) -> bool:
-        """Of what is costly and made for a command alone."""
+        """Whether a costly kernel, which only a command needs, is requested by name."""
         return self.kernels is not None and name in self.kernels
 
     def linear(self, count: int) -> bool:
@@ -80,8 +80,8 @@ def motion_of(
     rate_of: Callable[[Node], Node],
     attitudes: tuple[Attitude, ...] = (),
 ) -> Motion:
-    """`rate_of` gives the time derivative of a coordinate, t or an input. The "gradient" along a
-    body rate of one of the `attitudes` is all but the torque of attitudes.py."""
+    """Returns the equations of motion. `rate_of` gives the time derivative of a coordinate, t or an
+    input. For body rates, `gradient` is X L + p x w of attitudes.py: p' without the torque."""
     count = len(forces)
     q, v = symbols(g, Kind.COORDINATE, count), symbols(g, Kind.RATE, count)
     by = gradient(g, energies.lagrangian, STATE | (BIT[Kind.STATE] if attitudes else 0))
@@ -95,7 +95,7 @@ def motion_of(
     applied = tuple(g.subtract(f, drag.get(rate, ZERO)) for f, rate in zip(forces, v, strict=True))
     pdot = tuple(map(g.add, slope, applied))
     mass = _symmetric_matrix(g, momenta, v, RATES)
-    # The time derivative where nothing accelerates.
+    # The time derivative at zero acceleration.
     coasting = Forward(
         g, VARIABLE, lambda node: ZERO if g.data[node].kind is Kind.RATE else rate_of(node)
     )
@@ -104,7 +104,7 @@ def motion_of(
 
 
 def _symmetric_matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
-    """A symmetric matrix of derivatives: the triangle i >= j is derived and mirrored."""
+    """Returns a symmetric matrix of derivatives: only the triangle i >= j is differentiated."""
     n = len(by)
     matrix: list[list[Node]] = [[ZERO] * n for _ in range(n)]
     columns = Columns(g, rows, mask)
@@ -118,9 +118,9 @@ def _symmetric_matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
 def shortest(
     g: Graph, lagrangian: Node, motion: Motion, wanted: Wanted, mass_read: bool = False
 ) -> tuple[Motion, Solution | None]:
-    """The same in the form of fewest operations, with M a = f solved if that is wanted: by M, or
-    from L itself where that costs less; wherever a momentum depends on a state, since states.py
-    has no other form then. `mass_read`: whether M is part of what is solved later."""
+    """Returns the motion in the form of fewest operations, and the solution of M a = f if requested
+    or if a momentum depends on a state, since states.py then needs the solved form. It is solved
+    with M, or from L if that costs less. `mass_read`: whether later solutions use M."""
     n = len(motion.force)
     triangle = [motion.mass[i][j] for i in range(n) for j in range(i, n)]
     outputs = [*triangle, *motion.force]
@@ -149,7 +149,7 @@ def shortest(
         _, _, mass, force, solution = min(found)
         if solved:
             along = pushed(g, lagrangian, symbols(g, Kind.RATE, n), force)
-            alone = solution is None and stated  # there is no loop over M then
+            alone = solution is None and stated  # the solved form cannot use a loop over M
             if along is not None and (
                 alone or _operations(g, along, mass) < _operations(g, solution, mass)
             ):
@@ -171,15 +171,15 @@ def shortest(
 
 
 def with_states(g: Graph, momenta: Row) -> bool:
-    """Whether a momentum depends on a state: dp/dv has an entry of it then, and is no M of all."""
+    """Whether a momentum depends on a state: dp/dv then has entries for states: see states.py."""
     return any(g.depends[p] & BIT[Kind.STATE] for p in momenta)
 
 
 def _without_mass(
     g: Graph, lagrangian: Node, mass: Matrix, force: Row
 ) -> tuple[Solution | None, Row]:
-    """From L, where that costs less than a loop over M, whatever M itself costs: then proofs alone
-    read M, and its form may be long. A pivot that vanishes is left to M, which says why."""
+    """Solves from L, if that costs less than a loop that solves M a = f, whatever M itself costs:
+    only proofs then use M. Returns None also if a pivot vanishes: solving with M reports why."""
     n = len(force)
     if not looped(g, mass):
         return None, force
@@ -194,15 +194,15 @@ def _without_mass(
 
 
 def _operations(g: Graph, solution: Solution | None, mass: Matrix) -> int:
-    """With what the pivots are judged by; where M a = f is left to a loop, whose operations take
-    half the time, half of its."""
+    """Returns the operations of a solution, pivots and their diagonal entries included. For M a = f
+    solved by a loop, whose operations take half the time, half of them."""
     if solution is None:
         return (operations(g, [x for row in mass for x in row]) + _looped(len(mass))) // 2
     return operations(g, [*solution.accelerations, *sum(solution.pivots, ())])
 
 
 def _looped(n: int) -> int:
-    """Operations of a loop that solves M a = f."""
+    """Returns the operations of a loop that solves M a = f."""
     return n**3 // 3
 
 
@@ -216,10 +216,10 @@ def _symmetric(triangle: list[Node], n: int) -> Matrix:
 
 
 def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str, Matrix]:
-    """dp/dq, d(pdot)/dq, d(pdot)/dv. Where all of p and the gradient are derivatives of a
-    `lagrangian`, its second ones are symmetric:
+    """Returns dp/dq, d(pdot)/dq, d(pdot)/dv. If p and the gradient are derivatives of a
+    `lagrangian`, symmetry saves work:
 
-    d(dL/dq_i)/dq_j as it stands, and d(dL/dq_i)/dv_j = dp_j/dq_i.
+    d(dL/dq_i)/dq_j is symmetric, and d(dL/dq_i)/dv_j = dp_j/dq_i.
     """
     n = len(motion.momenta)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
@@ -234,7 +234,7 @@ def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str,
         applied_q = _matrix(g, motion.applied, q, COORDINATES)
         applied_v = _matrix(g, motion.applied, v, RATES)
         ways = [(_sum(g, second, applied_q), _sum(g, p_q_transposed, applied_v))]
-        # What is applied may cancel a part of the gradient: then pdot itself is shorter.
+        # Applied forces may cancel a part of the gradient: then pdot itself is shorter.
         if len(reachable(g, motion.pdot)) <= THOROUGH:
             direct = _matrix(g, motion.pdot, q, COORDINATES), _matrix(g, motion.pdot, v, RATES)
             ways.append(direct)
@@ -247,7 +247,7 @@ def jacobians_of(g: Graph, motion: Motion, lagrangian: bool = True) -> dict[str,
 
 
 def linear_of(g: Graph, motion: Motion) -> Linear:
-    """The derivatives of r = f - M a by q, v and t, with a held; inputs are held too."""
+    """Returns the derivatives of r = f - M a by q, v and t, with a and inputs held."""
     n = len(motion.force)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
     a = symbols(g, Kind.ACCELERATION, n)
@@ -273,7 +273,7 @@ def _matrix(g: Graph, rows: Row, by: Row, mask: int) -> Matrix:
 
 
 def energy_of(g: Graph, energies: Energies, motion: Motion, wanted: Wanted) -> Node:
-    """v.p - L, in the cheapest form found; T + V where T is homogeneous of degree 2."""
+    """Returns v.p - L in the cheapest form found; T + V if T is homogeneous of degree 2."""
     kinetic, potential = energies.kinetic, energies.potential
     candidates = []
     if kinetic is not None and degree(g, kinetic) == 2 and not g.depends[potential] & RATES:
@@ -289,7 +289,7 @@ def energy_of(g: Graph, energies: Energies, motion: Motion, wanted: Wanted) -> N
 
 
 def shorter(g: Graph, energies: Energies, wanted: Wanted) -> Energies:
-    """The energies themselves in few operations, each by itself as its kernel has it."""
+    """Returns the energies, each rewritten in few operations if its kernel is requested."""
     found: dict[str, Node | None] = {}
     for name in ("lagrangian", "kinetic", "potential"):
         node = found[name] = getattr(energies, name)
@@ -299,7 +299,7 @@ def shorter(g: Graph, energies: Energies, wanted: Wanted) -> Energies:
 
 
 def degree(g: Graph, output: Node) -> int | None:
-    """The degree in the rates of a homogeneous expression; None where it is not seen to be."""
+    """Returns the degree in the rates of a homogeneous expression; None if not recognized."""
     found: dict[Node, int | None] = {}
     for node in reachable(g, [output], RATES):
         found[node] = _degree_of(g, node, [found.get(a, 0) for a in g.args[node]])

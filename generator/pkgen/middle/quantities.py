@@ -1,4 +1,4 @@
-"""What a model's names stand for once its families are unrolled: flat, in declaration order."""
+"""Names and flat indices of a model's quantities, families unrolled, in declaration order."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from ..tree import Range
 
 @record
 class Family:
-    """A declared name: one scalar, or NAME[lo..hi]; `first` is the flat index of the first, and
-    `step` from one to the next."""
+    """A declared name: one scalar, or NAME[lo..hi]. The flat index of the first member is `first`,
+    and increases by `step` per member."""
 
     name: str
     first: int
@@ -48,7 +48,7 @@ def error(model: Model, message: str, span: Span, help: str = "") -> ModelError:
 
 
 def too_deep(span: Span) -> tuple[str, Span, str]:
-    """The arguments of error() where expressions are deeper than Python's stack."""
+    """Returns the arguments of error() for expressions nested deeper than Python's stack."""
     message = "this is too deep: expressions within expressions, once its vectors are written out"
     return message, span, "give parts of it a name by 'let', or use fewer factors"
 
@@ -58,7 +58,7 @@ def has_bodies(model: Model) -> bool:
 
 
 def smaller(model: Model) -> str:
-    """What to do with a model that is too large."""
+    """Returns the help text for a model that is too large."""
     bodies = has_bodies(model)
     declared = (*model.coordinates, *model.states)
     if model.sizes or any(item.range is not None for item in declared):
@@ -69,7 +69,7 @@ def smaller(model: Model) -> str:
 
 
 def refuse_constant(model: Model, g: Graph, events: Iterable[Node]) -> None:
-    """An event whose expression is constant is an error."""
+    """Raises ModelError if the expression of an event is constant."""
     for item, node in zip(model.events, events, strict=True):
         if not g.depends[node] & VARIABLE:
             message = f"the event '{item.name}' never happens: its expression is constant"
@@ -85,8 +85,8 @@ def families(
     declarations: tuple[Parameter | Coordinate | State, ...],
     side_by_side: bool = False,
 ) -> dict[str, Family]:
-    """By name, one after the other; or the numbers of each rotation `side_by_side`, members of a
-    family of rotations one after the other."""
+    """Returns the families by name, with consecutive flat indices. With `side_by_side`, the
+    components of each rotation are adjacent, member by member."""
     parts = [names for r in model.rotations for names in (r.turns, r.quaternion)]
     places = {n: (k, len(names)) for names in parts for k, n in enumerate(names) if side_by_side}
     result: dict[str, Family] = {}
@@ -101,7 +101,7 @@ def families(
 
 
 def single_rotations(model: Model) -> tuple[Rotation, ...]:
-    """Each rotation by itself, members of families by their own names."""
+    """Returns all rotations, with families split into single rotations with indexed names."""
     found = []
     for r in model.rotations:
         (family,) = families(model, (r,)).values()
@@ -111,7 +111,7 @@ def single_rotations(model: Model) -> tuple[Rotation, ...]:
     return tuple(found)
 
 
-_NUMBERS = ("quaternion", "rates", "turns", "momenta")  # of a rotation, by name
+_NUMBERS = ("quaternion", "rates", "turns", "momenta")  # fields of Rotation with names
 
 
 def ends(model: Model, range_: Range | None) -> tuple[int | None, int | None]:
@@ -128,8 +128,8 @@ def quantities(
     unit: str,
     own: str = "",
 ) -> tuple[Quantity, ...]:
-    """A quantity a coordinate or state; `form` makes its name, unless the field `own` has one; the
-    field `unit` has its unit."""
+    """Returns a quantity for each coordinate or state, in flat order. `form` makes the name, unless
+    the field `own` has one; the field `unit` has the unit."""
     made = {
         found[c.name].flat(i): Quantity(
             indexed(getattr(c, own), i)
@@ -145,7 +145,7 @@ def quantities(
 
 
 def input_quantities(model: Model, orders: tuple[int, ...]) -> tuple[Quantity, ...]:
-    """Each input, then as many of its derivatives as occur."""
+    """Returns a quantity for each input, each followed by its derivatives that occur."""
     result: list[Quantity] = []
     for item, order in zip(model.inputs, orders, strict=True):
         for k in range(order + 1):
@@ -154,7 +154,7 @@ def input_quantities(model: Model, orders: tuple[int, ...]) -> tuple[Quantity, .
 
 
 def input_index(orders: tuple[int, ...], position: int) -> int:
-    """The flat index of the input declared at `position`, before its derivatives."""
+    """Returns the flat index of the input declared at `position`."""
     return sum(o + 1 for o in orders[:position])
 
 
@@ -167,7 +167,7 @@ def _unit(model: Model, item: Input, order: int) -> str:
 
 
 def per_second(unit: str) -> str:
-    """An SI unit divided by a second: "kg*m/s^2" -> "kg*m/s^3"."""
+    """Returns an SI unit divided by a second: "kg*m/s^2" -> "kg*m/s^3"."""
     above, *below = (unit or "1").split("/")
     for i, part in enumerate(below):
         name, _, power = part.partition("^")
@@ -196,5 +196,5 @@ def symbols(g: Graph, kind: str, count: int) -> tuple[Node, ...]:
 
 
 def rate_of_state(g: Graph, k: int, count: int) -> Node:
-    """The symbol of the rate of state k of so many."""
+    """Returns the symbol of the rate of state k; `count` is the number of states."""
     return g.symbol(Symbol(Kind.STATE, count + k))

@@ -1,4 +1,4 @@
-"""What reductions say: what went, and why."""
+"""The report of reductions: removed coordinates and parameters, with the reasons."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .drop_coordinates import Start
 
 @record
 class ReportLine:
-    """What one reduction did, or why it did not."""
+    """The effect of one reduction, or the reason why it has none."""
 
     reduction: str
     what: str
@@ -24,9 +24,8 @@ class ReportLine:
 
 @record
 class Report:
-    """`starts` are parameters that starts have become, `unused` coordinates whose starts have no
-    effect, and parameters that nothing reads; of `operations` and `coordinates` the number before
-    and after."""
+    """`starts`: parameters that replace starts. `unused`: coordinates whose starts have no effect,
+    and parameters that nothing reads. `operations`, `coordinates`: numbers before and after."""
 
     lines: tuple[ReportLine, ...] = ()
     starts: dict[Start, str] = field(default_factory=dict)
@@ -35,7 +34,7 @@ class Report:
     coordinates: tuple[int, int] = (0, 0)
 
     def unread(self, slots: tuple[ParameterSlot, ...], kept: Collection[int]) -> Report:
-        """With the parameters that are not kept."""
+        """Returns the report with a line for the parameters that are not kept."""
         gone = [slot for k, slot in enumerate(slots) if k not in kept]
         if not gone:
             return self

@@ -1,8 +1,8 @@
-"""Model -> Model: what a scene fixes and holds, put in before anything is derived.
+"""Model -> Model: applies a scene's fixed parameters and held coordinates, before derivation.
 
-A fixed parameter becomes a constant definition, so that it is folded into the C. A held coordinate
-becomes a definition of its motion, whose derivatives the expressions take by themselves; at an
-end of a family it becomes a fixed end.
+A fixed parameter becomes a constant definition, folded into the C code. A held coordinate becomes a
+definition of its motion, whose time derivatives follow from the definition; at an end of a family
+it becomes a fixed end.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from .report import ReportLine
 
 
 def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model, list[ReportLine]]:
-    """With the parameters that the scene sets as constants, but not those of `run_time`, which are
-    set again when it is run."""
+    """Returns the model with parameters that the scene sets as constants, except those in
+    `run_time`, which are set again at run time; and report lines."""
     parameters = {p.name: p for p in model.parameters}
     fixed: dict[str, Definition] = {}
     for k, item in enumerate(scene.assignments):
@@ -30,7 +30,7 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
         if parameter.range is not None or item.index is not None:
             continue  # members of a family stay in their array
         if names(item.value) & {later.name for later in scene.assignments[k:]}:
-            continue  # it takes the value from before that is set: a number of the run
+            continue  # it uses values from before later assignments: known at run time
         fixed[item.name] = Definition(
             item.name, None, None, item.value, parameter.unit, parameter.description, item.span
         )
@@ -45,14 +45,14 @@ def folded(model: Model, scene: Scene, run_time: frozenset[str]) -> tuple[Model,
 def held(
     model: Model, scene: Scene, asked_events: frozenset[str] = frozenset()
 ) -> tuple[Model, list[ReportLine]]:
-    """Without the coordinates that the scene holds, and without events that are not asked for.
-    Raises ModelError where one cannot be held."""
+    """Returns the model without held coordinates and without events that are not requested, and
+    report lines. Raises ModelError for a coordinate that cannot be held."""
     lines = []
     if scene.holds and model.conserved:
         claimed = ", ".join(item.name for item in model.conserved)
         lines.append(ReportLine("hold", claimed, "claimed of the free motion, not of this one"))
         model = replace(model, conserved=())
-    if scene.holds:  # of what is held events may become constant, of which none is an error here
+    if scene.holds:  # events on held coordinates may become constant: no error here
         held = {_member(item, model) for item in scene.holds}
         gone = {e.name for e in model.events if e.limit and held & _members(e.value, model)}
         lines += [ReportLine("hold", name, "a limit of what is held") for name in sorted(gone)]
@@ -76,12 +76,12 @@ def _member(of: Hold | Name, model: Model) -> tuple[str, int | None]:
 
 
 def _members(value: Expr, model: Model) -> set[tuple[str, int | None]]:
-    """The names that occur in what is not in a loop, with the numbers of members."""
+    """Returns the names in an expression that is not in a loop, with the indices of members."""
     return {_member(part, model) for part in within(value) if isinstance(part, Name)}
 
 
 def _refuse_momentum(model: Model, scene: Scene, name: str, index: int | None) -> None:
-    """What is held is no coordinate, and so without a momentum."""
+    """Raises ModelError if the scene uses the momentum of a held coordinate: it has none."""
     known = sizes(model)
     for part in _asked(scene):
         if not isinstance(part, Name) or part.id != f"p_{name}" or names(part) - {*known, part.id}:
@@ -93,7 +93,7 @@ def _refuse_momentum(model: Model, scene: Scene, name: str, index: int | None) -
 
 
 def _refuse_energy(model: Model, scene: Scene) -> None:
-    """Where all coordinates are held, there are states alone."""
+    """Raises ModelError if the scene uses the energy: a model of states alone has none."""
     for part in _asked(scene):
         if isinstance(part, Name) and part.id == "energy":
             message = "there is no energy here: every coordinate is held, and states have none"
@@ -101,14 +101,14 @@ def _refuse_energy(model: Model, scene: Scene) -> None:
 
 
 def _asked(scene: Scene) -> Iterator[Expr]:
-    """What it records and expects, with all parts of it."""
+    """Yields all recorded and expected expressions of a scene, with their subexpressions."""
     asked = [column.value for column in scene.record.columns] if scene.record else []
     asked += [side for item in scene.expects for side in (item.a, item.b)]
     return (part for expr in asked for part in within(expr))
 
 
 def _motion(model: Model, item: Hold) -> tuple[int | None, Expr]:
-    """Which member is held, and its motion."""
+    """Returns the index of the held member, and its motion."""
     if item.range is not None:
         raise error(
             model,
@@ -121,7 +121,7 @@ def _motion(model: Model, item: Hold) -> tuple[int | None, Expr]:
 
 
 def _start(model: Model, item: Hold, index: int | None) -> Expr:
-    """The last start of that coordinate; without any it is 0."""
+    """Returns the last start of the coordinate; 0 if it has none."""
     found: Expr = Number(Fraction(0), item.span)
     for start in model.starts:
         if start.order:
@@ -173,7 +173,7 @@ def _is_of(model: Model, of: object, item: Hold, index: int | None) -> bool:
 def _shorter(
     model: Model, item: Hold, family: Family, declared: Coordinate | State, index: int, value: Expr
 ) -> tuple[Model, Coordinate | State]:
-    """A family without its first or last member, which becomes a fixed end."""
+    """Makes a family's first or last member a fixed end; returns the model and shorter family."""
     if index not in (family.lo, family.hi) or family.count == 1:
         why, help = "none would be left", "leave the family out of the model"
         if family.count > 1:
@@ -202,8 +202,8 @@ def _shorter(
 
 
 def _ends(model: Model, old: End, item: Hold, family: Family, fixed: End) -> list[End]:
-    """An end with its index, for `free q` counts from a length that changes; beyond the member that
-    is held, a free end is where that member is."""
+    """Returns an end with an explicit index, since `free q` depends on the length, which changes.
+    A free end adjacent to the held member becomes the fixed value of that member."""
     if old.name != item.name:
         return [old]
     places = [old.index] if old.index is not None else [family.lo - 1, family.hi + 1]
@@ -219,7 +219,7 @@ def _ends(model: Model, old: End, item: Hold, family: Family, fixed: End) -> lis
 
 
 def _shorter_too(model: Model, items: tuple, item: Hold, index: int) -> tuple:
-    """Starts or forces of a whole range, without the member that is held at an end of it."""
+    """Returns starts, forces or rates; ranges that begin or end at the held member exclude it."""
     known = sizes(model)
     found = []
     for old in items:
@@ -237,8 +237,8 @@ def _shorter_too(model: Model, items: tuple, item: Hold, index: int) -> tuple:
 
 
 def with_definitions(model: Model, new: list[Definition]) -> Model:
-    """With definitions that may use earlier ones and be used by any: they are entered in order, so
-    what these use comes first."""
+    """Returns the model with new definitions, which any other may use. Definitions are expanded in
+    order, so those that the new ones use are moved to the front."""
     wanted = frozenset().union(*(names(item.value) for item in new))
     first: list[Definition] = []
     for item in reversed(model.definitions):

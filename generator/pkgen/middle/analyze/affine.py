@@ -1,4 +1,4 @@
-"""Whether the equations of motion are linear with constant coefficients: v' = A q + B v + c."""
+"""Tests whether the equations of motion are v' = A q + B v + c with constant coefficients."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
 
 def affine(equations: Equations, normal: Normal) -> bool:
-    """Of a system with constant M: whether f and the rates of states are affine in q, v and the
-    states, with nothing else that varies in it. As it is written, or in its normal form."""
+    """Returns whether f and the rates of states, as written or in normal form, are affine in q, v
+    and states with constant coefficients. M has to be constant."""
     g = equations.graph
     moving = [*equations.force, *equations.state_rates]
     varying = {
@@ -24,11 +24,11 @@ def affine(equations: Equations, normal: Normal) -> bool:
 
 
 def is_affine(g: Graph, nodes: list[Node], symbols: dict[Node, bool]) -> bool:
-    """Whether nodes are sums of symbols of the state, each times a constant, as they stand.
+    """Returns whether nodes, as written, are sums of constants and constants times state symbols.
 
-    `symbols` are those that vary, true where they belong to the state.
+    `symbols` has the symbols that vary: True if a symbol belongs to the state.
     """
-    affine = dict(symbols)  # of what varies
+    affine = dict(symbols)  # for each node that varies: whether it is affine
     for node in reachable(g, nodes):
         op = g.op[node]
         varying = [affine[a] for a in g.args[node] if a in affine]
@@ -42,14 +42,14 @@ NONE, CONSTANT, VARYING, MORE = range(4)
 
 
 def of_rates(equations: Equations) -> int:
-    """How the forces of a system with constant M depend on the rates."""
+    """Returns how the forces of a system with constant M depend on the rates; see in_rates."""
     if equations.states or equations.constraints is not None:
         return MORE
     return in_rates(equations.graph, [*equations.force, *(equations.acceleration or ())])
 
 
 def linear(equations: Equations) -> bool:
-    """Of a system with constant M: whether v' = A q + B v + c(t) as it stands, A and B constant."""
+    """Returns whether, as written, M v' = A q + B v + c(t) with constant M, A and B."""
     moving = [*equations.force, *equations.state_rates]
     return in_rates(equations.graph, moving, of=STATE) <= CONSTANT
 
@@ -60,9 +60,9 @@ def in_rates(
     constant: frozenset[Node] = frozenset(),
     of: int = BIT[Kind.RATE],
 ) -> int:
-    """How nodes depend on the rates, as they stand: not at all; as C v with constant C; with C of
-    q, t and inputs; otherwise. `constant`: inputs that are, such as the index of a loop. `of` is
-    the kind of symbols that is asked about, in place of rates."""
+    """Returns how nodes, as written, depend on the rates: NONE; CONSTANT: affine, as C v with a
+    constant C; VARYING: C depends on q, t or inputs; MORE: otherwise. `constant` are inputs that do
+    not vary, such as the index of a loop. `of` is a mask of the kinds that replace rates."""
     found: dict[Node, int] = {}
     varying: set[Node] = set()
     for node in reachable(g, nodes, VARIABLE):

@@ -1,8 +1,8 @@
 """Time derivatives along the equations of motion, on a copy of the equations' graph.
 
-The accelerations are written by Cramer's rule for each block of M, over one denominator a block:
-that is what normal forms can cancel. Of a larger block they are solved for as in the C; where even
-that is too large they stay symbols, whose values `solved.py` finds at a state.
+Cramer's rule gives the accelerations of each block of M, with one denominator per block: normal
+forms can cancel that. Larger blocks are solved as in the C code. If that is too large as well, the
+accelerations stay symbols, whose values at a state `solved.py` finds.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ...graph.substitute import substituted
 from ..points.squares import determinant
 from .combination import combination
 
-CRAMER = 4  # coordinates of one block
+CRAMER = 4  # largest number of coordinates of a block for Cramer's rule
 
 
 class Along:
@@ -26,9 +26,9 @@ class Along:
         self.equations = equations
         self.block = {i: block for block in blocks for i in block}
         self.known: dict[int, Node] = {}
-        self.bound: dict[Node, Node] | None = None  # rates that constraints give by the others
-        # What Lagrange's equations give the rate of without any acceleration, less its scale, which
-        # the graph takes out of powers and products.
+        self.bound: dict[Node, Node] | None = None  # rates in terms of others, by constraints
+        # Momenta and the energy, whose rates have no accelerations: by node without its scale, the
+        # scale and the index (None: energy). The graph splits scales off powers and products.
         self.leaves: dict[Node, tuple[Node, int | None]] = {}
         known = [*enumerate(equations.momenta), (None, equations.energy)]
         for i, node in known if equations.momenta else []:
@@ -36,7 +36,7 @@ class Along:
             self.leaves[rest] = scale, i
 
     def terms(self, node: Node) -> list[Node]:
-        """The parts of its derivative, one for each symbol, momentum and the energy in it."""
+        """Returns the terms of a node's derivative, one by each symbol, momentum and energy."""
         g = self.graph
         slopes = self._slopes(node)
         terms = self._of_large_blocks(slopes)
@@ -44,8 +44,8 @@ class Along:
         return [term for term in terms if term != ZERO]
 
     def on_constraints(self, terms: list[Node]) -> list[Node]:
-        """The same where J v + j0 = 0, some rates written by others; not where what they are
-        divided by vanishes."""
+        """Returns the terms on J v + j0 = 0, with some rates in terms of others; not valid where
+        the divisors of these vanish."""
         if self.equations.constraints is None:
             return terms
         if self.bound is None:
@@ -53,8 +53,8 @@ class Along:
         return [x for x in substituted(self.graph, terms, self.bound) if x != ZERO]
 
     def _of_large_blocks(self, slopes: dict[Node, Node]) -> list[Node]:
-        """What the rates of a block add together where they do without accelerations; their slopes
-        are then done with."""
+        """Returns the terms of rates of large blocks that need no accelerations (combination.py),
+        and removes the slopes by these rates."""
         g, e, terms = self.graph, self.equations, []
         for block in dict.fromkeys(self.block.values()):
             rates = [g.symbol(Symbol(Kind.RATE, i)) for i in block]
@@ -71,7 +71,7 @@ class Along:
         return terms
 
     def _slopes(self, output: Node) -> dict[Node, Node]:
-        """The derivatives of a node by the symbols, momenta and energy that it is made of."""
+        """Returns the derivatives of a node by the symbols, momenta and energy in it."""
         g, leaves = self.graph, self.leaves
         bars, found = {output: ONE}, {}
         for node in reversed(reachable(g, [output], VARIABLE)):
@@ -92,7 +92,7 @@ class Along:
         return self.graph.divide(rate, scale)
 
     def energy_rate(self) -> Node:
-        """dh/dt = v.(Q - dD/dv) - dL/dt, and of constraints (J v).lambda, where J v = -j0"""
+        """Returns dh/dt = v.(Q - dD/dv) - dL/dt, plus (J v).lambda for constraints, J v = -j0."""
         g, e = self.graph, self.equations
         rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(len(e.applied))]
         applied, c = e.applied, e.constraints
@@ -106,8 +106,8 @@ class Along:
         return g.subtract(g.subtract(power, moved), slopes)
 
     def explicit(self, node: Node, first: int = 0) -> Node:
-        """Its derivative with the coordinates and rates held: by t, and by what inputs and states,
-        from the `first` on, do."""
+        """Returns a node's time derivative at fixed coordinates and rates: through t, inputs, and
+        states from index `first` on."""
         g = self.graph
         slopes = gradient(g, node, BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE])
         return g.sum(
@@ -129,7 +129,7 @@ class Along:
         return g.symbol(Symbol(Kind.INPUT, self._next_input(symbol.index)))
 
     def _next_input(self, index: int) -> int:
-        """Of an input's derivative that the equations know, or of one that nobody does."""
+        """Returns the index of an input's next derivative; beyond all inputs if it is unknown."""
         names = [q.name for q in self.equations.inputs]
         following = names[index] + "'" if index < len(names) else ""
         return index + 1 if following in names[index + 1 : index + 2] else index + len(names)
@@ -154,8 +154,8 @@ class Along:
 
 
 def rates_bound(g: Graph, equations: Equations) -> dict[Node, Node]:
-    """What J v + j0 = 0 makes of one rate a row, by the others; a constant entry of J is divided by
-    where there is one. Where it is 0 another would do: what is shown elsewhere holds there too."""
+    """Solves each row of J v + j0 = 0 for one rate; divides by a constant entry of J if possible.
+    A proof extends by continuity to states where the entry is 0."""
     c = equations.constraints
     count = len(equations.momenta)
     rates = [g.symbol(Symbol(Kind.RATE, i)) for i in range(count)]
@@ -176,7 +176,7 @@ def rates_bound(g: Graph, equations: Equations) -> dict[Node, Node]:
 
 
 def cramer(g: Graph, equations: Equations, block: tuple[int, ...]) -> dict[int, Node]:
-    """M a = f of one block by determinants."""
+    """Returns the accelerations of one block of M a = f by Cramer's rule."""
     rows = [[equations.mass[i][j] for j in block] for i in block]
     inverse = g.power(determinant(g, rows), -1)
     found = {}

@@ -1,8 +1,8 @@
-"""Equations -> Structure: what can be proved about a system. A false fact is one not proved.
+"""Equations -> Structure: proves facts about a system. A False fact is one that is not proved.
 
-A proof is that a symbol does not occur: in an expression as it stands, or in its normal form,
-from which whatever drops out by an identity is gone (a bead's let that turns with Omega t has no
-t in its Lagrangian). Where an expression is too large for a normal form, the first must do.
+A proof shows that a symbol does not occur: in an expression as written, or in its normal form,
+where identities have cancelled symbols (for a bead on a hoop that turns with Omega t, L has no t).
+For an expression too large for a normal form, only the first proof is tried.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ TIME_OR_INPUT = BIT[Kind.TIME] | BIT[Kind.INPUT]
 
 
 def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = False) -> Structure:
-    """The facts of enum pk_fact and others. What takes longer has to be asked for: by `symmetric`
-    what Noether's theorem gives, by `with_claims` the outcome of each `conserve`."""
+    """Returns the facts of enum pk_fact and others. Slower proofs are optional: `symmetric` asks
+    for invariants by Noether's theorem, `with_claims` for the outcome of each `conserve`."""
     seen = _Seen(equations.graph)
     n = len(equations.coordinates)
     triangle = [equations.mass[i][j] for i in range(n) for j in range(i + 1)]
@@ -36,8 +36,8 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     applied = equations.applied if bound is None else bound.free_applied
     unforced = all(node == ZERO for node in applied)
     of_motion = [equations.lagrangian, *applied]
-    # What states do to L and the forces changes with time, however that comes about; but those that
-    # are an attitude are where the body is.
+    # States make L and the forces vary with time. Quaternions, which come first, do not count:
+    # they are positions.
     untouched = not seen.occurs(of_motion, STATES, equations.quaternions)
     steady = not seen.occurs(of_motion, TIME_OR_INPUT)
     kept = [] if bound is None else [*bound.positions, *bound.residual, *equations.applied]
@@ -51,7 +51,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
     solvable = solvable and not equations.attitudes and bound is None
     found = None
     if solvable:
-        from .symmetries import symmetries  # which few ask for
+        from .symmetries import symmetries  # imported only if requested
 
         found = symmetries(equations, coupled, influence)
     separable = constant and not seen.occurs(moving, RATES | STATES)
@@ -90,7 +90,7 @@ def analyze(equations: Equations, symmetric: bool = False, with_claims: bool = F
 
 
 class _Seen:
-    """What expressions depend on, as far as it can be seen with a bounded amount of work."""
+    """Finds the symbols that expressions depend on, with a bounded amount of work."""
 
     def __init__(self, g: Graph):
         self.graph = g
@@ -98,15 +98,15 @@ class _Seen:
         self.varying = Varying(g)
 
     def atoms(self, node: Node) -> list[Node]:
-        """The node's atoms where it has a normal form; else the node itself."""
+        """Returns the atoms of the node's normal form; the node itself if it has none."""
         polynomial = self.normal(node)
         if polynomial is None:
             return [node]
         return sorted({base for monomial in polynomial for base, _ in monomial})
 
     def occurs(self, nodes: Iterable[Node], mask: int, first: int = 0) -> bool:
-        """Whether a symbol of one of these kinds, of number `first` or a later one, occurs in any
-        of the nodes."""
+        """Returns whether a symbol of the kinds in `mask`, with an index from `first` on, occurs in
+        any of the nodes."""
         g = self.graph
         nodes = [node for node in nodes if g.depends[node] & mask]
         if first:
@@ -118,11 +118,11 @@ class _Seen:
 
 
 def _jumping(equations: Equations) -> frozenset[int]:
-    """The coordinates, and after them states, inside a step of the Lagrangian (a sign: from the
-    rate of an abs).
+    """Returns the indices of coordinates, followed by states, inside a step of the Lagrangian, or
+    inside a sign, the derivative of an abs.
 
-    The derivative of a step is taken as 0, so the force that does work where L jumps is not
-    there: the energy is no constant of this motion, nor is the momentum one of the model.
+    The derivative of a step is taken as 0. The force that does work where L jumps is therefore
+    missing: neither the energy nor the momentum is constant.
     """
     g = equations.graph
     inside = [node for node in reachable(g, [equations.lagrangian], VARIABLE) if jumps(g, node)]
@@ -133,14 +133,14 @@ def _jumping(equations: Equations) -> frozenset[int]:
 
 
 def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple[bool, ...]:
-    """No coordinate q_i in L up to an identity, and nothing applied along it."""
+    """Returns for each i whether L, up to identities, has no q_i, and no force acts along q_i."""
     g = equations.graph
     n = len(equations.coordinates)
     free = {i for i in range(n) if equations.applied[i] == ZERO and i not in jumping}
-    free -= ties(equations).keys()  # whatever force a constraint has
+    free -= ties(equations).keys()  # constraint forces may act on them
     open_ = {i for i in free if equations.gradient[i] != ZERO}
     acting = {i for i in open_ if seen.varying.is_nonzero(equations.gradient[i])}
-    # Of a body rate the "gradient" is all of p'; no coordinate stands for it in L.
+    # For a body rate, `gradient` is all of p'; L has no coordinate for it.
     acting |= {i for i in open_ & equations.turning if seen.normal(equations.gradient[i]) != {}}
     if open_ - acting:
         atoms = seen.atoms(equations.lagrangian)
@@ -149,7 +149,7 @@ def _cyclic(equations: Equations, seen: _Seen, jumping: frozenset[int]) -> tuple
 
 
 def _smooth(equations: Equations) -> bool:
-    """No abs, min, max or step anywhere in the motion, nor what they turn into."""
+    """Returns whether no abs, min, max or step, or derivative of one, occurs in the motion."""
     g = equations.graph
     outputs = [*equations.pdot, *equations.force, *equations.state_rates]
     outputs += [entry for row in equations.mass for entry in row]

@@ -1,7 +1,7 @@
-"""A row as a combination of the rows of M with numbers, found modulo a prime.
+"""Writes a row as a linear combination of the rows of M with numbers, found modulo a prime.
 
-If w = M x with numbers x, then w.a = x.f along M a = f, and the accelerations need not be known:
-so it is for the momentum of a body that is turned or shifted as a whole.
+If w = M x with numbers x, then M a = f gives w.a = x.f without the accelerations. An example is the
+momentum of a body that is rotated or translated as a whole.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from ...graph.nullspace import Eliminated
 from ...graph.residues import PRIME, Residues
 
 DENOMINATORS = range(1, 13)
-LARGEST = 1_000  # numerator of such a number
+LARGEST = 1_000  # largest numerator tried
 
 
 def combination(g: Graph, rows: list[list[Node]], wanted: list[Node]) -> list[Fraction] | None:
-    """The numbers x with M x = w, proved by normal forms; None where there are none, or where that
-    is not seen."""
+    """Returns the numbers x with M x = w, proved by normal forms; None if none are found or the
+    proof fails."""
     found = _solved(Residues(g), rows, wanted)
     numbers = [_number(x) for x in found or ()]
     if found is None or None in numbers:

@@ -1,8 +1,8 @@
-"""Which coordinates have to do with which: through M, and through the equations of motion. States
-are counted after the coordinates, each a block of M by itself.
+"""Couplings of coordinates: through M, and through the equations of motion. States are numbered
+after the coordinates; each is a block of M by itself.
 
-Where the accelerations are not solved for, or have no normal form within the work allowed, what
-occurs in them counts as having an influence, though it may cancel.
+If the accelerations are not solved for, or have no normal form within the budget, every coordinate
+that occurs in them counts as an influence, though it may cancel.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from ...graph.normal import Normal
 from ...graph.residues import Residues
 
 STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
-WORK = 4_000  # products of two terms, for all rows
-SWEPT = 10_000  # values modulo a prime, of all nodes and for all coordinates
+WORK = 4_000  # budget of normal forms of all rows: products of two terms
+SWEPT = 10_000  # largest number of values modulo a prime: nodes times coordinates
 
 
 def mass_blocks(equations: Equations) -> Indices:
-    """The finest partition of the coordinates such that M has no entry between two parts."""
+    """Returns the finest partition of the coordinates such that M has no entry between parts."""
     n = len(equations.coordinates)
     return partition(
         n + len(equations.states),
@@ -30,7 +30,7 @@ def mass_blocks(equations: Equations) -> Indices:
 
 
 def mass_band(equations: Equations) -> int:
-    """The largest distance from the diagonal of an entry that is not zero."""
+    """Returns the bandwidth of M: the largest distance of a nonzero entry from the diagonal."""
     n = len(equations.coordinates)
     return max(
         (i - j for i in range(n) for j in range(i) if equations.mass[i][j] != ZERO), default=0
@@ -38,11 +38,11 @@ def mass_band(equations: Equations) -> int:
 
 
 def influences(equations: Equations, blocks: Indices) -> Indices:
-    """For each coordinate those whose position or rate is in its solved equation of motion, and
-    those that a constraint ties to it: their inertia has a part in it, seen there or not. Where
-    rates jump each has to do with all: the impulse keeps the energy of them together.
+    """Returns for each coordinate those whose position or rate is in its acceleration, and those
+    that a constraint ties to it, since their inertia acts on it. If rates may jump, every
+    coordinate influences all: an impulse conserves the energy of all together.
 
-    `blocks` are those of M: within one, each acceleration has all forces and entries of M in it.
+    `blocks` are those of M: each acceleration of a block depends on all its forces and entries.
     """
     found = _in_motion(equations, blocks)
     if equations.jolted:
@@ -53,7 +53,7 @@ def influences(equations: Equations, blocks: Indices) -> Indices:
 
 
 def ties(equations: Equations) -> dict[int, set[int]]:
-    """By coordinate, those that stand with it in the row or the equation of a constraint."""
+    """Returns for each coordinate those that occur with it in a constraint or its row."""
     c, found = equations.constraints, {}
     if c is None:
         return found
@@ -91,15 +91,15 @@ def _in_motion(equations: Equations, blocks: Indices) -> Indices:
 
 
 def blocks_of(influence: Indices, blocks: Indices) -> Indices:
-    """The finest partition such that no coordinate influences one of another part, nor shares an
-    entry of M with it: `blocks` are those of M."""
+    """Returns the finest partition such that no coordinate influences one of another part, or
+    shares an entry of M with it; `blocks` are those of M."""
     pairs = [(i, j) for i, row in enumerate(influence) for j in row]
     pairs += [(block[0], j) for block in blocks for j in block]
     return partition(len(influence), pairs)
 
 
 def partition(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:
-    """What is connected by the pairs, each part and the parts in order."""
+    """Returns the connected components of 0..n-1 with edges `pairs`, all in ascending order."""
     of = list(range(n))
 
     def root(i: int) -> int:
@@ -118,8 +118,8 @@ def partition(n: int, pairs: Iterable[tuple[int, int]]) -> Indices:
 
 
 def _doubtful(g: Graph, rows: tuple[Node, ...], n: int) -> Iterator[int]:
-    """The rows with a coordinate in them that may drop out: modulo a prime nothing changes with it.
-    Where there are too many nodes for that, none."""
+    """Yields the rows with a coordinate that may cancel: their value modulo a prime does not change
+    with it. Yields nothing if there are too many nodes."""
     if n * len(reachable(g, rows, STATE)) > SWEPT:
         return
     here = Residues(g)
@@ -131,7 +131,7 @@ def _doubtful(g: Graph, rows: tuple[Node, ...], n: int) -> Iterator[int]:
 
 
 def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:
-    """The atoms of the normal form; of a node that has none, itself."""
+    """Returns the atoms of a node's normal form; the node itself if it has none."""
     polynomial = normal(node) if g.depends[node] & STATE else {}
     if polynomial is None:
         return [node]
@@ -139,7 +139,7 @@ def _without_identities(g: Graph, normal: Normal, node: Node) -> list[Node]:
 
 
 def _occurring(g: Graph, rows: list[list[Node]], n: int) -> list[tuple[int, ...]]:
-    """Which of n coordinates, or their rates, and which states occur in each row of nodes."""
+    """Returns for each row of nodes which of n coordinates (or rates) and states occur in it."""
     bits: dict[Node, int] = {}
     for node in reachable(g, [node for row in rows for node in row], STATE):
         if g.op[node] is Op.SYMBOL:

@@ -1,4 +1,4 @@
-"""Where the mass matrix is positive definite: from the pivots of M = L D L^T, or from T as a sum
+"""Proves that the mass matrix is positive definite, by the pivots of M = L D L^T or by T as a sum
 of squares."""
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from ..points.squares import Positive, definite_by_squares
 
 
 def definite(equations: Equations) -> bool:
-    """Whether that is proved everywhere, with the parameters within their bounds."""
+    """Returns whether M is proved positive definite everywhere, for parameters in their bounds."""
     e = equations
     if definite_by_squares(e.graph, e.parameters, e.written, len(e.coordinates)):
         return True
@@ -18,7 +18,7 @@ def definite(equations: Equations) -> bool:
 
 
 def singular(equations: Equations) -> tuple[str, ...]:
-    """The expressions where whose zeros M may be singular; see `singularities.py`."""
+    """Returns the expressions at whose zeros M may be singular; see `singularities.py`."""
     return tuple(
         singularity.quantity.name
         for singularity in equations.singularities

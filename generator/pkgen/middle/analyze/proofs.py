@@ -1,8 +1,8 @@
-"""`conserve`: each claim is proved, refuted, or neither, and these are never confused.
+"""`conserve`: proves or refutes each claim that a quantity is constant.
 
 Proved: its time derivative along the equations of motion is zero by exact arithmetic alone.
-Refuted: at a state that is shown it is not zero, by more than any rounding can explain.
-Not proved: neither; then how far it holds at the states that were tried.
+Refuted: at a reported state the derivative differs from zero by more than a rounding error bound.
+Not proved: neither; the report has the largest derivative at the states tried.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from ..points.squares import bounds_of
 from .along import Along
 
 PROVED, REFUTED, OPEN = "proved", "refuted", "not proved"
-SHOWN = 12  # values of a counterexample
+SHOWN = 12  # largest number of values in a counterexample
 VISIBLE = 1e-300
-OFF = 1e-6  # of its terms: more than rounding, also that of a start put on constraints
+OFF = 1e-6  # relative to the terms: above the errors of rounding and of a start on constraints
 NOWHERE = "states at which the constraints hold, other than the start, were not looked for"
 
 
 def claims_of(equations: Equations, blocks: Indices, jumping: bool) -> tuple[Claim, ...]:
-    """The outcome of each `conserve`; `blocks` are those of M, and L is `jumping` at a step."""
+    """Returns the outcome of each `conserve`. `blocks` are those of M; `jumping`: L has a step."""
     if not equations.conserved:
         return ()
     along = Along(equations, blocks)
@@ -60,7 +60,7 @@ def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> 
     proof = "" if obstacle else vanishes(g, exact, terms)
     attitudes = tuple(a for a in along.equations.attitudes if a.numbers)
     if not proof and attitudes:
-        # Elsewhere than at length 1 there is no attitude: neither a proof nor its opposite.
+        # Quaternions have length 1: other values neither prove nor refute a claim.
         terms = substituted(g, terms, on_sphere(g, attitudes))
         proof = "" if obstacle else vanishes(g, exact, terms)
     if proof:
@@ -75,7 +75,7 @@ def _claim(along: Along, exact: Exact, name: str, node: Node, jumping: bool) -> 
 
 
 def vanishes(g: Graph, exact: Exact, terms: list[Node]) -> str:
-    """Why the sum is zero, or "" where that is not seen."""
+    """Returns the method that proves the sum of terms to be zero, or "" if none does."""
     total = g.sum(terms)
     if total == ZERO:
         return "term by term"
@@ -87,8 +87,8 @@ def vanishes(g: Graph, exact: Exact, terms: list[Node]) -> str:
 
 
 def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
-    """Why a quantity may jump, which its derivative does not say. One that is continuous and whose
-    derivative vanishes beside kinks is constant. |x|/x is not, nor is atan(1/x) + atan(x)."""
+    """Returns the reason why a quantity may jump, or "". A zero derivative proves it constant only
+    if it is continuous: |x|/x and atan(1/x) + atan(x) are not."""
     g = along.graph
     below = reachable(g, [node], VARIABLE)
     calls = [FUNCTIONS[g.data[n]] for n in below if g.op[n] is Op.CALL]
@@ -108,8 +108,8 @@ def _jumps(along: Along, ranges: Ranges, node: Node) -> str:
 
 
 def _jolted(along: Along, node: Node) -> str:
-    """Why it may jump where rates do. What is made of momenta that no impulse is along, and of the
-    energy where nothing moves by itself, does not."""
+    """Returns the reason why a quantity may jump where rates jump, or "". Momenta without impulse
+    do not jump, nor does the energy if surfaces and constraints do not depend on t."""
     g, e = along.graph, along.equations
     if not e.jolted:
         return ""
@@ -136,14 +136,14 @@ def _jolted(along: Along, node: Node) -> str:
 
 
 def _divisors(g: Graph, ranges: Ranges, nodes: list[Node]) -> set[Node]:
-    """What may vanish and is divided by: where the motion does that, it ends."""
+    """Returns the divisors in nodes that may vanish. A motion ends at zeros of its divisors."""
     divisors = [base for base, use in dangerous(g, ranges, nodes) if use == DIVISOR]
     found = {zero for base in divisors for zero, _ in zeros(g, ranges, base)}
     return found | {square for zero in found for square in squared(g, zero)}
 
 
 def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> Claim:
-    """Of a claim on holonomic constraints, which at other states would have to be solved for."""
+    """Returns an outcome by the start alone: other states need not satisfy the constraints."""
     e = along.equations
     try:
         start = started(e.graph, e.parameters, (e.start_q, e.start_v, e.state_start))
@@ -158,7 +158,7 @@ def _at_the_start(along: Along, name: str, terms: list[Node], obstacle: str) -> 
 
 
 class _Tried:
-    """A derivative's terms at some states, and the one that speaks most against it."""
+    """Evaluates the terms of a derivative at sample states; keeps the clearest counterexample."""
 
     def __init__(self, along: Along, name: str, terms: list[Node]):
         self.along, self.name = along, name
@@ -177,7 +177,7 @@ class _Tried:
             most = max(size, rate.rad / balls.tiny)
             self.relative = max(self.relative, rate.most / most if most else 0)
             self.held |= not sample.varied and not rate.least > 0
-            # Easier to check are parameters at their defaults, and a rate that a double can hold.
+            # Easiest to check: parameters at their defaults, and a rate that a double can hold.
             rank = (not sample.varied, rate.least > VISIBLE, rate.least / most if most else 0)
             if rate.least > 0 and rank > best:
                 best, self.against, self.rate, self.size = rank, sample, rate.mid, size
@@ -205,7 +205,7 @@ class _Tried:
         )
 
     def _number(self, x: Any) -> str:
-        """Whether or not a double can hold it."""
+        """Returns the text of a number, which may be outside the range of doubles."""
         return self.balls.mp.nstr(x, 4)
 
     def _named(self, sample: Sample) -> Iterable[str]:
@@ -224,7 +224,7 @@ class _Tried:
 
 
 def check_claims(model: Model, claims: tuple[Claim, ...]) -> None:
-    """Raises ModelError with those that are not proved."""
+    """Raises ModelError if any claim is not proved."""
     findings = []
     for item, claim in zip(model.conserved, claims, strict=True):
         if claim.outcome == REFUTED:

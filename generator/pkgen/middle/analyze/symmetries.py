@@ -1,17 +1,17 @@
-"""Constants of the motion by Noether's theorem, the symmetries solved for.
+"""Constants of the motion by Noether's theorem: solves for the symmetries.
 
-Sought are the point transformations
+These are point transformations
 
     t -> t + s tau,  q_i -> q_i + s xi_i,    xi_i = a_i + sum_j B_ij q_j + c_i t,  tau = d0 + d1 t
 
-that change L dt, with the work of applied forces, by a total derivative dG, G(q, t) a polynomial.
-Each makes I = sum xi_i p_i - tau h - G constant, and along the equations of motion
+that change L dt, with the work of applied forces, by a total derivative dG of a polynomial G(q, t).
+Each makes I = sum xi_i p_i - tau h - G constant. Along the equations of motion
 
     dI/dt = sum xi_i p_i' + sum p_i dxi_i/dt - tau dh/dt - h dtau/dt - dG/dt,
     dh/dt = v.(Q - dD/dv) - dL/dt,
 
-without any acceleration in it. So that dI/dt = 0 is a linear equation in a, B, c, d and the
-coefficients of G for each monomial in what varies, with coefficients in the parameters.
+without accelerations. So dI/dt = 0 is, for each monomial in the variables q, v, t, a linear
+equation in a, B, c, d and the coefficients of G, with coefficients in the parameters.
 Reference: P. J. Olver, Applications of Lie Groups to Differential Equations, 2nd edition, 4.4.
 """
 
@@ -31,12 +31,12 @@ from .coupling import blocks_of
 from .symmetries_ansatz import KINDS, Unknown, ansatz
 from .symmetries_blocks import BLOCK, block_energies
 
-WORK = 100_000  # products of two terms
-ENTRIES = 60_000  # of the matrix
+WORK = 100_000  # budget of a normal form: products of two terms
+ENTRIES = 60_000  # largest number of entries of the matrix
 
 
 def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> Symmetries:
-    """What is found; `coupled` are the blocks of M, `influences` those of Structure."""
+    """Returns the invariants; `coupled` are the blocks of M, `influences` as in Structure."""
     along = Along(equations, coupled)
     g = along.graph
     unknowns, searched = ansatz(len(equations.coordinates), equations.mass, influences)
@@ -50,7 +50,7 @@ def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> S
     why = "the model is large"
     try:
         solved = null_space(rows, len(others)) if sum(map(len, rows)) <= ENTRIES else None
-    except ModuleNotFoundError:  # what is found stands in comments: C must not need SymPy
+    except ModuleNotFoundError:  # only comments have invariants: C must not need SymPy
         solved, why = None, "SymPy, which solves for the others, is not installed"
     if solved is None:
         searched = f"shifts of time and of single coordinates only: {why}"
@@ -68,7 +68,7 @@ def symmetries(equations: Equations, coupled: Indices, influences: Indices) -> S
 def _columns(
     equations: Equations, along: Along, unknowns: list[Unknown]
 ) -> list[Polynomial] | None:
-    """What each unknown adds to dI/dt, all times one factor."""
+    """Returns the coefficient of each unknown in dI/dt, all times one factor; None if too large."""
     g = along.graph
     n = len(equations.coordinates)
 
@@ -79,7 +79,7 @@ def _columns(
     nodes = [*equations.pdot, *equations.momenta, equations.energy]
     nodes += [g.negate(along.energy_rate()), ONE]
     exact = Exact(g, WORK)
-    # Where one denominator for all is too much work, fewer terms are seen to be equal.
+    # Without a common denominator, which may be too much work, fewer equal terms are recognized.
     made = exact.numerators(nodes) or Exact(g, WORK).all(nodes)
     if made is None:
         return None
@@ -100,7 +100,7 @@ def _columns(
         "c": lambda i, j: exact.added(times(pdot[i], t), p[i]),
         "d0": lambda i, j: gained,
         "d1": lambda i, j: exact.added(times(gained, t), minus(h)),
-        # Less the time derivative of G.
+        # Minus the time derivative of G.
         "t": lambda i, j: minus(one),
         "tt": lambda i, j: minus(exact.added(times(one, t), times(one, t))),
         "q": lambda i, j: minus(times(one, v[i])),
@@ -114,7 +114,7 @@ def _columns(
 
 
 def _rows(g: Graph, columns: list[Polynomial]) -> list[Row]:
-    """The equations, one for each monomial in what varies."""
+    """Returns the linear equations, one for each monomial in the variables."""
     rows: dict[Monomial, Row] = {}
     for k, column in enumerate(columns):
         for monomial, coefficient in column.items():
@@ -125,7 +125,7 @@ def _rows(g: Graph, columns: list[Polynomial]) -> list[Row]:
 
 
 def _whole(row: Row) -> Row:
-    """An equation times what makes all its coefficients polynomials in the parameters."""
+    """Returns an equation scaled so that its coefficients are polynomials in the parameters."""
     least: dict[Node, int] = {}
     for coefficient in row.values():
         for monomial in coefficient:
@@ -141,7 +141,7 @@ _TIME, _CYCLIC, _POINT = "time shift", "cyclic coordinate", "symmetry"
 
 
 class _Said:
-    """Solutions as invariants."""
+    """Turns solutions into invariants."""
 
     def __init__(self, equations: Equations, g: Graph, unknowns: list[Unknown]):
         self.graph, self.unknowns = g, unknowns
@@ -192,5 +192,5 @@ class _Said:
 
 
 def joined(terms: list[str]) -> str:
-    """Terms as a sum."""
+    """Returns the sum of terms as text."""
     return " + ".join(terms).replace("+ -", "- ")

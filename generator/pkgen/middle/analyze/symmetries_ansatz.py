@@ -1,4 +1,4 @@
-"""The unknown coefficients of a point transformation and of its gauge term, and what each means."""
+"""The unknown coefficients of a point transformation and of its gauge term, and their meaning."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ...equations import Indices, Matrix
 from ...graph.graph import ZERO
 from ...record import record
 
-WHOLE = 9  # coordinates up to which every q_j may be in every xi_i
+WHOLE = 9  # largest number of coordinates for which every xi_i may contain every q_j
 
 
 @record
@@ -20,8 +20,8 @@ class Unknown:
 
 @record
 class Meaning:
-    """`factors`: what stands beside it in the invariant; `along`: the generator's derivative,
-    "" for the gauge term, which is subtracted. Both by (unknown, names of q, names of p)."""
+    """The meaning of a kind of unknown. `factors` makes its factors in the invariant, `along` its
+    term of the generator: factors and the variable of d/d. The gauge term G has no `along`."""
 
     factors: Callable[[Unknown, list[str], list[str]], tuple[str, ...]]
     along: Callable[[Unknown, list[str]], tuple[tuple[str, ...], str]] | None
@@ -43,7 +43,7 @@ KINDS = {
 
 
 def ansatz(n: int, mass: Matrix, influences: Indices) -> tuple[list[Unknown], str]:
-    """The unknowns, those first that are to be expressed in others; and what they amount to."""
+    """Returns the unknowns, first those to be solved for in terms of others, and a description."""
     whole = n <= WHOLE
     pairs = [(i, j) for i in range(n) for j in range(n)]
     if not whole:
@@ -63,8 +63,8 @@ def ansatz(n: int, mass: Matrix, influences: Indices) -> tuple[list[Unknown], st
 
 
 def _coupled(n: int, mass: Matrix, influences: Indices) -> Iterator[tuple[int, int]]:
-    """The pairs of coordinates, in either order, that have to do with each other directly, as long
-    as there are few."""
+    """Returns the ordered pairs of coordinates coupled by M or by influence; if there are too many,
+    the pairs (i, i) only."""
     found = {(i, i) for i in range(n)}
     found |= {(i, j) for i in range(n) for j in range(n) if mass[i][j] != ZERO}
     found |= {pair for i, row in enumerate(influences) for j in row for pair in ((i, j), (j, i))}

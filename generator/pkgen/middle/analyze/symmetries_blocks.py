@@ -1,7 +1,7 @@
 """Energies of blocks of coordinates that do not influence each other.
 
-Where L is a sum of such that each depend on one block, time may be shifted for one block alone.
-With h of it, dh/dt = sum v_i Q_i - dL/dt over the block, where it need not vanish for the others.
+If L is a sum of terms that each depend on one block, time may be shifted for one block alone. The
+energy h of the block has dh/dt = sum v_i Q_i - dL/dt over the block, whatever the other blocks do.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from .along import Along
 from .proofs import vanishes
 
 BLOCK = "time shift of a block"
-WORK = 20_000  # products of two terms
+WORK = 20_000  # budget of a normal form: products of two terms
 TERMS = 2_000
-NAMED = 4  # coordinates
+NAMED = 4  # largest number of coordinates in a name
 
 
 def block_energies(
     e: Equations, along: Along, blocks: Indices, known: Collection[str]
 ) -> Iterator[Invariant]:
-    """Those that are constant, but for what is a function of one momentum that is `known` to be."""
+    """Yields the constant energies of blocks, except of a coordinate with a `known` momentum."""
     g = along.graph
     for block, lagrangian in _split(g, e.lagrangian, blocks):
-        if any(i >= len(e.momenta) for i in block):  # a state, whose rate is no power
+        if any(i >= len(e.momenta) for i in block):  # a state: forces do no work along it
             continue
         if len(block) == 1 and e.momenta_names[block[0]].name in known:
             continue
@@ -45,7 +45,7 @@ def block_energies(
 
 
 def _split(g: Graph, lagrangian: Node, blocks: Indices) -> Iterator[tuple[tuple[int, ...], Node]]:
-    """The part of L of each block, where there are several and it has one."""
+    """Yields the part of L of each block that has one, if there are several blocks."""
     normal = Normal(g, work=WORK, terms=TERMS)
     polynomial = normal(lagrangian) if len(blocks) > 1 else None
     if polynomial is None:

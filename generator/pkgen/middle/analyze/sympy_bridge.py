@@ -1,4 +1,4 @@
-"""Graph -> SymPy, object by object: no text is ever parsed on the way."""
+"""Converts graph nodes to SymPy objects, without text that SymPy would have to parse."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ..naming import naming
 if TYPE_CHECKING:
     import sympy
 
-COMBINED = 80  # operations, up to which products of sines become sines of sums
-COMBINED_COORDINATES = 8  # n^2 entries of M would take minutes
+COMBINED = 80  # largest number of operations for which products of sines become sines of sums
+COMBINED_COORDINATES = 8  # largest number of coordinates for it: n^2 entries would take minutes
 
 
 def text(equations: Equations, node: Node, limit: int) -> str:
-    """The expression in the model's names; of one with more operations than `limit`, its size."""
+    """Returns the expression as text; its size if it has more operations than `limit`."""
     found = expression(equations, node, limit)
     if isinstance(found, int):
         return f"({found} operations)"
@@ -29,7 +29,7 @@ def text(equations: Equations, node: Node, limit: int) -> str:
 
 
 def plain(expr: sympy.Expr) -> str:
-    """In the words of the language."""
+    """Returns the text of an expression in the syntax of models."""
     return _printer().doprint(expr).replace("**", "^")
 
 
@@ -54,7 +54,7 @@ def _printer():
             return self._nested("min", expr.args)
 
         def _nested(self, name: str, args) -> str:
-            """SymPy has one of many arguments, the language of two."""
+            """Nests calls: SymPy's function has many arguments, that of the language two."""
             first, *rest = args
             other = self._nested(name, rest) if len(rest) > 1 else self._print(rest[0])
             return f"{name}({self._print(first)}, {other})"
@@ -63,7 +63,7 @@ def _printer():
 
 
 def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int:
-    """The same as an object of SymPy, or as a number of operations."""
+    """Returns the expression as a SymPy object, or its number of operations if above `limit`."""
     import sympy as sp
     from sympy.simplify.fu import TR10i
 
@@ -73,13 +73,13 @@ def expression(equations: Equations, node: Node, limit: int) -> sympy.Expr | int
     name = naming(equations)
     (expr,) = to_sympy(equations.graph, [node], lambda s: sp.Symbol(name(s)))
     few = size <= COMBINED and len(equations.coordinates) <= COMBINED_COORDINATES
-    if few and expr.has(sp.sin, sp.cos):  # TR10i tries all pairs of terms, whatever they are
+    if few and expr.has(sp.sin, sp.cos):  # TR10i is quadratic: it tries all pairs of terms
         expr = min(expr, TR10i(expr), TR10i(sp.expand(expr)), key=sp.count_ops)
     return expr
 
 
 def written_size(g: Graph, node: Node) -> int:
-    """Operations of an expression written out, what is shared counted each time."""
+    """Returns the operations of an expression, with common subexpressions counted repeatedly."""
     return swept(g, [node], lambda _, sizes: sum(sizes) + (len(sizes) > 0))[0]
 
 
@@ -90,10 +90,10 @@ def to_sympy(
     shortened: Callable[[sympy.Expr], sympy.Expr] | None = None,
     given: Mapping[Node, sympy.Expr] | None = None,
 ) -> list[sympy.Expr]:
-    """The nodes as SymPy expressions, `symbol` giving those of the symbols. What `shortened` makes
-    of a node stands for it wherever it occurs; so does what is `given`.
+    """Returns the nodes as SymPy expressions. `symbol` makes those of symbols; `shortened`
+    simplifies the expression of each node; `given` has ready expressions of some nodes.
 
-    `reciprocal` becomes 1/x: what it says at 0 is lost.
+    `reciprocal` becomes 1/x: its value at 0 is lost.
     """
     import sympy as sp
 

@@ -22,7 +22,7 @@ from ..quantities import error, smaller, symbols
 
 
 def with_hamiltonian(equations: Equations, structure: Structure) -> Equations:
-    """The equations with H in them; raises ModelError where it has no closed form."""
+    """Returns the equations with H; raises ModelError if H has no closed form."""
     model = equations.model
     for found, what, help in (
         (

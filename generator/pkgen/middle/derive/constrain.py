@@ -1,16 +1,14 @@
-"""Constraints on the graph: the motion with the forces that keep it on them.
+"""Constraints on the graph: the motion with constraint forces.
 
-Rows J v + j0 = 0 of the rates, of which the holonomic ones are the rates of phi(t, q) = 0. By
-d'Alembert the force is J^T lambda; J a + (J v + j0)' = 0 at a = 0 aside, the index reduced to 1,
-gives with M a = f
+The rows are J v + j0 = 0; holonomic ones are the time derivatives of phi(t, q) = 0. By d'Alembert
+the force is J^T lambda. Index reduction to 1 gives J a + gamma = 0, gamma = (J v + j0)' at a = 0.
+With M a = f + J^T lambda,
 
-    S lambda = -(J M^-1 f + gamma),   S = J M^-1 J^T,   gamma = the rate of J v + j0 where nothing
-    accelerates
+    S lambda = -(J M^-1 f + gamma),   S = J M^-1 J^T,   a = M^-1 (f + J^T lambda).
 
-and a = M^-1 (f + J^T lambda). With M = L D L^T and Z = L^-1 J^T, S = Z^T D^-1 Z. Positions and
-rates then drift off the constraints by the error of each step alone; the runtime puts them back
-(src/constraints/project.c). Reference: E. Hairer, G. Wanner, Solving Ordinary Differential
-Equations II, section VII.1."""
+With M = L D L^T and Z = L^-1 J^T, S = Z^T D^-1 Z. Positions and rates drift off the constraints by
+the error of each step only; the runtime projects them back (src/constraints/project.c).
+Reference: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section VII.1."""
 
 from __future__ import annotations
 
@@ -35,8 +33,8 @@ from ..quantities import symbols
 
 
 class CannotConstrain(Exception):
-    """Why rows cannot be solved for; `row` is the one at fault, None if none is. The message goes
-    on after "the constraint 'NAME'", or stands by itself where there is none."""
+    """The constraint equations cannot be solved; `row` is the row at fault, or None. With a row the
+    message continues "the constraint 'NAME'", without one it is complete."""
 
     def __init__(self, message: str, row: int | None = None, help: str = ""):
         super().__init__(message)
@@ -46,11 +44,11 @@ class CannotConstrain(Exception):
 def constrain(
     g: Graph, motion: Motion, rows: Rows, rate_of: Callable[[Node], Node]
 ) -> tuple[Motion, Solution, Constraints]:
-    """The motion with J^T lambda in what is applied, in pdot and in f; its accelerations with the
-    pivots of M, both by coordinate; and the rows with their multipliers and what is without them.
+    """Returns the motion with J^T lambda in `applied`, `pdot` and `force`; its accelerations with
+    the pivots of M, by coordinate; and the rows with multipliers and quantities without J^T lambda.
     `rate_of` gives the time derivative of a coordinate, a state, t or an input. Raises
-    CannotConstrain where a row is not affine in the rates or has none, where rows depend on each
-    other everywhere, and where M or S cannot be solved in straight-line code."""
+    CannotConstrain if a row is not affine in the rates or has none, if rows depend on each other
+    everywhere, or if M or S cannot be solved in straight-line code."""
     n = len(motion.force)
     v = symbols(g, Kind.RATE, n)
     J = tuple(_row(g, rows, k, v) for k in range(len(rows.residual)))
@@ -91,8 +89,8 @@ def constrain(
 
 
 def _least(g: Graph, multipliers: Row, shares: Matrix) -> Row:
-    """Those of least norm that are the same force: of the redundant rows x with (1 + C C^T) x =
-    C lambda, C their shares of the others, and then lambda - C^T x."""
+    """Returns the multipliers of least norm with the same force: lambda - C^T x, followed by x of
+    the redundant rows. (1 + C C^T) x = C lambda; C: redundant rows = C times the others."""
     if not shares:
         return multipliers
 
@@ -120,7 +118,7 @@ def _shared(shares: Matrix, count: int) -> frozenset[int]:
 
 
 def _row(g: Graph, rows: Rows, k: int, v: Row) -> Row:
-    """The derivatives by the rates, which may not depend on rates again."""
+    """Returns the derivatives of a row by the rates. Raises CannotConstrain if they have rates."""
     by = gradient(g, rows.residual[k], RATES)
     found = tuple(by.get(rate, ZERO) for rate in v)
     if any(g.depends[node] & RATES for node in found):
@@ -142,8 +140,8 @@ def _row(g: Graph, rows: Rows, k: int, v: Row) -> Row:
 def _solved(
     g: Graph, motion: Motion, factored: Factors, J: Matrix, gamma: list[Node], more: Matrix
 ) -> tuple[Row, Solution, Pivots, Matrix]:
-    """The multipliers, the accelerations with the pivots of M, the pivots of S, and what `more`
-    rows are as sums of these."""
+    """Returns the multipliers, the accelerations with the pivots of M, the pivots of S, and the
+    coefficients of the redundant rows `more` as combinations of the rows J."""
     columns = [factored.forward(g, row) for row in J]
     force = factored.forward(g, motion.force)
 
@@ -192,7 +190,7 @@ def _solved(
 
 
 def _workless(g: Graph, rows: Rows, J: Matrix, v: Row) -> bool:
-    """Whether the rows are J v = 0, and neither they nor phi know the time."""
+    """Whether the rows are J v = 0, and neither they nor phi depend on t or inputs."""
     normal = Normal(g)
     timeless = BIT[Kind.TIME] | BIT[Kind.INPUT]
     if any(g.depends[node] & timeless for node in (*rows.residual, *rows.positions)):

@@ -1,10 +1,8 @@
-"""Whether a model starts where its constraints hold, and whether there they say more than one
-another.
+"""Checks that a model's start satisfies its constraints, and that their rows are independent there.
 
-The numbers are those of the model's own starts and defaults; what options give is checked by the
-runtime by the same rules (src/constraints/constraint.c). With an input nobody knows what holds
-before it is given. Rates of metres and of radians compare as their kinetic energies do, by M: its
-diagonal is enough of it.
+The values are the model's starts and defaults. The runtime checks values from options by the same
+rules (src/constraints/constraint.c). Constraints with an input cannot be checked before a run.
+Rates in metres and in radians are scaled by their kinetic energies, with the diagonal of M.
 """
 
 from __future__ import annotations
@@ -25,22 +23,22 @@ from ..points.samples import started
 from .nearest_start import nearest_start
 
 EPS = sys.float_info.epsilon
-WRITTEN = 1e-8  # of its terms: starts are written with as many digits as their author has
-DEBRIS = 64 * EPS  # beside the largest number of the start: what rounding leaves of a zero
-SWEEPS = 3  # of rows and columns
-ROUNDING = 1e-12  # an entry so small in its row may be rounding of 0: no column is scaled by it
-SMALL = 1e-9  # a row that may be rounding
-DEPENDENT = math.sqrt(16 * EPS)  # left of a row without its parts along others; squared, a pivot
+WRITTEN = 1e-8  # tolerance relative to the terms: starts are written with a limited precision
+DEBRIS = 64 * EPS  # rounding error of a zero, relative to the largest number of the start
+SWEEPS = 3  # scaling sweeps over rows and columns
+ROUNDING = 1e-12  # entries smaller in their row may be rounding errors: they scale no column
+SMALL = 1e-9  # rows with smaller entries may be rounding errors
+DEPENDENT = math.sqrt(16 * EPS)  # relative rest of a row orthogonal to others; squared, a pivot
 
 
 @record
 class Start:
-    """Numbers of the start, and by each rate what one unit of it is in the metric of M."""
+    """Values at the start, and the length of a unit of each rate in the metric of M."""
 
     values: dict[Symbol, float]
     unit: dict[Node, float]
-    far: float  # the largest coordinate there, with attitudes 1
-    fast: float
+    far: float  # the largest coordinate in this metric; attitudes count as 1
+    fast: float  # the largest rate
 
 
 def at_the_start(
@@ -52,9 +50,8 @@ def at_the_start(
     attitudes: tuple[Attitude, ...],
     name: Callable[[Symbol], str],
 ) -> tuple[Rows | None, list[Diagnostic]]:
-    """The rows, those that follow from others apart; or what is wrong: each constraint that the
-    start breaks, or that has no force there. `starts` are of coordinates, their rates, and
-    states."""
+    """Returns the rows, redundant ones set apart, and errors: constraints that the start violates,
+    or whose row is 0 there. `starts` are of coordinates, rates, and states."""
     if c is None or any(g.depends[node] & BIT[Kind.INPUT] for node in (*c.positions, *c.residual)):
         return c, []
     start = _start(g, started(g, parameters, starts), lagrangian, attitudes)
@@ -101,7 +98,7 @@ def _start(
     unit, far, fast = {}, 0.0, 0.0
     for rate, slope in gradient(g, lagrangian, BIT[Kind.RATE]).items():
         own = gradient(g, slope, BIT[Kind.RATE]).get(rate, ZERO)
-        unknown = g.depends[own] & BIT[Kind.INPUT]  # what an input is, a run says
+        unknown = g.depends[own] & BIT[Kind.INPUT]  # a run gives the value of an input
         (inertia,) = (0.0,) if unknown else evaluate(g, [own], values)
         unit[rate] = math.sqrt(inertia) if 0 < inertia < math.inf else 1.0
         i = g.data[rate].index
@@ -114,7 +111,7 @@ def _start(
 def _residual(
     g: Graph, c: Rows, k: int, row: dict[Node, float], start: Start
 ) -> tuple[float, bool] | None:
-    """What is not 0, and whether it is of rates; `row` is in units of M."""
+    """Returns the violation of a row and whether it is one of rates; None if it holds."""
     slope = math.fsum(map(abs, row.values()))
     nodes = [(c.residual[k], slope * start.fast, True)]
     if k < c.holonomic:
@@ -137,13 +134,13 @@ def _broken(c: Rows, k: int, found: float, of_rates: bool) -> Diagnostic:
 
 
 def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
-    """The entries of J by the rate, in units of M; 0 where all are what rounding of the start
-    leaves of it."""
+    """Returns the entries of J by rate, scaled by M; all 0 if they may be rounding errors of the
+    start."""
     by = gradient(g, residual, BIT[Kind.RATE])
     entries = evaluate(g, by.values(), start.values)
     row = {rate: x / start.unit.get(rate, 1.0) for rate, x in zip(by, entries, strict=True)}
     if any(abs(x) > SMALL * max(1.0, start.far) for x in row.values()):
-        return row  # second derivatives are seldom asked for
+        return row  # without second derivatives, which are seldom needed
     for node, x in zip(by.values(), entries, strict=True):
         bends = gradient(g, node, BIT[Kind.COORDINATE])
         slopes = evaluate(g, bends.values(), start.values)
@@ -154,7 +151,7 @@ def _row(g: Graph, residual: Node, start: Start) -> dict[Node, float]:
 
 
 def _equilibrated(rows: list[dict[Node, float]]) -> list[dict[Node, float]]:
-    """The rows with columns of one size, so that masses and units say nothing of their rank.
+    """Returns the rows with columns scaled to one size: masses and units do not affect the rank.
 
     Reference: D. Ruiz, RAL-TR-2001-034.
     """
@@ -173,8 +170,8 @@ def _equilibrated(rows: list[dict[Node, float]]) -> list[dict[Node, float]]:
 
 
 def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
-    """The first row that others before it make, and which; by Gram-Schmidt with each row's own
-    combination of those before."""
+    """Returns the first row that depends on rows before it, and these; or None. Gram-Schmidt
+    orthogonalization records each vector as a combination of rows."""
     basis: list[tuple[list[float], dict[int, float]]] = []
     rates = sorted(set().union(*rows))
     for k, row in enumerate(rows):
@@ -197,8 +194,8 @@ def _dependent(rows: list[dict[Node, float]]) -> tuple[int, list[int]] | None:
 
 
 def _independent(rows: list[dict[Node, float]], holonomic: int) -> list[int]:
-    """Rows that the others follow from, as far apart as can be: of those left always the one that
-    most is left of, those of positions first, since they say more."""
+    """Returns rows that imply the others, well conditioned: by pivoting, the row with the largest
+    relative rest comes next. Holonomic rows come first, since they imply more."""
     rates = sorted(set().union(*rows))
     left = [[row.get(rate, 0.0) for rate in rates] for row in rows]
     sizes = [math.hypot(*row) or 1.0 for row in left]

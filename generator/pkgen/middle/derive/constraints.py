@@ -1,4 +1,4 @@
-"""`constraint` and `rolling` entered into the graph: rows of equations between rates, by name."""
+"""Expands `constraint` and `rolling` into named rows on the graph."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE]
 
 
 def rows_of(x: Expander) -> tuple[Rows | None, tuple[Diagnostic, ...]]:
-    """The holonomic ones first, each kind in the order in which they are declared. A row that is 0
-    at every motion is left out, with a warning."""
+    """Returns the rows, holonomic ones first, each kind in the order of declaration; and warnings.
+    A row that is identically 0 is dropped with a warning."""
     found: dict[bool, list[tuple]] = {True: [], False: []}
     normal, vanished = Normal(x.graph), []
     for item in x.model.constraints:
@@ -33,7 +33,7 @@ def rows_of(x: Expander) -> tuple[Rows | None, tuple[Diagnostic, ...]]:
                 if not moves:
                     held = names(item.value) and not _of_the_free(x, item.value)
                     if held and normal(node) == {}:
-                        continue  # what a scene holds fulfils it
+                        continue  # coordinates held by a scene satisfy it
                     message = f"the constraint '{name}' holds or fails whatever the motion"
                     help = (
                         "state its other components one by one" if "." in name else "leave it out"
@@ -52,7 +52,7 @@ def rows_of(x: Expander) -> tuple[Rows | None, tuple[Diagnostic, ...]]:
 
 
 def _of_the_free(x: Expander, value: Expr) -> bool:
-    """Whether something that is not held is named in it, by itself or in a definition."""
+    """Whether an expression contains a coordinate or state, directly or through definitions."""
     definitions = {item.name: item.value for item in x.model.definitions}
     seen, waiting = set(), set(names(value))
     while waiting:
@@ -64,8 +64,8 @@ def _of_the_free(x: Expander, value: Expr) -> bool:
 
 
 def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelError:
-    """The same with the row's name and place in the text; the first row's place where none is at
-    fault."""
+    """Returns the error with the name and span of the row at fault; if none is, with the span of
+    the first row."""
     if wrong.row is None:
         return error(x.model, wrong.message, rows.spans[0], wrong.help)
     name = rows.names[wrong.row].name.removeprefix("lambda_")
@@ -74,9 +74,9 @@ def cannot_constrain(x: Expander, rows: Rows, wrong: CannotConstrain) -> ModelEr
 
 
 def define_multipliers(x: Expander, constraints: Constraints | None) -> None:
-    """The nodes of lambda_NAME and least_lambda_NAME under that name and index, for outputs and
-    events; of rows that are not there, as a scene holds what they tie, none. One that is not
-    unique has no lambda_NAME."""
+    """Defines lambda_NAME and least_lambda_NAME by index, for outputs and events. Rows dropped
+    because a scene holds their coordinates have neither. A multiplier that is not unique has no
+    lambda_NAME."""
     c = constraints
     if c is None:
         return

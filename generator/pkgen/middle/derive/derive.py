@@ -1,7 +1,7 @@
 """Model -> Equations: Lagrange's equations on the expression graph.
 
-One reverse sweep over L gives p = dL/dv and dL/dq; one sparse forward sweep a rate gives a column
-of M = dp/dv; one forward product gives (dp/dq) v + dp/dt. So f costs O(N) beyond L and M O(N^2).
+One reverse sweep over L gives p = dL/dv and dL/dq. One sparse forward sweep per rate gives a column
+of M = dp/dv. One forward product gives (dp/dq) v + dp/dt. In addition to L, f costs O(N), M O(N^2).
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ from .lagrange import Derived, derived, located, singularities
 
 
 def derive(model: Model, kernels: frozenset[str] | None = None, unrolled: str = "") -> Equations:
-    """The equations of motion; of the kernels not in `kernels` (None: all) the costly are skipped.
-    `unrolled` says why families are not loops, for models that are too large so."""
+    """Returns the equations of motion, without the costly kernels that are not in `kernels` (None:
+    all). `unrolled`, the reason why families are not loops, is for errors of too large models."""
     _check_size(model, unrolled)
     return entered(model, lambda orders: _derive(model, kernels, orders))
 
@@ -106,7 +106,7 @@ def _derive(model: Model, kernels: frozenset[str] | None, orders: tuple[int, ...
             model.span,
             "with states in the kinetic energy no more than some 20 coordinates can be coupled",
         )
-    primes = x.primes[:]  # of outputs they say what is seen, not how it moves
+    primes = x.primes[:]  # without those of outputs, which do not affect the motion
     outputs = _outputs(x, found, rates)
     check_rates(model, x.graph, primes, naming(named))
     ends = singularities(x.graph, found, named, x.attitudes) if wanted("singularity") else ()
@@ -159,7 +159,7 @@ def _energies(x: Expander) -> Energies:
 
 
 def _fast(x: Expander, fast: Node, found: Derived) -> Row | None:
-    """The acceleration by a part of V alone."""
+    """Returns the acceleration by the `fast` part of V alone."""
     if not x.model.fast:
         return None
     if found.constraints is not None:
@@ -200,7 +200,7 @@ def _slots(x: Expander, item: Parameter) -> list[ParameterSlot]:
 
 
 def _starts(x: Expander) -> tuple[Row, Row, Row]:
-    """Of the coordinates, their rates, and the states."""
+    """Returns the starts of the coordinates, of their rates, and of the states."""
     count = x.count
     values = ([ZERO] * count, [ZERO] * count, [ZERO] * x.state_count)
     for item in x.model.starts:
@@ -251,7 +251,7 @@ def _check_inertia(x: Expander, motion: Motion) -> None:
 
 
 def _singular(x: Expander, coordinate: int) -> ModelError:
-    """Only a combination of the coordinates has inertia: (x' + y')^2."""
+    """Returns the error for coordinates of which only a combination has inertia: (x' + y')^2."""
     item, index = x.members[coordinate]
     name = indexed(item.rate or item.name, index)
     message = f"'{name}' has no inertia of its own: the mass matrix is singular"
@@ -260,7 +260,7 @@ def _singular(x: Expander, coordinate: int) -> ModelError:
 
 
 def _events(x: Expander, found: Derived, rates: Mapping[Node, Node]) -> Row:
-    """May use what outputs may, and so come after them."""
+    """Returns the event functions. They may use outputs, and therefore come after these."""
     nodes = []
     for item in x.model.events:
         with x.statement(item.span):
@@ -287,7 +287,7 @@ def _generalized_forces(x: Expander) -> list[Node]:
 
 
 def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> dict[str, tuple]:
-    """The fields of Equations."""
+    """Returns the fields of Equations for outputs: `observed`, `conserved` and their names."""
     define_built_in(x, derived.energies, derived.energy, derived.motion.momenta)
     define_multipliers(x, derived.constraints)
     x.solved = rates
@@ -308,7 +308,7 @@ def _outputs(x: Expander, derived: Derived, rates: Mapping[Node, Node]) -> dict[
 def _solved(
     x: Expander, node: Node, found: Derived, rates: Mapping[Node, Node], span: Span
 ) -> Node:
-    """An output as a function of t, q and v: with what rates of states and accelerations are."""
+    """Returns an output with expressions substituted for accelerations and rates of states."""
     g, swap = x.graph, rates
     if not g.depends[node] & (BIT[Kind.ACCELERATION] | BIT[Kind.STATE]):
         return node

@@ -1,5 +1,5 @@
-"""The rates of a model's states, as nodes: they may use the energies and momenta, which are known
-before any equation of motion is, and the rates of other states."""
+"""The rates of a model's states, as nodes. They may use energies and momenta, known before the
+equations of motion, and rates of other states."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .states import Circular, resolved
 
 
 def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
-    """What the symbol of each state's rate stands for, in the order of the states."""
+    """Returns the expression for the symbol of each state's rate, in the order of the states."""
     if not x.states:
         return {}
     g = x.graph
@@ -52,7 +52,7 @@ def rates_of_states(x: Expander, energies: Energies) -> dict[Node, Node]:
 def define_built_in(
     x: Expander, energies: Energies, energy: Node, momenta: tuple[Node, ...]
 ) -> None:
-    """T, V, L, the energy and the momenta, under the names that the author has not given away."""
+    """Defines T, V, L, energy and momenta, except for names that the model defines itself."""
     own = {item.name for item in x.model.definitions}
     built_in = {"T": energies.kinetic, "V": energies.potential}
     built_in |= {"L": energies.lagrangian, "energy": energy}

@@ -1,16 +1,15 @@
-"""Impulses: switches across which the Lagrangian, or the row of a constraint, jumps itself.
+"""Impulses: switches across which the Lagrangian or a constraint row itself jumps.
 
-What is smooth but for one such surface s(q, t) = 0 is the limit of smooth equations whose ramp gets
-shorter. During it q stands still, and Hamilton's principle in space and time gives the corner
-condition of Weierstrass and Erdmann: with p = dL/dv, h = v.p - L and rows J v + j0 = 0,
+A system that is smooth except at one such surface s(q, t) = 0 is the limit of smooth systems with
+ever shorter ramps. During the ramp q is constant. Hamilton's principle in space and time gives the
+corner conditions of Weierstrass and Erdmann: with p = dL/dv, h = v.p - L and rows J v + j0 = 0,
 
     p+ - p- = alpha ds/dq + J^T Lambda,   h+ - h- = -(alpha ds/dt + Lambda.j0),   J v+ + j0 = 0
 
-with J and j0 those behind it; of a surface s(t) alpha is 0, and nothing is said of h. So a
-prescribed motion that bends keeps p while v jumps, a potential that jumps lets through or turns
-back. The runtime solves that (src/events/impulse.c). Here is found which switches may need it:
-those across which L, phi or J v + j0 are not proved to be continuous. Where they are nothing
-changes.
+where J and j0 are the values behind the surface. For a surface s(t), alpha is 0 and h has no
+condition. So a prescribed motion with a kink keeps p while v jumps; a potential with a jump
+transmits or reflects. The runtime solves the conditions (src/events/impulse.c). This module finds
+the switches that may need them: those across which L, phi or J v + j0 are not proved continuous.
 
 References: I. M. Gelfand, S. V. Fomin, Calculus of Variations, section 15; B. Brogliato,
 Nonsmooth Mechanics, 3rd ed., Springer 2016, chapters 1 and 3.
@@ -36,18 +35,18 @@ from ..attitudes import slopes
 from ..quantities import error
 from .switches import Surfaces, argument_of, free
 
-OF_ENERGY, OF_ROLLING = 1, 2  # what may jump: L or a row of positions; a row of rates alone
+OF_ENERGY, OF_ROLLING = 1, 2  # flags: L or a holonomic row may jump; a rolling row may jump
 _PLACES = BIT[Kind.COORDINATE]
 
 
 def arguments_of(g: Graph, nodes: Iterable[Node]) -> list[Node]:
-    """Those at whose zeros a node may jump."""
+    """Returns the arguments at whose zeros a node may jump."""
     found = dict.fromkeys(argument_of(g, n) for n in reachable(g, nodes, VARIABLE) if jumps(g, n))
     return [x for x in found if g.depends[x] & VARIABLE]
 
 
 class Across:
-    """What is proved of nodes where an argument vanishes, on a copy of their graph."""
+    """Proves properties of nodes where an argument vanishes, on a copy of their graph."""
 
     def __init__(self, g: Graph):
         self.graph = g.copy()
@@ -57,13 +56,13 @@ class Across:
         self.surfaces = Surfaces(self.graph)
 
     def jump(self, node: Node, argument: Node) -> Node:
-        """What a node is above less what it is below, at the zero; ZERO if that is proved."""
+        """Returns a node's value above minus its value below the zero; ZERO if proved to be 0."""
         parts = [self._jump(part, argument) for part in _terms(self.graph, node)]
         total = self.graph.sum(parts)
         return ZERO if self._is_zero(total) else total
 
     def surely(self, jump: Node, argument: Node) -> bool:
-        """Whether a jump is proved to be one."""
+        """Returns whether a jump is proved to be nonzero."""
         g = self.graph
         solved = not g.depends[jump] & VARIABLE or bool(self._zero(argument)[1])
         return solved and (g.value(jump) or self.varying.is_nonzero(jump)) not in (None, 0, False)
@@ -85,7 +84,7 @@ class Across:
         return ZERO if self._is_zero(jump) else jump
 
     def _side(self, node: Node, argument: Node) -> int:
-        """1 or -1 of a call that the argument decides, as its own has that sign or the other."""
+        """Returns 1 or -1 if the argument decides a call, with the same or opposite sign; or 0."""
         own, sign = self.surfaces.of_call(node)
         if not sign:
             return 0
@@ -93,7 +92,8 @@ class Across:
         return sign * side * (own == surface)
 
     def _zero(self, argument: Node) -> tuple[dict[Node, Node], dict[Node, Node]]:
-        """What vanishes; and one symbol by the others, where the argument is linear in one."""
+        """Returns substitutions at the zero: 0 for the argument; and, if it is linear in a symbol,
+        that symbol in terms of the others."""
         g = self.graph
         known = {argument: ZERO, g.negate(argument): ZERO}
         by = gradient(g, argument, VARIABLE)
@@ -114,7 +114,7 @@ class Across:
                 new[n] = ONE if own > 0 else ZERO
             elif own and g.data[n] == "sign":
                 new[n] = g.number(own)
-            elif own:  # abs, or the second of two equal ones
+            elif own:  # abs is 0; min or max of two equal arguments is the second
                 new[n] = args[1] if len(args) > 1 else ZERO
             else:
                 same = all(a == b for a, b in zip(args, g.args[n], strict=True))
@@ -123,7 +123,7 @@ class Across:
 
 
 def _terms(g: Graph, node: Node) -> list[Node]:
-    """What a sum is of, with the scale in front of it multiplied out: each has few switches."""
+    """Returns the terms of a sum, with a constant scale multiplied out: each has few switches."""
     found, stack = [], [(ONE, node)]
     while stack:
         factor, n = stack.pop()
@@ -138,7 +138,7 @@ def _terms(g: Graph, node: Node) -> list[Node]:
 
 
 class NoRate(Exception):
-    """The equations need a derivative of an input that they did not need before."""
+    """A derivative of an input is needed for which the equations have no symbol."""
 
 
 class _Refused(Exception):
@@ -153,8 +153,8 @@ def with_impulses(
     name: Callable[[Symbol], str],
     rate_of: Callable[[Node], Node],
 ) -> tuple[Switch, ...]:
-    """The switches of the motion, marked where they have an impulse, and those behind them that
-    have nothing else. Raises ModelError where no motion follows."""
+    """Returns the switches of the motion, marked if they have an impulse, followed by switches with
+    an impulse only. Raises ModelError if the motion after a jump is undefined."""
     c = e.constraints
     rows = [] if c is None else [*c.positions, *c.residual, *(x for row in c.rows for x in row)]
     jumping = [e.lagrangian, *e.momenta, *rows]
@@ -219,7 +219,7 @@ def _kind(e: Equations, across: Across, argument: Node, text: str) -> int:
 def _slopes(
     e: Equations, argument: Node, text: str, rate_of: Callable[[Node], Node]
 ) -> tuple[tuple[Node, ...], Node]:
-    """The derivatives by the coordinates, along body rates, and by t where those do not vanish."""
+    """Returns derivatives by coordinates (for rotations: body axes); by t, if those are not 0."""
     g, count = e.graph, len(e.coordinates)
     beside = BIT[Kind.TIME] | BIT[Kind.INPUT] | BIT[Kind.STATE]
     by = gradient(g, argument, _PLACES | beside)
@@ -246,7 +246,7 @@ def _slopes(
 
 
 def _span(e: Equations) -> Span:
-    """Of the energy, which is where it jumps."""
+    """Returns the span of the energy, to report its jump."""
     model = e.model
     found = (*model.potential, *model.kinetic, *model.lagrangian)
     return found[0].span if found else model.span
@@ -255,7 +255,7 @@ def _span(e: Equations) -> Span:
 def check_rates(
     model: Model, g: Graph, taken: list[tuple[Node, Span]], name: Callable[[Symbol], str]
 ) -> None:
-    """Raises ModelError where the rate was taken of what jumps: there it has none."""
+    """Raises ModelError if a rate was taken of an expression that jumps: it has no derivative."""
     if not arguments_of(g, [node for node, _ in taken]):
         return
     across = Across(g)

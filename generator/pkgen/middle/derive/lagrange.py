@@ -1,7 +1,6 @@
-"""Lagrange's equations of what stands on the graph: L, the forces, and names.
+"""Lagrange's equations of an L and forces on the graph.
 
-`derive` makes a model into a Frame, `reduce` makes a smaller Frame of one; what is derived from it
-is the same for both.
+`derive` calls this for a model, and `reduce` for equations with fewer coordinates.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ from .switches import switches_of
 
 @record
 class Derived:
-    """What follows from L and the forces; fields() are those of Equations."""
+    """Everything derived from L and the forces; fields() are fields of Equations."""
 
     motion: Motion
     solution: Solution | None
@@ -50,7 +49,7 @@ class Derived:
     jacobians: dict[str, Matrix | None]
     linear: object
     state_rates: Row
-    free: Motion  # what moves where no constraint holds it
+    free: Motion  # the motion without constraint forces
     constraints: Constraints | None
 
     def fields(self) -> dict[str, object]:
@@ -81,11 +80,11 @@ def derived(
     attitudes: tuple[Attitude, ...] = (),
     rows: Rows | None = None,
 ) -> Derived:
-    """The motion in the form of fewest operations; `check` sees it as derived and as simplified.
-    `states` are the rates of the states, with which states.py makes Jacobians too; `rows` are what
-    the model's constraints say.
+    """Returns the motion in the form of fewest operations. `check` is called with the motion as
+    derived and as simplified. `states` are the rates of the states; with any, states.py makes the
+    Jacobians. `rows` are the model's constraint rows.
 
-    Raises SingularMass, CannotConstrain, and what `check` does.
+    Raises SingularMass, CannotConstrain, and exceptions of `check`.
     """
     raw = _independent(g, motion_of(g, energies, forces, rate_of, attitudes))
     check(raw)
@@ -119,7 +118,7 @@ def derived(
 
 
 def _independent(g: Graph, motion: Motion) -> Motion:
-    """Without coordinates that M and f only seem to depend on."""
+    """Returns the motion with M and f free of coordinates on which their values do not depend."""
     n = len(motion.force)
     nodes = [*sum(motion.mass, ()), *motion.force]
     made = without_coordinates(g, nodes, n)
@@ -135,11 +134,11 @@ def singularities(
     e: Named | Equations,
     attitudes: tuple[Attitude, ...],
 ) -> tuple[Singularity, ...]:
-    """Where these equations end, in the names of their quantities."""
+    """Returns the singularities of these equations, named by their quantities."""
     motion = found.free
     solution = found.solution
     acceleration = motion.force
-    if solution and found.constraints is None:  # that rows stay apart is the runtime's to watch
+    if solution and found.constraints is None:  # the runtime checks for dependent rows
         acceleration = solution.accelerations
     outputs = [*acceleration, *motion.force, *(entry for row in motion.mass for entry in row)]
     outputs += found.state_rates
@@ -151,11 +150,11 @@ def singularities(
         word = lock(g, end.node, attitudes, name)
         quantity = replace(end.quantity, name=word) if word else end.quantity
         apart.setdefault(word or end.node, replace(end, quantity=quantity))
-    return tuple(apart.values())  # two angles lock at once
+    return tuple(apart.values())  # without duplicates: two angles may lock at once
 
 
 def located(equations: Equations) -> Equations:
-    """With the switches of the motion, those where rates jump, and marks."""
+    """Returns the equations with the switches of the motion, impulses included, and marks."""
     e = equations
     outputs = [*e.pdot, *e.force, *(entry for row in e.mass for entry in row)]
     outputs += e.state_rates
@@ -169,7 +168,7 @@ def located(equations: Equations) -> Equations:
 
 
 def derived_again(equations: Equations, kernels: frozenset[str] | None) -> Equations:
-    """The equations anew from their L and what is applied, for the coordinates that they name."""
+    """Derives the equations again from their L and applied forces, for their coordinates."""
     g, wanted = equations.graph, Wanted(kernels)
     energies = Energies(equations.lagrangian, equations.kinetic, equations.potential, ZERO)
     e = equations

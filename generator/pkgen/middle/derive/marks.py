@@ -1,16 +1,16 @@
-"""Marks: what decides where a short force is, u of exp(u) and tanh(u) say.
+"""Marks: arguments that locate forces of short duration, such as u in exp(u) and tanh(u).
 
-A pulse or a barrier whose width is a millionth of a step lies between all times at which a method
-asks for forces; no error estimate can see it. But its argument u is smooth along the step, and
-shows where the function lives: exp(u) is 0 to rounding below u = -36, 1/cosh(u) and 1 - tanh(u)^2
-are outside of some |u| < 36 or 18. The runtime (src/core/marks.c) looks at u along each step, and
-makes none in which u, within +-36, varies by much.
+A pulse or a barrier of a millionth of a step may lie between all stages of a method; no error
+estimate can see it. Its argument u, however, is smooth along the step, and tells where the function
+varies: exp(u) is 0 up to rounding for u < -36, 1/cosh(u) for |u| > 36, and 1 - tanh(u)^2 for
+|u| > 18. The runtime (src/core/marks.c) evaluates u along each step, and limits the step size so
+that u, within +-36, does not vary by much.
 
-What is divided by a + b(q, t), or is a root of it, is short where b is no larger than the constant
-a: there u = 1 + b/a. That fades by powers alone, so steps come nearer by a ladder, u/1000 and so
-on. Of 1/r, where a = 0, no width is known.
+A divisor or a root of a + b(q, t) varies in a short range where |b| is not larger than the constant
+a: there u = 1 + b/a. The function decays only by powers, so a ladder u, u/1000, ... makes step
+sizes decrease gradually. For 1/r, where a = 0, no width is known.
 
-A high power of what is at most 1, as cos(t)^1000, is no larger than exp(u), u = n (b^2 - 1)/2.
+A high power of a base of at most 1, such as cos(t)^1000, is bounded by exp(u), u = n (b^2 - 1)/2.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ...graph.graph import VARIABLE, ZERO, Graph, Node, Op, Symbol
 from ...graph.wording import wording
 
 LADDER = [Fraction(1, 1000**k) for k in range(9)]
-_HIGH = 16  # a power that high is shorter than what it is of
+_HIGH = 16  # exponents from here on make a power short
 
 
 def _arguments(g: Graph, node: Node) -> list[Node]:
@@ -39,7 +39,7 @@ def _arguments(g: Graph, node: Node) -> list[Node]:
     if not (divides or (op is Op.CALL and data == "sqrt")):
         return []
     base = g.args[node][0]
-    constant, addends = ZERO, [base]  # a, and what is not looked at yet
+    constant, addends = ZERO, [base]  # a, and addends still to be visited
     while addends:
         addend = addends.pop()
         if g.op[addend] is Op.ADD:
@@ -55,7 +55,7 @@ def _arguments(g: Graph, node: Node) -> list[Node]:
 def marks_of(
     g: Graph, outputs: Iterable[Node], name: Callable[[Symbol], str]
 ) -> tuple[Switch, ...]:
-    """Those of the equations that `outputs` are; of u and -u the first."""
+    """Returns the marks of the equations `outputs`; of u and -u the first."""
     found: dict[Node, Switch] = {}
     for node in reachable(g, outputs, VARIABLE):
         if not g.depends[node] & VARIABLE:

@@ -1,4 +1,4 @@
-"""The consistent start that is nearest to a broken one, in the metric of M, as text to paste."""
+"""The consistent start nearest to an inconsistent one, in the metric of M, as text to paste."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ...graph.evaluate import evaluate
 from ...graph.graph import BIT, ZERO, Graph, Kind, Node, Symbol
 
 CORRECTIONS = 50
-CLOSE = 1e-13  # beside the largest number of the start
+CLOSE = 1e-13  # relative to the largest number of the start
 
 
 def nearest_start(
@@ -21,9 +21,9 @@ def nearest_start(
     attitudes: tuple[Attitude, ...],
     name: Callable[[Symbol], str],
 ) -> str:
-    """A `start` statement with all coordinates and rates, or "" where Newton's method finds none.
+    """Returns a `start` statement with all coordinates and rates, or "" if Newton's method fails.
 
-    Attitudes stay as they are. Each correction is the shortest in the metric of M at the start.
+    Attitudes are kept. Each correction is the shortest in the metric of M at the start.
     """
     import numpy as np
 
@@ -74,7 +74,7 @@ def nearest_start(
     energy = np.sqrt(M.diagonal())
 
     def written(kind: Kind, i: int) -> str:
-        """A number, 0 where it is rounding beside the largest in the metric of M."""
+        """Returns a number as text; 0 if it is a rounding error relative to the largest, by M."""
         far = max(energy[k] * abs(values.get(Symbol(kind, k), 0.0)) for k in range(count))
         x = values.get(Symbol(kind, i), 0.0)
         return f"{x if energy[i] * abs(x) > CLOSE * far else 0.0:.15g}"

@@ -1,13 +1,13 @@
 """First-order variables, the states: x' = g(t, q, v, x).
 
-While a model is entered, the rate of state k of n is a symbol too, number n + k of its kind, for a
-definition may use it before anyone knows what it is. `resolved` puts in what it is.
+While a model is expanded, the rate of state k of n is a symbol too, number n + k of its kind: a
+definition may use it before its expression is known. `resolved` substitutes the expressions.
 
-Every method of the runtime solves q' = v, M a = f. So in C a state is the rate of a coordinate of
-its own: v is the state, a its rate, and q its integral, which nothing depends on and nobody sees.
-`as_rates` adds these after the n coordinates of the model, with M the unit matrix there. Where a
-momentum p depends on a state (a rocket's mass), dp/dv would have an entry of it, and would not be
-symmetric: then the equations are handed on solved, with p = v, M = 1 and f = a.
+Every method of the runtime solves q' = v, M a = f. So in C a state is the rate of a dummy
+coordinate: v is the state, a its rate, and q its integral, which is hidden and unused. `as_rates`
+appends these to the n coordinates of the model, with unit entries in M. If a momentum p depends on
+a state (a rocket's mass), dp/dv has an entry for the state and is not symmetric. Then the solved
+form is used: p = v, M = 1 and f = a.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ STATES = BIT[Kind.STATE]
 
 
 class Circular(Exception):
-    """A cycle of states: each one's rate uses that of the next, the last one's the first's."""
+    """A cycle of states: the rate of each uses that of the next; the last uses the first."""
 
     def __init__(self, cycle: Sequence[int]):
         super().__init__(cycle)
@@ -35,7 +35,7 @@ class Circular(Exception):
 
 
 def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
-    """What each symbol of a rate stands for, with no such symbol in it. Raises Circular."""
+    """Returns for each symbol of a rate its expression, free of such symbols. Raises Circular."""
     count = len(rates)
     found: dict[Node, Node] = {}
     for first in range(count):
@@ -60,10 +60,10 @@ def resolved(g: Graph, rates: Row) -> dict[Node, Node]:
 def as_rates(
     e: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Equations, Structure]:
-    """Equations of coordinates alone, of which the last ones' rates are the states; and of
-    rotations, constraints and momenta that depend on states `unconstrained`, `inertia`, `terms`.
-    Matrices are n + count square then, of so many states. Every call is of equations that are not
-    so yet."""
+    """Returns equations without states, whose last coordinates have the states as rates. Matrices
+    are then square of size n + count, for `count` states. Sets `unconstrained`, `inertia` and
+    `terms` if there are rotations, constraints or momenta that depend on states. The equations
+    must not have been converted before."""
     if not e.states and not e.attitudes:
         own = _unconstrained(e.graph, e, tuple, ())
         if own is None:
@@ -123,7 +123,7 @@ def as_rates(
 
 
 def _unread(g: Graph, n: int, motion: Motion) -> int:
-    """How many of the last states no rate depends on, of n coordinates."""
+    """Returns the number of last states that no rate depends on; n coordinates come first."""
     nodes = (*motion.momenta[:n], *motion.pdot)
     read = (s.index for s in symbols_in(g, nodes, BIT[Kind.RATE]))
     return len(motion.pdot) - max(n, *(i + 1 for i in read), 0)
@@ -148,7 +148,7 @@ def _solved(g: Graph, acceleration: Row) -> Motion:
 
 
 def _beside(g: Graph, e: Equations, rates: Row, there) -> Motion:
-    """Lagrange's equations, and beside them x' = g."""
+    """Returns Lagrange's equations, extended by x' = g with unit mass."""
     n, count = len(e.coordinates), len(rates)
     none = (ZERO,) * count
     return Motion(
@@ -162,7 +162,7 @@ def _beside(g: Graph, e: Equations, rates: Row, there) -> Motion:
 
 
 def _with_unit(mass: Matrix, count: int) -> Matrix:
-    """M, and beside it the unit matrix of so many."""
+    """Returns M extended by a unit block of size `count`."""
     n, none = len(mass), (ZERO,) * count
     return (*((*row, *none) for row in mass), *((ZERO,) * n + row for row in _unit(count)))
 
@@ -170,8 +170,8 @@ def _with_unit(mass: Matrix, count: int) -> Matrix:
 def _unconstrained(
     g: Graph, e: Equations, there, rates: Row, solved: bool = False
 ) -> tuple[Row, Row] | None:
-    """p and pdot without the forces of constraints, where there are rotations or constraints, or
-    where `canonical` has p = v, since a momentum depends on a state."""
+    """Returns p and pdot without constraint forces if there are rotations, constraints or impulses,
+    or in solved form, where `canonical` has p = v; else None."""
     if not solved and not e.quaternions and e.constraints is None and not e.jolted:
         return None
     pdot = e.pdot if e.constraints is None else e.constraints.free_pdot

@@ -1,11 +1,11 @@
-"""Switches: where the equations of motion change from one smooth form to another.
+"""Switches: expressions at whose zeros the equations of motion have a kink or a jump.
 
-step(x), and the sign of x that differentiating abs makes, jump where x vanishes; abs(x) has a kink
-there, and min(a, b) and max(a, b) have one where a - b does. atan2(y, x) jumps where y vanishes and
-x is negative (points/cuts.py). Each such argument is a switch: on either side of its zero the
-function is a smooth one, and the side is a number beside the parameters. The runtime locates the
-zeros and sets the sides (pk/events.h), so that a step is one of a smooth system; side 0 leaves the
-function as it is.
+step(x), and sign(x) from the derivative of abs, jump where x vanishes; abs(x) has a kink there;
+min(a, b) and max(a, b) have a kink where a - b vanishes. atan2(y, x) jumps where y vanishes and x
+is negative (points/cuts.py). Each such argument is a switch. The function is smooth on either side
+of its zeros, and the C code takes the side as a number, like a parameter. The runtime locates the
+zeros and sets the sides (pk/events.h), so that each step integrates a smooth system; side 0 leaves
+the function as it is.
 
 Reference: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
 Springer 1993, section II.6, "Discontinuous equations".
@@ -27,15 +27,15 @@ from ...graph.wording import wording
 
 
 class Surfaces:
-    """Which arguments vanish in the same places: those with one normal form, but for a number in
-    front. What that makes on the way is added to the graph."""
+    """Identifies arguments with the same zeros: their normal forms are equal up to a numeric
+    factor. Adds nodes to the graph."""
 
     def __init__(self, g: Graph):
         self.graph = g
         self.normal = Normal(g)
 
     def __call__(self, argument: Node) -> tuple[object, int]:
-        """What is the same for all of these, and a sign."""
+        """Returns a key that all such arguments share, and the sign of the numeric factor."""
         form = self.normal(argument)
         if not form:
             return argument, 1
@@ -43,7 +43,7 @@ class Surfaces:
         return frozenset((m, c / first) for m, c in form.items()), 1 if first > 0 else -1
 
     def of_call(self, node: Node) -> tuple[object, int]:
-        """That of the argument by which a call is decided; None where it is smooth."""
+        """Returns key and sign of the argument that decides a call; (None, 0) if it is smooth."""
         g = self.graph
         argument = _deciding(g, node)
         if argument == ZERO or not g.depends[argument] & VARIABLE:
@@ -54,8 +54,8 @@ class Surfaces:
 def switches_of(
     g: Graph, outputs: Iterable[Node], name: Callable[[Symbol], str], cuts: Iterable[Node]
 ) -> tuple[Switch, ...]:
-    """Those of the equations that `outputs` are, and the zeros of `cuts`, each surface once: of x
-    and -x the first."""
+    """Returns the switches of the equations `outputs`, and those of the nodes `cuts`, without
+    duplicates such as x and -x."""
     found: dict[object, Switch] = {}
     calls = [n for n in reachable(g, outputs, VARIABLE) if argument_of(g, n) != ZERO]
     loose = free(g, outputs)
@@ -74,9 +74,9 @@ def switches_of(
 
 
 def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
-    """The calls in a function of limited domain that may reach the end of it where they bend,
-    max(0, x) of max(0, x)^(3/2) say: a step that is held on one side goes a little beyond the zero,
-    where that is no number. They are not held, and steps end at their zeros all the same."""
+    """Returns the calls inside a function of limited domain whose kink or jump may lie at the end
+    of the domain, as max(0, x) in max(0, x)^(3/2). A step held on one side goes a little beyond the
+    zero, where the function is undefined. So they are not held; steps still end at their zeros."""
     g, found = g.copy(), set()
     for n in reachable(g, nodes, VARIABLE):
         ends = _ends(g, n)
@@ -86,14 +86,14 @@ def free(g: Graph, nodes: Iterable[Node]) -> set[Node]:
 
 
 def _ends(g: Graph, node: Node) -> tuple[int, ...]:
-    """Where what has a value for some arguments alone ceases to have one."""
+    """Returns the end points of the domain of a power or a call; () if it has none."""
     if g.op[node] is Op.POWER:
         return (0,) if g.data[node].denominator != 1 else ()
     return FUNCTIONS[g.data[node]].ends if g.op[node] is Op.CALL else ()
 
 
 def _may_be(g: Graph, node: Node, call: Node, ends: tuple[int, ...]) -> bool:
-    """Whether the argument of `node` may be one of `ends` where `call` bends or jumps."""
+    """Whether the argument of `node` may be one of `ends` at the kink or jump of `call`."""
     name, args = g.data[call], g.args[call]
     at = [ZERO]
     if name in ("step", "sign"):
@@ -115,8 +115,8 @@ def _may_be(g: Graph, node: Node, call: Node, ends: tuple[int, ...]) -> bool:
 def sides(
     g: Graph, switches: Sequence[Switch], positions: Iterable[Node]
 ) -> dict[Node, tuple[int, int]]:
-    """Of each call that is held: by which switch, and 1 or -1 as its own argument has the sign of
-    the switch's or the other. Where a row of `positions` jumps, they are held as it is."""
+    """Returns for each held call the index of its switch, and 1 or -1 if its argument has the sign
+    of the switch or the opposite. An impulse's calls in `positions` are held in any case."""
     surfaces, found = Surfaces(g.copy()), {}
     places = {surfaces(x.node)[0]: (k, surfaces(x.node)[1]) for k, x in enumerate(switches)}
     loose = free(g, range(len(g))) if places else set()
@@ -134,7 +134,7 @@ def sides(
 
 
 def argument_of(g: Graph, node: Node) -> Node:
-    """What decides a call, without a number in front; 0 of what is smooth."""
+    """Returns the argument that decides a call, without a numeric factor; 0 if it is smooth."""
     argument = _deciding(g, node)
     scale, rest = g.split(argument)
     return argument if g.op[scale] is not Op.NUMBER or rest == ONE else rest

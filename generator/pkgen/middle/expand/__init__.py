@@ -1,1 +1,1 @@
-"""Expressions of a model as nodes of the graph, families written out."""
+"""Expands expressions of a model into nodes of the graph, with families unrolled."""

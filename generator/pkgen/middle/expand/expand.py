@@ -1,4 +1,4 @@
-"""A model's expressions as nodes of the graph."""
+"""Expands a model's expressions into nodes of the graph."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .terms import EXPAND
 
 
 class Expander(Names):
-    """Enters one model's expressions, each class of them by its function in EXPAND."""
+    """Makes the nodes of one model's expressions, by the function in EXPAND for each class."""
 
     def __init__(self, model: Model, orders: tuple[int, ...]):
         super().__init__(model, orders)

@@ -1,7 +1,7 @@
-"""What the names of a model stand for in the graph: families unrolled, ends, time derivatives.
+"""Nodes of the names of a model: families unrolled, ends, time derivatives.
 
-A value is one node, or for a vector a tuple of them. A prime is the total time derivative:
-coordinates go over to rates, t to 1, an input to its derivative, a state to its rate.
+A value is one node, or a tuple of nodes for a vector. A prime is the total time derivative: that of
+a coordinate is its rate, of t 1, of an input its derivative, of a state its rate.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ BUILT_IN = {"t": Symbol(Kind.TIME), "pi": Symbol(Kind.PI)}
 
 
 class NeedsDerivative(Exception):
-    """A derivative of an input occurs that has no symbol yet."""
+    """A derivative of an input is needed that has no symbol yet."""
 
     def __init__(self, position: int):
         super().__init__(position)
@@ -49,8 +49,8 @@ class NeedsDerivative(Exception):
 
 
 def entered(model: Model, derive: Callable[[tuple[int, ...]], Derived]) -> Derived:
-    """What `derive` makes with so many derivatives of each input: one grows another whenever the
-    equations turn out to need it."""
+    """Returns derive(orders), where `orders` has the number of derivatives of each input. Repeats
+    with one more derivative whenever `derive` raises NeedsDerivative."""
     orders = [item.order for item in model.inputs]
     while True:
         try:
@@ -63,7 +63,7 @@ def entered(model: Model, derive: Callable[[tuple[int, ...]], Derived]) -> Deriv
 
 
 def next_input(orders: tuple[int, ...], index: int) -> int:
-    """The flat index of an input's derivative, of the input's own or of an earlier one."""
+    """Returns the flat index of the derivative of the input, or input derivative, at `index`."""
     last = -1
     for position, order in enumerate(orders):
         last += order + 1
@@ -75,11 +75,11 @@ def next_input(orders: tuple[int, ...], index: int) -> int:
 
 
 class Acceleration(Exception):
-    """The time derivative of a rate."""
+    """The time derivative of a rate was taken where accelerations are not allowed."""
 
 
 class Names(ABC):
-    """Holds the graph while the statements of one model are entered into it."""
+    """Holds the graph while the statements of one model are expanded into it."""
 
     def __init__(self, model: Model, orders: tuple[int, ...]):
         self.model = model
@@ -104,18 +104,18 @@ class Names(ABC):
         self.defined: dict[str, dict[int | None, Value]] = {}
         self.refusals: dict[tuple[str, int | None], tuple[str, str]] = {}
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
-        self.solved: Mapping[Node, Node] | None = None  # where accelerations may stand: the rates
+        self.solved: Mapping[Node, Node] | None = None  # state rates, if accelerations are allowed
         self._ends = _ends(model, self.coordinates | self.states)
-        self.primes: list[tuple[Node, Span]] = []  # what the rate was taken of, and where
+        self.primes: list[tuple[Node, Span]] = []  # the nodes with a prime, and where
 
     @property
     def count(self) -> int:
-        """Of coordinates, families unrolled."""
+        """The number of coordinates, families unrolled."""
         return sum(family.count for family in self.coordinates.values())
 
     @property
     def members(self) -> list[tuple[Coordinate, int | None]]:
-        """Each coordinate as it is declared, with its index in its family."""
+        """The declaration of each coordinate, with its index in the family, in flat order."""
         found = {
             self.coordinates[item.name].flat(i): (item, i)
             for item in self.model.coordinates
@@ -131,7 +131,7 @@ class Names(ABC):
 
     @contextmanager
     def statement(self, span: Span) -> Iterator[None]:
-        """What goes wrong inside is reported, at `span` unless a better place is known."""
+        """Turns exceptions raised inside into ModelError, at `span` unless they have a span."""
         try:
             yield
         except TooLarge:
@@ -158,7 +158,7 @@ class Names(ABC):
     def unrolled(
         self, index: Expr | None, range_: Range | None
     ) -> Iterator[tuple[int | None, Loop]]:
-        """Each member that NAME, NAME[index] or NAME[i = lo..hi] stands for."""
+        """Yields index and loop variables of each member of NAME, NAME[index], NAME[i = lo..hi]."""
         if range_ is not None:
             for loop in assignments((range_,), self.sizes):
                 yield loop[range_.variable], loop
@@ -169,7 +169,7 @@ class Names(ABC):
         self.defined.setdefault(name, {})[index] = value
 
     def refuse(self, name: str, index: int | None, message: str, help: str) -> None:
-        """What is said where a name is used that has no value."""
+        """Sets the error message for any use of a name that has no value."""
         self.refusals[name, index] = message, help
 
     def scalar(self, expr: Expr, loop: Loop | None = None) -> Node:
@@ -180,10 +180,10 @@ class Names(ABC):
 
     @abstractmethod
     def value(self, expr: Expr, loop: Loop) -> Value:
-        """`Expander` has it."""
+        """Returns the value of an expression. `Expander` implements it."""
 
     def refused(self, message: str, span: Span) -> Exception:
-        """What is to be raised where an expression cannot be entered."""
+        """Returns the exception to raise for an expression that cannot be expanded."""
         return error(self.model, message, span)
 
     # -- names --------------------------------------------------------------------------------
@@ -216,13 +216,13 @@ class Names(ABC):
         raise error(self.model, f"unknown name '{name}'", expr.span)
 
     def coordinate(self, name: str, index: int | None, span: Span) -> Node:
-        """A coordinate or a state, or what the model says about the ends of its family."""
+        """Returns a coordinate or a state; beyond an end of its family, the value at the end."""
         kind = Kind.STATE if name in self.states else Kind.COORDINATE
         at = self._place(name, index, span)
         return self.scalar(at.value) if isinstance(at, End) else self.graph.symbol(Symbol(kind, at))
 
     def _body_rate(self, rotation: Rotation, axis: int, index: int | None, span: Span) -> Node:
-        """Of a fixed end it follows from the quaternion there."""
+        """Returns a body rate; at a fixed end, computed from the quaternion given there."""
         at = self._place(rotation.turns[axis], index, span)
         if not isinstance(at, End):
             return self.graph.symbol(Symbol(Kind.RATE, at))
@@ -230,7 +230,7 @@ class Names(ABC):
         return body_rates(self.graph, numbers, tuple(map(self.derivative, numbers)))[axis]
 
     def _place(self, name: str, index: int | None, span: Span) -> int | End:
-        """The flat index of a coordinate or a state, or the fixed end that there is instead."""
+        """Returns the flat index of a coordinate or a state; at a fixed end, the End."""
         family = self.states[name] if name in self.states else self.coordinates[name]
         if not family.has(index) and index is not None:
             end = self._ends.get((name, index)) or self._ends.get((name, None))
@@ -275,7 +275,7 @@ class Names(ABC):
 
 
 def _ends(model: Model, coordinates: dict[str, Family]) -> dict[tuple[str, int | None], End]:
-    """By family and index; without an index where the whole family wraps."""
+    """Returns the ends by family and index; the index is None for a periodic family."""
     result: dict[tuple[str, int | None], End] = {}
     for end in model.ends:
         family = coordinates[end.name]

@@ -1,4 +1,4 @@
-"""Expressions as nodes: the table EXPAND has a function for each class of `tree.py`."""
+"""Expands expressions into nodes: EXPAND has a function for each expression class of `tree.py`."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .names import Loop, Names, Value, Vector3
 
 
 def _each(function: Callable[..., Node], *values: Value) -> Value:
-    """A function of scalars component by component."""
+    """Applies a function of scalars to scalars, or to vectors component by component."""
     if isinstance(values[0], tuple):
         return tuple(function(*items) for items in zip(*values, strict=True))
     return function(*values)
@@ -94,7 +94,7 @@ def _power(x: Names, expr: Power, loop: Loop) -> Value:
     constant = g.value(exponent)
     number = g.value(base)
     if constant is None:
-        # Such a power has no derivative: ln of the base is in it.
+        # The derivative of such a power would contain ln of the base.
         if number is not None and (number < 0 or (number == 0 and not g.is_constant(exponent))):
             what = "zero" if number == 0 else "a negative number"
             raise x.refused(f"{what} to a power that varies is not differentiable", expr.span)
@@ -111,8 +111,8 @@ def _power(x: Names, expr: Power, loop: Loop) -> Value:
 
 
 def _turned(x: Names, expr: Call, loop: Loop) -> Vector3:
-    """The vector by turns, the innermost first; by many about fixed axes through the frame that
-    they make, which others turned by as many share."""
+    """Applies nested rotations to a vector, innermost first. Many rotations about fixed axes are
+    combined into the columns of a frame, which other vectors with the same rotations share."""
     g, turns = x.graph, []
     inner: Expr = expr
     while isinstance(inner, Call) and inner.function == "rotate":
@@ -193,4 +193,4 @@ EXPAND: dict[type, Callable[[Names, Expr, Loop], Value]] = {
     Call: _call,
     Sum: _sum,
     Vector: lambda x, expr, loop: tuple(x.scalar(item, loop) for item in expr.items),
-}  # of units there are none left: check folds them in
+}  # units are absent: check has folded them into numbers

@@ -1,4 +1,4 @@
-"""The bodies of terms at i = m, and as seen from the rows of the members in them."""
+"""The bodies of terms at i = m, and relative to the rows of the members in them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .terms import Term
 
 
 class Gathered:
-    """What the terms of L, D and the forces add up to, by family and by scalar coordinate."""
+    """The sums of contributions of L, D and forces, by family and by scalar coordinate."""
 
     def __init__(self) -> None:
         self.rows: dict[tuple[str, str], list[Part]] = defaultdict(list)  # by quantity and family
@@ -30,14 +30,14 @@ class Gathered:
 
 
 class Bodies:
-    """Enters bodies, and notes what sizes must fulfil for every member in them to be there."""
+    """Expands bodies, and adds the limits on sizes under which all their members exist."""
 
     def __init__(self, x: LoopExpander, found: Gathered):
         self.x = x
         self.found = found
 
     def views(self, term: Term) -> Iterator[tuple[str, Affine, Node]]:
-        """(family, offset, body) for each family slot: the body as seen from that slot's row."""
+        """Yields (family, offset, body) for each family slot, the body relative to its row."""
         body = self.at_row(term)
         for names, at in self._moved(body):
             shift, seen = at, body
@@ -49,12 +49,12 @@ class Bodies:
         self.x.members.clear()
 
     def _moved(self, body: Node) -> list[tuple[tuple[str, ...], Affine | None]]:
-        """Which coordinates, and of which members, move a body."""
+        """Returns the coordinates, each with a member's index, that a body depends on."""
         slots = [slot for slot in self.x.slots.below(body) if slot.kind in CELLS]
         return list(dict.fromkeys((self.x.rotations.moved(slot), slot.at) for slot in slots))
 
     def at_row(self, term: Term) -> Node:
-        """The body at i = m; that its slots are within reach is made sure of."""
+        """Returns the body at i = m. Checks that its members exist, and adds limits on sizes."""
         values = (M,) if term.ranges else ()
         self.x.members.clear()
         body = term.at(self.x, *values)
@@ -69,7 +69,7 @@ class Bodies:
         return body
 
     def member(self, slot: Slot, lo: Affine, hi: Affine) -> None:
-        """That a member is at a fixed distance from its row, and in reach of all rows lo..hi."""
+        """Checks that a member is at a fixed distance from its row, and exists for rows lo..hi."""
         if slot.kind in REACHED and slot.at is not None:
             self._relative(slot)
             self.in_reach(slot, lo, hi)
@@ -80,7 +80,7 @@ class Bodies:
             raise Unrolled(f"a sum reaches {reached} from its index i")
 
     def in_reach(self, slot: Slot, lo: Affine | None, hi: Affine | None) -> None:
-        """That the member is there, or a given one beyond an end; how far a family wraps."""
+        """Adds limits for a member, or a given one beyond an end, to exist; records wraps."""
         if slot.kind not in REACHED or slot.at is None or lo is None:
             return
         group = self.x.coordinates[slot.name]
@@ -103,7 +103,7 @@ class Bodies:
 
 
 def _given(group: Group, side: int) -> int:
-    """How many cells beyond an end are given, without a gap."""
+    """Returns the number of given cells beyond an end, counted without a gap."""
     at = {index for index, _ in group.ends}
     count = 0
     while (group.lo - (count + 1) if side < 0 else group.hi + (count + 1)) in at:

@@ -1,7 +1,7 @@
-"""Sums in what is computed once, a start or a parameter: `start q[i] = a[i] - sum(a[j], j = 1..N)`.
+"""Sums in starts and parameters, computed once: `start q[i] = a[i] - sum(a[j], j = 1..N)`.
 
-Each is a loop of its own, as far outside as what it sums up allows: before the members of a
-statement, among what each of them has, or within another sum.
+Each is a loop of its own, placed as far outside as its terms allow: before the members of a
+statement, before each member, or inside another sum.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from .indices import COUNTERS, Loop
 from .loops import Assigned, Limit, Summed
 
 Range = tuple[str, Affine, Affine]
-MOVES = (*CELLS, "a", "input", "sum")  # slots that nothing computed once may have
+MOVES = (*CELLS, "a", "input", "sum")  # kinds of slots not allowed in starts and parameters
 
 
 @dataclass
 class _Scope:
-    """What lies within some loops, by the names of their variables."""
+    """The ranges of some loops, by the names of their variables, and the sums inside the loops."""
 
     ranges: dict[str, Range] = field(default_factory=dict)
     found: list[Summed] = field(default_factory=list)
 
 
 class Once:
-    """Of one statement about the members lo..hi, or about one."""
+    """The sums of one statement about the members lo..hi, or about one value."""
 
     def __init__(self, x: LoopExpander, lo: Affine | None, hi: Affine | None, loop: Loop):
         self.x = x
@@ -39,7 +39,7 @@ class Once:
         self.scopes = [_Scope(), _Scope(members)]
 
     def of(self, expr: Sum, loop: Loop) -> Node:
-        """The place of a sum's value."""
+        """Returns the slot of a sum's value."""
         x, names = self.x, free_names(expr)
         depth = max((k for k, s in enumerate(self.scopes) if s.ranges.keys() & names), default=0)
         outer, self.scopes = self.scopes, self.scopes[: depth + 1]
@@ -78,7 +78,7 @@ class Once:
 def assigned(
     x: LoopExpander, name: str, order: int, over: tuple, expr, limits: list[Limit]
 ) -> tuple[Assigned, list[Node]]:
-    """What a statement gives its members, and all nodes in it."""
+    """Returns the values that a statement gives its members, and all nodes in it."""
     lo, hi, loop = over
     if lo is not None and lo == hi:  # one member, which is written without a loop
         loop = {name: lo if at == variable(ROW) else at for name, at in loop.items()}
@@ -93,7 +93,7 @@ def assigned(
 
 
 def within(summed: Summed) -> Iterator[Summed]:
-    """A sum and those inside of it."""
+    """Yields a sum and all sums inside it."""
     yield summed
     for inner in summed.inside:
         yield from within(inner)

@@ -1,8 +1,8 @@
-"""`constraint` and `rolling` in families kept as loops: rows J v + j0 = 0, each from its index.
+"""`constraint` and `rolling` in families kept as loops: rows J v + j0 = 0, one for each index.
 
-The row of index m reaches members at fixed distances, as a body of L does. What is beyond an end is
-given, or stands for a member, and then adds to the column of that. A row without an index may have
-sums in it; its J is gathered by members, as M is of a scalar coordinate.
+The row of index m reaches members at fixed distances, like a body of L. A member beyond an end is
+given, or stands for another member and then adds to the column of that one. A row without an index
+may contain sums; its J is collected by members, like the row of a scalar coordinate in M.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from .terms import Term, terms
 
 
 def bound_of(x: LoopExpander, gather: Gather) -> tuple[Bound, ...]:
-    """The holonomic rows first, each kind as declared; outputs then know their multipliers."""
+    """Returns all constraint rows, holonomic ones first, and enters their multipliers in `x`."""
     declared = sorted(x.model.constraints, key=lambda item: not item.holonomic)
     found = tuple(_bound(x, gather, item, str(k)) for k, item in enumerate(declared))
     for rows in found:
-        for name in multipliers(rows.name):  # no row is redundant: they are the same
+        for name in multipliers(rows.name):  # both are equal: no row is redundant
             x.multipliers.setdefault(name, []).append(rows.group)
     return found
 
@@ -61,7 +61,7 @@ def _bound(x: LoopExpander, gather: Gather, item: Constraint, key: str) -> Bound
 def _values(
     x: LoopExpander, gather: Gather, item: Constraint, node: Node
 ) -> tuple[Node, Node, Node, tuple[Node, ...]]:
-    """phi, J v + j0, the rate of that where nothing accelerates, and the sizes of the first two."""
+    """Returns phi, J v + j0, its rate if nothing accelerates, and magnitudes of the first two."""
     rate = x.derivative(node) if item.holonomic else node
     position = node if item.holonomic else ZERO
     if x.totals.moving(rate, position):

@@ -24,7 +24,7 @@ from .terms import Term, terms
 
 
 def derive_loops(model: Model) -> LoopEquations:
-    """The equations of motion with every family kept as a loop. Raises Unrolled."""
+    """Returns the equations of motion with every family kept as a loop. Raises Unrolled."""
     return entered(model, lambda orders: _derive(LoopExpander(model, orders)))
 
 
@@ -123,7 +123,7 @@ def _derive(x: LoopExpander) -> LoopEquations:
 
 
 def _forces(x: LoopExpander, gather: Gather) -> None:
-    """Forces, and the rates of states."""
+    """Adds forces, and the rates of states."""
     for item in (*x.model.forces, *x.model.rates):
         lo, hi, loop = x.over(item.range, item.index)
         group = x.coordinates[item.name]
@@ -139,7 +139,7 @@ def _forces(x: LoopExpander, gather: Gather) -> None:
 
 
 def _check_rates(x: LoopExpander, gather: Gather) -> None:
-    """That rates of states which use others' can be computed one after the other."""
+    """Raises Unrolled if the rates of states use each other in a circle."""
     force, uses = _vector(x, gather.found, "force"), {}
     for group in x.coordinates.values():
         if group.is_state:
@@ -169,9 +169,9 @@ def _vector(x: LoopExpander, found: Gathered, what: str) -> Vector:
 
 
 def _of_states(x: LoopExpander, momenta: Vector, carried: tuple[Carried, ...]) -> bool:
-    """Whether a momentum of a coordinate depends on a state."""
+    """Returns whether a momentum of a coordinate depends on a state."""
     own = [g.name for g in x.coordinates.values() if g.is_state]
-    nodes = vector_nodes(momenta, frozenset(own))  # which go over to what moves carried values
+    nodes = vector_nodes(momenta, frozenset(own))  # includes rows of carried values
     nodes += [n for item in carried for piece in item.pieces for n in piece.by.values()]
     return any(slot.kind == "s" for slot in x.totals.below(*nodes))
 
@@ -204,7 +204,7 @@ def _check_inertia(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) ->
 
 
 def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
-    """What a size must fulfil, as far as it is not plain; families have a member at least."""
+    """Returns the conditions on sizes that are not always true; no family may be empty."""
     sizes = size_values(x.model)
     wanted = [Limit(g.count - 1, None) for g in x.coordinates.values() if g.is_family]
     kept: dict[Limit, None] = {}
@@ -226,7 +226,7 @@ def _limits(x: LoopExpander, found: list[Limit]) -> tuple[Limit, ...]:
 
 
 def _check_points(x: LoopExpander, result: LoopEquations) -> None:
-    """A term about one member is kept out of the interior, so it must be near an end."""
+    """Raises Unrolled for a term of a single member far from the ends: the interior excludes it."""
     rows = [(name, row) for name, row in result.force.rows.items()]
     rows += [(key[0], row) for key, row in result.mass.entries.items()]
     for name, row in rows:

@@ -1,4 +1,4 @@
-"""A model's expressions as nodes whose symbols are slots: members at a distance from a row."""
+"""Expands a model's expressions into nodes whose symbols are slots: members relative to a row."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .slots import Slots
 
 
 class Sums(Protocol):
-    """What makes the value of a sum inside an expression."""
+    """Makes the node of a sum that stands inside an expression."""
 
     def of(self, expr: Sum, loop: Loop) -> Node: ...
 
@@ -36,14 +36,14 @@ class Totals(Sums, Protocol):
 
 
 class Alongside(Protocol):
-    """What makes members of `let`s that outputs alone have."""
+    """Makes the nodes of members of `let`s that only outputs use."""
 
     def member(self, name: str, index: Affine) -> Value: ...
     def rate(self, slot: Slot) -> Node: ...
 
 
 class LoopExpander(Indices):
-    """Holds the graph and its slots; in the place of `Expander` for what `terms.py` has."""
+    """Holds the graph and its slots. Replaces `Expander` for the functions of expand/terms.py."""
 
     def __init__(self, model: Model, orders: tuple[int, ...]):
         super().__init__(model, Slots(Graph(limits.UNROLLED)))
@@ -57,23 +57,23 @@ class LoopExpander(Indices):
         self.definitions: dict[str, list[Definition]] = {}
         for item in model.definitions:
             self.definitions.setdefault(item.name, []).append(item)
-        self.carried: dict[str, tuple[Group, ...]] = {}  # by name: a vector's components
-        self.outputs: dict[str, Node] = {}  # built-in names of outputs, and those defined
-        self.of_members: dict[str, Definition] = {}  # outputs for each index, which a scene may use
-        self.multipliers: dict[str, list[Group]] = {}  # by name: of which rows
-        self.momenta: dict[str, Group] = {}  # by name, where outputs may have them
+        self.carried: dict[str, tuple[Group, ...]] = {}  # by name; a group per component
+        self.outputs: dict[str, Node] = {}  # by name: built-in outputs, outputs expanded so far
+        self.of_members: dict[str, Definition] = {}  # outputs with a value for each index
+        self.multipliers: dict[str, list[Group]] = {}  # by name: their constraint rows
+        self.momenta: dict[str, Group] = {}  # by name; only outputs may use them
         self.derivative = Forward(self.graph, VARIABLE, self._rate_of)
-        self.totals: Totals | None = None  # of sums inside expressions, once terms are gathered
-        self.alongside: Alongside | None = None  # of `let`s that outputs alone have
-        self.once: Sums | None = None  # of sums in what is computed once
-        self.summed = 0  # how many these are
-        self.watched = False  # whether what is entered is an output, which no equation has
+        self.totals: Totals | None = None  # of sums inside expressions; set by Gather
+        self.alongside: Alongside | None = None  # `let`s that only outputs use; set by Outputs
+        self.once: Sums | None = None  # set while a start or a parameter's value is expanded
+        self.summed = 0  # number of sums that `once` has made
+        self.watched = False  # whether the expressions being expanded are outputs
         self._defining: list[str] = []
         self._visits = 0
         self._magnitudes = Magnitudes(self.graph)
 
     def statement(self, span: Span) -> AbstractContextManager:
-        """Adds no place: what goes wrong here raises Unrolled with its own reason."""
+        """Does nothing: errors inside raise Unrolled with a reason of their own."""
         return nullcontext()
 
     # -- expressions --------------------------------------------------------------------------
@@ -96,13 +96,13 @@ class LoopExpander(Indices):
         return value
 
     def check_magnitude(self, node: Node, span: Span) -> None:
-        """That a double can hold its constants."""
+        """Raises an error if a double cannot hold one of the node's constants."""
         wrong = self._magnitudes.wrong(node)
         if wrong:
             raise error(self.model, wrong, span)
 
     def refused(self, message: str, span: Span) -> Exception:
-        """What is to be raised of an exponent that may be an index, a number once unrolled."""
+        """Returns Unrolled: an exponent refused here may be an index, a number once unrolled."""
         return Unrolled(message)
 
     def name(self, expr: Name, loop: Loop) -> Value:
@@ -141,7 +141,7 @@ class LoopExpander(Indices):
         raise Unrolled(f"'{name}' is not known in a loop")
 
     def _multiplier(self, name: str, index: Affine | None) -> Node:
-        """Of rows that are declared together."""
+        """Returns a multiplier, of constraint rows that one statement declares."""
         if len(self.multipliers[name]) > 1:
             raise Unrolled(f"'{name}' is of rows that are declared piece by piece")
         [group] = self.multipliers[name]
@@ -155,7 +155,7 @@ class LoopExpander(Indices):
         return self.slots.node("p", group.name, index)
 
     def _definition(self, name: str, index: Affine | None) -> Value:
-        """A `let`, its expression entered where it is used."""
+        """Returns the value of a `let`, whose expression is expanded anew at each use."""
         if name in self._defining:
             raise Unrolled(f"'{name}' is defined by its own members: a recursion over the index")
         found = self.definitions[name]
@@ -174,7 +174,7 @@ class LoopExpander(Indices):
             self._defining.pop()
 
     def _carried(self, name: str, index: Affine) -> Value:
-        """A member of a `let` that is defined piece by piece, from its own members perhaps."""
+        """Returns a member of a `let` defined by several statements or by its own members."""
         if name not in self.carried:
             if self.watched:
                 return self.alongside.member(name, index)
@@ -186,7 +186,7 @@ class LoopExpander(Indices):
         return nodes if len(nodes) > 1 else nodes[0]
 
     def groups_of(self, name: str) -> tuple[tuple[str, ...], tuple[Group, ...]]:
-        """Names and members of what is defined piece by piece; several of a vector."""
+        """Returns names and groups of a `let` by index, one of each for each vector component."""
         pieces = self.pieces(name)
         (lo, _, first), (_, hi, _) = pieces[0], pieces[-1]
         around, self.members = self.members, []
@@ -199,7 +199,7 @@ class LoopExpander(Indices):
         return tuple(g.name for g in groups), groups
 
     def pieces(self, name: str) -> list[tuple[Affine, Affine, Definition]]:
-        """The definitions of a name by index, which follow each other without a gap."""
+        """Returns (lo, hi, definition) for each index range of a name, by index, without a gap."""
         sizes, found = size_values(self.model), []
         for item in self.definitions[name]:
             lo, hi, _ = self.over(item.range, item.index)
@@ -214,7 +214,8 @@ class LoopExpander(Indices):
         return self.over(item.range, item.index)[2]
 
     def plain(self, expr: Expr, loop: Loop | None = None) -> Node:
-        """An expression that stands outside the motion: no carried value may be in it."""
+        """Returns the node of a start, parameter or end. Raises Unrolled if carried values or
+        sums over moving members are in it."""
         node = self.scalar(expr, loop)
         for slot in self.slots.below(node):
             if slot.name in self.coordinates and self.coordinates[slot.name].is_carried:
@@ -227,12 +228,12 @@ class LoopExpander(Indices):
         return node
 
     def coordinate(self, name: str, index: Affine | None) -> Node:
-        """A coordinate or a state; a given member, named outside loops, as what it is given."""
+        """Returns a coordinate or a state; for a fixed end at a known index, its given value."""
         end = self._fixed_at(name, index)
         return self.given(name, index) if end else self._cell(name, index)
 
     def _rate(self, name: str, index: Affine | None) -> Node:
-        """Likewise the rate of a coordinate."""
+        """Returns the rate of a coordinate; for a fixed end at a known index, its given rate."""
         end = self._fixed_at(name, index)
         return self.given_rate(name, index) if end else self.derivative(self._cell(name, index))
 
@@ -241,7 +242,7 @@ class LoopExpander(Indices):
         return next((end for at, end in ends if at == index and end.kind == "fixed"), None)
 
     def given(self, name: str, index: Affine) -> Node:
-        """What a fixed end has; of body rates only the rates have a meaning."""
+        """Returns the given value of a fixed end; 0 for the coordinate of a body rate."""
         value = self._fixed_at(name, index).value
         return ZERO if value is None else self.plain(value)
 
@@ -253,7 +254,7 @@ class LoopExpander(Indices):
         return body_rates(self.graph, numbers, tuple(map(self.derivative, numbers)))[axis]
 
     def _cell(self, name: str, index: Affine | None) -> Node:
-        """A member, for a free or a periodic end the one that stands there."""
+        """Returns the slot of a member; beyond a free or periodic end, of the member it maps to."""
         group = self.coordinates[name]
         kind = "s" if group.is_state else "q"
         if index is None or any(index.factor(v) for v in LOOPS):
@@ -310,18 +311,18 @@ def has_sum(x: LoopExpander, expr: Expr, seen: frozenset[str] = frozenset()) -> 
 
 
 def around(x: LoopExpander, loop: Loop) -> frozenset[str]:
-    """The names that stand for indices of members or of sums."""
+    """Returns the names that depend on a loop variable, of a row or of a sum."""
     sizes = {name for at in x.sizes.values() for name, _ in at.terms}
     return frozenset(name for name, at in loop.items() if {v for v, _ in at.terms} - sizes)
 
 
 def independent(x: LoopExpander, expr: Expr, loop: Loop) -> bool:
-    """Whether an expression is the same for all members around it."""
+    """Returns whether an expression is independent of all loop variables around it."""
     return not around(x, loop) & free_names(expr)
 
 
 def free_names(expr: Expr) -> frozenset[str]:
-    """The names in an expression but for the loop variables of its own sums."""
+    """Returns the names in an expression, without the loop variables of its own sums."""
     if isinstance(expr, Sum):
         found, own = frozenset(), frozenset()
         for item in expr.ranges:

@@ -1,4 +1,4 @@
-"""What is proved of a model whose families are loops; see enum pk_fact. False: not proved."""
+"""Proves facts about a model whose families are loops; see enum pk_fact. False: not proved."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def facts_of(x: LoopExpander, gather: Gather, e: LoopEquations) -> Facts:
 
 
 def _slopes(rows: Bound) -> Iterable[Node]:
-    """J."""
+    """Yields the nodes of J."""
     for found in (*rows.entries.values(), *rows.border.values(), *rows.corner.values()):
         yield from _nodes(found)
 
@@ -78,7 +78,7 @@ def _nodes(found: Row | Total) -> list[Node]:
 
 
 def _workless(x: LoopExpander, e: LoopEquations) -> bool:
-    """Whether rows are J v = 0: nothing is left of them at rest."""
+    """Returns whether all rows are J v = 0 (j0 = 0): each vanishes at v = 0."""
 
     def rest(slot: Slot) -> Node | None:
         return ZERO if slot.kind == "v" else None
@@ -88,7 +88,7 @@ def _workless(x: LoopExpander, e: LoopEquations) -> bool:
 
 
 def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
-    """Whether each is a sum of positions and rates, each times a constant, as it stands."""
+    """Returns whether each node is, as written, affine in positions and rates."""
     g = x.graph
     if _kinds(x, nodes) & {"a"} or x.totals.moving(*nodes):
         return False
@@ -104,7 +104,7 @@ def _affine(x: LoopExpander, nodes: list[Node]) -> bool:
 def _in_rates(x: LoopExpander, nodes: list[Node]) -> int:
     slots = {node: x.slots.of(node) for node in reachable(x.graph, nodes)}
     kinds = {node: slot.kind for node, slot in slots.items() if slot is not None}
-    if {"a", "flux"} & {*kinds.values()} or x.totals.moving(*nodes):  # with rates in it perhaps
+    if {"a", "flux"} & {*kinds.values()} or x.totals.moving(*nodes):  # may contain rates
         return 0
     same = ("param", "size", "index", "sum")
     return in_rates(x.graph, nodes, frozenset(n for n, kind in kinds.items() if kind in same))
@@ -125,7 +125,7 @@ def total_nodes(totals: Iterable[Total]) -> list[Node]:
 
 
 def vector_nodes(vector: Vector, without: frozenset[str] = frozenset()) -> list[Node]:
-    """The nodes of all rows but those of some names."""
+    """Returns the nodes of all rows, except those of the names in `without`."""
     rows = [row for name, row in vector.rows.items() if name not in without]
     totals = [total for name, total in vector.totals.items() if name not in without]
     found = [part.node for row in rows for part in row.parts] + total_nodes(totals)
@@ -135,7 +135,7 @@ def vector_nodes(vector: Vector, without: frozenset[str] = frozenset()) -> list[
 
 
 def own_nodes(vector: Vector, name: str) -> list[Node]:
-    """The nodes of one family's row, or of one scalar."""
+    """Returns the nodes of the row of one family, or of one scalar."""
     rows = [vector.rows[name]] if name in vector.rows else []
     found = [part.node for row in rows for part in row.parts]
     found += total_nodes([vector.totals[name]] if name in vector.totals else [])

@@ -1,15 +1,15 @@
-"""Rows and totals, of which the equations of families kept as loops are made.
+"""Rows and totals: the intermediate representation of the equations of families kept as loops.
 
-L is a sum of terms, each a sum over i = lo..hi of one body. Its derivative by a cell m of a family
-gathers what the bodies around it say,
+L is a sum of terms, each a sum over i = lo..hi of one body. Its derivative by a cell (member) m of
+a family collects the derivatives of the bodies that contain the cell,
 
     row(m) = sum over terms, sum over offsets c,  [lo <= m - c <= hi] d body/d slot_c at i = m - c
 
-so a row is a few parts, each with its condition; where all hold and no end is near, one
-expression without any condition is left, the interior. A cell beyond an end (a ghost) is a
-function of t (`fixed`), its neighbour (`free`) or wraps (`periodic`); by the chain rule its own
-row, conditions and all, is added to the row of the cell that it stands for. That holds for every
-length of a family down to one member.
+A row is a few parts, each with its condition. Where all conditions hold and no end is near, the
+row is one expression without conditions, the interior. A cell beyond an end (a ghost) is a function
+of t (`fixed`), its neighbour (`free`) or a cell at the other end (`periodic`). By the chain rule
+the row of a ghost, with its conditions, is added to the row of the cell that it stands for. This
+holds for every length of a family down to one member.
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ from ...record import record
 
 
 class Unrolled(Exception):
-    """The model's families cannot stay loops; the text says why."""
+    """The model's families cannot stay loops; the text is the reason."""
 
 
 @record
 class Slot:
-    """What a symbol of the graph stands for.
+    """The meaning of a symbol of the graph. `at` is the index of a family's member. Kinds:
 
-    kind: "q", "v", "s" (a first-order variable, which C has in v), "w" (the acceleration of a cell
-    that is given as a function of t, 0 of a coordinate; of a carried value its acceleration where
-    no coordinate has one), "d" (the rate of a coordinate, 0 of a given cell; of a carried value
-    what the rates of coordinates make of it), "a" (its acceleration, 0 of a given cell, where that
-    is an unknown; of a state its rate, of a given cell as well), "param", "size", "index", "input",
-    "sum" (the total of that number), "lambda" (of the rows of that key), "hung_p" and "hung_f" (of
-    a carried value, the momenta and forces that go over to what it is made of), "p" (a momentum, in
-    outputs), "let" (a member of what is computed for outputs alone), "acc" (there, an acceleration,
-    of a given cell as well), "side" (of the switch of that number), and "place", whose name is its
-    text in C. `at` is the index of a family's member.
+    "q", "v"; "s": a first-order variable, stored in v in C; "w": the acceleration of a given cell,
+    0 for a coordinate, for a carried value its acceleration if no coordinate accelerates; "d": the
+    rate of a coordinate, 0 for a given cell, for a carried value its rate due to the rates of
+    coordinates; "a": the acceleration of a coordinate as an unknown, 0 for a given cell, for a
+    state its rate, also in a given cell; "param", "size", "index", "input"; "sum": the total with
+    this number; "lambda": a multiplier of the rows with this key; "hung_p" and "hung_f": the
+    momenta and forces that a carried value passes on to the variables it depends on; "side": of
+    the switch with this number; "flux": a bond's force (back/c/loops_interior.py); "place": its
+    name is C text. In outputs alone: "p": a momentum; "let": a member of a `let`; "acc": an
+    acceleration, also of a given cell.
     """
 
     kind: str
@@ -48,13 +48,13 @@ class Slot:
     at: Affine | None = None
 
 
-CELLS = ("q", "v", "s")  # slots of what moves
-REACHED = (*CELLS, "a", "acc")  # of members, which have to be there
+CELLS = ("q", "v", "s")  # kinds of slots of coordinates, rates and states
+REACHED = (*CELLS, "a", "acc")  # kinds of slots whose member has to exist
 
 
 @record
 class Group:
-    """A declared coordinate, state or parameter: one scalar (lo is None) or a family lo..hi, and
+    """A declared coordinate, state or parameter: one scalar (lo is None) or a family lo..hi, with
     its ends; or a carried value, see `Carried`."""
 
     declared: Coordinate | State | Parameter | Definition | Constraint
@@ -62,7 +62,7 @@ class Group:
     hi: Affine | None
     ends: tuple[tuple[Affine, End], ...] = ()  # each given index outside the family
     periodic: bool = False
-    component: str = ""  # of a vector
+    component: str = ""  # suffix of the name, for a component of a vector
 
     @property
     def name(self) -> str:
@@ -82,12 +82,12 @@ class Group:
 
     @property
     def is_turn(self) -> bool:
-        """Whether its rate is a body rate, and its value nothing."""
+        """Whether its rate is a body rate; its value then has no meaning."""
         return isinstance(self.declared, Coordinate) and bool(self.declared.rate)
 
     @property
     def shown(self) -> str:
-        """Its name where a reader sees it."""
+        """Its name in messages and output."""
         return self.declared.rate if self.is_turn else self.name
 
     @property
@@ -97,9 +97,9 @@ class Group:
 
 @record
 class Part:
-    """What one body, seen from one offset, adds to a row: only where lo <= m <= hi.
+    """The contribution of one body at one offset to the rows lo <= m <= hi.
 
-    `inner` is the same away from the ends, where no given cell is in reach.
+    `inner` is its form in the interior, where no given cell is in reach.
     """
 
     lo: Affine
@@ -109,7 +109,7 @@ class Part:
 
     @property
     def is_point(self) -> bool:
-        """Over a few cells however long the family is."""
+        """Whether it covers a few cells, however long the family is."""
         length = self.hi - self.lo
         return length.is_constant and length.constant <= 8
 
@@ -123,9 +123,9 @@ class Row:
 
 @record
 class PairPart:
-    """A double sum over m = lo..hi and j = first..last; nodes by what they add to.
+    """A double sum of `node` over m = lo..hi and j = first..last, each pair once.
 
-    `first` and `last` may contain m. Each pair is met once.
+    `first` and `last` may contain m.
     """
 
     lo: Affine
@@ -146,7 +146,7 @@ class Total:
 
 @record
 class PairForce:
-    """The derivatives of one double sum by the cells and the scalar coordinates in it."""
+    """The derivatives of one double sum by the cells and scalar coordinates in it."""
 
     lo: Affine
     hi: Affine
@@ -168,8 +168,8 @@ class Vector:
 
 @record
 class Band:
-    """M as rows: entry (family, other, d) is M of cell m of one and m + d of the other;
-    `border` is of a scalar coordinate with a family's cell m, `corner` of two scalars."""
+    """M as rows: entry (family, other, d) couples cell m of one with cell m + d of the other;
+    `border` couples a scalar coordinate with a family's cell m, `corner` two scalars."""
 
     entries: dict[tuple[str, str, int], Row]
     border: dict[tuple[str, str], Row]
@@ -185,27 +185,27 @@ class Band:
 
 @record
 class Piece:
-    """What the members lo..hi of a carried value X are, in terms of lower ones and of q and t.
+    """The recurrence of the members lo..hi of a carried value X, from lower members, q and t.
 
-    `by` has the derivatives of X[m] by slots of q, X[m-1] among them; `by_rate` their rates.
+    `by` has the derivatives of X[m] by slots of kind q, including X[m-1]; `by_rate` their rates.
     """
 
     lo: Affine
     hi: Affine
     value: Node
     rate: Node
-    coasting: Node  # its second derivative in t where no coordinate accelerates
-    own: Node  # its rate but for what changes with t
+    coasting: Node  # its second derivative in t if no coordinate accelerates
+    own: Node  # its rate without explicit dependence on t
     by: dict[Slot, Node]
     by_rate: dict[Slot, Node]
 
 
 @record
 class Carried:
-    """A `let` with a value for each member that is defined from lower members, such as a place
-    along a chain of links: a family of its own in L, whose rows go over to what it is made of.
+    """A `let` by index with a recurrence from lower members, such as the positions along a chain of
+    links. L takes it as a family; its rows are added, by the chain rule, to those it depends on.
 
-    One of a higher level uses those of lower ones at the same index.
+    A carried value may use others of lower `level` at the same index.
     """
 
     group: Group
@@ -215,19 +215,19 @@ class Carried:
 
 @record
 class Bound:
-    """Rows J v + j0 of a `constraint` or a `rolling`, one for each member of a family, which lie in
-    the band of M, or a single one, which is kept whole behind it as a scalar coordinate is.
+    """Rows J v + j0 of a `constraint` or a `rolling`: one for each index, placed in the band of M,
+    or a single one, which follows the band like a scalar coordinate.
 
-    Of a family `entries` has J of row m by member m + shift of another, or by a scalar (None).
-    Of a single row `border` has it by a family's member m, and `corner` by a scalar.
+    For rows by index, `entries` has J of row m by member m + shift of a family, or by a scalar
+    (None). For a single row, `border` has J by a family's member m, and `corner` by a scalar.
     """
 
     name: str  # as declared
-    group: Group  # its name is the one in C, a number
-    position: Row | Total  # phi; nothing of a rolling
+    group: Group  # its name is a number, used in C
+    position: Row | Total  # phi; 0 for a rolling
     rate: Row | Total  # J v + j0
-    coasting: Row | Total  # the rate of that where nothing accelerates but what is given
-    sizes: tuple[Row | Total, Row | Total]  # of the terms of phi, and of J v + j0
+    coasting: Row | Total  # (J v + j0)' if only given cells accelerate
+    sizes: tuple[Row | Total, Row | Total]  # magnitudes of the terms of phi and of J v + j0
     entries: dict[tuple[str, int | None], Row] = field(default_factory=dict)
     border: dict[str, Row] = field(default_factory=dict)
     corner: dict[str, Total] = field(default_factory=dict)
@@ -242,7 +242,7 @@ class Bound:
 
     @property
     def ranged(self) -> Iterator[tuple[tuple[Affine, ...], Node]]:
-        """Whatever a run computes of them, with the range of its index, () where it has none."""
+        """Yields all nodes that a run computes, each with the range of its index, () if none."""
         found = [self.position, self.rate, self.coasting]
         found += [*self.entries.values(), *self.border.values(), *self.corner.values()]
         for x in found:

@@ -1,4 +1,4 @@
-"""Indices as sums of sizes and loop variables, and what sizes must fulfil for members to be."""
+"""Indices as affine forms of sizes and loop variables; limits on sizes for members to exist."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from .loops import Limit
 from .slots import Slots
 
 Loop = dict[str, Affine]
-COUNTERS = tuple(f"#{k}" for k in range(8))  # the indices of sums that are computed once
+COUNTERS = tuple(f"#{k}" for k in range(8))  # loop variables of sums in starts and parameters
 
 
 class Indices:
-    """Of one model, whose members are noted as they are met."""
+    """Evaluates the indices of one model, and records the members that they use."""
 
     def __init__(self, model: Model, slots: Slots) -> None:
         self.model = model
         self.slots = slots
         self.graph = slots.graph
         self.sizes: Loop = {size.name: variable(unlike_loops(size.name)) for size in model.sizes}
-        self.members: list[tuple[Affine, Affine, Affine]] = []  # of lets: lo, hi, index
+        self.members: list[tuple[Affine, Affine, Affine]] = []  # used so far: lo, hi, index
 
     def _group(self, item: Coordinate | State | Parameter) -> Group:
         if item.range is None:
@@ -52,7 +52,7 @@ class Indices:
             ) from None
 
     def number(self, at: Affine) -> Node:
-        """An index expression as a number."""
+        """Returns the node of an index expression's value."""
         g = self.graph
         total = g.number(at.constant)
         for name, factor in at.terms:
@@ -61,7 +61,7 @@ class Indices:
         return total
 
     def limits_of(self, length: Affine | None, at: dict[str, tuple[Affine, Affine]]) -> list[Limit]:
-        """What the sizes must fulfil for members met since to be there; forgets them."""
+        """Returns limits for all recorded members to exist, with loop variables in ranges `at`."""
         found = []
         for lo, hi, index in self.members:
             first, last = extremes(index, at)
@@ -70,13 +70,13 @@ class Indices:
         return found
 
     def limits_over(self, lo: Affine | None, hi: Affine | None) -> list[Limit]:
-        """The same over the members lo..hi, or of what is no family."""
+        """Returns limits_of with m = lo..hi, or without a loop if `lo` is None."""
         return self.limits_of(None, {}) if lo is None else self.limits_of(hi - lo, {ROW: (lo, hi)})
 
     def over(
         self, range_: Range | None, index: Expr | None = None
     ) -> tuple[Affine | None, Affine | None, Loop]:
-        """The members that a statement is about, and what its names of indices stand for."""
+        """Returns the members lo..hi of a statement, and the values of its index names."""
         loop = dict(self.sizes)
         if range_ is not None:
             lo, hi = self.index(range_.lo, loop), self.index(range_.hi, loop)
@@ -86,7 +86,7 @@ class Indices:
 
 
 def unlike_loops(size: str) -> str:
-    """A size's name as a variable of index expressions."""
+    """Returns a size's name as a variable of index expressions, distinct from LOOPS."""
     return f"{size}'" if size in LOOPS else size
 
 

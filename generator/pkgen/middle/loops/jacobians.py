@@ -1,12 +1,12 @@
 """Derivatives of the momenta and of p' by coordinates and rates, as rows: a band with a border.
 
-Where forces of constraints or rates of states are in p', or the equations are solved for a (see
-`solved` of LoopEquations), these derivatives are dense. a, with those rates, and the multipliers
-lambda are unknowns too then, with equations of their own, whose derivatives are a band again:
+These derivatives are dense if p' contains constraint forces or rates of states, or if the equations
+are solved for a (see `solved` of LoopEquations). Then a, those rates and the multipliers lambda are
+unknowns too. Their equations have a band of derivatives again:
 
-    M a - f - J^T lambda = 0,   (J v + j0)' = J a + what is there at a = 0 = 0
+    M a - f - J^T lambda = 0,   (J v + j0)' = J a + (J v + j0)' at a = 0 = 0
 
-So is each total that members feel, S - sum over members = 0.
+Each total S that equations of members contain is an unknown too: S - sum over members = 0.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ class Slopes:
     families: tuple[tuple[Unknown, Group], ...]  # unknowns with a value for each index
     scalars: tuple[Unknown, ...]
     mass: Matrix
-    closed: Matrix | None  # M, and what a and lambda are: where these are unknowns
+    closed: Matrix | None  # M and the rows of further unknowns by rates and these; None without
     p_q: Matrix
     pdot_q: Matrix
     pdot_v: Matrix
-    pull: dict[str, Row | Total] | None  # the forces of constraints, where p' has them
+    pull: dict[str, Row | Total] | None  # constraint forces, if p' contains them
 
     @property
     def answered(self) -> bool:
@@ -48,7 +48,7 @@ class Slopes:
 
 
 def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
-    """Raises Unrolled where a row reaches members at no fixed distance."""
+    """Returns the derivatives. Raises Unrolled if a row reaches members at varying distances."""
     vectors = (e.momenta, e.pdot, e.force)
     nodes = [node for vector in vectors for node in vector_nodes(vector)]
     nodes += [part.node for row in e.mass.entries.values() for part in row.parts]
@@ -57,7 +57,7 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
     derive = Derive(slots, e.fixed)
     families = [(("v", g.name), g) for g in e.families]
     scalars = [("v", g.name) for g in e.scalars]
-    used = {s.name for s in slots.below(*nodes) if s.kind == "a"}  # states whose rates others have
+    used = {s.name for s in slots.below(*nodes) if s.kind == "a"}  # states with rates in equations
     if e.carried:
         if e.bound or e.solved or used:
             raise Unrolled("carried values stand beside accelerations as unknowns")
@@ -105,7 +105,7 @@ def slopes_of(e: LoopEquations, slots: Slots) -> Slopes:
 
 
 def _totals(e: LoopEquations, slots: Slots, nodes: Iterable[Node]) -> list[int]:
-    """The totals below some nodes that change along a motion."""
+    """Returns the numbers of the totals in some nodes that change along a motion."""
     found: set[int] = set()
     while nodes:
         below = {int(slot.name) for slot in slots.below(*nodes) if slot.kind == "sum"}

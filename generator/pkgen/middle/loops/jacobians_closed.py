@@ -1,4 +1,4 @@
-"""a, the multipliers lambda and totals as unknowns beside rates: the equations that they fulfil."""
+"""The equations of a, the multipliers lambda and totals: unknowns in addition to the rates."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def nothing() -> Matrix:
 
 
 class Motion:
-    """What a and lambda are: equations in which they stand as slots."""
+    """Makes the equations of a and lambda, in which both are slots."""
 
     def __init__(self, e: LoopEquations, slots: Slots, used: set[str]):
         self.e, self.slots, self.g, self.used = e, slots, slots.graph, used
@@ -37,7 +37,7 @@ class Motion:
         return self.slots.node("a", name, None if shift is None else M + shift)
 
     def force(self, rows: Bound, shift: int = 0) -> Node:
-        """The multiplier of the row so far away."""
+        """Returns the multiplier of the row m + shift, or of a single row."""
         at = None if rows.is_single else M + shift
         return self.slots.node("lambda", rows.group.name, at)
 
@@ -68,7 +68,7 @@ class Motion:
         return Total(self.g.negate(x.constant), scaled)
 
     def pull(self) -> Stated:
-        """J^T lambda."""
+        """Returns the constraint forces J^T lambda."""
         rows: dict[Unknown, list[Part]] = {("v", g.name): [] for g in self.e.families}
         totals: dict[Unknown, list[Total]] = {("v", g.name): [] for g in self.e.scalars}
         for bound in self.e.bound:
@@ -94,7 +94,7 @@ class Motion:
         )
 
     def balance(self, pull: Stated) -> dict[Unknown, Row]:
-        """M a - f - J^T lambda, of families."""
+        """Returns M a - f - J^T lambda for families."""
         force, found = of_vector(self.e.force, "v"), {}
         for g in (g for g in self.e.families if not g.is_state or g.name in self.used):
             parts = [
@@ -109,7 +109,7 @@ class Motion:
         return found
 
     def balances(self, pull: Stated) -> dict[Unknown, Total]:
-        """The same of scalar coordinates."""
+        """Returns M a - f - J^T lambda for scalar coordinates."""
         force, found = of_vector(self.e.force, "v"), {}
         for g in (g for g in self.e.scalars if not g.is_state or g.name in self.used):
             totals = [self.minus(force.totals["v", g.name]), self.minus(pull.totals["v", g.name])]
@@ -143,7 +143,7 @@ class Motion:
         return found
 
     def total_rows(self, totals: Iterable[int]) -> dict[Unknown, Total]:
-        """What a total is, less what it sums up."""
+        """Returns for each total its slot minus its sum."""
         found = {}
         for k in totals:
             own, minus = self.slots.node("sum", str(k)), self.minus(self.e.sums[k])
@@ -152,7 +152,7 @@ class Motion:
         return found
 
     def accelerations(self) -> Stated:
-        """p' where p is v."""
+        """Returns p' = a, the case p = v."""
         own = of_vector(self.e.force, "v")
         for g in (g for g in self.e.coordinates if not g.is_state):
             if g.is_family:

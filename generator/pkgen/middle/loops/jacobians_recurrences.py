@@ -1,12 +1,12 @@
 """Derivatives of momenta and of p' in models with carried values: a band with a border again.
 
-By coordinates they are dense: a place X is made of all lower members. So X and X' are unknowns
-beside these, and what hangs on X: of the momenta P and of the forces F that go over to what X is
-made of, with the rows C of what is made of what (C z' = 0) and their rates C',
+By coordinates they are dense: a carried value X depends on all lower members. So further unknowns
+are X and X', and the momenta P and forces F that X passes on to the variables in its recurrence
+("hung" on X). With the rows C of the recurrences (C z' = 0) and their rates C',
 
-    X - Phi = 0,  X' - Phi' = 0,  C^T P = p_X,  C^T F + C'^T P = p'_X,
+    X - Phi = 0,  X' - Phi' = 0,  C^T P = p_X,  C^T F + C'^T P = p'_X.
 
-whose derivatives reach neighbours alone. p_q is then less C^T P, and p'_q less C^T F + C'^T P.
+Their derivatives reach neighbours only. C^T P is subtracted from p_q, and C^T F + C'^T P from p'_q.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from .loops import LoopEquations
 from .matrices import BY_MORE, BY_PLACE, BY_RATE, Derive, M, Matrix, Stated, Unknown, seen_from
 from .slots import Slots
 
-Entries = dict[tuple[str, int | None], Row]  # by name and shift, None of a scalar coordinate
+Entries = dict[tuple[str, int | None], Row]  # by name and shift; shift None for a scalar
 HUNG = ("hung_p", "hung_f")
 
 
 def made(e: LoopEquations, slots: Slots, item: Carried, rates: bool = False) -> Entries:
-    """The row of what a carried value is made of, itself first; or the rates of its entries."""
+    """Returns the row of C of a carried value, its own entry first; with `rates` that of C'."""
     carried = [g.name for g in e.carried_groups]
 
     def part(lo, hi, node: Node) -> Part:
@@ -41,7 +41,7 @@ def made(e: LoopEquations, slots: Slots, item: Carried, rates: bool = False) -> 
 
 
 class Chain(Motion):
-    """Of one model."""
+    """Makes the matrices of one model with carried values."""
 
     def __init__(self, e: LoopEquations, slots: Slots, totals: list[int]):
         super().__init__(e, slots, set())
@@ -63,7 +63,7 @@ class Chain(Motion):
     # -- rows ---------------------------------------------------------------------------------
 
     def gone_over(self, kind: str, rates: bool = False) -> Stated:
-        """C^T or C'^T times what hangs."""
+        """Returns C^T, or with `rates` C'^T, times the hung momenta or forces."""
         rows: dict[str, list[Part]] = {g.name: [] for g in self.e.rows}
         totals: dict[str, list[Total]] = {g.name: [] for g in self.e.scalars}
         for item in self.e.carried:
@@ -85,7 +85,7 @@ class Chain(Motion):
         return Stated(rows, totals)
 
     def own(self, of: Stated) -> Stated:
-        """Of coordinates."""
+        """Returns the rows of coordinates, without those of carried values."""
         rows = {key: row for key, row in of.rows.items() if key[1] not in self.names}
         return Stated(rows, of.totals)
 
@@ -93,7 +93,7 @@ class Chain(Motion):
         return {(kind, name): row for (_, name), row in of.rows.items() if name in self.names}
 
     def defined(self) -> dict[Unknown, Row]:
-        """X - Phi and X' - Phi'."""
+        """Returns the rows X - Phi and X' - Phi'."""
         found = {}
         for item in self.e.carried:
             for kind, slot, what in (("place", "q", "value"), ("rate", "v", "rate")):
@@ -106,7 +106,7 @@ class Chain(Motion):
     # -- matrices -----------------------------------------------------------------------------
 
     def mass(self) -> Matrix:
-        """[M C^T; C 0] of rates, those of carried values among them."""
+        """Returns [M C^T; C 0], by rates, including those of carried values."""
         e, found = self.e, nothing()
         of = self.unknown
         for (own, other, shift), row in e.mass.entries.items():
@@ -130,7 +130,7 @@ class Chain(Motion):
         return self.derive.matrix(of, BY_RATE) | self.derive.matrix(of, BY_MORE)
 
     def matrices(self) -> list[Matrix]:
-        """M; M and the rows of what is unknown besides; the derivatives of p and p'."""
+        """Returns `mass`, `closed`, `p_q`, `pdot_q` and `pdot_v` of Slopes."""
         e = self.e
         p = self.less(of_vector(e.momenta, "v"), self.gone_over("hung_p"))
         pdot = self.less(of_vector(e.pdot, "v"), self.gone_over("hung_f"))

@@ -1,4 +1,4 @@
-"""What the derivation of a model hands on whose families stay loops."""
+"""The output of derive_loops: the equations of a model whose families stay loops."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from .indexed_ir import Band, Bound, Carried, Group, Part, Slot, Total, Vector
 
 @record
 class Summed:
-    """A sum that is computed once, into that place of an array; its index variables are counters,
-    and `inside` are sums in each of its terms."""
+    """A sum computed once, into element `place` of an array. Its index variables are counters;
+    `inside` are the sums in each of its terms."""
 
     place: int
     ranges: tuple[tuple[str, Affine, Affine], ...]
@@ -26,11 +26,11 @@ class Summed:
 
 @record
 class Assigned:
-    """Members lo..hi of a declared name take the value of a node, m being the index; some sums come
-    before all of them, others before each."""
+    """Members lo..hi of a declared name take the value of a node with index m. The sums `before`
+    are computed before all members, those of `each` before each member."""
 
     name: str
-    order: int  # 1: of a rate
+    order: int  # 1 for a rate, else 0
     lo: Affine | None
     hi: Affine | None
     node: Node
@@ -40,7 +40,7 @@ class Assigned:
 
 @record
 class Observed:
-    """An output: one, where `lo` is None, or one for each index m."""
+    """An output: one value if `lo` is None, else one for each index m = lo..hi."""
 
     item: Definition
     lo: Affine | None
@@ -54,24 +54,24 @@ class Observed:
 
 @record
 class Along:
-    """A `let` by index that outputs alone have, or with ' its rate: each member in its turn."""
+    """A `let` by index that only outputs use (or with ' its rate), computed member by member."""
 
     name: str
     group: Group
-    parts: tuple[Part, ...]  # by index, each without the others
+    parts: tuple[Part, ...]  # by index; their ranges do not overlap
 
 
 @record
 class Limit:
-    """A size is large enough where `needs` >= 0, or where the range `unless` is empty."""
+    """A condition on sizes: `needs` >= 0, or `unless` < 0 (an empty range)."""
 
     needs: Affine
-    unless: Affine | None  # its length - 1
+    unless: Affine | None  # length of a range, less 1
 
 
 @record
 class Bounded:
-    """Where the members of a declared parameter may lie; nodes in its index m."""
+    """The bounds of a declared parameter; nodes with index m."""
 
     lo: Node | None
     hi: Node | None
@@ -79,8 +79,8 @@ class Bounded:
 
 @record
 class LoopSingularity:
-    """The equations end where one of `terms` vanishes, each for itself: a member's, a pair's, or a
-    constant. `name` is the expression in i, of a pair in i and j; `use` as of a Singularity."""
+    """The equations end where any single one of `terms` vanishes: of a member, a pair, or the
+    constant. `name` is the expression in i, or in i and j for a pair; `use` as in Singularity."""
 
     name: str
     use: str
@@ -89,12 +89,12 @@ class LoopSingularity:
 
 @record
 class LoopSwitch:
-    """The equations are smooth on either side of the zeros of an expression, which has a value for
-    each index m of the `ranges`, of () one alone. See switches.py and equations.Switch."""
+    """An expression at whose zeros the equations have a kink or a jump, with a value for each index
+    m of the `ranges`; () is a single value. See switches.py and equations.Switch."""
 
     name: str  # the expression in i
     node: Node
-    inner: Node  # the same away from the ends
+    inner: Node  # the same in the interior
     ranges: tuple[tuple[Affine, ...], ...]
     held: bool
 
@@ -104,7 +104,7 @@ class LoopEquations:
     model: Model
     graph: Graph
     slots: tuple[Slot, ...]
-    coordinates: tuple[Group, ...]  # and then the states, each as the rate of one
+    coordinates: tuple[Group, ...]  # followed by states; each state is the rate of a dummy
     parameters: tuple[Group, ...]
     orders: tuple[int, ...]  # derivatives of each input that occur
 
@@ -115,33 +115,33 @@ class LoopEquations:
     mass: Band
     kinetic: Total | None
     potential: Total | None
-    lagrangian: Total | None  # None, like the energy, of states alone
+    lagrangian: Total | None  # None, like the energy, for a model of states alone
     energy: Total | None
     sums: tuple[Total, ...]  # inside expressions, in the order in which they can be computed
-    fixed: frozenset[int]  # those of parameters and sizes alone
+    fixed: frozenset[int]  # numbers of the sums of parameters and sizes alone
     outputs: tuple[Observed, ...]
     conserved: tuple[Node, ...]
     events: tuple[Node, ...]
-    # The value of each given cell beyond an end and its first two derivatives, by its End.
+    # Value, rate and acceleration of each given cell beyond an end, by family and index.
     given: dict[tuple[str, Affine], tuple[Node, Node, Node]]
     defaults: tuple[Assigned, ...]  # one for each declared parameter
     bounds: tuple[Bounded, ...]
     starts: tuple[Assigned, ...]
     limits: tuple[Limit, ...]
-    wraps: dict[str, int] = field(default_factory=dict)  # how far beyond a periodic family's ends
-    along: tuple[tuple[Along, ...], ...] = ()  # those of one are computed together
-    summed: int = 0  # how many sums are computed once, in starts and parameters
+    wraps: dict[str, int] = field(default_factory=dict)  # by family: reach beyond periodic ends
+    along: tuple[tuple[Along, ...], ...] = ()  # members of an inner tuple are computed together
+    summed: int = 0  # number of sums computed once, in starts and parameters
     facts: Facts | None = None
     singularities: tuple[LoopSingularity, ...] = ()
     switches: tuple[LoopSwitch, ...] = ()
-    pivots: bool = False  # those of M are singularities too, before the others
-    carried: tuple[Carried, ...] = ()  # by level
-    # Whether the accelerations of carried values are unknowns of M a = f, with rows that say what
-    # they are made of; else they are eliminated place by place.
+    pivots: bool = False  # the pivots of M are singularities too, before the others
+    carried: tuple[Carried, ...] = ()  # sorted by level
+    # Whether the accelerations of carried values are unknowns of M a = f, with rows for their
+    # recurrences; else they are eliminated index by index.
     extended: bool = False
-    bound: tuple[Bound, ...] = ()  # rows of constraints, the holonomic ones first
-    # Whether implicit methods take p = v, p' = a: a momentum depends on a state, as of a body whose
-    # inertia its attitude changes.
+    bound: tuple[Bound, ...] = ()  # constraint rows, the holonomic ones first
+    # Whether implicit methods take p = v, p' = a: a momentum depends on a state, such as that of a
+    # body with an inertia that depends on its attitude.
     solved: bool = False
 
     def group(self, name: str) -> Group:
@@ -157,12 +157,12 @@ class LoopEquations:
 
     @property
     def rows(self) -> tuple[Group, ...]:
-        """What has a row for each index where L is taken as it stands."""
+        """Groups with a row for each index, before rows of carried values are eliminated."""
         return (*self.families, *self.carried_groups)
 
     @property
     def banded(self) -> tuple[Group, ...]:
-        """What has a place in the band of M for each index, in this order."""
+        """Groups with a row in the band of M for each index, in order."""
         return (*self.carried_groups, *self.families) if self.extended else self.families
 
     @property
@@ -199,10 +199,10 @@ class LoopEquations:
 
     @property
     def unseen(self) -> tuple[Group, ...]:
-        """Those whose values mean nothing: of body rates, and of states."""
+        """Coordinates without a meaningful value: their rates are body rates or states."""
         return tuple(g for g in self.coordinates if g.is_turn or g.is_state)
 
     @property
     def first_order(self) -> Affine:
-        """How many of them have but a rate that means something."""
+        """The number of coordinates of which only the rate has a meaning."""
         return sum((g.count for g in self.unseen), Affine())

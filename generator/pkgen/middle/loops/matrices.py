@@ -1,4 +1,4 @@
-"""Matrices of derivatives of rows, by the members and the scalars that stand in these."""
+"""Matrices of the derivatives of rows by the members and scalars in them."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .indexed_ir import Part, Row, Total, Unrolled
 from .slots import Slots
 
 M = variable(ROW)
-# "v" or the kind of what else there is, and of which family or scalar; "sum" and the number of a
-# total.
+# A kind ("v", "a", "lambda", "place", "rate", "hung_p", "hung_f") and the name of a family or
+# scalar; or "sum" and the number of a total.
 Unknown = tuple[str, str]
-BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")  # slots; "d" is the rate of a cell that is not given
-BY_MORE = ("a", "lambda", "sum", "hung_p", "hung_f")  # and all of carried values
+BY_PLACE, BY_RATE = ("q",), ("v", "s", "d")  # slot kinds; "d": rate of a cell not given
+BY_MORE = ("a", "lambda", "sum", "hung_p", "hung_f")  # and all kinds of carried values
 BY_TOTALS = ("sum",)
 _OF = {**dict.fromkeys((*BY_PLACE, *BY_RATE), "v"), **{kind: kind for kind in BY_MORE}}
 _OF_CARRIED = {"q": "place", **dict.fromkeys(BY_RATE, "rate"), **{kind: kind for kind in BY_MORE}}
@@ -34,8 +34,8 @@ K = TypeVar("K")
 
 @record
 class Matrix:
-    """Entry (family, other, d) of `entries` is of cell m of one by m + d of the other; `right` is
-    of a family's cell m by a scalar, `bottom` of a scalar by a family's cell m."""
+    """Entry (family, other, d) of `entries` is the derivative of cell m of one by cell m + d of the
+    other; `right`: of a family's cell m by a scalar; `bottom`: of a scalar by a family's cell m."""
 
     entries: dict[tuple[Unknown, Unknown, int], Row]
     right: dict[tuple[Unknown, Unknown], Row]
@@ -43,14 +43,14 @@ class Matrix:
     corner: dict[tuple[Unknown, Unknown], Total]
 
     def __or__(self, other: Matrix) -> Matrix:
-        """With the entries of another one, which are elsewhere."""
+        """Returns the union with another matrix, which has other entries."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return Matrix(*(one | more for one, more in pairs))
 
 
 @record
 class Stated:
-    """Quantities with a row for each index, and single ones."""
+    """Quantities to differentiate: rows with a value for each index, and single values."""
 
     rows: dict[Unknown, Row]
     totals: dict[Unknown, Total]
@@ -59,7 +59,7 @@ class Stated:
 class Derive:
     def __init__(self, slots: Slots, fixed: frozenset[int], carried: frozenset[str] = frozenset()):
         self.slots, self.g, self.carried = slots, slots.graph, carried
-        self.fixed = fixed  # totals of parameters, which are no unknowns
+        self.fixed = fixed  # totals of parameters only: no unknowns
 
     def by(self, of: Stated) -> Callable[[tuple[str, ...]], Matrix]:
         return lambda kinds: self.matrix(of, kinds)
@@ -102,7 +102,7 @@ class Derive:
         }
 
     def _by(self, node: Node, kinds: tuple[str, ...]) -> _By:
-        """The derivatives that are not zero, by the member or the scalar of each."""
+        """Returns the nonzero derivatives of a node, by unknown and the index of its member."""
         found: _By = {}
         for symbol, slope in gradient(self.g, node, _MASKS[kinds]).items():
             slot = self.slots.of(symbol)
@@ -121,13 +121,13 @@ class Derive:
 
 
 def seen_from(slots: Slots, part: Part, distance: int) -> Part:
-    """From the row of the cell that is so far away."""
+    """Returns the part relative to the row of the cell at m + distance."""
     node, inner = (slots.shifted(x, -distance) for x in (part.node, part.inner))
     return Part(part.lo + distance, part.hi + distance, node, inner)
 
 
 def _distance(at: Affine, part: Part) -> int:
-    """Of a member from the cell whose row it is in."""
+    """Returns the distance of a member from the cell of its row."""
     apart = at - (M if at.factor(ROW) or part.lo != part.hi else part.lo)
     if not apart.is_constant:
         raise Unrolled("two members far apart feel each other")

@@ -1,7 +1,7 @@
-"""`let`s that are defined from their own lower members and that outputs alone have.
+"""`let`s defined by recurrences from their own lower members, which only outputs use.
 
-No equation needs their derivatives, so that they may be made of anything. They are computed along
-their members before an output, each into memory, and so are their rates if an output has these.
+No equation needs their derivatives, so that their expressions may contain anything. They are
+computed member by member, into memory, before an output; so are their rates if an output uses them.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from .rows import Gather
 
 
 class Alongside:
-    """Those of one model, as they are met."""
+    """The `let`s of one model that only outputs use, collected as outputs are expanded."""
 
     def __init__(self, x: LoopExpander, gather: Gather):
         self.x, self.gather = x, gather
-        self.parts: dict[str, tuple[Part, ...]] = {}  # by name, with ' of a rate
+        self.parts: dict[str, tuple[Part, ...]] = {}  # by name; a rate has a '
         self.groups: dict[str, Group] = {}
         self._components: dict[str, tuple[str, ...]] = {}
 
@@ -61,10 +61,10 @@ class Alongside:
         for group, parts in zip(groups, found, strict=True):
             self.parts[group.name] = tuple(parts)
 
-    # -- in which order -----------------------------------------------------------------------
+    # -- their order --------------------------------------------------------------------------
 
     def passes(self) -> tuple[tuple[Along, ...], ...]:
-        """Those that are made of each other together, in the order that one index needs."""
+        """Returns groups of mutually dependent `let`s, each in the order needed at one index."""
         left, found = dict.fromkeys(self.parts), []
         below = {key: self._below(key) for key in left}
         while left:
@@ -76,7 +76,7 @@ class Alongside:
         return tuple(found)
 
     def _direct(self, key: str, own: bool = False) -> set[str]:
-        """What one is made of; with `own` of members of its own index alone."""
+        """Returns the `let`s in the expressions of one; with `own`, only those at index m."""
         slots = self.x.slots.below(*(part.node for part in self.parts[key]))
         lets = [slot for slot in slots if slot.kind == "let"]
         return {s.name for s in lets if not own or s.at == Affine(0, ((ROW, 1),))}

@@ -1,4 +1,4 @@
-"""Double sums: the body at m and j, each pair once, its derivatives by what is at both ends."""
+"""Double sums: the body of a pair m, j, each pair once, and its derivatives by both members."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def pair_body(x: LoopExpander, term: Term, limits: list[Limit]) -> Node:
 def pair_row(
     x: LoopExpander, name: str, lo: Affine, hi: Affine, term: Term, limits: list[Limit]
 ) -> PairForce:
-    """A sum over j in what each member m of a family is given."""
+    """Returns a sum over j in the force or rate of each member m of a family."""
     (_, first, last) = term.ranges[0]
     over = lo, hi, first, last
     x.members.clear()
@@ -50,7 +50,7 @@ def _in_reach(
     x: LoopExpander, body: Node, over: tuple[Affine, Affine, Affine, Affine], limits: list[Limit]
 ) -> None:
     lo, hi, first, last = over
-    # A pair is met where both ranges are not empty; the extremes over m are for those.
+    # A pair exists only if both ranges are not empty; the extremes over m assume that.
     at = {OTHER: (first, last), ROW: (lo, hi)}
     limits += x.limits_of(hi - lo, at)
     for slot in x.slots.below(body):

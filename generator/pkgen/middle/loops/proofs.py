@@ -1,11 +1,11 @@
-"""Constants of the motion of a model whose families are loops: it is unrolled for the proofs.
+"""Proofs of constants of the motion of a model whose families are loops: they unroll the model.
 
-Up to PROVED_AT coordinates it is unrolled as it is, for claims up to TRIED_AT. A longer family is
-proved by two short ones where its bodies are the same for all members and reach at most K members
-away. The slope of dA/dt by a member then depends on the members near it and on the ends within 4 K.
-Each such place exists with n = 8 K + 1 members. So where dA/dt vanishes with n members, it is
-constant with any number of them; that constant is affine in the number, and n + 1 members show it
-to be 0.
+A model is unrolled at its own sizes up to PROVED_AT coordinates, for claims up to TRIED_AT. For a
+longer family, two short ones prove a claim A if all bodies are the same for all members and reach
+at most K members away. The derivative of dA/dt by a member then depends only on members near it and
+on ends within 4 K. Each such neighbourhood exists with n = 8 K + 1 members. If dA/dt vanishes with
+n members, it is therefore constant with any number; that constant is affine in the number of
+members, and it is 0 if dA/dt vanishes with n + 1 members as well.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from .facts import total_nodes, vector_nodes
 from .loops import LoopEquations
 from .slots import Slots
 
-Use = Callable[[Model], tuple[Model, object]]  # what a scene makes of a model, and more
+Use = Callable[[Model], tuple[Model, object]]  # applies a scene: the changed model, and more
 
-PROVED_AT = 40  # coordinates up to which a family is unrolled for what Noether's theorem gives
-TRIED_AT = 200  # and up to which it is unrolled for the proof of a claim
+PROVED_AT = 40  # coordinates up to which a model is unrolled to apply Noether's theorem
+TRIED_AT = 200  # coordinates up to which it is unrolled to prove a claim
 LARGE = f"shifts of time only: more than {PROVED_AT} coordinates"
 
 
@@ -42,8 +42,8 @@ def with_proofs(
     use: Use | None,
     symmetric: bool,
 ) -> LoopEquations:
-    """The equations with the outcome of each claim among their facts; with `symmetric`, also with
-    what Noether's theorem gives. Each holds for the sizes that stand in the model."""
+    """Returns the equations with the outcome of each claim among their facts; with `symmetric`,
+    also with the invariants by Noether's theorem. Each holds for the model's sizes."""
     model, facts = equations.model, equations.facts
     if not (model.conserved or symmetric):
         return equations
@@ -69,7 +69,7 @@ def with_proofs(
 
 
 def _of_energy(item: Definition, claim: Claim) -> Claim:
-    """The energy itself needs no members written out."""
+    """Returns the claim, as proved if it is the energy itself: that needs no unrolling."""
     if not (isinstance(item.value, Name) and item.value.id == "energy"):
         return claim
     return Claim(item.name, PROVED, "neither time nor a force beyond L enters the equations")
@@ -81,7 +81,7 @@ def _analyzed(model: Model, symmetric: bool = False) -> Structure:
 
 
 def _of_large(e: LoopEquations, count: int, file: File, use: Use | None) -> tuple[Claim, ...]:
-    """As the model is, or with few members where these stand for many."""
+    """Returns the outcomes of claims at the model's sizes, or by small sizes that imply them."""
     if count <= TRIED_AT:
         at = f"with {sizes_text(e.model)}"
         return tuple(replace(x, says=f"{x.says}, {at}") for x in _analyzed(e.model).claims)
@@ -118,7 +118,7 @@ def _open(model: Model, says: str) -> tuple[Claim, ...]:
 
 
 def _alike(e: LoopEquations) -> tuple[str, int]:
-    """Why the bodies differ from member to member, or ""; and how many members they reach."""
+    """Returns the reason why bodies differ between members, or "", and how far they reach."""
     g, slots = e.graph, Slots(e.graph, e.slots)
     totals = [x for x in (e.lagrangian, *e.force.totals.values()) if x is not None]
     rows = [*e.force.rows.values()]

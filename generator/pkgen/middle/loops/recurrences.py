@@ -1,10 +1,10 @@
-"""Values that are carried along the members of a family, as places are along a chain of links:
+"""Carried values: recurrences along the members of a family, as positions along a chain of links:
 
     X[m] = Phi(X[m-1], ..., q[m], ..., t)
 
-L takes X as a family of its own, with a row in everything. By the chain rule those rows go over to
-what X is made of, from the last member to the first, and so does M a = f
-(`back/c/loops_elimination.py`). All that takes is the derivatives of Phi, which are here.
+L takes X as a family of its own, with its own rows. By the chain rule these rows are added to those
+of the variables in Phi, from the last member to the first; the solution of M a = f does the same
+(`back/c/loops_elimination.py`). That needs the derivatives of Phi only, which this module makes.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from .loops import Limit
 from .pair_sums import ATTITUDES, STATE, M
 from .rows import Gather
 
-FRONT = 24  # what a place may share with those before it
+FRONT = 24  # largest number of variables that an index may share with lower ones
 
 
 def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
-    """The carried values that have been met, with those that they are made of, by level."""
+    """Returns the carried values met so far and those that they depend on, sorted by level."""
     pieces: dict[str, tuple[Piece, ...]] = {}
     seen: set[str] = set()
     while len(seen) < len(x.carried):
@@ -34,7 +34,7 @@ def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
                 found = [_piece(x, gather, lo, hi, value[k]) for lo, hi, value in values]
                 pieces[group.name] = tuple(found)
     levels = _levels(pieces)
-    for _ in pieces:  # a value moves by another one's lower members too, whatever their order
+    for _ in pieces:  # repeats since values depend on each other's lower members in any order
         gather.moving |= {n for n, own in pieces.items() if any(_moves(x, gather, p) for p in own)}
     groups = x.coordinates
     found = [Carried(groups[name], pieces[name], levels[name]) for name in pieces]
@@ -42,7 +42,7 @@ def carried_of(x: LoopExpander, gather: Gather) -> tuple[Carried, ...]:
 
 
 def _values(x: LoopExpander, gather: Gather, name: str) -> list[tuple]:
-    """lo, hi and the components of each piece, seen from the member m."""
+    """Returns lo, hi and the components of each piece, relative to member m."""
     found = []
     for lo, hi, item in x.pieces(name):
         x.members.clear()
@@ -83,7 +83,7 @@ def _piece(x: LoopExpander, gather: Gather, lo, hi, value: Node) -> Piece:
 
 
 def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
-    """That a slot is of a member at or before m that is there, or lies beyond a fixed end."""
+    """Raises Unrolled unless Phi may have a slot: a member at or before m, or a fixed end."""
     if slot.kind in ("v", "a") or (slot.kind == "s" and slot.name not in x.rotations.numbers):
         raise Unrolled(f"a carried value is made of the rate or the state '{slot.name}'")
     if slot.kind == "sum" and not x.totals.is_fixed(slot):
@@ -109,9 +109,9 @@ def _allowed(x: LoopExpander, gather: Gather, slot: Slot, lo, hi) -> None:
 
 
 def _levels(pieces: dict[str, tuple[Piece, ...]]) -> dict[str, int]:
-    """How many carried values of the same index lie below each."""
+    """Returns the level of each carried value: the longest chain of others at the same index."""
     levels = dict.fromkeys(pieces, 0)
-    for _ in pieces:  # none is made of itself, which check has seen to
+    for _ in pieces:  # enough repetitions: check has refused circular definitions
         for name, found in pieces.items():
             same = {z.name for piece in found for z in piece.by if z.at == M and z.name in pieces}
             levels[name] = max((levels[z] + 1 for z in same), default=0)
@@ -119,15 +119,15 @@ def _levels(pieces: dict[str, tuple[Piece, ...]]) -> dict[str, int]:
 
 
 def _moves(x: LoopExpander, gather: Gather, piece: Piece) -> bool:
-    """Whether there is something in it that changes while all coordinates rest."""
+    """Returns whether the value changes while all coordinates are at rest."""
     depends = x.graph.depends[piece.value] & BIT[Kind.TIME]
     inputs = any(slot.kind == "input" for slot in x.slots.below(piece.value))
     return bool(depends) or inputs or any(z.name in gather.moving for z in piece.by)
 
 
 def by_places(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> bool:
-    """Whether M a = f can go from place to place, and a place has no large code; else carried
-    values are unknowns beside coordinates."""
+    """Returns whether M a = f can be eliminated index by index with code of moderate size; else
+    carried values are unknowns in addition to coordinates."""
     if x.model.constraints or x.model.rotations:
         return False
     groups = x.coordinates
@@ -145,7 +145,7 @@ def by_places(x: LoopExpander, mass: Band, carried: tuple[Carried, ...]) -> bool
 
 
 def nodes_of(carried: tuple[Carried, ...]) -> list[Node]:
-    """All that a run computes of them."""
+    """Returns all nodes of carried values that a run computes."""
     found = []
     for piece in (piece for item in carried for piece in item.pieces):
         found += [piece.value, piece.rate, piece.coasting, *piece.by.values()]
@@ -154,7 +154,7 @@ def nodes_of(carried: tuple[Carried, ...]) -> list[Node]:
 
 
 def inert(names: set[str], carried: tuple[Carried, ...]) -> set[str]:
-    """What has inertia, given which rows of M have entries: what these are made of, too."""
+    """Returns `names`, which have diagonal entries in M, and the variables in their recurrences."""
     found = set(names)
     for item in reversed(carried):
         if item.group.name in found:

@@ -1,5 +1,5 @@
-"""Rotations in families kept as loops: which coordinates a number of an attitude moves, how L
-changes along them, and how the attitudes themselves move. As in attitudes.py, of members."""
+"""Rotations in families kept as loops: the coordinates behind a quaternion component, derivatives
+along them, and rates of quaternions. The loop counterpart of attitudes.py."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Slopes = dict[Node, Node]
 
 
 class Rotations:
-    """Of a model, by the names that they are made of."""
+    """The rotations of a model, by the names of their body rates, coordinates and components."""
 
     def __init__(self, model: Model, slots: Slots):
         self.slots, self.g = slots, slots.graph
@@ -26,7 +26,7 @@ class Rotations:
         self.numbers = {n: (r, k) for r in self.all for k, n in enumerate(r.quaternion)}
 
     def moved(self, slot: Slot) -> tuple[str, ...]:
-        """The coordinates whose equations have a derivative by this slot in them."""
+        """Returns the coordinates whose equations contain derivatives by this slot."""
         own = self.turns.get(slot.name) or self.numbers.get(slot.name)
         if own:
             return own[0].turns
@@ -39,13 +39,13 @@ class Rotations:
         return tuple(self.slots.node("v", name, at) for name in rotation.turns)
 
     def moving(self, rotation: Rotation, at: Affine | None) -> Row:
-        """The rates of its quaternion."""
+        """Returns the rates of the rotation's quaternion."""
         own = self.quaternion(rotation, at)
         return quaternion_rates(self.g, own, self.body_rates(rotation, at))
 
     def slope(self, by: Slopes, name: str, at: Affine | None, momenta: bool) -> Node:
-        """Of a function with these derivatives, that along a coordinate; of an L, whose `momenta`
-        turn with the body, with p x w."""
+        """Returns the derivative along a coordinate of a function with the derivatives `by`; for L,
+        with `momenta`, p x w is added: the momenta turn with the body."""
         if name not in self.turns:
             return by.get(self.slots.node("q", name, at), ZERO)
         rotation, axis = self.turns[name]

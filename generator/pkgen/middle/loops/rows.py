@@ -1,4 +1,4 @@
-"""Terms -> rows: each body differentiated by the slots in it, seen from the row of each slot."""
+"""Makes rows of terms: differentiates each body by its slots, relative to each slot's row."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from .pair_sums import ATTITUDES, RATES, STATE, M, pair_force, pair_ranges, pair
 from .terms import Term
 from .totals import Totals
 
-APPLIED = ("pdot", "force")  # what a generalized force is in
+APPLIED = ("pdot", "force")  # the quantities to which a generalized force is added
 
 
 class Gather:
-    """Enters terms one after the other."""
+    """Adds the contributions of terms to the rows in `found`, one term at a time."""
 
     def __init__(self, x: LoopExpander):
         self.x = x
@@ -29,7 +29,7 @@ class Gather:
         self.bodies = Bodies(x, self.found)
         self.totals = x.totals = Totals(x, self)
         self.felt: dict[int, Total] = {}  # the derivatives of L by the totals in it
-        self.drag: dict[int, Total] = {}  # and of D
+        self.drag: dict[int, Total] = {}  # the derivatives of D by the totals in it
         self.moving = {
             name
             for name, group in x.coordinates.items()
@@ -37,7 +37,7 @@ class Gather:
             if end.kind == "fixed" and self._moves(name, at)
         }
         self.coast = Forward(x.graph, VARIABLE, self._coasting)
-        self.applied = False  # whether there are forces that L does not have
+        self.applied = False  # whether there are generalized forces beyond L
 
     # -- terms --------------------------------------------------------------------------------
 
@@ -65,8 +65,8 @@ class Gather:
     def _enter_motion(
         self, name: str, shift: Affine | None, body: Node, term: Term, sign: int
     ) -> Node:
-        """What a body adds to the equations of a family, or where `shift` is None of a scalar
-        coordinate; its momentum."""
+        """Adds a body's contributions to the equations of a family, or of a scalar coordinate if
+        `shift` is None. Returns its contribution to the momentum."""
         at = M if term.ranges and shift is not None else shift
         by = gradient(self.g, signed(self.g, body, sign), STATE | ATTITUDES)
         slope, momentum = self.x.rotations.slope(by, name, at, True), self._by(by, "v", name, at)
@@ -95,12 +95,12 @@ class Gather:
             self._enter(APPLIED, name, term, None, self._by(by, "v", name, None))
 
     def felt_through(self) -> None:
-        """Adds what L and D have of totals, once all terms are entered."""
+        """Adds the forces of L and D through the totals in them; to be called after all terms."""
         self.totals.over(self.felt, False)
         self.totals.over(self.drag, True)
 
     def of_total(self, term: Term, factor: Node, drag: bool) -> None:
-        """Adds the force of a term of a total by which L, or D, has this derivative."""
+        """Adds the force of a total's term; `factor` is the derivative of L (`drag`: -D) by it."""
         x, g = self.x, self.g
         if len(term.ranges) == 2:
             force = scaled(g, factor, pair_force(x, term, self.totals.body(term), drag))
@@ -121,7 +121,7 @@ class Gather:
             self._enter(whats, name, term, None, slope(body, name, None))
 
     def applied_term(self, group: Group, lo: Affine | None, hi: Affine | None, term: Term) -> None:
-        """Adds a generalized force along the members lo..hi, or the rate of states."""
+        """Adds a generalized force on members lo..hi, or the rate of the states lo..hi."""
         x, found, name = self.x, self.found, group.name
         if term.ranges and lo is not None:
             if len(term.ranges) == 2:
@@ -142,7 +142,7 @@ class Gather:
     def _add_over(
         self, whats: tuple[str, ...], name: str, lo: Affine | None, hi: Affine | None, node: Node
     ) -> None:
-        """Adds to what the members lo..hi have, or a scalar coordinate."""
+        """Adds a node to quantities of the members lo..hi, or of a scalar if `lo` is None."""
         for slot in self.x.slots.below(node):
             self.bodies.in_reach(slot, lo, hi)
         for what in whats:
@@ -154,7 +154,7 @@ class Gather:
                 self.append(self.found.rows[what, name], Part(lo, hi, node))
 
     def attitude(self, rotation: Rotation) -> None:
-        """Its numbers are states, whose rates follow."""
+        """Adds the rates of a rotation's quaternion components, which are states."""
         own = self.x.coordinates[rotation.quaternion[0]]
         at = M if own.is_family else None
         rates = self.x.rotations.moving(rotation, at)
@@ -162,7 +162,7 @@ class Gather:
             self._add_over(APPLIED, name, own.lo, own.hi, rate)
 
     def state(self, group: Group) -> None:
-        """In C a state is the rate of a coordinate, with inertia 1: its own momentum."""
+        """Adds the momentum and inertia of a state: C treats it as a rate with inertia 1."""
         at = M if group.is_family else None
         own = self.x.slots.node("s", group.name, at)
         self._add_over(("momenta",), group.name, group.lo, group.hi, own)
@@ -172,7 +172,7 @@ class Gather:
             self.found.corner[group.name, group.name] = Total(ONE)
 
     def energy(self, found: list[tuple[Term, int]]) -> Total:
-        """h = v.p - L of the terms of L."""
+        """Returns the energy h = v.p - L of the terms of L."""
         result = Total()
         for term, sign in found:
             if len(term.ranges) == 2:
@@ -183,7 +183,7 @@ class Gather:
         return result
 
     def _energy_of(self, term: Term, sign: int) -> tuple[Node, Node]:
-        """What a term of L adds to h: at the ends, and inside."""
+        """Returns the contribution of a term of L to h, near the ends and in the interior."""
         body = signed(self.g, self.bodies.at_row(term), sign)
         if self.g.depends[body] & RATES == 0:
             node = self.g.negate(body)
@@ -204,7 +204,7 @@ class Gather:
         return (work if moving else inner), inner
 
     def total(self, found: list[tuple[Term, int]]) -> Total:
-        """The sum of terms as it is."""
+        """Returns the sum of terms with their signs."""
         result = Total()
         for term, sign in found:
             result = self.with_(result, term, signed(self.g, self.totals.body(term), sign))
@@ -213,7 +213,7 @@ class Gather:
     # -- parts --------------------------------------------------------------------------------
 
     def inner(self, node: Node) -> Node:
-        """Away from the ends: no given cell is near."""
+        """Returns the node in the interior, where no given cell is in reach."""
         carried = [g.name for g in self.x.coordinates.values() if g.is_carried]
         return self.x.slots.inside(node, carried)
 
@@ -241,7 +241,7 @@ class Gather:
             self.append(parts, Part(shift, shift, self.seen_from(node, shift)))
 
     def seen_from(self, node: Node, place: Affine) -> Node:
-        """Members named outside loops, near the one at `place`, at their distance from it."""
+        """Returns the node with members at constant distance from `place` relative to m."""
 
         def swap(slot: Slot) -> Node | None:
             if slot.at is None or not (slot.at - place).is_constant:
@@ -277,7 +277,7 @@ class Gather:
             self.add(self.found.entries[key], term, shift, node)
 
     def _moves(self, name: str, at: Affine) -> bool:
-        """Whether a given cell does."""
+        """Returns whether a given cell moves: its value depends on t or on an input."""
         turning = self.x.rotations.turns.get(name)
         nodes = [self.x.given(n, at) for n in (turning[0].quaternion if turning else (name,))]
         driven = BIT[Kind.TIME] | BIT[Kind.INPUT]
@@ -287,7 +287,7 @@ class Gather:
         return by.get(self.x.slots.node(kind, name, at), ZERO)
 
     def _coasting(self, node: Node) -> Node:
-        """The time derivative of a symbol where nothing accelerates but what is given."""
+        """Returns the time derivative of a symbol if only given cells accelerate."""
         slot = self.x.slots.of(node)
         if slot is not None and slot.kind == "v":
             if self._carried(slot):

@@ -1,12 +1,12 @@
-"""Where the equations of families kept as loops end: singularities with a value for each member.
+"""Finds singularities of the equations of families kept as loops, with a value for each member.
 
-What bodies divide by, or take a root or a logarithm of, is found as in points/singularities.py,
-once for a body and the range of its index. Each member has a value of its own: in the least of
-them a member that passes through zero within a step would hide behind another one that is always
-nearer.
+The divisors and the arguments of roots and logarithms in a body are found as in
+points/singularities.py, once for the body and the range of its index. Each member has its own
+value. The minimum over all members would not do: a member that passes through zero within a step
+would hide behind another member that is always nearer.
 
-A pivot of M is not one expression where M is a band, nor a diagonal entry where several sums add to
-it with ranges of their own: then all pivots, as the acceleration finds them, are singularities.
+Where M is a band, a pivot of M is not one expression; neither is a diagonal entry to which several
+sums with different ranges add. There, all pivots that the factorization finds are singularities.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ from .pair_sums import M
 from .rows import Gather
 
 MOVES = BIT[Kind.COORDINATE] | BIT[Kind.RATE] | BIT[Kind.STATE] | BIT[Kind.TIME]
-_PRIMES = {"v": "'", "d": "'", "a": "'"}  # of states
-Over = tuple[Affine, ...]  # nothing; lo, hi; or lo, hi, first, last of pairs
+_PRIMES = {"v": "'", "d": "'", "a": "'"}  # by slot kind; "a" of states
+Over = tuple[Affine, ...]  # (), (lo, hi), or (lo, hi, first, last) of pairs
 _Guarded = tuple[Over, Node]
 
 
 def singularities_of(
     x: LoopExpander, gather: Gather, e: LoopEquations
 ) -> tuple[tuple[LoopSingularity, ...], bool]:
-    """Those of the chart first; and whether the pivots of M are singularities too."""
+    """Returns singularities, those of coordinates first, and whether M's pivots are ones too."""
     return _Singularities(x, gather, e).found()
 
 
@@ -65,7 +65,7 @@ class _Singularities:
         kept = dict.fromkeys(charts, COORDINATES)
         kept |= {found: use for found, use in motions.items() if found not in kept}
         roots = [(over, square) for over, node in kept for square in squared(self.g, node)]
-        for root in roots:  # r, not r^2 too
+        for root in roots:  # keeps sqrt(x), drops x
             kept.pop(root, None)
         singularities = [
             LoopSingularity(shown(self.x, node), kept[over, node], self._terms(over, node))
@@ -74,7 +74,7 @@ class _Singularities:
         return tuple(singularities), pivots
 
     def _distinct(self, found: Iterable[_Guarded]) -> list[_Guarded]:
-        """Those that are not another one or its negative: two rows see a body in two ways."""
+        """Drops entries equal to another one or its negative: two rows may share a body."""
         kept: list[_Guarded] = []
         for over, node in found:
             same = [
@@ -88,7 +88,7 @@ class _Singularities:
         return kept
 
     def _of_total(self, total: Total) -> Range:
-        """Where the value of a total lies, of which sums may be empty."""
+        """Returns the range of a total's value; its sums may be empty."""
         constant, parts = self.ranges(total.constant), [n for _, n in _ranged(total)]
         if not all(self.ranges(node).not_negative for node in parts):
             return Range(-INF, INF)
@@ -97,8 +97,8 @@ class _Singularities:
     # -- where they are found -----------------------------------------------------------------
 
     def _charts(self) -> tuple[dict[_Guarded, None], bool]:
-        """The factors of a diagonal M's entries that may vanish; and whether its pivots are to be
-        watched as they are."""
+        """Returns the factors of a diagonal M's entries that may vanish, and whether the pivots of
+        M are singularities themselves."""
         e = self.e
         found: dict[_Guarded, None] = {}
         if e.facts.mass_constant:
@@ -118,7 +118,7 @@ class _Singularities:
         return found, pivots
 
     def _single(self, group: Group) -> _Guarded | None:
-        """The diagonal entry of M as one expression, with its range; None: it is none."""
+        """Returns the diagonal entry of M, with its range; None if it is not one expression."""
         if not group.is_family:
             total = self.e.mass.corner[group.name, group.name]
             return None if total.parts or total.pairs else ((), total.constant)
@@ -129,7 +129,7 @@ class _Singularities:
         return over, self.g.sum(part.node for part in parts)
 
     def _positive(self, group: Group) -> bool:
-        """Whether no part of the diagonal entry is negative, and one everywhere is positive."""
+        """Returns whether all parts of the diagonal entry are >= 0, and one for all members > 0."""
         if not group.is_family:
             total = self.e.mass.corner[group.name, group.name]
             always, parts = [total.constant], total.parts
@@ -140,10 +140,10 @@ class _Singularities:
             self.ranges(node).positive for node in always
         )
 
-    # -- what they are ------------------------------------------------------------------------
+    # -- their normal form --------------------------------------------------------------------
 
     def _canonical(self, over: Over, node: Node) -> _Guarded:
-        """The same with i the least index in it: rows see a body from each of its members."""
+        """Shifts an expression so that i is its least index: each member's row sees the body."""
         slots = self.x.slots.below(node)
         members = [s.at for s in slots if s.at is not None and s.at.factor(ROW)]
         if len(over) != 2:
@@ -163,7 +163,7 @@ class _Singularities:
 
 
 def outputs_of(x: LoopExpander, e: LoopEquations) -> Iterator[tuple[Over, Node]]:
-    """Whatever the acceleration computes, with the range of its index."""
+    """Yields all expressions that the acceleration computes, with the ranges of their indices."""
     nodes = []
     for over, node in _rows(e):
         nodes.append(node)
@@ -194,7 +194,7 @@ def _rows(e: LoopEquations) -> Iterator[tuple[Over, Node]]:
 
 
 def moves(x: LoopExpander, node: Node) -> bool:
-    """Whether an expression changes along a motion."""
+    """Returns whether an expression changes along a motion."""
     moving = ("input", "w", "a")
     return bool(x.totals.depends(node) & MOVES) or any(
         slot.kind in moving for slot in x.totals.below(node)
@@ -202,8 +202,8 @@ def moves(x: LoopExpander, node: Node) -> bool:
 
 
 def shown(x: LoopExpander, node: Node) -> str:
-    """An expression about members as text, with the letters i and j, for which a run puts in its
-    member's; sums have k and l."""
+    """Returns an expression of members as text with the indices i and j, which a run replaces by
+    numbers; sums in it have the indices k and l."""
     return wording(x.graph, about(x.graph, node), _name(x, {ROW: "i", OTHER: "j"}))
 
 
@@ -243,7 +243,7 @@ def _total(x: LoopExpander, found: Total) -> str:
 
 
 def _ranged(total: Total) -> Iterator[_Guarded]:
-    """The parts of a total, each with its ranges."""
+    """Yields the parts of a total that are not 0, each with its ranges."""
     if total.constant != ZERO:
         yield (), total.constant
     yield from (((part.lo, part.hi), part.node) for part in total.parts)
@@ -256,7 +256,7 @@ def _covers(part: Part, group: Group) -> bool:
 
 
 def _known(x: LoopExpander, e: LoopEquations) -> dict[Node, Range]:
-    """The ranges of parameters, those of a family's members too, and of sizes and indices."""
+    """Returns the ranges of parameters, members of families included, and of sizes."""
     g, found = x.graph, {}
     bounds = dict(zip(x.parameters, e.bounds, strict=True))
     for slot in list(x.slots.all):

@@ -1,4 +1,4 @@
-"""The slots of a graph: which there are, and the same expression seen from another row."""
+"""The table of slots of a graph; shifts and replaces the slots in expressions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ...graph.graph import ZERO, Graph, Kind, Node, Op, Symbol
 from ...graph.substitute import substituted
 from .indexed_ir import Slot
 
-# The domain of a slot's symbol: what is known before the loops begin can be hoisted.
+# The kind of a slot's symbol. Parameters are known before the loops begin and can be hoisted.
 _KINDS = {
     "q": Kind.COORDINATE,
     "s": Kind.STATE,
@@ -25,14 +25,14 @@ _KINDS = {
 
 
 def _domain(slot: Slot) -> str:
-    """The kind of a slot's symbol."""
+    """Returns the kind of a slot's symbol."""
     if slot.kind == "param" and slot.at is not None and any(slot.at.factor(v) for v in LOOPS):
-        return Kind.INPUT  # another value in each row: not to be hoisted
+        return Kind.INPUT  # differs from row to row: not to be hoisted
     return _KINDS[slot.kind]
 
 
 class Slots:
-    """Of one graph, to which both may be added."""
+    """The slots of one graph; new slots and their symbols may be added."""
 
     def __init__(self, g: Graph, slots: Iterable[Slot] = ()):
         self.graph = g
@@ -40,7 +40,7 @@ class Slots:
         self.all = list(self._places)
 
     def node(self, kind: str, name: str, at: Affine | None = None) -> Node:
-        """Its symbol."""
+        """Returns the symbol of a slot."""
         slot = Slot(kind, name, at)
         if slot not in self._places:
             self._places[slot] = len(self.all)
@@ -48,20 +48,20 @@ class Slots:
         return self.graph.symbol(Symbol(_domain(slot), self._places[slot]))
 
     def of(self, node: Node) -> Slot | None:
-        """What a node stands for; None of anything but a slot's symbol."""
+        """Returns the slot of a symbol; None for any other node."""
         data = self.graph.data[node]
         if isinstance(data, Symbol) and data.kind not in (Kind.PI, Kind.TIME):
             return self.all[data.index]
         return None
 
     def below(self, *nodes: Node) -> list[Slot]:
-        """The slots that some nodes need, in the order in which they were met first."""
+        """Returns the slots in some nodes, in the order of their symbols' nodes."""
         g = self.graph
         found = (self.of(n) for n in reachable(g, nodes) if g.op[n] is Op.SYMBOL)
         return [slot for slot in found if slot is not None]
 
     def swapped(self, node: Node, swap: Callable[[Slot], Node | None]) -> Node:
-        """The node with others in the place of its slots; None leaves one as it is."""
+        """Returns the node with its slots replaced by `swap`, which returns None to keep one."""
         values = {}
         for slot in self.below(node):
             value = swap(slot)
@@ -70,7 +70,7 @@ class Slots:
         return substituted(self.graph, [node], values)[0] if values else node
 
     def shifted(self, node: Node, shift: int) -> Node:
-        """The same expression in the row m + shift."""
+        """Returns the same expression in the row m + shift."""
         g = self.graph
 
         def swap(slot: Slot) -> Node | None:
@@ -82,8 +82,8 @@ class Slots:
         return self.swapped(node, swap)
 
     def inside(self, node: Node, carried: Container[str]) -> Node:
-        """The same away from the ends, where no given member is near; but for carried values,
-        which have an acceleration of their own everywhere."""
+        """Returns the node in the interior, where no given member is near; slots of carried values,
+        which have an acceleration of their own everywhere, are kept."""
 
         def swap(slot: Slot) -> Node | None:
             if slot.name in carried:

@@ -1,4 +1,4 @@
-"""What a model with loops states beside its energies: outputs, starts, parameters, given ends."""
+"""Outputs, starts, parameters and fixed ends of a model with loops."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .rows import Gather
 
 
 class Outputs:
-    """`observe` and `conserve`: expressions in which sums are values computed before."""
+    """Expands `observe`, `conserve` and `event`; sums in them are totals computed before."""
 
     def __init__(self, x, gather, kinetic, potential, lagrangian, energy, momenta):
         self.x, self.gather = x, gather
@@ -35,7 +35,7 @@ class Outputs:
                 x.outputs[name] = x.totals.node(total)
 
     def observed(self) -> tuple[Observed, ...]:
-        """What rows have, some of it for each index."""
+        """Returns the `observe`d quantities, single ones and those with a value for each index."""
         found = []
         for item in self.x.model.observed:
             if item.range is None:
@@ -125,7 +125,7 @@ def bounds_of(x: LoopExpander) -> tuple[Bounded, ...]:
 
 
 def given_of(x: LoopExpander) -> dict[tuple[str, Affine], tuple[Node, Node, Node]]:
-    """Values of fixed ends, with the derivatives that rows at the ends may ask for."""
+    """Returns value, rate and acceleration of each fixed end; 0 where no row uses them."""
     rated = {
         s.name for s in x.slots.all if s.kind in ("v", "d", "w", "a", "acc") and s.at is not None
     }

@@ -1,15 +1,15 @@
 """Switches of families kept as loops: where a force or a rate of each member jumps.
 
-What is a switch is said in derive/switches.py; here one is a family with a value for each member
-that its body is about, as singularities of loops are. Two bodies that see the same argument, from
-one member or from another, have one switch. Beyond an end an argument may stand still, q[0]' of a
-fixed one say: there is none then, and the call is what it is.
+derive/switches.py defines switches. Here one switch has a value for each member that its body is
+about, like a singularity of loops. Two bodies with the same argument, relative to one member or to
+another, share a switch. At an end an argument may be constant, as q[0]' of a fixed end: there the
+switch has no value, and the call is left as it is.
 
-Kinks alone are no switches here: a chain has as many of them as members, each of which would end
-steps, and an error that is controlled sees them. But where an argument has a jump, all that bends
-with it is held with it.
+An argument with kinks alone gets no switch here: a chain has a kink for each member, each would end
+a step, and the error control of a method handles kinks. An argument with a jump gets a switch,
+which also holds the calls that have a kink at its zeros.
 
-What jumps in a sum over pairs, in L or in a constraint is refused.
+A jump in a sum over pairs, in L or in a constraint raises Unrolled.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ _PAIRS = "a force or a rate jumps in a sum over pairs"
 
 
 class Members:
-    """Which member an expression is about, and what it is as one about member m."""
+    """Finds the member that an expression is about, and rewrites the expression for member m."""
 
     def __init__(self, g: Graph, slots: Slots):
         self.g, self.slots = g, slots
 
     def __call__(self, node: Node) -> tuple[Node, Affine | None]:
-        """The same about m, and the index that it has there; None: it is about no member.
-        A body that has both members of a pair is as it is, about both of them."""
+        """Returns the expression rewritten for m, and the index that became m; the expression
+        itself and None if it has no member, or both members of a pair."""
         slots = self.slots.below(node)
         found = [slot.at for slot in slots if slot.at is not None]
         loops = _loops(slots)
@@ -58,10 +58,10 @@ class Members:
         return self.about(node, least), least
 
     def about(self, node: Node, at: Affine) -> Node:
-        """What stands at index `at` is at m."""
+        """Returns the node with the member at index `at` moved to m."""
         own = Affine(0, ((ROW, 1),))
         name = next((v for v in (ROW, OTHER) if at.factor(v)), None)
-        back = own - at.without(name or "")  # what a loop's variable is
+        back = own - at.without(name or "")  # the loop variable in terms of m
 
         def swap(slot: Slot) -> Node | None:
             if slot.kind == "index":
@@ -91,7 +91,7 @@ class Members:
 
 
 def _loops(slots: list[Slot]) -> set[str]:
-    """The variables of loops that stand in indices, or by themselves."""
+    """Returns the loop variables in the indices of members, or used as numbers."""
     found = {v for s in slots if s.at is not None for v in LOOPS if s.at.factor(v)}
     return found | {s.name for s in slots if s.kind == "index"}
 
@@ -99,14 +99,14 @@ def _loops(slots: list[Slot]) -> set[str]:
 def switches_of(
     x: LoopExpander, e: LoopEquations, limits: list[Limit]
 ) -> tuple[tuple[LoopSwitch, ...], bool]:
-    """Those of the equations, and whether these are smooth between their zeros; adds what sizes
-    must fulfil. Raises Unrolled where one is not for loops."""
+    """Returns the switches, and whether the equations are smooth between their zeros. Adds
+    conditions on sizes to `limits`. Raises Unrolled for a jump that loops do not support."""
     found = _Switches(x, e, limits)
     return tuple(found.all()), found.whole
 
 
 def switch_count(e: LoopEquations) -> int:
-    """How many there are at the sizes that stand in the model."""
+    """Returns the number of switch values at the model's sizes."""
     sizes, total = size_values(e.model), 0
     for x in e.switches:
         ends = [[at.value(sizes) for at in over] for over in x.ranges]
@@ -154,7 +154,7 @@ class _Switches:
     def _ranges(
         self, surfaces: Surfaces, keys: dict[object, Node]
     ) -> tuple[dict[object, dict[Over, None]], set[object]]:
-        """The indices that each is about; and those that are not held in some call."""
+        """Returns the index ranges of each switch, and the switches with calls not held."""
         g, outputs = self.g, list(outputs_of(self.x, self.e))
         ranges: dict[object, dict[Over, None]] = {key: {} for key in keys}
         escaped = free(g, [node for _, node in outputs])
@@ -175,7 +175,7 @@ class _Switches:
         return ranges, loose
 
     def _jumping(self, nodes: list[Node]) -> list[Node]:
-        """The arguments that move, at whose zeros one of these is not proved to be continuous."""
+        """Returns the moving arguments at whose zeros no proof shows all nodes to be continuous."""
         found = [a for a in arguments_of(self.g, nodes) if moves(self.x, a)]
         if not found:
             return []
@@ -183,7 +183,7 @@ class _Switches:
         return [a for a in found if any(across.jump(node, a) != ZERO for node in nodes)]
 
     def _range(self, over: Over, at: Affine | None) -> Over:
-        """The indices that it is about, where its body goes over those."""
+        """Returns the range of the index `at` when its body goes over the indices `over`."""
         if at is None:
             return ()
         if len(over) == 4:
@@ -194,8 +194,8 @@ class _Switches:
     # -- ends ---------------------------------------------------------------------------------
 
     def _moving(self, node: Node, over: Over) -> Over | None:
-        """The range but for members at its ends where the argument stands still; None: there are
-        none."""
+        """Returns the range without members at its ends where the argument is constant; None if it
+        is empty."""
         if not over:
             return over
         lo, hi = over
@@ -208,7 +208,7 @@ class _Switches:
             return None
         sizes = size_values(self.x.model)
         for at in still:
-            apart = [lo - at - 1, at - hi - 1]  # one of them not negative: it is outside
+            apart = [lo - at - 1, at - hi - 1]  # `at` is outside if one of them is not negative
             if any(d.is_constant and d.constant >= 0 for d in apart):
                 continue
             met = [d for d in apart if d.value(sizes) >= 0]
@@ -218,7 +218,7 @@ class _Switches:
         return lo, hi
 
     def _still(self, node: Node) -> set[Affine]:
-        """Where it is no more than parameters, since given members stand in it."""
+        """Returns the indices where the argument is constant because given members are in it."""
         x, found = self.x, set()
         slots = [s for s in x.slots.below(node) if s.name in x.coordinates and s.at is not None]
         own = Affine(0, ((ROW, 1),))
@@ -229,7 +229,7 @@ class _Switches:
         return {at for at in found if not moves(x, self._beyond(node, at))}
 
     def _beyond(self, node: Node, at: Affine) -> Node:
-        """The argument at an index, with what given members are."""
+        """Returns the argument at an index, with the values of given members substituted."""
         x = self.x
 
         def swap(slot: Slot) -> Node | None:
@@ -250,7 +250,7 @@ class _Switches:
         return x.slots.swapped(node, swap)
 
     def _keep_apart(self, node: Node) -> None:
-        """Families so long that no two places in it are one member."""
+        """Adds limits: families are so long that no two slots of `node` are the same member."""
         x = self.x
         places: dict[str, list[int]] = {}
         for slot in x.slots.below(node):

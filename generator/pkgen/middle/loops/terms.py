@@ -1,4 +1,4 @@
-"""An energy as a list of terms, each a sum of one body: what is linear in sums is taken apart."""
+"""Splits an energy into terms, each a sum of one body: expressions linear in sums are expanded."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .expand import LoopExpander, around, has_sum, independent
 from .indexed_ir import Unrolled
 from .indices import Loop
 
-SHORT = 8  # a range of constant length up to this is written out
+SHORT = 8  # sums over a constant number of indices are written out up to this many
 
 
 @record
 class Factor:
-    """An expression that multiplies or divides, and what its loop variables stand for: a `let`
-    may sum over a variable that has another meaning where it is used."""
+    """A factor or divisor, with the values of its loop variables: a `let` may sum over a variable
+    whose name has another meaning where the `let` is used."""
 
     expr: Expr
     exponent: int  # 1 or -1
@@ -30,13 +30,13 @@ class Factor:
 
 @record
 class Term:
-    """The sum of a product over the ranges, none, one or two of them."""
+    """The sum of a product over none, one or two ranges."""
 
-    factors: tuple[Factor, ...]  # those that divide last
-    ranges: tuple[tuple[str, Affine, Affine], ...]  # variable, lo, hi (of its own and sizes)
+    factors: tuple[Factor, ...]  # divisors last
+    ranges: tuple[tuple[str, Affine, Affine], ...]  # variable, lo, hi
 
     def at(self, x: LoopExpander, *values: Affine) -> Node:
-        """The product with the variables of the ranges at the indices given."""
+        """Returns the product with the given indices for the variables of the ranges."""
         own = {name: at for (name, _, _), at in zip(self.ranges, values, strict=True)}
         product = ONE
         for factor in self.factors:
@@ -53,7 +53,7 @@ class Term:
 
 @record
 class _Within:
-    """What an expression stands in: factors of it, what loop variables stand for, and ranges."""
+    """The context of an expression: factors in front, values of loop variables, and ranges."""
 
     factors: tuple[Factor, ...]
     loop: Loop
@@ -64,7 +64,7 @@ class _Within:
 
 
 def terms(x: LoopExpander, expr: Expr, loop: Loop | None = None) -> list[Term]:
-    """`loop` is what names of indices stand for where the expression is one member's."""
+    """Returns the terms of an expression; `loop` has the values of its index names, if any."""
     return list(_terms(x, expr, _Within((), dict(loop or x.sizes))))
 
 
@@ -98,13 +98,13 @@ def _terms(x: LoopExpander, expr: Expr, at: _Within) -> Iterator[Term]:
 
 
 def _term(expr: Expr, at: _Within) -> Term:
-    """Sums that are left in it are values."""
+    """Returns one term of an expression; sums still in the expression become totals."""
     product = sorted([*at.factors, Factor(expr, 1, at.loop)], key=lambda f: -f.exponent)
     return Term(tuple(product), at.ranges)
 
 
 def _of_sum(x: LoopExpander, body: Expr, at: _Within, ranges: Sequence[Range]) -> Iterator[Term]:
-    """One range after the other; short ones are written out."""
+    """Yields the terms of a sum, one range after the other; writes out short ranges."""
     if not ranges:
         yield from _terms(x, body, at)
         return
@@ -118,7 +118,7 @@ def _of_sum(x: LoopExpander, body: Expr, at: _Within, ranges: Sequence[Range]) -
         return
     if len(at.ranges) == 2:
         raise Unrolled("a sum over three indices")
-    own = f"{item.variable}#{len(at.ranges)}"  # apart from a name of a size
+    own = f"{item.variable}#{len(at.ranges)}"  # differs from every name of a size
     loop = {**at.loop, item.variable: variable(own)}
     inner = replace(at, loop=loop, ranges=(*at.ranges, (own, lo, hi)))
     yield from _of_sum(x, body, inner, left)

@@ -1,8 +1,8 @@
-"""Sums over all members inside expressions, `cos(sum(q[i], i = 1..N))`: totals that are computed
-before the rows which have them in them. A row sees the slot "sum" of one.
+"""Sums over all members inside expressions, as in `cos(sum(q[i], i = 1..N))`: totals, computed
+before the rows that use them. In a row, a total is a slot of kind "sum".
 
-The derivative of F(S) by a member is F'(S) dS/dq[m]. F'(S), added up over all that has S in it, is
-a total too, so that a gradient costs no more than the sums themselves. Totals are numbered in the
+The derivative of F(S) by a member is F'(S) dS/dq[m]. The sum of F'(S) over all terms with S is a
+total too, so that a gradient costs no more than the sums themselves. Totals are numbered in the
 order in which they can be computed.
 """
 
@@ -23,12 +23,12 @@ from .indices import Loop
 from .pair_sums import pair_body
 from .terms import Term, terms
 
-FELT = BIT[Kind.INPUT]  # the domain of a total's slot
+FELT = BIT[Kind.INPUT]  # the kind of a total's symbol
 FIXED = ("param", "size", "index")
 
 
 class Gather(Protocol):
-    """What enters the terms of totals: that of rows.py."""
+    """Adds the terms of totals to rows. Gather of rows.py implements it."""
 
     found: Gathered
     bodies: Bodies
@@ -41,7 +41,7 @@ class Gather(Protocol):
 
 @record
 class _Member:
-    """A term that is one member."""
+    """A term that consists of one member."""
 
     slot: Slot
     ranges: tuple = ()
@@ -52,7 +52,7 @@ class _Member:
 
 @record
 class _Rate:
-    """A term's derivative in time."""
+    """The time derivative of a term."""
 
     of: Term
 
@@ -65,7 +65,7 @@ class _Rate:
 
 
 class Totals:
-    """Those of one model, as they are met."""
+    """The totals of one model, collected as expressions are expanded."""
 
     def __init__(self, x: LoopExpander, gather: Gather):
         self.x, self.g, self.gather = x, x.graph, gather
@@ -76,7 +76,7 @@ class Totals:
     # -- of expressions -----------------------------------------------------------------------
 
     def of(self, expr: Sum, loop: Loop) -> Node:
-        """The value of a sum; a short one, or one of nothing that has members, is written out."""
+        """Returns the value of a sum. It is no total if all its terms are free of ranges."""
         same = independent(self.x, expr, loop)
         if same:
             loop = {name: loop[name] for name in loop.keys() - around(self.x, loop)}
@@ -88,14 +88,14 @@ class Totals:
         return self._entered(found)
 
     def _entered(self, found: list[Term]) -> Node:
-        """The members met so far are not those of the sum."""
+        """Returns the slot of a sum of terms; keeps its members apart from those met so far."""
         met, self.x.members = self.x.members, []
         total = self.gather.total([(term, 1) for term in found])
         self.x.members = met
         return self.node(total, found)
 
     def node(self, total: Total, found: Iterable[Term] = ()) -> Node:
-        """The slot of a total; what is no more than a symbol stands for itself."""
+        """Returns the slot of a total; a number or a plain symbol is returned as it is."""
         constant = total.constant
         if not (total.parts or total.pairs) and self._plain(constant):
             return constant
@@ -107,7 +107,7 @@ class Totals:
         return self.x.slots.node("sum", str(self._numbers[total]))
 
     def throughout(self, body: Node) -> Node:
-        """The body of a sum, the one member `q[1]` in all its terms as a total of its own."""
+        """Returns the body of a sum with each member of fixed index, such as `q[1]`, as a total."""
 
         def swap(slot: Slot) -> Node | None:
             if slot.kind not in REACHED or slot.at is None or any(map(slot.at.factor, LOOPS)):
@@ -118,14 +118,14 @@ class Totals:
         return self.x.slots.swapped(body, swap)
 
     def _plain(self, node: Node) -> bool:
-        """Whether a node is a number, or a symbol that is no member's."""
+        """Returns whether a node is a number, or a symbol that is not a family's member."""
         if not self.g.depends[node] & ~CONSTANT:
             return True
         slot = self.x.slots.of(node)
         return self.g.op[node] is Op.SYMBOL and (slot is None or slot.at is None)
 
     def rate(self, slot: Slot) -> Node:
-        """The derivative in time of the total of a slot."""
+        """Returns the time derivative of the total of a slot."""
         total, by, inner = self.all[int(slot.name)], self.x.derivative, self.gather.inner
         rates = [_Rate(term) for term in self._terms[int(slot.name)]]
         if rates:
@@ -135,10 +135,10 @@ class Totals:
         kept = (tuple(x for x in found if x.node != ZERO) for found in (parts, pairs))
         return self.node(Total(by(total.constant), *kept))
 
-    # -- what is in them ----------------------------------------------------------------------
+    # -- their contents -----------------------------------------------------------------------
 
     def below(self, *nodes: Node) -> Iterator[Slot]:
-        """The slots below some nodes, those inside of totals too."""
+        """Yields the slots in some nodes, including those inside totals."""
         waiting, seen = list(nodes), set()
         while waiting:
             for slot in self.x.slots.below(waiting.pop()):
@@ -150,19 +150,19 @@ class Totals:
                     waiting += nodes_of(self.all[int(slot.name)])
 
     def nodes(self, *nodes: Node) -> list[Node]:
-        """Some nodes, and those of the totals in them."""
+        """Returns some nodes, followed by the nodes of the totals in them."""
         inside = [s for s in self.below(*nodes) if s.kind == "sum"]
         return [*nodes, *(node for s in inside for node in nodes_of(self.all[int(s.name)]))]
 
     def depends(self, node: Node) -> int:
-        """What kinds of symbol a node depends on, through totals too."""
+        """Returns the kinds of symbols (bits) that a node depends on, also through totals."""
         found = 0
         for each in self.nodes(node):
             found |= self.g.depends[each]
         return found
 
     def is_fixed(self, slot: Slot) -> bool:
-        """Whether the total of a slot depends on parameters and sizes alone."""
+        """Returns whether the total of a slot depends on parameters, sizes and indices only."""
         nodes = nodes_of(self.all[int(slot.name)])
         if any(self.g.depends[node] & BIT[Kind.TIME] for node in self.nodes(*nodes)):
             return False
@@ -174,13 +174,13 @@ class Totals:
         return frozenset(int(slot.name) for slot in slots if self.is_fixed(slot))
 
     def moving(self, *nodes: Node) -> list[Slot]:
-        """The totals in some nodes that change along a motion."""
+        """Returns the totals in some nodes that change along a motion."""
         return [s for s in self.below(*nodes) if s.kind == "sum" and not self.is_fixed(s)]
 
     # -- derivatives --------------------------------------------------------------------------
 
     def felt(self, found: dict[int, Total], term: Term, body: Node, factor: Node = ONE) -> None:
-        """Adds the derivatives of a term's body, times a factor, by the totals in it."""
+        """Adds to `found` the derivatives of a term's body, times a factor, by the totals in it."""
         for symbol, slope in gradient(self.g, body, FELT).items():
             slot = self.x.slots.of(symbol)
             if slot.kind != "sum" or slope == ZERO:
@@ -189,7 +189,7 @@ class Totals:
             found[k] = self.gather.with_(found.get(k, Total()), term, node)
 
     def over(self, found: dict[int, Total], drag: bool) -> None:
-        """What L, or with `drag` D, has of totals goes over to what these are made of."""
+        """Adds the forces of L (`drag`: of D) through totals; `found`: its derivatives by them."""
         while found:
             k = max(found)
             slope = self.node(found.pop(k))
@@ -202,13 +202,13 @@ class Totals:
                 self.felt(found, term, body, slope)
 
     def body(self, term: Term) -> Node:
-        """What a term sums up, as seen from its index."""
+        """Returns the body of a term, relative to its index."""
         if len(term.ranges) == 2:
             return pair_body(self.x, term, self.gather.found.limits)
         return self.gather.bodies.at_row(term)
 
     def check_rates(self, body: Node) -> None:
-        """That L has no totals of rates in it."""
+        """Raises Unrolled if a body of L has totals of rates in it."""
         if any(self._of_rates(int(s.name)) for s in self.below(body) if s.kind == "sum"):
             raise Unrolled("L has rates of all members inside a function: M would be dense")
 

@@ -1,1 +1,1 @@
-"""Bodies and particles: what `kinetic` of points and rotations adds to the Lagrangian."""
+"""Finds the particles of a model: masses and places with T = sum of m/2 |r'|^2."""

@@ -1,7 +1,7 @@
-"""One particle: its mass and place; and which components are of one place, by their names.
+"""One particle, its mass and place; and grouping of the components of a place by their names.
 
-The names of x, y and z differ in that letter alone, wherever it stands: x and y; x1[2] and y1[2];
-rx, ry and rz; a_x and a_y; X and Y. Two of them are a plane.
+Names of the components of a place differ only in the letter x, y or z, at any position: x and y;
+x1[2] and y1[2]; rx, ry and rz; a_x and a_y; X and Y. Two components make a place in a plane.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from ...model import Model
 from ...record import record
 
 AXES = "xyz"
-Key = tuple[Hashable, int]  # what the components of one place share, and which of them it is
+Key = tuple[Hashable, int]  # the part of the name shared by a place, and the axis 0, 1, 2
 Item = TypeVar("Item")
 
 
 class NoParticles(Exception):
-    """And why."""
+    """No particles were found; `why` is the reason."""
 
     def __init__(self, why: str):
         super().__init__(why)
@@ -30,12 +30,12 @@ class NoParticles(Exception):
 @record
 class Body:
     mass: Node
-    place: Row  # of three, 0 beside a plane
+    place: Row  # three components, z = 0 in a plane
     name: str  # "(x, y)"
 
 
 def lengths(model: Model) -> frozenset[str]:
-    """The names of coordinates, definitions and outputs that are lengths; all, without units."""
+    """Returns names of coordinates, definitions and outputs with unit m; all, without units."""
     items = (*model.coordinates, *model.definitions, *model.observed)
     return frozenset(item.name for item in items if model.dimensionless or item.unit == "m")
 
@@ -48,7 +48,7 @@ def keys(name: str, index: int | None = None) -> Iterator[Key]:
 
 
 def places(items: Iterable[tuple[Item, Iterable[Key]]]) -> list[dict[int, Item]]:
-    """Of things with keys those that share one, by axis: two or three; the largest first."""
+    """Groups two or three items that share a key, as item by axis; the largest groups first."""
     by_key: dict[Hashable, list[tuple[int, Item]]] = {}
     for item, known in items:
         for shared, axis in known:
@@ -58,5 +58,5 @@ def places(items: Iterable[tuple[Item, Iterable[Key]]]) -> list[dict[int, Item]]
 
 
 def listed(names: tuple[str, ...]) -> str:
-    """Up to four of them."""
+    """Returns up to four names as text."""
     return ", ".join(names[:4]) + (", ..." if names[4:] else "")

@@ -1,9 +1,9 @@
-"""Masses m of given places with M = sum of m J^T J, the mass matrix of T = sum of m/2 |r'|^2.
+"""Finds masses m of given places with M = sum of m J^T J, the mass matrix of T = sum of m/2 |r'|^2.
 
-Which places have one is found in numbers, at some states about the start and with parameters about
-their defaults: the first places that make M, others left out. Each mass is then solved for as an
-expression, with the coordinates at numbers (angles at 0, others at 0, 1 or 2), since it does not
-depend on them: all that is left is made of parameters.
+First, numbers at some states near the start, with parameters near their defaults, show which places
+have a mass: the first independent places that give M. Then each mass is solved for as an expression
+in parameters. It does not depend on coordinates, which are set to numbers (angles to 0, others to
+0, 1 or 2).
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from ...graph.substitute import substituted
 from ...record import record
 from ..points.singularities import defaults
 
-Entries = dict[tuple[int, int], Node]  # of a symmetric matrix, i <= j, without zeros
-Masses = list[tuple[list[int], Node]]  # the places, any of which would do, and what is there
+Entries = dict[tuple[int, int], Node]  # nonzero entries i <= j of a symmetric matrix
+Masses = list[tuple[list[int], Node]]  # indices of equivalent places, and the mass at one of them
 STATES = 5
-SAME = 1e-8  # relative, of numbers that are equal but for rounding
+SAME = 1e-8  # relative tolerance for numbers equal up to rounding
 ANGLES = ("sin", "cos", "tan")
 
 
 @record
 class Given:
-    """What a model is at where it is looked at in numbers."""
+    """The parameters and starts about which numbers are evaluated."""
 
     parameters: tuple[ParameterSlot, ...]
     start_q: Row
@@ -36,7 +36,7 @@ class Given:
 
 
 def masses_of(g: Graph, mass: Entries, squares: list[Entries], given: Given) -> Masses | None:
-    """None where there are no such masses, or one is negative."""
+    """Returns the masses; None if there are none, or one is negative."""
     draw = random.Random(2385)
     fixed = {s: _about(draw, value, 4) for s, value in defaults(g, given.parameters).items()}
     chosen = _in_numbers(g, mass, squares, _states(g, draw, [mass, *squares], fixed, given))
@@ -56,7 +56,7 @@ def _states(
     fixed: dict[Symbol, float],
     given: Given,
 ) -> list[dict[Symbol, float]]:
-    """Values of all that occurs, at states about the start, the later the nearer."""
+    """Returns values of all symbols at states near the start, each nearer than the one before."""
     start = {}
     for kind, row in ((Kind.COORDINATE, given.start_q), (Kind.STATE, given.start_states)):
         for i, value in enumerate(evaluate(g, row, fixed)):
@@ -73,14 +73,14 @@ def _states(
 
 
 def _about(draw: random.Random, at: float, part: int) -> float:
-    """Up to a part of it more or less; more than 0, which is special."""
+    """Returns a random number within |at|/part of `at`; within 0.1/part..1/part if `at` is 0."""
     return at * (1 + draw.uniform(-1, 1) / part) or draw.uniform(0.1, 1) / part
 
 
 def _in_numbers(
     g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Symbol, float]]
 ) -> list[list[int]] | None:
-    """Places at which there are masses, those alike together."""
+    """Returns the places with masses, in groups of places with equal J^T J."""
     import numpy as np
 
     a, b = _rows(g, mass, squares, states)
@@ -111,10 +111,10 @@ def _in_numbers(
 
 
 def _adds(basis: list, vector) -> bool:
-    """Whether a vector of length 1 is no combination of the basis, which then has what it adds."""
+    """Returns whether a unit vector is independent of the basis; if so, extends the basis."""
     import numpy as np
 
-    for _ in range(2):  # twice is enough
+    for _ in range(2):  # reorthogonalizes once
         for unit in basis:
             vector = vector - (unit @ vector) * unit
     size = np.linalg.norm(vector)
@@ -130,7 +130,8 @@ def _near(a, b) -> bool:
 
 
 def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Symbol, float]]):
-    """The equations a m = b, an entry at a state each, of one size; where all in it is finite."""
+    """Returns a, b of the equations a m = b, one for each entry and state, scaled to size 1; drops
+    equations with values that are not finite."""
     import numpy as np
 
     matrices = [*squares, mass]
@@ -139,7 +140,7 @@ def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Sym
     rows = [np.reshape(evaluate(g, nodes, values), (len(at), len(matrices))) for values in states]
     every = np.concatenate(rows)
     largest = np.abs(every).max(axis=1)
-    good = (largest > 0) & (largest < np.inf)  # nor nan
+    good = (largest > 0) & (largest < np.inf)  # also false for NaN
     every = every[good] / largest[good, None]
     return every[:, :-1], every[:, -1]
 
@@ -150,15 +151,15 @@ def _rows(g: Graph, mass: Entries, squares: list[Entries], states: list[dict[Sym
 def _as_expressions(
     g: Graph, mass: Entries, squares: list[Entries], fixed: dict[Symbol, float]
 ) -> list[Node] | None:
-    """The masses in parameters."""
+    """Returns the masses as expressions in parameters."""
     rows = [row for others in (0, 1, 2) for row in _at_numbers(g, mass, squares, others)]
     rows = _independent(g, rows, fixed)
     return _eliminated(g, rows, fixed) if rows else None
 
 
 def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) -> list[Row]:
-    """The equations with angles at 0 and other coordinates at a number: the coefficients of each
-    mass, and what their sum is."""
+    """Returns the equations with angles 0 and other coordinates equal to `others`: coefficients of
+    each mass, and the right-hand side."""
     matrices = [*squares, mass]
     below = reachable(g, [node for matrix in matrices for node in matrix.values()], VARIABLE)
     calls = [node for node in below if g.op[node] is Op.CALL and g.data[node] in ANGLES]
@@ -170,7 +171,7 @@ def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) ->
     for place in sorted({place for matrix in matrices for place in matrix}):
         try:
             row = substituted(g, [matrix.get(place, ZERO) for matrix in matrices], swap)
-        except ArithmeticError:  # a division by zero: no place to be
+        except ArithmeticError:  # a division by zero at these numbers
             continue
         if any(node != ZERO for node in row[:-1]):
             rows.append(tuple(row))
@@ -178,7 +179,7 @@ def _at_numbers(g: Graph, mass: Entries, squares: list[Entries], others: int) ->
 
 
 def _independent(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[Row]:
-    """As many as there are masses, the simplest first; none if there are not so many."""
+    """Returns as many independent equations as masses, the simplest first; [] if that fails."""
     import numpy as np
 
     count = len(rows[0]) - 1 if rows else 0
@@ -196,7 +197,7 @@ def _independent(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[
 
 
 def _eliminated(g: Graph, rows: list[Row], fixed: dict[Symbol, float]) -> list[Node]:
-    """The solution of as many independent equations as unknowns, the simplest first."""
+    """Solves as many independent equations as unknowns by elimination in the given order."""
     count = len(rows)
     waiting = [list(row) for row in rows]
     order = []

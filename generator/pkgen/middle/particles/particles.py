@@ -1,9 +1,9 @@
 """The particles of a model: masses and places whose sum of m/2 |r'|^2 is its kinetic energy.
 
-They are proposed by the text of the energy (particles/text.py), or from the places that the model
-names (particles/places.py), and proved on the graph. Where L has more terms with rates than
-squares, of a frame that turns or of a magnetic field, theirs are those of second degree; places
-whose sum has the linear ones too, as those beside the stars, go before others.
+Candidates come from the text of the energy (particles/text.py), or from the places that the model
+names (particles/places.py), and are proved on the graph. If L has linear terms in the rates, from a
+rotating frame or a magnetic field, the particles give the terms of second degree. Candidates that
+give all terms are preferred.
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ TURNING = "of a rotation, R*p_R is its angular momentum in space"
 
 
 def particles_of(x: Expander, energies: Energies, given: Given) -> Particles:
-    """Of a model; without any, and why, where it is not seen to be of some."""
+    """Returns the particles of a model; empty, with the reason, if none are found."""
     energy = next(iter((*x.model.kinetic, *x.model.lagrangian)), None)
     span = energy.span if energy else x.model.span
     if x.model.rotations:
         return Particles((), (), (), (), why=TURNING, span=span)
     found: list[Particles] = []
     refusals: list[NoParticles] = []
-    # A polar r may be of one from another, so places that are named go before.
+    # A polar r may be relative to another particle, so named places are tried before.
     for proposals in (_by_text, particles_places.proposals, partial(_by_text, polar=True)):
         try:
             for bodies in proposals(x, energies, given):
@@ -92,12 +92,12 @@ def _proved(x: Expander, energies: Energies, bodies: list[Body]) -> Particles:
 
 
 def _beyond(x: Expander, energies: Energies, total: Node) -> str | None:
-    """What the energy has beside the sum over particles; None if that is not its part of second
-    degree in the rates."""
+    """Returns a text about terms of the energy beyond the sum over particles, "" if there are none;
+    None if the sum is not the part of second degree in the rates."""
     g, kinetic = x.graph, energies.kinetic
     if kinetic is not None and _is_zero(g, g.subtract(total, kinetic)):
         return ""
-    # Along rates w the parts of first and second degree of what is left are w.d/dv and (w.d/dv)^2.
+    # w.d/dv and (w.d/dv)^2 of the rest, for any w, vanish without terms of degree >= 1, >= 2.
     rest = g.subtract(total, energies.lagrangian if kinetic is None else kinetic)
     once = _along(x, rest)
     if not _is_zero(g, _along(x, once)):
@@ -108,7 +108,7 @@ def _beyond(x: Expander, energies: Energies, total: Node) -> str | None:
 
 
 def _along(x: Expander, node: Node) -> Node:
-    """w.d/dv of it, any w: a symbol of its own for each rate."""
+    """Returns w.d/dv of a node, where each w_i is a symbol (an acceleration's)."""
     g = x.graph
     slopes = gradient(g, node, BIT[Kind.RATE]) if g.depends[node] & BIT[Kind.RATE] else {}
     w = {v: g.symbol(Symbol(Kind.ACCELERATION, g.data[v].index)) for v in slopes}

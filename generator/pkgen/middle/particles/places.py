@@ -1,8 +1,8 @@
-"""Particles at the places that a model names, whatever the form of its kinetic energy.
+"""Proposes particles at the places that a model names, whatever the form of its kinetic energy.
 
-A place is a vector that a `let` defines, or two or three coordinates, definitions and outputs whose
-names say so (bodies.py). Their masses m follow from M = sum of m J^T J, J = dr/dq (masses.py).
-What is found here is proved elsewhere.
+A place is a vector that a `let` defines, or two or three coordinates, definitions and outputs with
+matching names (bodies.py). The masses m follow from M = sum of m J^T J, J = dr/dq (masses.py).
+particles.py proves the result.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from .bodies import Body, Key, NoParticles, keys, lengths, listed, places
 from .masses import Entries, Given, Masses, masses_of
 
 RATES, COORDINATES = BIT[Kind.RATE], BIT[Kind.COORDINATE]
-PLACES, COUNT = 100, 150  # of coordinates; so that it takes seconds at most
-ALIKE = 4  # places of one particle that are tried
+PLACES, COUNT = 100, 150  # largest numbers of places and coordinates: seconds at most
+ALIKE = 4  # largest number of equivalent places tried for one particle
 
 
 @record
 class _Place:
     name: str
-    at: Row  # of three
+    at: Row  # three components
     square: Entries  # J^T J
 
 
 def proposals(x: Expander, energies: Energies, given: Given) -> list[list[Body]]:
-    """Which particles those of the kinetic energy could be: of the same masses each time, at
-    places with the same J^T J. Raises NoParticles."""
+    """Returns candidates for the particles of the kinetic energy: lists with the same masses, at
+    different places with equal J^T J. Raises NoParticles."""
     found = _named(x)
     if not found:
         raise NoParticles(
@@ -60,7 +60,7 @@ def proposals(x: Expander, energies: Energies, given: Given) -> list[list[Body]]
 
 
 def _named(x: Expander) -> list[_Place]:
-    """Places that depend on coordinates and not on rates, in the order of their declarations."""
+    """Returns places that depend on coordinates but not on rates, in the order of declaration."""
     single, vectors = {}, {}
     for name, index, value in _values(x):
         if isinstance(value, tuple):
@@ -79,7 +79,7 @@ def _named(x: Expander) -> list[_Place]:
 
 
 def _values(x: Expander) -> Iterator[tuple[str, int | None, Value]]:
-    """Of coordinates, definitions and outputs those that are lengths and do not go with rates."""
+    """Yields coordinates, definitions and outputs that are lengths and do not depend on rates."""
     known = lengths(x.model)
     for item in x.model.coordinates:
         family = x.coordinates[item.name]
@@ -94,7 +94,7 @@ def _values(x: Expander) -> Iterator[tuple[str, int | None, Value]]:
                     (index, x.value(item.value, loop))
                     for index, loop in x.unrolled(item.index, item.range)
                 ]
-        except ModelError:  # of outputs some use what is not known yet: energies, momenta
+        except ModelError:  # outputs may use energies and momenta, which are not known yet
             continue
         for index, value in members:
             nodes = value if isinstance(value, tuple) else (value,)
@@ -115,7 +115,7 @@ def _place(g: Graph, name: str, at: Row) -> _Place:
 
 
 def _flat(g: Graph, place: _Place) -> _Place:
-    """Without what is named like its third component and may be something else."""
+    """Returns the place without its third component, which may have the name by coincidence."""
     names = place.name.split(", ")
     if len(names) < 3:
         return place
@@ -133,7 +133,7 @@ def _mass(g: Graph, lagrangian: Node) -> Entries:
 
 
 def _bodies(found: list[_Place], made: Masses) -> Iterator[list[Body]]:
-    """At the first of the places that would do for each mass, then at the second, if any."""
+    """Yields the bodies at the first of the equivalent places of each mass, at the second, ..."""
     most = max(len(alike) for alike, _ in made)
     for k in range(min(most, ALIKE)):
         chosen = [(found[alike[min(k, len(alike) - 1)]], mass) for alike, mass in made]

@@ -1,13 +1,13 @@
-"""Particles as the text of `kinetic` or `lagrangian` has them.
+"""Reads particles from the text of `kinetic` or `lagrangian`.
 
-Sums are taken apart, factors multiplied out, families unrolled and names of definitions opened,
-down to squares of rates:
+Sums are split, factors multiplied out, families unrolled and definitions expanded, down to squares
+of rates:
 
     m/2*(x'^2 + y'^2 + z'^2)    m/2*dot(r', r')    m/2*norm(r')^2    m/2*(r'^2 + r^2*phi'^2)
 
-Squares of one mass whose names are those of one place (bodies.py) are of one particle, and so are
-two or three in one bracket that have no names, or, as a guess, are those of polar coordinates.
-What is not of the second degree in the rates is passed over. What is found is proved elsewhere.
+Squares with one mass and the names of one place (bodies.py) belong to one particle. So do two or
+three squares in one bracket that have no names, or that look like polar coordinates. Terms of lower
+degree than 2 in the rates are skipped. particles.py proves the result.
 """
 
 from __future__ import annotations
@@ -27,24 +27,24 @@ RATES = BIT[Kind.RATE]
 
 
 class _Unread(Exception):
-    """The text is of another form."""
+    """The text has another form."""
 
 
 @record
 class _Square:
-    """factor * (place')^2. `keys` say of which particle it may be; `bracket` counts the sums that
-    it may be together with others in."""
+    """factor * (place')^2. Squares with a common key, or the same number `bracket` of a sum, may
+    belong to one particle."""
 
     factor: Node
     place: Node
     name: str
     keys: tuple[Key, ...]
-    named: bool  # by the author, not an expression
+    named: bool  # whether the place is a name, not an expression
     bracket: int
 
 
 def read(x: Expander, polar: bool) -> list[Body]:
-    """None where the text is of another form."""
+    """Returns the particles; [] if the text has another form."""
     reader = _Reader(x)
     squares = []
     try:
@@ -56,7 +56,7 @@ def read(x: Expander, polar: bool) -> list[Body]:
 
 
 class _Reader:
-    """Takes the text of the energy apart."""
+    """Splits the text of the energy into squares."""
 
     def __init__(self, x: Expander):
         self.x = x
@@ -78,13 +78,13 @@ class _Reader:
         return any(self.x.graph.depends[node] & RATES for node in nodes)
 
     def of_first_degree(self, expr: Expr, loop: Loop) -> bool:
-        """In the rates, or without them."""
+        """Whether an expression is at most linear in the rates."""
         g, node = self.x.graph, self.x.scalar(expr, loop)
         slopes = gradient(g, node, RATES).values() if g.depends[node] & RATES else ()
         return not any(g.depends[slope] & RATES for slope in slopes)
 
     def opened(self, expr: Expr, loop: Loop) -> tuple[Expr, Loop] | None:
-        """What the name of a definition stands for."""
+        """Returns the expression of a definition's name, with its loop; None for others."""
         if not isinstance(expr, Name):
             return None
         at = None if expr.index is None else integer(expr.index, loop)
@@ -133,7 +133,7 @@ class _Reader:
     def split(
         self, expr: Multiply, loop: Loop, factor: Node, power: int = 1
     ) -> tuple[Node, list[Expr]]:
-        """The factor times what has no rates in a product, to a power; and what has."""
+        """Returns factor times a product's factors without rates, to a power; and the others."""
         x, g, moving = self.x, self.x.graph, []
         for part, exponent in zip(expr.factors, expr.exponents, strict=True):
             if not self.moves(part, loop):
@@ -145,7 +145,7 @@ class _Reader:
         return factor, moving
 
     def square(self, base: Expr, loop: Loop, factor: Node, bracket: int) -> Iterator[_Square]:
-        """factor * base^2."""
+        """Yields the squares of factor * base^2."""
         match base:
             case Prime(of=of):
                 name, known = self.named(of, loop)
@@ -173,7 +173,7 @@ class _Reader:
         raise _Unread
 
     def vector(self, expr: Expr, loop: Loop, factor: Node) -> Iterator[_Square]:
-        """factor * expr . expr."""
+        """Yields the squares of factor * expr.expr; adds a body for the rate of a vector."""
         match expr:
             case Prime(of=of):
                 name, _ = self.named(of, loop)
@@ -189,7 +189,7 @@ class _Reader:
                 raise _Unread
 
     def named(self, of: Expr, loop: Loop) -> tuple[str, tuple[Key, ...]]:
-        """What is said of it, and of which places it may be."""
+        """Returns the text of a place's component, and the keys of places it may belong to."""
         text = self.x.model.source.text[of.span.start : of.span.end]
         match of:
             case Component(of=whole, axis=axis):
@@ -237,7 +237,7 @@ def _unnamed(x: Expander, group: list[_Square]) -> Body | None:
 
 
 def _polar(x: Expander, group: list[_Square]) -> Body | None:
-    """m/2*(r'^2 + r^2*phi'^2), also + r^2*sin(theta)^2*phi'^2 on a sphere, in that order."""
+    """Reads m/2*(r'^2 + r^2*phi'^2), or m/2*(r'^2 + r^2*theta'^2 + r^2*sin(theta)^2*phi'^2)."""
     g = x.graph
     if not 2 <= len(group) <= 3:
         return None

@@ -1,1 +1,1 @@
-"""Points at which equations are evaluated, and where they are singular."""
+"""States at which equations are evaluated, and states at which they are singular."""

@@ -1,7 +1,7 @@
-"""The cut of an angle atan2(y, x), from pi to -pi, and what jumps there.
+"""The branch cut of an angle atan2(y, x), from pi to -pi, and expressions that jump there.
 
-An energy that jumps ends the motion at the cut: the cosine of half the angle vanishes there. Where
-forces alone jump, y is a switch, so that steps end at its zeros.
+If the energy jumps, the motion ends at the cut, where the cosine of half the angle vanishes. If
+only forces jump, y is a switch, so that steps end at its zeros.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from ...graph.ranges import Ranges
 from ...graph.substitute import substituted
 from .squares import bounds_of
 
-PI = Fraction(355, 113)  # a number that stands for it: what cancels for it does for any
+PI = Fraction(355, 113)  # stands in for pi: cancellation does not depend on its value
 
 
 def jumping_angles(g: Graph, nodes: Sequence[Node], ranges: Ranges) -> Iterator[Node]:
-    """Angles at whose cut any of the nodes may jump. A sine or cosine of a whole multiple does not
-    jump, nor does what is even in the angle, or vanishes with y; and x may be positive."""
+    """Yields angles at whose cut any of the nodes may jump. Sines and cosines of whole multiples do
+    not jump, nor do nodes even in the angle, nodes that vanish with y, or any node if x > 0."""
     for angle in reachable(g, nodes, VARIABLE):
         cut = _is_call(g, angle, "atan2") and not ranges(g.args[angle][1]).positive
         if cut and any(_jumps(g, node, angle) for node in nodes):
@@ -34,7 +34,7 @@ def half_cosine(g: Graph, angle: Node) -> Node:
 
 
 def switched(e: Equations, forces: Sequence[Node]) -> list[Node]:
-    """The y of each angle at whose cut forces jump and the energy does not."""
+    """Returns the y of each angle at whose cut forces jump and the energy does not."""
     g, ranges = e.graph, Ranges(e.graph, [bounds_of(e.graph, slot) for slot in e.parameters])
     ends = {*jumping_angles(g, [e.lagrangian], ranges)}
     return [g.args[x][0] for x in jumping_angles(g, forces, ranges) if x not in ends]
@@ -61,7 +61,7 @@ def _is_call(g: Graph, node: Node, *functions: str) -> bool:
 
 
 def _turns(g: Graph, node: Node, angle: Node) -> bool:
-    """Whether a node is a sine or cosine of a whole multiple of an angle, and of other terms."""
+    """Whether a node is a sine or cosine of a whole multiple of an angle plus other terms."""
     if not _is_call(g, node, "sin", "cos"):
         return False
     inside = g.args[node][0]

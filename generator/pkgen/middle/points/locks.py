@@ -1,4 +1,4 @@
-"""Names of where the angles of a rotation lock: what euler() and tait_bryan() divide by."""
+"""Names of the divisors of euler() and tait_bryan(), which vanish at gimbal lock."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ...graph.graph import Graph, Kind, Node, Symbol
 def lock(
     g: Graph, node: Node, attitudes: tuple[Attitude, ...], name: Callable[[Symbol], str]
 ) -> str:
-    """ "cos(pitch)^2 of tait_bryan(R)" of such a divisor, told by its values at two quaternions; ""
-    of any other node."""
+    """Returns the name of such a divisor, as "cos(pitch)^2 of tait_bryan(R)", identified by its
+    values at two quaternions; "" for any other node."""
     found = set(symbols_in(g, [node]))
     for at in attitudes:
         own = [Symbol(Kind.STATE, k) for k in at.numbers]

@@ -1,4 +1,4 @@
-"""States at which a claim is tried: short decimals, so that a person can check a counterexample."""
+"""Sample states for claims: short decimals, so that a person can check a counterexample."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from .singularities import defaults
 from .solved import accelerations
 from .squares import bounds_of
 
-TRIED = 72  # states, the first half with parameters at their defaults,
-EFFORT = 100_000  # or fewer, for so many values of nodes: some 2 s
-LEAST, MOST = 1e-3, 1e6  # numbers that are looked near
+TRIED = 72  # largest number of states; the first half has parameters at their defaults
+EFFORT = 100_000  # largest number of node evaluations: about 2 s
+LEAST, MOST = 1e-3, 1e6  # magnitudes of the constants near which states are tried
 
 
 @record
 class Sample:
     values: dict[Symbol, Ball]
-    chosen: dict[Symbol, Fraction]  # what was not left at its default
-    varied: bool  # a parameter too
+    chosen: dict[Symbol, Fraction]  # values other than defaults
+    varied: bool  # whether a parameter is not at its default
 
 
 def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> Iterator[Sample]:
-    """States for the symbols that occur in the nodes, near the start, about 1, and near constants
-    of the nodes; accelerations that occur are found for them."""
+    """Yields states for the symbols in the nodes: near the start, of magnitude 1, and near
+    constants of the nodes; solves for accelerations if the nodes contain any."""
     draw = random.Random(2385)
     solved = any(g.depends[node] & BIT[Kind.ACCELERATION] for node in nodes)
     if solved:
@@ -51,7 +51,7 @@ def samples(equations: Equations, balls: Balls, g: Graph, nodes: list[Node]) -> 
             at = _short(start.get(s, 0.0)) * Fraction(draw.randint(12, 20), 16)
             at = (at, Fraction(0), numbers[(turn + i) % len(numbers)])[how]
             apart = _apart(draw) / (16, 8, 16)[how]
-            chosen[s] = at + apart or apart  # at 0 things vanish that do not elsewhere
+            chosen[s] = at + apart or apart  # not 0, where terms may vanish by chance
         varied = {}
         if k >= tried // 2:
             varied = _varied(equations, draw, used)
@@ -74,8 +74,8 @@ def _apart(draw: random.Random) -> Fraction:
 def started(
     g: Graph, parameters: tuple[ParameterSlot, ...], starts: tuple[Row, Row, Row]
 ) -> dict[Symbol, float]:
-    """The model's own start, of coordinates, their rates, and states, with parameters at their
-    defaults and t = 0."""
+    """Returns the values of coordinates, rates and states (`starts`), of parameters at their
+    defaults, and t = 0."""
     values = defaults(g, parameters)
     kinds = (Kind.COORDINATE, Kind.RATE, Kind.STATE)
     found = {
@@ -87,19 +87,19 @@ def started(
 
 
 def _numbers(g: Graph, below: list[Node], fixed: dict[Symbol, float]) -> list[Fraction]:
-    """What is constant in the nodes: where x - 7 occurs, x is worth a try near 7."""
+    """Returns the constants in nodes, and their negatives: with x - 7, x near 7 is tried."""
     values = evaluate(g, [n for n in below if not g.depends[n] & VARIABLE], fixed)
     sizes = {abs(_short(value)) for value in values if LEAST < abs(value) < MOST} | {Fraction(8)}
     return sorted(sign * size for size in sizes for sign in (-1, 1))
 
 
 def _short(value: float) -> Fraction:
-    """To a few digits; 0 where it is no number."""
+    """Returns a value rounded to 3 digits; 0 for an infinity or a NaN."""
     return Fraction(f"{value:.3g}") if math.isfinite(value) else Fraction(0)
 
 
 def _varied(equations: Equations, draw: random.Random, used: set[int]) -> dict[Symbol, Fraction]:
-    """Parameters that have a number as default, elsewhere within their bounds."""
+    """Returns other values within bounds for the used parameters with a number as default."""
     g, found = equations.graph, {}
     for k, slot in enumerate(equations.parameters):
         value = g.value(slot.default)

@@ -1,12 +1,12 @@
-"""Where the equations of motion end: what they divide by, or take a root or a logarithm of, as far
-as that depends on the motion and can vanish.
+"""Singularities: the divisors and arguments of roots and logarithms in the equations of motion
+that depend on the motion and can vanish.
 
-Each such expression is taken apart into factors (r sin(theta) vanishes where r does, and where
-sin(theta) does), and what interval arithmetic proves to be never zero is left out. A pivot of M
-that is a sum, such as the double pendulum's m1 + m2 sin(theta1 - theta2)^2, is a singularity only
-if a search finds M singular or indefinite somewhere, for parameters at their defaults, at a bound
-that they may have, or anywhere else within their bounds: M of a sound model is positive definite
-almost everywhere, and where it is not, the acceleration itself says so.
+Each such expression is split into factors (r sin(theta) vanishes where r or sin(theta) does).
+Factors that interval arithmetic proves to be nonzero are dropped. A pivot of M that is a sum, such
+as the double pendulum's m1 + m2 sin(theta1 - theta2)^2, is a singularity only if a search finds M
+singular or indefinite somewhere, for parameters at their defaults, at a bound, or anywhere within
+their bounds. M of a sound model is positive definite almost everywhere; elsewhere, the computation
+of the acceleration reports the failure.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from ...graph.wording import wording
 from .cuts import half_cosine, jumping_angles
 from .squares import bounds_of, definite_by_squares, summands
 
-SAMPLES = 25  # states at which the pivots of M are looked at,
-EFFORT = 50_000  # values computed in the search for a worse one: some 0.05 s
-SCATTER = 200  # and at most so many states with parameters anywhere,
-WIDE = 1e3  # so far from their defaults where nothing bounds them
-USUAL = 4  # states that say how small a pivot is beside its diagonal entry anyhow,
-NEARLY = 1e-4  # and where it is so much smaller still, M is singular nearby
+SAMPLES = 25  # random states at which the pivots of M are evaluated
+EFFORT = 50_000  # node evaluations in the search for the smallest pivot: about 0.05 s
+SCATTER = 200  # largest number of states with random parameters
+WIDE = 1e3  # largest factor from the default for parameters without bounds
+USUAL = 4  # random states that give the usual ratio of a pivot to its diagonal entry
+NEARLY = 1e-4  # a ratio below the usual one times this: M is singular nearby
 
 
 def singularities_of(
@@ -44,7 +44,7 @@ def singularities_of(
     name: Callable[[Symbol], str],
     lagrangian: Node,
 ) -> tuple[Singularity, ...]:
-    """The singularities of the equations that `outputs` are; those of the chart first."""
+    """Returns the singularities of the equations `outputs`, those of the coordinates first."""
     ranges = Ranges(g, [bounds_of(g, slot) for slot in parameters])
     of_mass = [(p, size) for p, size in pivots if g.depends[p] & VARIABLE]
     charts: dict[Node, None] = {}
@@ -82,7 +82,7 @@ def singularities_of(
     return tuple(
         Singularity(Quantity(wording(g, about(g, node), name), "", ""), node, use)
         for node, use in found.items()
-        if node not in squares  # r, not r^2 too
+        if node not in squares  # keeps sqrt(x), drops x
     )
 
 
@@ -91,12 +91,12 @@ def _is_call(g: Graph, node: Node, *functions: str) -> bool:
 
 
 def squared(g: Graph, node: Node) -> tuple[Node, ...]:
-    """What a root is taken of."""
+    """Returns the argument of a square root, () for another node."""
     return g.args[node] if _is_call(g, node, "sqrt") else ()
 
 
 def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tuple[Node, str]]:
-    """What must not vanish for the outputs to be finite and smooth, and how they use it."""
+    """Yields the nodes at whose zeros the outputs are not finite and smooth, and their uses."""
     for node in reachable(g, outputs, VARIABLE):
         first = g.args[node][0] if g.args[node] else node
         if g.op[node] is Op.POWER:
@@ -106,22 +106,22 @@ def dangerous(g: Graph, ranges: Ranges, outputs: Iterable[Node]) -> Iterator[tup
                 yield first, DIVISOR if g.data[node] < 0 else ROOT
         elif g.op[node] is Op.CALL and (singular := FUNCTIONS[g.data[node]].singular):
             vanishing, use = singular(g, *g.args[node])
-            # Of a sum of squares, a root alone is no more than a kink.
+            # A root of a nonnegative argument, such as a sum of squares, has a kink at most.
             if use != ROOT or not ranges(vanishing).not_negative:
                 yield vanishing, use
 
 
 def about(g: Graph, singularity: Node) -> Node:
-    """What the singularity is about."""
-    if _is_call(g, singularity, "cos"):  # of half an angle
+    """Returns the expression that names a singularity: an angle for its half cosine, a base."""
+    if _is_call(g, singularity, "cos"):  # the cosine of half an angle
         _, angle = g.split(g.args[singularity][0])
         singularity = angle if _is_call(g, angle, "atan2") else singularity
     return g.args[g.args[singularity][0]][0] if _is_call(g, singularity, "pow") else singularity
 
 
 def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
-    """The factors of a node that may vanish, down to what is no product; and whether it is a sum of
-    which no more is known."""
+    """Yields the factors of a node that may vanish and are no products, each with whether it is a
+    sum that is not proved to be nonzero."""
     for base, _ in g.factors(node):
         if not g.depends[base] & VARIABLE or ranges(base).never_zero:
             continue
@@ -142,7 +142,7 @@ def zeros(g: Graph, ranges: Ranges, node: Node) -> Iterator[tuple[Node, bool]]:
 
 
 def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
-    """The factors that all terms of a sum share, and the sum without them."""
+    """Returns the common factors of the terms of a sum, and the sum divided by them."""
     powers = [dict(g.factors(term)) for term in summands(g, node)]
     shared = {
         base: min(p[base] for p in powers)
@@ -157,7 +157,7 @@ def _common(g: Graph, node: Node) -> tuple[list[Node], Node]:
 
 
 def _moving(g: Graph, nodes: Iterable[Node]) -> tuple[list[Symbol], list[int]]:
-    """What the nodes depend on: the state's symbols, and the parameters."""
+    """Returns the symbols of the state in nodes, and the indices of their parameters."""
     parameters = symbols_in(g, nodes, BIT[Kind.PARAMETER])
     return symbols_in(g, nodes, VARIABLE), [x.index for x in parameters]
 
@@ -171,7 +171,7 @@ def defaults(
     parameters: tuple[ParameterSlot, ...],
     change: Callable[[int, float], float] = lambda _, value: value,
 ) -> dict[Symbol, float]:
-    """Of parameters, each changed before others that follow from it."""
+    """Returns the defaults of parameters, each passed through `change` before others use it."""
     fixed: dict[Symbol, float] = {}
     for k, slot in enumerate(parameters):
         fixed[Symbol(Kind.PARAMETER, k)] = change(k, evaluate(g, [slot.default], fixed)[0])
@@ -181,8 +181,8 @@ def defaults(
 def _anywhere(
     g: Graph, parameters: tuple[ParameterSlot, ...], nodes: list[Node]
 ) -> Iterator[dict[Symbol, float]]:
-    """States with the parameters anywhere within their bounds: between two of them, else up to
-    WIDE times the default."""
+    """Yields random states with random parameters: between two bounds, else the default times
+    1/WIDE..WIDE, clipped to its bounds."""
     draw = random.Random(2385)
     moving, used = _moving(g, nodes)
     bounds = {k: bounds_of(g, parameters[k]) for k in used}
@@ -211,7 +211,8 @@ def _at_random(
 
 
 def _ratios(g: Graph, pivots: Iterable[tuple[Node, Node]]) -> Callable[..., list[float]]:
-    """Of each pivot beside its diagonal entry, at a state; negative where one is not positive."""
+    """Returns a function of a state: the ratio of each pivot to its diagonal entry; -1 if one of
+    the two is not positive."""
     values_at = Evaluator(g, [x for pair in pivots for x in pair])
 
     def ratios(state: dict[Symbol, float]) -> list[float]:
@@ -224,8 +225,8 @@ def _ratios(g: Graph, pivots: Iterable[tuple[Node, Node]]) -> Callable[..., list
 def _least_definite(
     g: Graph, parameters: tuple[ParameterSlot, ...], pivots: Pivots
 ) -> Iterator[dict[Symbol, float]]:
-    """The state, of many, at which M is nearest to singular: with the parameters' defaults, then
-    with each at a bound that it may have."""
+    """Yields states at which M is nearest to singular: one with the parameters' defaults, then one
+    with each parameter at each of its closed bounds."""
     nodes = [x for pair in pivots for x in pair]
     moving, used = _moving(g, nodes)
     cases: list[tuple[int, float]] = [(-1, 0.0)]
@@ -250,7 +251,7 @@ def _least_at(
     states = [fixed | {s: _drawn(draw, s) for s in moving} for _ in range(SAMPLES)]
     least, best = min((ratio(state), k) for k, state in enumerate(states))
     state, width = states[best], 1.0
-    for k in range((left - SAMPLES) // 2):  # a coordinate at a time, by ever shorter steps
+    for k in range((left - SAMPLES) // 2):  # coordinate search with shrinking steps
         symbol = moving[k % len(moving)]
         for step in (width, -width):
             moved = state | {symbol: state[symbol] + step}

@@ -1,10 +1,10 @@
-"""M a = f at one state, with a bound of the error.
+"""Solves M a = f at one state, with a bound of the error.
 
 An approximate inverse R of M and a solution x, both from the midpoints, give
 
     |x - a| <= |R| |f - M x| / (1 - |I - R M|)     in the maximum norm, where |I - R M| < 1,
 
-with M and f as the balls that they are. Reference: S. M. Rump, Verification methods: rigorous
+with M and f as balls (midpoint, radius). Reference: S. M. Rump, Verification methods: rigorous
 results using floating-point arithmetic, Acta Numerica 19 (2010) 287-449, section 10.
 """
 
@@ -20,7 +20,7 @@ from ...graph.graph import Graph, Kind, Symbol
 def accelerations(
     equations: Equations, g: Graph, balls: Balls, values: Mapping[Symbol, Ball]
 ) -> dict[Symbol, Ball] | None:
-    """By symbol; None where M has no value or is too near to a singular matrix."""
+    """Returns accelerations by symbol; None if M or f has no value, or M is nearly singular."""
     n = len(equations.force)
     entries = balls.values(g, [*sum(equations.mass, ()), *equations.force], values)
     if None in entries:
@@ -40,7 +40,7 @@ def accelerations(
         for row, f in zip(mass, force, strict=True)
     ]
     size = mp.mnorm(inverse, mp.inf)
-    # What the products below round, and the radii of M.
+    # Bound of the rounding errors of the products below, plus the radii of M.
     blur = n * balls.tiny * mp.mnorm(matrix, mp.inf) + max(sum(m.rad for m in row) for row in mass)
     contraction = mp.mnorm(inverse * matrix - mp.eye(n), mp.inf) + size * blur
     if contraction >= mp.mpf(1) / 2:

@@ -1,6 +1,6 @@
-"""Whether T is a sum of squares that vanish together only where all rates do: M is then positive
-definite everywhere. Of a chain of links the pivots of M are long, but each link's terms of T have
-a few rates more than its parent's."""
+"""Tests whether T is a sum of squares that all vanish only if all rates do: M is then positive
+definite everywhere. For a chain of links the pivots of M are long expressions, but the terms of T
+of each link have only a few rates more than those of its parent."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ...graph.normal import Normal, squares_merged
 from ...graph.ranges import Ranges
 
 RATES = BIT[Kind.RATE]
-WORK = 500  # products of two terms
-SEVERAL = 3  # rates that one term adds
+WORK = 500  # budget of a normal form: products of two terms
+SEVERAL = 3  # largest number of rates that one term adds
 
 Matrix = list[list[Node]]
 
@@ -23,8 +23,8 @@ Matrix = list[list[Node]]
 def definite_by_squares(
     g: Graph, parameters: tuple[ParameterSlot, ...], lagrangian: Node, count: int
 ) -> bool:
-    """Where no term of T is negative, v.M v = 0 makes each of them 0. If all rates of a term but
-    some are known to be 0 then, and it is definite in these, so are they: go on until all are."""
+    """Returns whether T is proved definite. If no term of T is negative, v.M v = 0 makes each term
+    0. Rates not yet known to be 0 are 0 if a term is definite in them: repeat until none is new."""
     g = g.copy()
     positive = Positive(g, parameters)
     degree, rates = _degrees_and_rates(g, lagrangian)
@@ -48,7 +48,7 @@ def definite_by_squares(
 
 
 class Positive:
-    """Whether a node is positive wherever the motion goes; m - m cos^2 is seen as m sin^2."""
+    """Tests whether a node is positive in all states; takes m - m cos^2 as m sin^2."""
 
     def __init__(self, g: Graph, parameters: Iterable[ParameterSlot]):
         self.graph = g
@@ -66,8 +66,8 @@ class Positive:
 
 
 def _degrees_and_rates(g: Graph, output: Node) -> tuple[dict[Node, float], dict[Node, int]]:
-    """Of all below that have rates: the degree in them, inf of what is no polynomial as it stands,
-    and which ones, a bit each."""
+    """Returns, for all nodes below with rates, the degree in the rates (inf if not a polynomial as
+    written), and a bit mask of the rates."""
     degree: dict[Node, float] = {}
     rates: dict[Node, int] = {}
     for node in reachable(g, [output], RATES):
@@ -89,7 +89,7 @@ def _degrees_and_rates(g: Graph, output: Node) -> tuple[dict[Node, float], dict[
 
 
 def _hessian(g: Graph, term: Node, rates: list[int], of: dict[Node, int]) -> Matrix:
-    """The second derivatives of a term by some rates, of a sweep over what depends on these."""
+    """Returns the second derivatives of a term by some rates, by a sweep over dependent nodes."""
     mask = sum(1 << i for i in rates)
     some = range(len(rates))
     zero = [ZERO] * len(rates), [[ZERO] * len(rates) for _ in rates]
@@ -128,7 +128,7 @@ def _hessian(g: Graph, term: Node, rates: list[int], of: dict[Node, int]) -> Mat
 
 
 def _below(g: Graph, node: Node, wanted: Callable[[Node], int]) -> list[Node]:
-    """Those that are wanted, each after its arguments."""
+    """Returns the node and the wanted nodes below it, each after its arguments."""
     found, stack = {node}, [node]
     while stack:
         new = {a for a in g.args[stack.pop()] if wanted(a)} - found
@@ -144,7 +144,7 @@ def bounds_of(g: Graph, slot: ParameterSlot) -> Range:
 
 
 def summands(g: Graph, node: Node) -> list[Node]:
-    """The terms of a sum, of sums within it too."""
+    """Returns the terms of a sum, with nested sums flattened."""
     terms, stack = [], [node]
     while stack:
         part = stack.pop()
@@ -156,7 +156,7 @@ def summands(g: Graph, node: Node) -> list[Node]:
 
 
 def determinant(g: Graph, rows: Matrix) -> Node:
-    """By the first row."""
+    """Returns the determinant, expanded along the first row."""
     if not rows:
         return ONE
     total = ZERO

@@ -1,1 +1,1 @@
-"""Smaller equations for the same rows: cyclic coordinates, parts that move by themselves."""
+"""Reduces equations without changing the recorded output: cyclic coordinates, separate parts."""

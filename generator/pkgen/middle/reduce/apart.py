@@ -1,5 +1,5 @@
-"""Blocks of coordinates that do not influence one another, each to be integrated by itself: by a
-method and steps of its own, and without the work of the others."""
+"""Splits a system into blocks of coordinates that do not influence one another. Each is integrated
+separately, with its own method and step sizes."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from ..quantities import symbols
 
 @record
 class Subsystem:
-    """A block as a system of its own; `coordinates` are their indices in the whole, states behind
-    them."""
+    """A block as a system of its own; `coordinates` are the indices in the whole of its coordinates
+    and, counted after all coordinates, its states."""
 
     equations: Equations
     structure: Structure
@@ -28,7 +28,7 @@ class Subsystem:
 def parts_of(
     equations: Equations, structure: Structure, kernels: frozenset[str] | None
 ) -> tuple[Subsystem, ...]:
-    """The parts of a system, or none where it is one block, or something belongs to several."""
+    """Returns the parts of a system; () if it is one block, or has events or constraints."""
     if equations.events or equations.constraints:
         return ()
     blocks = _joined(equations, structure.blocks)
@@ -38,8 +38,8 @@ def parts_of(
 
 
 def _joined(equations: Equations, blocks: Indices) -> Indices:
-    """The rates of a body together, though those of a ball do not influence one another; and
-    states that no coordinate is tied to with the first of them."""
+    """Merges blocks: the three rates of a body (for a ball, they do not influence one another); and
+    the states without a coordinate in their block with coordinate 0."""
     n = len(equations.coordinates)
     free = tuple(i for block in blocks if block[0] >= n for i in block)
     together = (*blocks, *(tuple(a.rates) for a in equations.attitudes), (0, *free))
@@ -53,7 +53,7 @@ def _part(
     number: int,
     block: tuple[int, ...],
 ) -> Subsystem:
-    """The block as its own system: in L all other coordinates and states rest at their starts."""
+    """Returns a block as a system: in L, all other coordinates and states rest at their starts."""
     g, n = e.graph, len(e.coordinates)
     q, v = symbols(g, Kind.COORDINATE, n), symbols(g, Kind.RATE, n)
     others = [i for i in range(n) if i not in block]

@@ -1,5 +1,5 @@
-"""The reduction of cyclic coordinates: whether one can go, and whether that saves anything. The
-smaller Lagrangian is that of `routh.py`."""
+"""The reduction of cyclic coordinates: decides whether one can be removed, and whether that saves
+operations. `routh.py` makes the smaller Lagrangian."""
 
 from __future__ import annotations
 
@@ -15,15 +15,14 @@ from ..report import ReportLine
 from .reduction import Needs, State, cost
 from .routh import NotReduced, Reduced, routh
 
-# Operations that a method itself takes for each number of the state at an evaluation: from some 7
-# (rk4) to 16 (gauss).
+# Operations of a method per evaluation and number of the state: from about 7 (rk4) to 16 (gauss).
 OF_A_STATE = 10
 
 
 def cyclic(state: State, needs: Needs) -> State:
-    """Cyclic coordinates replaced by their constant momenta (routh.py)."""
+    """Replaces cyclic coordinates by their constant momenta (routh.py)."""
     e, lines = state.equations, []
-    # A momentum of a body frame may be constant, but there is no angle with it.
+    # The momentum of a body rate may be constant, but a body rate is not the rate of an angle.
     cyclic = enumerate(state.structure.cyclic)
     found = [i for i, is_cyclic in cyclic if is_cyclic and i not in e.turning]
     if not found:
@@ -69,7 +68,7 @@ def cyclic(state: State, needs: Needs) -> State:
 
 
 def _states(e: Equations) -> int:
-    """The numbers that a method carries."""
+    """Returns the size of the state that a method integrates."""
     return 2 * len(e.coordinates) + len(e.states)
 
 
@@ -82,7 +81,8 @@ def _not(state: State, e: Equations, which: list[int], why: str) -> State:
 def _recorded(
     state: State, needs: Needs, reduced: Reduced, chosen: list[int], angles: list[int]
 ) -> State:
-    """With no more rates of the angles than are recorded, and a line for each."""
+    """Returns the state with the reduced equations, without rates that are not recorded, and with a
+    report line for each coordinate."""
     e, found = state.equations, reduced.equations
     extra = len(e.observed)
     keep = [i for i, q in enumerate(found.observed_names) if i < extra or q.name in needs.columns]
@@ -110,7 +110,7 @@ def _recorded(
 
 
 def _used(e: Equations) -> dict[str, str]:
-    """Coordinates in what would have to know them: forces of others, outputs, events."""
+    """Returns the coordinates that are used elsewhere: in forces, outputs, events, state rates."""
     found: dict[str, str] = {}
     for what, nodes in (
         ("a force", e.applied),

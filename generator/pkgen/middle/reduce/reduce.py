@@ -1,8 +1,8 @@
-"""Equations, Structure, Needs -> the same with less, and a Report of what went and why.
+"""Equations, Structure, Needs -> smaller equations, and a Report of what was removed and why.
 
-A reduction is a function that finds what can go; it stands in REDUCTIONS under the name by which
-it is switched off. What a scene fixes or holds is not there when the equations are derived
-(specialise.py); what nobody calls is left out when they are written (back/kernels.py).
+A reduction is a function in REDUCTIONS, under the name that switches it off. Parameters fixed and
+coordinates held by a scene are removed earlier, before the derivation (specialise.py); kernels that
+are never called are left out of the C code (back/kernels.py).
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from .apart import Subsystem, parts_of
 from .cyclic import cyclic
 from .reduction import Needs, State, cost
 
-APART = "apart"  # the reduction that makes parts
-# Of a whole whose parts are integrated apart: what is computed from its state.
+APART = "apart"  # name of the reduction that splits a system into parts
+# Kernels of the whole system that are still needed if its parts are integrated separately.
 OF_WHOLE = frozenset({"energy", "canonical", "observe", "conserve", "kinetic", "potential"})
 
 
@@ -36,30 +36,30 @@ class Reduced:
     equations: Equations
     structure: Structure
     report: Report
-    parts: tuple[Subsystem, ...]  # none: it is integrated as it is
+    parts: tuple[Subsystem, ...]  # (): integrated as one system
 
 
 def of_the_whole(kernels: frozenset[str] | None) -> frozenset[str]:
-    """Of the kernels asked for (None: all), those of a whole whose parts are integrated apart."""
+    """Returns the requested kernels (None: all) that a whole with separate parts needs."""
     return OF_WHOLE if kernels is None else kernels & OF_WHOLE
 
 
 def of_a_part(kernels: frozenset[str] | None) -> frozenset[str] | None:
-    """And those of its parts."""
+    """Returns the requested kernels (None: all) that a separate part needs."""
     return None if kernels is None else kernels - (OF_WHOLE - {"canonical"})
 
 
 def reduce(
     equations: Equations, structure: Structure, needs: Needs, kernels: frozenset[str] | None
 ) -> Reduced:
-    """No more equations than are needed, with the kernels asked for (None: all)."""
-    equations = replace(equations, fast=None)  # whose method takes equations that are not reduced
+    """Returns the reduced equations, with the requested kernels (None: all)."""
+    equations = replace(equations, fast=None)  # only respa uses it, which takes unreduced equations
     state = State(equations, structure, Report())
     for name, reduction in REDUCTIONS.items():
         if name not in needs.off:
             state = reduction(state, needs)
     g, parts, lines = equations.graph, (), state.report.lines
-    # Switches are located in one motion, not in several.
+    # The runtime locates switches in one motion, not in separate parts.
     if APART not in needs.off and needs.apart and state.structure.smooth:
         parts = parts_of(state.equations, state.structure, of_a_part(kernels))
     if parts:
@@ -80,7 +80,7 @@ def reduce(
 
 
 def _of_itself(equations: Equations, structure: Structure) -> tuple[ReportLine, ...]:
-    """What follows from the structure, without anything that is left out."""
+    """Returns report lines for properties that save work without removing anything."""
     lines = []
     if structure.mass_constant and equations.coordinates:
         lines.append(ReportLine("constant mass", "M is constant", "factored once, when prepared"))
@@ -97,8 +97,8 @@ _OUTPUTS = {"observed": "not recorded, so not computed", "conserved": "proved, s
 
 
 def outputs(state: State, needs: Needs) -> State:
-    """Outputs that are not recorded are not computed, events that nobody asks for not looked for.
-    A claim has been proved, and need not be watched."""
+    """Removes outputs that are not recorded, and events that are not requested. A `conserve` has
+    been proved, and need not be recorded."""
     e, lines, left = state.equations, [], {}
     for field, what, wanted, why in _unread(e.model, needs, needs.columns):
         named = f"{field.removesuffix('s')}_names"
@@ -117,7 +117,8 @@ def outputs(state: State, needs: Needs) -> State:
 
 
 def _unread(model: Model, needs: Needs, columns: frozenset[str]) -> Iterator[tuple]:
-    """Of kinds of outputs the field, its word, the names that are wanted, and why no others."""
+    """Yields for each kind of output: its field, its name in messages, the requested names, and why
+    the others are dropped."""
     for field, why in _OUTPUTS.items():
         yield field, field, columns, why
     asked = needs.events | {event.name for event in model.events if event.stop}
@@ -125,10 +126,10 @@ def _unread(model: Model, needs: Needs, columns: frozenset[str]) -> Iterator[tup
 
 
 def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLine, ...]]:
-    """The same of a model whose families are loops."""
+    """Removes unused outputs and events of a model whose families are loops."""
     if "outputs" in needs.off:
         return model, ()
-    # Of an output for each index the name; of a member of a definition, recorded, its own.
+    # A recorded NAME[i] is a member of an output NAME by index, or an output of that name.
     columns = {parted(name)[0] for name in needs.columns} | needs.columns
     lines = []
     for field, what, wanted, why in _unread(model, needs, columns):
@@ -144,11 +145,10 @@ def outputs_of_loops(model: Model, needs: Needs) -> tuple[Model, tuple[ReportLin
 
 
 def unconnected(state: State, needs: Needs) -> State:
-    """A coordinate or a state in whose absence all that is recorded moves the same is left at its
-    start.
+    """Fixes coordinates and states without influence on recorded quantities at their starts.
 
-    One that shares a block of M with what is kept is not such a one, though no acceleration
-    depends on it: its inertia has a part in them.
+    Coordinates that share a block of M with a kept one are kept: their inertia affects its
+    acceleration.
     """
     e, facts = state.equations, state.structure
     kept = set(_wanted(e, needs))
@@ -182,8 +182,8 @@ def unconnected(state: State, needs: Needs) -> State:
 
 
 def _wanted(e: Equations, needs: Needs) -> set[int]:
-    """The coordinates and states of which something is recorded, or which an output or an event
-    contains."""
+    """Returns the indices of coordinates and states that are recorded, or occur in an output or an
+    event."""
     n, nodes = len(e.coordinates), [*e.observed, *e.conserved, *e.events]
     names = {**_named(e.coordinates), **_named(e.rates)}
     names |= {q.name: n + i for i, q in enumerate(e.states)}
@@ -196,8 +196,8 @@ def _wanted(e: Equations, needs: Needs) -> set[int]:
 
 
 def _bodies(e: Equations, kept: set[int]) -> set[int]:
-    """Of rotations of which something is kept, the rest; but where nothing has to do with any
-    attitude at all, nor with constraints, the body rates alone."""
+    """Returns all indices of rotations that are partly kept: body rates, and quaternions if any
+    quaternion is kept or there are constraints."""
     n, found = len(e.coordinates), set()
     numbers = [{n + k for k in a.numbers} for a in e.attitudes]
     turned = e.constraints is not None or any(mine & kept for mine in numbers)
@@ -208,7 +208,7 @@ def _bodies(e: Equations, kept: set[int]) -> set[int]:
 
 
 def _moving(e: Equations) -> int:
-    """Coordinates and states."""
+    """Returns the number of coordinates and states."""
     return len(e.coordinates) + len(e.states)
 
 

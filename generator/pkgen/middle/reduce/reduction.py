@@ -1,4 +1,4 @@
-"""What a reduction is given: what is wanted of a motion, and what earlier ones have left of it."""
+"""The arguments of a reduction: Needs, the requested results, and State, the equations so far."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from ..analyze.analyze import analyze
 from ..derive.lagrange import derived_again
 from ..report import Report, ReportLine
 
-# What must be known of equations to reduce them.
+# The kernels that reductions need.
 ENOUGH = frozenset({"acceleration"})
 
 
 @record
 class Needs:
-    """What is wanted of a motion. Columns are names as in the head of a CSV: "theta", "phi'"."""
+    """The requested results. Columns are names as in the header of a CSV: "theta", "phi'"."""
 
     columns: frozenset[str]
     events: frozenset[str] = frozenset()
-    facts: tuple[str, ...] = ()  # that its method requires
-    apart: bool = True  # blocks may be integrated apart
-    off: frozenset[str] = frozenset()  # reductions that are not to be made
+    facts: tuple[str, ...] = ()  # facts that the method requires
+    apart: bool = True  # whether blocks may be integrated separately
+    off: frozenset[str] = frozenset()  # reductions that are switched off
 
 
 @record
 class State:
-    """What one reduction hands to the next."""
+    """The state of the reduced system between reductions."""
 
     equations: Equations
     structure: Structure
     report: Report
 
     def after(self, equations: Equations, *lines: ReportLine, **more: object) -> State:
-        """With other equations, derived again if their coordinates are others."""
+        """Returns a State with other equations, derived again if coordinates or states changed."""
         before = self.equations
         if (equations.coordinates, equations.states) != (before.coordinates, before.states):
             equations = derived_again(equations, ENOUGH)

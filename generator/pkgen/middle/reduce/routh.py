@@ -5,9 +5,9 @@ p_c = M_cc v_c + M_cr v_r + b_c constant, the motion of the rest has the Lagrang
 
     R = L - p_c.v_c = v_r.M_rr v_r/2 + b_r.v_r + L0 - y.M_cc^-1 y/2,   y = p_c - b_c - M_cr v_r
 
-and the cyclic rates are v_c = M_cc^-1 y: their coordinates are states that nothing reads, of
-which only those are made that somebody wants. The momenta are parameters that follow from the
-start, whose values are parameters too, so that a start given at run time counts.
+and the cyclic rates are v_c = M_cc^-1 y. Their coordinates become states that no equation uses;
+only requested ones are kept. The momenta are parameters with defaults computed from the starts,
+which become parameters too: a start set at run time takes effect.
 Reference: E. J. Routh, Stability of a Given State of Motion, Macmillan 1877; L. D. Landau,
 E. M. Lifshitz, Mechanics, 3rd edition, section 41.
 """
@@ -32,21 +32,21 @@ STATE = BIT[Kind.COORDINATE] | BIT[Kind.RATE]
 
 
 class NotReduced(Exception):
-    """Why these coordinates cannot be reduced; the text says it."""
+    """These coordinates cannot be reduced; the text is the reason."""
 
 
 @record
 class Reduced:
-    """The motion in `equations` is still to be derived again."""
+    """The reduced equations. Their motion still has to be derived again."""
 
     equations: Equations
-    starts: dict[Start, str]  # the parameters that starts have become
+    starts: dict[Start, str]  # parameters that replace starts
 
 
 def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) -> Reduced:
-    """The equations without the cyclic coordinates, of which `angles` become states.
+    """Returns the equations without the cyclic coordinates, of which `angles` become states.
 
-    Raises NotReduced. That they are cyclic, and L of second degree in the rates, the caller knows.
+    The coordinates must be cyclic, and L of second degree in the rates. Raises NotReduced.
     """
     g = equations.graph
     n = len(equations.coordinates)
@@ -71,7 +71,7 @@ def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) ->
             level,
         ]
     )
-    # L does not depend on a cyclic coordinate, though a 0 may have to be written for it.
+    # L does not depend on a cyclic coordinate, but its symbol may occur: 0 replaces it.
     swap = {symbol: ZERO for i, symbol in enumerate(symbols(g, Kind.COORDINATE, n)) if i in cyclic}
     swap |= {rates[i]: rate for i, rate in zip(cyclic, turning, strict=True)}
     swap |= {equations.momenta[i]: momentum[i] for i in cyclic}
@@ -98,7 +98,7 @@ def routh(equations: Equations, cyclic: Sequence[int], angles: Sequence[int]) ->
 def _momenta(
     equations: Equations, cyclic: Sequence[int]
 ) -> tuple[StartParameters, dict[int, Node]]:
-    """Parameters for the momenta, and those for the starts of which these are made."""
+    """Returns the parameters for the starts that momenta depend on, and those for the momenta."""
     g = equations.graph
     nodes = [equations.momenta[i] for i in cyclic]
     for i, node in zip(cyclic, nodes, strict=True):
@@ -108,7 +108,7 @@ def _momenta(
             raise NotReduced(f"{equations.momenta_names[i].name} contains a state")
     parameters = StartParameters(equations)
     swap = {g.symbol(s): parameters.of(s) for s in symbols_in(g, nodes, STATE)}
-    swap[g.symbol(Symbol(Kind.TIME))] = ZERO  # a run starts there
+    swap[g.symbol(Symbol(Kind.TIME))] = ZERO  # runs start at t = 0
     at_start = substituted(g, nodes, swap)
     says = "constant momentum, follows the starts"
     return parameters, {
@@ -118,7 +118,7 @@ def _momenta(
 
 
 def _solved(g: Graph, block: tuple[Row, ...], y: Row) -> tuple[Row, Node]:
-    """block^-1 y, and y.block^-1 y as a sum of squares over pivots, which is shortest."""
+    """Returns block^-1 y, and y.block^-1 y as a sum of squares over pivots, the shortest form."""
     order, _ = elimination_order(g, block)
     try:
         found = factors(g, block, order)
@@ -126,7 +126,7 @@ def _solved(g: Graph, block: tuple[Row, ...], y: Row) -> tuple[Row, Node]:
         found = None
     if found is None:
         raise NotReduced("their block of M is singular")
-    # A pivot such as I1 + (I3 - I1) cos^2 - I3 cos^2 is I1 sin^2.
+    # Simplifies pivots: I1 + (I3 - I1) cos^2 - I3 cos^2 becomes I1 sin^2.
     pivots = [fewest(g, [pivot])[0] for pivot in found.pivots]
     inverses = [g.power(pivot, -1) for pivot in pivots]
     found = Factors(order, found.lower, pivots, inverses)
